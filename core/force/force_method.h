@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "core/force/touch_scene.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// One device sample, in the static scene's frame.
+struct MethodInput {
+  Vec3 p_SD = Vec3::Zero();  // device point, m
+  double dt_s = 1e-3;        // time since the sample before
+};
+
+// What is felt at that sample.
+struct MethodOutput {
+  Vec3 force_n = Vec3::Zero();  // on the device, frame S
+  Vec3 p_SP = Vec3::Zero();     // proxy: where the probe is drawn; the device point itself in free space
+  bool contact = false;         // force_n is not zero
+};
+
+// A way to turn device samples into forces. It keeps what it remembers between samples (the proxy, the last position) in itself.
+// RT: step and reset yes (no heap, lock, system call, log or throw), everything else set-up only.
+class ForceMethod {
+ public:
+  virtual ~ForceMethod() = default;
+
+  // The force for one sample. A sample that is not finite gives zero force and is otherwise ignored.
+  virtual MethodOutput step(const MethodInput& input) noexcept = 0;
+
+  // Forgets all contact; the probe is at p_SD in free space.
+  virtual void reset(const Vec3& p_SD) noexcept = 0;
+
+  // A few lines for people about what was built and what was skipped: grid occupancy, tree size, counters.
+  virtual std::string describe() const = 0;
+};
+
+// What a method can be told. Each field names the methods that read it.
+struct MethodSettings {
+  std::string name = "sweep";      // all: proxy | smooth | sweep | reference
+  int grid_division = 32;          // sweep: cells along each axis (memo 4.2.2)
+  double offset_m = 0.0005 * 0.0254;  // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
+  double probe_radius_m = 0.0;     // proxy, reference: 0 is a point probe
+};
+
+// Builds the named method over the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene.
+Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene);
+
+}  // namespace hapton

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+
+#include "core/force/force_method.h"
+
+namespace hapton {
+
+// One device sample, in the world frame, and where the static scene stands.
+struct TouchInput {
+  Vec3 p_WD = Vec3::Zero();        // device point, m
+  Pose X_WS = Pose::Identity();    // static scene in world (the view transform)
+  double dt_s = 1e-3;
+};
+
+struct TouchOutput {
+  Vec3 force_n = Vec3::Zero();          // on the device, frame W
+  Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point; the probe is drawn at device point + this
+  bool contact = false;
+};
+
+// The whole of one haptic step: probe into the static scene's frame, method, force and visual offset back to the world.
+// The live node, replay, tests and benches all call this. RT: step yes.
+class TouchStep {
+ public:
+  explicit TouchStep(std::unique_ptr<ForceMethod> method) : method_(std::move(method)) {}
+
+  TouchOutput step(const TouchInput& input) noexcept;
+  void reset(const TouchInput& input) noexcept;
+  const ForceMethod& method() const { return *method_; }
+
+ private:
+  std::unique_ptr<ForceMethod> method_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace hapton {
+
+// Where a datagram goes to or came from: IPv4 or IPv6 address and port.
+struct Address {
+  std::array<std::uint8_t, 16> ip = {};  // IPv4 is held v4-mapped (::ffff:a.b.c.d)
+  std::uint16_t port = 0;
+  friend bool operator==(const Address&, const Address&) = default;
+};
+
+// One size for every datagram: below the smallest MTU we meet, with room for sealing.
+constexpr std::size_t kMaxDatagramBytes = 1200;
+
+struct Received {
+  std::size_t bytes = 0;  // 0: nothing came before the deadline
+  Address from;
+};
+
+// A way to exchange datagrams. Real ones over UDP, in-memory ones for tests.
+// RT: send and receive yes (one bounded system call each, no heap, lock, log or throw).
+class Endpoint {
+ public:
+  virtual ~Endpoint() = default;
+
+  // Sends one datagram; false when the system refused it (counted by the caller, never fatal).
+  virtual bool send(const Address& to, std::span<const std::byte> datagram) noexcept = 0;
+
+  // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
+  virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
+
+  virtual Address local_address() const = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <variant>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// What the three nodes say to each other. Units SI, frame W unless named; times are the sender's CLOCK_MONOTONIC in ns.
+// The hub (io_node) is the only address anyone needs; every message goes to it or comes from it.
+
+enum class NodeRole : std::uint8_t { io = 1, haptics = 2, vision = 3, tool = 4 };
+
+// node -> hub, every 100 ms: "I am here". The hub answers each with a Welcome.
+struct Hello {
+  NodeRole role = NodeRole::tool;
+};
+
+// hub -> node. accepted is false while another live haptics node holds the place.
+struct Welcome {
+  bool accepted = false;
+  double servo_rate_hz = 0.0;
+};
+
+// node -> hub or hub -> node: leaving on purpose.
+struct Bye {};
+
+// hub -> haptics, once a servo cycle.
+struct DeviceState {
+  std::uint64_t sample = 0;         // counts servo cycles
+  std::int64_t sample_time_ns = 0;  // hub's clock, when the device was read
+  Vec3 p_WD = Vec3::Zero();
+  Quat q_WT = Quat::Identity();
+  std::uint32_t buttons = 0;
+};
+
+// haptics -> hub, one for every DeviceState, at once.
+struct ForceCommand {
+  std::uint64_t echo_sample = 0;         // the DeviceState it answers
+  std::int64_t echo_sample_time_ns = 0;  // its time, unchanged: the round trip is measured on the hub's clock alone
+  Vec3 force_n = Vec3::Zero();
+  Vec3 visual_offset_m = Vec3::Zero();
+  bool contact = false;
+  std::uint32_t compute_ns = 0;          // time spent between receiving and sending, haptics' clock
+  std::uint32_t skipped_samples = 0;     // states that were superseded before they could be answered, since the last command
+};
+
+// vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
+struct ViewTransform {
+  std::uint32_t revision = 0;
+  std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]
+};
+
+// hub -> every vision node.
+struct ProbeState {
+  std::uint64_t sample = 0;
+  std::int64_t sample_time_ns = 0;
+  Vec3 p_WD = Vec3::Zero();
+  Quat q_WT = Quat::Identity();
+  Vec3 visual_offset_m = Vec3::Zero();
+  Vec3 force_n = Vec3::Zero();
+  bool contact = false;
+  std::uint32_t buttons = 0;
+  float servo_rate_hz = 0.0F;         // measured, for the HUD
+  float round_trip_p50_us = 0.0F;
+  float round_trip_p99_us = 0.0F;
+  std::uint32_t view_revision = 0;    // newest ViewTransform the hub has forwarded
+};
+
+// vision -> hub, after a picture was drawn: which sample it shows.
+struct Drawn {
+  std::uint64_t echo_sample = 0;
+  std::int64_t echo_sample_time_ns = 0;
+  float frame_rate_hz = 0.0F;
+};
+
+// vision -> hub: where the mouse asks the simulated device's hand to go.
+struct HandTarget {
+  bool active = false;  // false: the hand goes back to its script
+  Vec3 p_WH = Vec3::Zero();
+};
+
+// tool -> hub (and on to haptics): change something while running. A zero or empty field leaves it as it is.
+struct Settings {
+  double servo_rate_hz = 0.0;       // 250 .. 10,000
+  std::array<char, 16> method = {};  // NUL-padded name of a force method
+  bool report_now = false;          // write the latency report
+};
+
+using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings>;
+
+// In front of every message.
+struct Header {
+  std::uint64_t session = 0;       // chosen by the hub at start; 0 from a node that has not been welcomed yet
+  std::uint64_t sender = 0;        // random per process start, so that a restart is told from a reorder
+  std::uint64_t sequence = 0;      // counts this sender's datagrams to this receiver, from 1
+  std::int64_t send_time_ns = 0;   // sender's CLOCK_MONOTONIC
+};
+
+struct Datagram {
+  Header header;
+  Message message;
+};
+
+}  // namespace hapton
