@@ -44,7 +44,7 @@ if(HAPTON_SANITIZE)
 endif()
 # GCC 12 reports false positives inside Eigen and the standard library at -O3.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(hapton_options INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
+  target_compile_options(hapton_options INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
 endif()
 
 # hapton_library(NAME LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.

@@ -1,0 +1,243 @@
+// The layer table of docs/architecture.md, as tests over the #include lines of the whole tree.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "tests/structure/source_tree.h"
+
+namespace hapton::structure {
+namespace {
+
+const std::vector<std::string> kFolders = {"core", "runtime", "link", "scene", "io_node", "haptics_node", "vision_node", "tools"};
+
+// Which folders a folder's files may include from. Its own is always allowed.
+const std::map<std::string, std::vector<std::string>> kMayInclude = {
+    {"core/base", {}},
+    {"core/math", {"core/base"}},
+    {"core/geometry", {"core/base", "core/math"}},
+    {"core/collision", {"core/base", "core/math", "core/geometry"}},
+    {"core/force", {"core/base", "core/math", "core/geometry", "core/collision"}},
+    {"runtime", {"core/base", "core/math"}},
+    {"link", {"core/base", "core/math", "runtime"}},
+    {"scene", {"core"}},
+    {"io_node", {"core/base", "core/math", "runtime", "link"}},
+    {"haptics_node", {"core", "runtime", "link", "scene"}},
+    {"vision_node", {"core", "runtime", "link", "scene"}},
+    {"tools", {"core", "runtime", "link", "scene"}},
+};
+
+bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }
+
+// The row of the table that a file belongs to; empty when it has none.
+std::string layer_of(const std::string& path) {
+  std::string longest;
+  for (const auto& [folder, unused] : kMayInclude) {
+    if (is_under(path, folder) && folder.size() > longest.size()) longest = folder;
+  }
+  return longest;
+}
+
+bool may_include(const std::string& from, const std::string& included) {
+  const std::string layer = layer_of(from);
+  if (layer.empty()) return false;
+  if (is_under(included, layer)) return true;
+  for (const std::string& folder : kMayInclude.at(layer)) {
+    if (is_under(included, folder)) return true;
+  }
+  return false;
+}
+
+bool is_generated_by_protobuf(const std::string& include) { return include.ends_with(".pb.h"); }
+bool is_socket(const std::string& include) {
+  static const std::regex kSocket(
+      R"(^(boost/asio.*|asio.*|sys/socket\.h|sys/un\.h|netinet/.*|arpa/inet\.h|netdb\.h|sys/epoll\.h|poll\.h|sys/select\.h)$)");
+  return std::regex_match(include, kSocket);
+}
+bool is_vtk(const std::string& include) { return include.rfind("vtk", 0) == 0; }
+// What touches the machine rather than numbers: threads, clocks, files, terminals, logs, the wire.
+bool is_impure(const std::string& include) {
+  static const std::regex kImpure(
+      R"(^(thread|mutex|shared_mutex|condition_variable|future|stop_token|semaphore|latch|barrier|chrono|ctime|time\.h|fstream|iostream)"
+      R"(|filesystem|cstdio|stdio\.h|print|syncstream|unistd\.h|fcntl\.h|pthread\.h|sys/.*|spdlog/.*|fmt/(ostream|os|chrono|color)\.h)"
+      R"(|boost/.*|google/.*|nlohmann/.*|toml.*|CLI/.*|hidapi.*)$)");
+  return std::regex_match(include, kImpure) || is_socket(include) || is_vtk(include) || is_generated_by_protobuf(include);
+}
+
+// "file:line includes X" for every include that a predicate finds wrong.
+template <class Predicate>
+std::vector<std::string> find_wrong(const std::vector<std::string>& folders, Predicate&& is_wrong) {
+  std::vector<std::string> wrong;
+  for (const std::string& folder : folders) {
+    for (const SourceFile& file : read_folder(folder)) {
+      for (const Include& include : file.includes) {
+        if (is_wrong(file, include)) wrong.push_back(file.path + ":" + std::to_string(include.line) + " includes " + include.path);
+      }
+    }
+  }
+  return wrong;
+}
+
+template <class Predicate>
+std::vector<std::string> find_files(const std::vector<std::string>& folders, Predicate&& is_wrong) {
+  std::vector<std::string> wrong;
+  for (const std::string& folder : folders) {
+    for (const SourceFile& file : read_folder(folder)) {
+      if (is_wrong(file)) wrong.push_back(file.path);
+    }
+  }
+  return wrong;
+}
+
+std::string file_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+std::string without_extension(const std::string& path) { return path.substr(0, path.find_last_of('.')); }
+
+using ::testing::IsEmpty;
+
+TEST(Layers, EveryIncludeIsAllowedByTheTable) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           return include.quoted && !is_generated_by_protobuf(include.path) && !may_include(file.path, include.path);
+                         }),
+              IsEmpty());
+}
+
+TEST(Layers, EveryFileBelongsToALayer) {
+  EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return layer_of(file.path).empty(); }), IsEmpty());
+}
+
+TEST(Layers, OwnHeadersAreQuotedFromTheRoot) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile&, const Include& include) {
+                           return include.quoted && !is_generated_by_protobuf(include.path) && !exists(include.path);
+                         }),
+              IsEmpty());
+}
+
+TEST(Layers, OnlyTheCodecSeesGeneratedProtobufCode) {
+  EXPECT_THAT(
+      find_wrong(kFolders, [](const SourceFile& file,
+                              const Include& include) { return is_generated_by_protobuf(include.path) && file.path != "link/codec.cpp"; }),
+      IsEmpty());
+}
+
+TEST(Layers, OnlyEndpointFilesSeeSockets) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           return is_socket(include.path) &&
+                                  !(is_under(file.path, "link") && file_name(file.path).find("endpoint") != std::string::npos);
+                         }),
+              IsEmpty());
+}
+
+TEST(Layers, OnlySceneAndVisionSeeVtk) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           return is_vtk(include.path) && !is_under(file.path, "scene") && !is_under(file.path, "vision_node");
+                         }),
+              IsEmpty());
+}
+
+// A haptics node must load no GL: the scene layer reads files with VTK and draws nothing.
+TEST(Layers, SceneSeesNoVtkRendering) {
+  EXPECT_THAT(find_wrong({"scene"},
+                         [](const SourceFile&, const Include& include) {
+                           static const std::regex kRendering("^vtk(Render|OpenGL|Actor|Camera|Interactor|PolyDataMapper|XOpenGL|Light).*");
+                           return std::regex_match(include.path, kRendering);
+                         }),
+              IsEmpty());
+}
+
+TEST(Core, TouchesNothingOfTheMachine) {
+  EXPECT_THAT(find_wrong({"core"}, [](const SourceFile&, const Include& include) { return is_impure(include.path); }), IsEmpty());
+}
+
+TEST(Core, PrintsNothing) {
+  static const std::regex kPrints(R"(\b(fmt::print|std::cout|std::cerr|std::clog|printf|puts)\b)");
+  EXPECT_THAT(find_files({"core"}, [](const SourceFile& file) { return std::regex_search(file.code, kPrints); }), IsEmpty());
+}
+
+TEST(Sources, ThrowNothingOfOurs) {
+  static const std::regex kThrow(R"(\bthrow\b)");
+  EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return std::regex_search(file.code, kThrow); }), IsEmpty());
+}
+
+TEST(Headers, BeginWithPragmaOnce) {
+  EXPECT_THAT(
+      find_files(kFolders,
+                 [](const SourceFile& file) { return file.path.ends_with(".h") && file.code.find("#pragma once") == std::string::npos; }),
+      IsEmpty());
+}
+
+// Together with hapton_headers_alone in CMakeLists.txt: every header compiles on its own.
+TEST(Headers, ComeFirstInTheSourceOfTheirName) {
+  EXPECT_THAT(find_files(kFolders,
+                         [](const SourceFile& file) {
+                           const std::string header = without_extension(file.path) + ".h";
+                           return file.path.ends_with(".cpp") && exists(header) &&
+                                  (file.includes.empty() || file.includes.front().path != header);
+                         }),
+              IsEmpty());
+}
+
+// Headers whose contract is tested elsewhere, each with the reason.
+const std::map<std::string, std::string> kTestedElsewhere = {
+    {"core/force/force_method.h", "an interface and plain settings: each method has its own test"},
+    {"core/force/touch_scene.h", "plain data"},
+    {"core/geometry/triangle_mesh.h", "plain data"},
+    {"core/math/types.h", "names for Eigen's types"},
+};
+
+TEST(Headers, OfTheCoreHaveATestOfTheirName) {
+  std::vector<std::string> untested;
+  for (const SourceFile& file : read_folder("core")) {
+    const bool has_test = exists("tests/" + without_extension(file.path) + "_test.cpp");
+    if (file.path.ends_with(".h") && !has_test && !kTestedElsewhere.contains(file.path)) untested.push_back(file.path);
+  }
+  EXPECT_THAT(untested, IsEmpty());
+}
+
+TEST(Headers, ListedAsTestedElsewhereAreThereAndHaveNoTestOfTheirName) {
+  for (const auto& [path, reason] : kTestedElsewhere) {
+    EXPECT_TRUE(exists(path)) << path;
+    EXPECT_FALSE(exists("tests/" + without_extension(path) + "_test.cpp")) << path;
+  }
+}
+
+// The checks themselves can fail.
+TEST(Checks, FindWhatIsWrong) {
+  EXPECT_FALSE(may_include("core/math/a.h", "core/force/b.h"));
+  EXPECT_FALSE(may_include("io_node/main.cpp", "haptics_node/step.h"));
+  EXPECT_FALSE(may_include("io_node/main.cpp", "scene/scene.h"));
+  EXPECT_FALSE(may_include("runtime/clock.h", "core/geometry/triangle_mesh.h"));
+  EXPECT_FALSE(may_include("unknown/a.h", "core/base/result.h"));
+  EXPECT_TRUE(may_include("io_node/devices/a.h", "io_node/safety/b.h"));
+  EXPECT_TRUE(may_include("core/force/a.h", "core/math/types.h"));
+  EXPECT_TRUE(is_impure("thread"));
+  EXPECT_TRUE(is_impure("sys/mman.h"));
+  EXPECT_TRUE(is_impure("boost/asio.hpp"));
+  EXPECT_FALSE(is_impure("vector"));
+  EXPECT_FALSE(is_impure("fmt/core.h"));
+  EXPECT_GT(read_folder("core").size(), 5U);
+}
+
+TEST(Checks, ReadCodeWithoutCommentsAndLiterals) {
+  const SourceFile file =
+      read_source("a.h",
+                  "#include \"b/c.h\"\n#include <d>\n// throw\n/* throw */ auto s = \"throw\\\"\"; int n = 1'000; f();\n"
+                  "auto r = R\"x(throw)x\"; g();\n");
+  ASSERT_EQ(file.includes.size(), 2U);
+  EXPECT_EQ(file.includes[0].path, "b/c.h");
+  EXPECT_TRUE(file.includes[0].quoted);
+  EXPECT_EQ(file.includes[1].path, "d");
+  EXPECT_FALSE(file.includes[1].quoted);
+  EXPECT_EQ(file.code.find("throw"), std::string::npos) << file.code;
+  EXPECT_NE(file.code.find("f();"), std::string::npos) << file.code;
+  EXPECT_NE(file.code.find("g();"), std::string::npos) << file.code;
+}
+
+}  // namespace
+}  // namespace hapton::structure
