@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -43,7 +44,7 @@ class ForceMethod {
 // What a method can be told. Each field names the methods that read it.
 struct MethodSettings {
   std::string name = "sweep";      // all: proxy | smooth | sweep | reference
-  int grid_division = 32;          // sweep: cells along each axis (memo 4.2.2)
+  std::array<int, 3> grid_division = {32, 32, 32};  // sweep: cells along x, y, z (memo 4.2.2)
   double offset_m = 0.0005 * 0.0254;  // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
   double probe_radius_m = 0.0;     // proxy, reference: 0 is a point probe
 };

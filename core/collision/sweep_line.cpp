@@ -1,0 +1,50 @@
+#include "core/collision/sweep_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, SweepCollision& collision) noexcept {
+  const Vec3 from = line.last - plane.origin;
+  const Vec3 to = line.current - plane.origin;
+  const double height_from = plane.normal.dot(from);
+  const double height_to = plane.normal.dot(to);
+  const double fall = height_from - height_to;
+  if (fall == 0.0) {
+    return SweepEnd::parallel;
+  }
+  const bool starts_above = height_from >= 0.0;
+  const bool ends_above = height_to >= 0.0;
+  if (starts_above == ends_above) {
+    return SweepEnd::out_of_length;
+  }
+
+  const double t = height_from / fall;
+  const Vec3 along = to - from;
+  const Vec3 meet = from + t * along;
+  // Rounding: a height is a sum of three products and carries at most 4 epsilon of its terms, so t is uncertain by the heights'
+  // error over the fall, and the point by that share of the line, plus 4 epsilon of its own terms.
+  const double scale = plane.reach + from.cwiseAbs().sum() + to.cwiseAbs().sum();
+  const double rounding = 8.0 * kEpsilon * scale;
+  const double along_error = std::min(1.0, rounding / std::abs(fall));
+  if (!plane.contains(meet[plane.u_axis], meet[plane.v_axis], rounding, along_error * along[plane.u_axis],
+                      along_error * along[plane.v_axis])) {
+    return SweepEnd::out_of_triangle;
+  }
+
+  collision.t = t;
+  collision.point = line.last + t * (line.current - line.last);
+  collision.normal = starts_above ? plane.normal : Vec3(-plane.normal);
+  collision.depth = std::abs(height_to);
+  collision.from_behind = !starts_above;
+  return SweepEnd::collision;
+}
+
+}  // namespace hapton

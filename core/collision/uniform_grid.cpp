@@ -1,0 +1,127 @@
+#include "core/collision/uniform_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/collision/triangle_box.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+Result<void> check(std::size_t triangles, const std::array<int, 3>& division) {
+  std::size_t cells = 1;
+  for (const int along : division) {
+    if (along < 1 || along > UniformGrid::kMaxDivision) {
+      return fail("grid: a division of {} along an axis is outside 1..{}; choose another grid division", along, UniformGrid::kMaxDivision);
+    }
+    cells *= static_cast<std::size_t>(along);
+  }
+  if (cells > UniformGrid::kMaxCells) {
+    return fail("grid: {} x {} x {} is more than {} cells; choose a smaller grid division", division[0], division[1], division[2],
+                UniformGrid::kMaxCells);
+  }
+  if (triangles == 0) {
+    return fail("grid: there are no triangles to divide; give a mesh that has some area");
+  }
+  if (triangles >= std::numeric_limits<std::uint32_t>::max()) {
+    return fail("grid: {} triangles are more than 32 bits can count; give a smaller mesh", triangles);
+  }
+  return {};
+}
+
+}  // namespace
+
+// Rises with x even under rounding (difference, product with a positive number and floor all do), so that a point between two others
+// never falls into a cell outside of theirs.
+int UniformGrid::cell_along(int axis, double x) const noexcept {
+  const double cell = std::floor((x - low_[axis]) * cells_per_metre_[axis]);
+  return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(division_[axis] - 1)));
+}
+
+CellBox UniformGrid::find_cells(const Vec3& low, const Vec3& high) const noexcept {
+  CellBox box;
+  if ((high.array() < low_.array()).any() || (low.array() > high_.array()).any()) {
+    return box;
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    box.begin[axis] = cell_along(axis, low[axis]);
+    box.end[axis] = cell_along(axis, high[axis]) + 1;
+  }
+  return box;
+}
+
+template <class Visit>
+void UniformGrid::for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit) const {
+  // Relative to the grid's corner, where the cells' limits are simple products.
+  const std::array<Vec3, 3> local = {triangle[0] - low_, triangle[1] - low_, triangle[2] - low_};
+  const CellBox box = find_cells(triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]), triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]));
+  // How far a point may lie outside of its cell's nominal limits because cell_along rounds.
+  const Vec3 rounding = 8.0 * kEpsilon * (high_ - low_);
+  for (int z = box.begin[2]; z < box.end[2]; ++z) {
+    for (int y = box.begin[1]; y < box.end[1]; ++y) {
+      for (int x = box.begin[0]; x < box.end[0]; ++x) {
+        const Vec3 cell_low = Vec3(x, y, z).cwiseProduct(cell_size_) - rounding;
+        const Vec3 cell_high = Vec3(x + 1, y + 1, z + 1).cwiseProduct(cell_size_) + rounding;
+        if (may_touch(local, cell_low, cell_high)) {
+          visit(index_of(x, y, z));
+        }
+      }
+    }
+  }
+}
+
+Result<UniformGrid> UniformGrid::make(std::span<const std::array<Vec3, 3>> triangles, const std::array<int, 3>& division) {
+  if (auto checked = check(triangles.size(), division); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  UniformGrid grid;
+  grid.low_ = triangles[0][0];
+  grid.high_ = triangles[0][0];
+  for (const auto& triangle : triangles) {
+    for (const Vec3& corner : triangle) {
+      grid.low_ = grid.low_.cwiseMin(corner);
+      grid.high_ = grid.high_.cwiseMax(corner);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double extent = grid.high_[axis] - grid.low_[axis];
+    const double per_metre = division[axis] / extent;
+    // No extent, or so little of it that cells cannot be told apart: one cell, in which everything lies.
+    const bool divisible = extent > 0.0 && std::isfinite(extent) && std::isfinite(per_metre);
+    grid.division_[axis] = divisible ? division[axis] : 1;
+    grid.cells_per_metre_[axis] = divisible ? per_metre : 0.0;
+    grid.cell_size_[axis] = divisible ? extent / division[axis] : 0.0;
+  }
+
+  const std::size_t cells = static_cast<std::size_t>(grid.division_[0]) * grid.division_[1] * grid.division_[2];
+  grid.offsets_.assign(cells + 1, 0);
+  std::size_t entries = 0;
+  for (const auto& triangle : triangles) {
+    grid.for_each_cell(triangle, [&](std::size_t cell) {
+      ++grid.offsets_[cell + 1];
+      ++entries;
+    });
+    if (entries > kMaxEntries) {
+      return fail("grid: {} x {} x {} cells list more than {} triangles in all; choose a smaller grid division", division[0], division[1],
+                  division[2], kMaxEntries);
+    }
+  }
+  grid.occupancy_ = {.cells = cells, .occupied_cells = 0, .entries = entries, .max_triangles_a_cell = 0};
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    const std::size_t count = grid.offsets_[cell + 1];
+    grid.occupancy_.occupied_cells += count > 0 ? 1 : 0;
+    grid.occupancy_.max_triangles_a_cell = std::max(grid.occupancy_.max_triangles_a_cell, count);
+    grid.offsets_[cell + 1] += grid.offsets_[cell];
+  }
+  grid.ids_.resize(entries);
+  std::vector<std::uint32_t> next(grid.offsets_.begin(), grid.offsets_.end() - 1);
+  for (std::uint32_t id = 0; id < triangles.size(); ++id) {
+    grid.for_each_cell(triangles[id], [&](std::size_t cell) { grid.ids_[next[cell]++] = id; });
+  }
+  return grid;
+}
+
+}  // namespace hapton

@@ -1,0 +1,46 @@
+#include <array>
+
+#include "core/force/force_method.h"
+#include "core/force/sweep_method.h"
+
+namespace hapton {
+namespace {
+
+struct Entry {
+  std::string_view name;
+  Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
+};
+
+constexpr std::array kMethods = {
+    Entry{"sweep", &SweepMethod::make},
+};
+
+std::string method_names() {
+  std::string names;
+  for (const Entry& entry : kMethods) {
+    names += names.empty() ? "" : ", ";
+    names += entry.name;
+  }
+  return names;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene) {
+  if (scene.objects.empty()) {
+    return fail("method {}: the scene has no objects; add one to touch", settings.name);
+  }
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    if (scene.objects[i].mesh == nullptr) {
+      return fail("method {}: object {} has no mesh; give it one", settings.name, i);
+    }
+  }
+  for (const Entry& entry : kMethods) {
+    if (entry.name == settings.name) {
+      return entry.make(settings, scene);
+    }
+  }
+  return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());
+}
+
+}  // namespace hapton

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/collision/sweep_line.h"
+#include "core/collision/uniform_grid.h"
+#include "core/collision/visit_stamps.h"
+#include "core/force/force_method.h"
+
+namespace hapton {
+
+// What one step, or all of them together, had to do; the early ends are those of the memo's steps 1 to 5.
+struct SweepCounters {
+  std::uint64_t cells_visited = 0;
+  std::uint64_t empty_cells = 0;         // ended at step 1
+  std::uint64_t repeated_triangles = 0;  // listed in several of the cells and handled before
+  std::uint64_t triangles_tested = 0;    // reached step 2
+  std::uint64_t parallel = 0;            // ended at step 2
+  std::uint64_t out_of_length = 0;       // ended at step 3
+  std::uint64_t out_of_triangle = 0;     // ended at step 4
+  std::uint64_t collisions = 0;          // stored at step 5: the memo's M
+
+  SweepCounters& operator+=(const SweepCounters& other) noexcept;
+};
+
+// The memo's method, whole: the line swept between two samples against the triangles in the grid's cells around it; the collision of
+// greatest penetration depth gives a Hooke force along the triangle's normal, towards the side the probe came from.
+// Where the memo leaves a choice: docs/decisions/0001-memo-sweep.md. Damping, friction and a probe radius are not part of it.
+// Source: memo 4.2.2.
+// RT: step, reset and counters yes; make and describe set-up only. Threads: one.
+class SweepMethod final : public ForceMethod {
+ public:
+  // Error: an impossible grid division or offset, a scene without a triangle that has a plane.
+  static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
+
+  MethodOutput step(const MethodInput& input) noexcept override;
+  void reset(const Vec3& p_SD) noexcept override;
+  std::string describe() const override;
+
+  const UniformGrid& grid() const { return grid_; }
+  const SweepCounters& step_counters() const { return step_; }    // of the last step
+  const SweepCounters& total_counters() const { return total_; }  // of all steps
+  std::uint64_t steps() const { return steps_; }
+
+ private:
+  struct Deepest {
+    SweepCollision collision;
+    std::uint32_t triangle = 0;
+    bool found = false;
+  };
+
+  SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, std::vector<std::uint32_t> object_of, std::vector<Material> materials,
+              std::size_t degenerate, double offset_m);
+  Deepest find_deepest(const SweepLine& line) noexcept;
+  void handle_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept;
+  void handle_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept;
+
+  UniformGrid grid_;
+  std::vector<TrianglePlane> planes_;
+  std::vector<std::uint32_t> object_of_;  // of each triangle
+  std::vector<Material> materials_;       // of each object
+  std::size_t degenerate_ = 0;
+  double offset_m_ = 0.0;
+
+  VisitStamps stamps_;
+  bool started_ = false;
+  Vec3 p_last_ = Vec3::Zero();  // start of the next sweep line, frame S
+  SweepCounters step_;
+  SweepCounters total_;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace hapton
