@@ -82,9 +82,12 @@ struct HandTarget {
   Vec3 p_WH = Vec3::Zero();
 };
 
+constexpr double kMinServoRateHz = 250.0;
+constexpr double kMaxServoRateHz = 10'000.0;
+
 // tool -> hub (and on to haptics): change something while running. A zero or empty field leaves it as it is.
 struct Settings {
-  double servo_rate_hz = 0.0;       // 250 .. 10,000
+  double servo_rate_hz = 0.0;        // kMinServoRateHz .. kMaxServoRateHz
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;          // write the latency report
 };

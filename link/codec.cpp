@@ -1,0 +1,392 @@
+#include "link/codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+#include "hapton.pb.h"
+#include "link/endpoint.h"
+
+namespace hapton {
+namespace {
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
+
+constexpr double kUnitTolerance = 1e-3;
+
+// --- writing ---
+
+template <class Field>
+void write_vector(Field& field, const Vec3& v) {
+  field.Clear();
+  for (int i = 0; i < 3; ++i) {
+    field.AddAlreadyReserved(v[i]);
+  }
+}
+
+template <class Field>
+void write_rotation(Field& field, const Quat& q) {
+  field.Clear();
+  for (const double value : {q.w(), q.x(), q.y(), q.z()}) {
+    field.AddAlreadyReserved(value);
+  }
+}
+
+void write(const Hello& from, wire::Hello& to) { to.set_role(static_cast<wire::Role>(from.role)); }
+
+void write(const Welcome& from, wire::Welcome& to) {
+  to.set_accepted(from.accepted);
+  to.set_servo_rate_hz(from.servo_rate_hz);
+}
+
+void write(const Bye&, wire::Bye&) {}
+
+void write(const DeviceState& from, wire::DeviceState& to) {
+  to.set_sample(from.sample);
+  to.set_sample_time_ns(from.sample_time_ns);
+  write_vector(*to.mutable_p_wd_m(), from.p_WD);
+  write_rotation(*to.mutable_q_wt(), from.q_WT);
+  to.set_buttons(from.buttons);
+}
+
+void write(const ForceCommand& from, wire::ForceCommand& to) {
+  to.set_echo_sample(from.echo_sample);
+  to.set_echo_sample_time_ns(from.echo_sample_time_ns);
+  write_vector(*to.mutable_force_n(), from.force_n);
+  write_vector(*to.mutable_visual_offset_m(), from.visual_offset_m);
+  to.set_contact(from.contact);
+  to.set_compute_ns(from.compute_ns);
+  to.set_skipped_samples(from.skipped_samples);
+}
+
+void write(const ViewTransform& from, wire::ViewTransform& to) {
+  to.set_revision(from.revision);
+  to.mutable_x_ws()->Clear();
+  for (const float value : from.X_WS) {
+    to.mutable_x_ws()->AddAlreadyReserved(value);
+  }
+}
+
+void write(const ProbeState& from, wire::ProbeState& to) {
+  to.set_sample(from.sample);
+  to.set_sample_time_ns(from.sample_time_ns);
+  write_vector(*to.mutable_p_wd_m(), from.p_WD);
+  write_rotation(*to.mutable_q_wt(), from.q_WT);
+  write_vector(*to.mutable_visual_offset_m(), from.visual_offset_m);
+  write_vector(*to.mutable_force_n(), from.force_n);
+  to.set_contact(from.contact);
+  to.set_buttons(from.buttons);
+  to.set_servo_rate_hz(from.servo_rate_hz);
+  to.set_round_trip_p50_us(from.round_trip_p50_us);
+  to.set_round_trip_p99_us(from.round_trip_p99_us);
+  to.set_view_revision(from.view_revision);
+}
+
+void write(const Drawn& from, wire::Drawn& to) {
+  to.set_echo_sample(from.echo_sample);
+  to.set_echo_sample_time_ns(from.echo_sample_time_ns);
+  to.set_frame_rate_hz(from.frame_rate_hz);
+}
+
+void write(const HandTarget& from, wire::HandTarget& to) {
+  to.set_active(from.active);
+  write_vector(*to.mutable_p_wh_m(), from.p_WH);
+}
+
+void write(const Settings& from, wire::Settings& to) {
+  to.set_servo_rate_hz(from.servo_rate_hz);
+  const auto* end = std::find(from.method.data(), from.method.data() + from.method.size(), '\0');
+  to.mutable_method()->assign(from.method.data(), static_cast<std::size_t>(end - from.method.data()));
+  to.set_report_now(from.report_now);
+}
+
+// --- reading: false for a value the contract rules out ---
+
+bool is_rate(double value) { return std::isfinite(value) && value >= 0.0 && value <= kMaxWireMagnitude; }
+
+template <class Field>
+bool read_vector(const Field& field, Vec3& v) {
+  if (field.size() != 3) {
+    return false;
+  }
+  v = Vec3(field.Get(0), field.Get(1), field.Get(2));
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude;
+}
+
+template <class Field>
+bool read_rotation(const Field& field, Quat& q) {
+  if (field.size() != 4) {
+    return false;
+  }
+  q = Quat(field.Get(0), field.Get(1), field.Get(2), field.Get(3));
+  return std::abs(q.norm() - 1.0) <= kUnitTolerance;  // false for NaN as well
+}
+
+bool read(const wire::Hello& from, Hello& to) {
+  to.role = static_cast<NodeRole>(from.role());
+  return from.role() >= wire::ROLE_IO && from.role() <= wire::ROLE_TOOL;
+}
+
+bool read(const wire::Welcome& from, Welcome& to) {
+  to.accepted = from.accepted();
+  to.servo_rate_hz = from.servo_rate_hz();
+  return is_rate(to.servo_rate_hz);
+}
+
+bool read(const wire::Bye&, Bye&) { return true; }
+
+bool read(const wire::DeviceState& from, DeviceState& to) {
+  to.sample = from.sample();
+  to.sample_time_ns = from.sample_time_ns();
+  to.buttons = from.buttons();
+  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT);
+}
+
+bool read(const wire::ForceCommand& from, ForceCommand& to) {
+  to.echo_sample = from.echo_sample();
+  to.echo_sample_time_ns = from.echo_sample_time_ns();
+  to.contact = from.contact();
+  to.compute_ns = from.compute_ns();
+  to.skipped_samples = from.skipped_samples();
+  return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
+}
+
+bool is_rigid(const std::array<float, 12>& X) {
+  Mat3 R;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      R(row, column) = X[static_cast<std::size_t>(4 * row + column)];
+    }
+    if (!(std::abs(X[static_cast<std::size_t>(4 * row + 3)]) <= kMaxWireMagnitude)) {
+      return false;
+    }
+  }
+  // Written so that NaN fails.
+  return (R * R.transpose() - Mat3::Identity()).cwiseAbs().sum() <= kUnitTolerance && R.determinant() > 0.0;
+}
+
+bool read(const wire::ViewTransform& from, ViewTransform& to) {
+  to.revision = from.revision();
+  if (from.x_ws_size() != static_cast<int>(to.X_WS.size())) {
+    return false;
+  }
+  std::copy(from.x_ws().begin(), from.x_ws().end(), to.X_WS.begin());
+  return is_rigid(to.X_WS);
+}
+
+bool read(const wire::ProbeState& from, ProbeState& to) {
+  to.sample = from.sample();
+  to.sample_time_ns = from.sample_time_ns();
+  to.contact = from.contact();
+  to.buttons = from.buttons();
+  to.servo_rate_hz = from.servo_rate_hz();
+  to.round_trip_p50_us = from.round_trip_p50_us();
+  to.round_trip_p99_us = from.round_trip_p99_us();
+  to.view_revision = from.view_revision();
+  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
+         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
+         is_rate(to.servo_rate_hz) && is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
+}
+
+bool read(const wire::Drawn& from, Drawn& to) {
+  to.echo_sample = from.echo_sample();
+  to.echo_sample_time_ns = from.echo_sample_time_ns();
+  to.frame_rate_hz = from.frame_rate_hz();
+  return is_rate(to.frame_rate_hz);
+}
+
+bool read(const wire::HandTarget& from, HandTarget& to) {
+  to.active = from.active();
+  return read_vector(from.p_wh_m(), to.p_WH);
+}
+
+bool read(const wire::Settings& from, Settings& to) {
+  to.servo_rate_hz = from.servo_rate_hz();
+  to.report_now = from.report_now();
+  const std::string& method = from.method();
+  if (method.size() > to.method.size() ||
+      !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
+    return false;
+  }
+  to.method = {};
+  std::copy(method.begin(), method.end(), to.method.begin());
+  return to.servo_rate_hz == 0.0 || (to.servo_rate_hz >= kMinServoRateHz && to.servo_rate_hz <= kMaxServoRateHz);
+}
+
+template <class Ours, class Theirs>
+DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Datagram& datagram) {
+  Ours message;
+  if (!read(from, message)) {
+    return DecodeStatus::bad_value;
+  }
+  datagram.header = {.session = envelope.session(),
+                     .sender = envelope.sender(),
+                     .sequence = envelope.sequence(),
+                     .send_time_ns = envelope.send_time_ns()};
+  datagram.message = message;
+  return DecodeStatus::ok;
+}
+
+DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
+  const int kinds = e.has_hello() + e.has_welcome() + e.has_bye() + e.has_device_state() + e.has_force_command() +
+                    e.has_view_transform() + e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings();
+  if (kinds != 1) {
+    return kinds == 0 ? DecodeStatus::unknown_message : DecodeStatus::bad_value;
+  }
+  if (e.has_device_state()) return read_message<DeviceState>(e, e.device_state(), datagram);
+  if (e.has_force_command()) return read_message<ForceCommand>(e, e.force_command(), datagram);
+  if (e.has_probe_state()) return read_message<ProbeState>(e, e.probe_state(), datagram);
+  if (e.has_view_transform()) return read_message<ViewTransform>(e, e.view_transform(), datagram);
+  if (e.has_drawn()) return read_message<Drawn>(e, e.drawn(), datagram);
+  if (e.has_hello()) return read_message<Hello>(e, e.hello(), datagram);
+  if (e.has_welcome()) return read_message<Welcome>(e, e.welcome(), datagram);
+  if (e.has_hand_target()) return read_message<HandTarget>(e, e.hand_target(), datagram);
+  if (e.has_settings()) return read_message<Settings>(e, e.settings(), datagram);
+  return read_message<Bye>(e, e.bye(), datagram);
+}
+
+// The version stands first and alone keeps its place in every version, so it is read before anything that may have changed.
+std::optional<std::uint64_t> peek_version(std::span<const std::byte> bytes) {
+  constexpr std::byte kVersionTag{0x08};  // field 1, varint
+  if (bytes.size() < 2 || bytes[0] != kVersionTag) {
+    return std::nullopt;
+  }
+  std::uint64_t version = 0;
+  for (std::size_t i = 1; i < std::min<std::size_t>(bytes.size(), 10); ++i) {
+    version |= (std::to_integer<std::uint64_t>(bytes[i]) & 0x7FU) << (7 * (i - 1));
+    if ((bytes[i] & std::byte{0x80}) == std::byte{0}) {
+      return version;
+    }
+  }
+  return std::nullopt;
+}
+
+// --- reserving: afterwards no datagram of at most kMaxDatagramBytes makes a message grow ---
+
+template <class Field>
+void reserve_field(Field& field) {
+  field.Reserve(static_cast<int>(kMaxDatagramBytes / sizeof(*field.data())) + 1);
+}
+
+// The lite runtime keeps what it does not know in a string of its own, which only parsing reaches: one long unknown field, once,
+// gives it the room it will ever need.
+template <class WireMessage>
+void reserve_unknown(WireMessage& message) {
+  std::string unknown = "\xC2\x3E\x80\x10";  // field 1000, length-delimited, 2048 bytes
+  unknown.append(2048, ' ');
+  message.ParseFromString(unknown);
+}
+
+}  // namespace
+
+// A sender and a receiver side, each an Envelope that owns one message of every kind.
+struct Codec::Wire {
+  wire::Envelope outgoing;
+  wire::Envelope incoming;
+
+  Wire() {
+    reserve(outgoing);
+    reserve(incoming);
+  }
+
+  static void reserve(wire::Envelope& e) {
+    reserve_unknown(e);
+    reserve_unknown(*e.mutable_hello());
+    reserve_unknown(*e.mutable_welcome());
+    reserve_unknown(*e.mutable_bye());
+    reserve_unknown(*e.mutable_device_state());
+    reserve_field(*e.mutable_device_state()->mutable_p_wd_m());
+    reserve_field(*e.mutable_device_state()->mutable_q_wt());
+    reserve_unknown(*e.mutable_force_command());
+    reserve_field(*e.mutable_force_command()->mutable_force_n());
+    reserve_field(*e.mutable_force_command()->mutable_visual_offset_m());
+    reserve_unknown(*e.mutable_view_transform());
+    reserve_field(*e.mutable_view_transform()->mutable_x_ws());
+    reserve_unknown(*e.mutable_probe_state());
+    reserve_field(*e.mutable_probe_state()->mutable_p_wd_m());
+    reserve_field(*e.mutable_probe_state()->mutable_q_wt());
+    reserve_field(*e.mutable_probe_state()->mutable_visual_offset_m());
+    reserve_field(*e.mutable_probe_state()->mutable_force_n());
+    reserve_unknown(*e.mutable_drawn());
+    reserve_unknown(*e.mutable_hand_target());
+    reserve_field(*e.mutable_hand_target()->mutable_p_wh_m());
+    reserve_unknown(*e.mutable_settings());
+    e.mutable_settings()->mutable_method()->reserve(kMaxDatagramBytes);
+    e.Clear();
+  }
+};
+
+std::string_view to_string(DecodeStatus status) noexcept {
+  switch (status) {
+    case DecodeStatus::ok: return "ok";
+    case DecodeStatus::truncated: return "truncated";
+    case DecodeStatus::wrong_version: return "wrong version";
+    case DecodeStatus::unknown_message: return "unknown message";
+    case DecodeStatus::bad_value: return "bad value";
+  }
+  return "?";
+}
+
+Codec::Codec() : wire_(std::make_unique<Wire>()) {}
+Codec::~Codec() = default;
+Codec::Codec(Codec&&) noexcept = default;
+Codec& Codec::operator=(Codec&&) noexcept = default;
+
+std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) noexcept {
+  wire::Envelope& e = wire_->outgoing;
+  e.Clear();
+  e.set_version(kProtocolVersion);
+  e.set_session(datagram.header.session);
+  e.set_sender(datagram.header.sender);
+  e.set_sequence(datagram.header.sequence);
+  e.set_send_time_ns(datagram.header.send_time_ns);
+  std::visit(Overloaded{[&](const Hello& m) { write(m, *e.mutable_hello()); },
+                        [&](const Welcome& m) { write(m, *e.mutable_welcome()); },
+                        [&](const Bye& m) { write(m, *e.mutable_bye()); },
+                        [&](const DeviceState& m) { write(m, *e.mutable_device_state()); },
+                        [&](const ForceCommand& m) { write(m, *e.mutable_force_command()); },
+                        [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
+                        [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); },
+                        [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
+                        [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); },
+                        [&](const Settings& m) { write(m, *e.mutable_settings()); }},
+             datagram.message);
+  const std::size_t bytes = e.ByteSizeLong();
+  if (bytes > into.size() || bytes > kMaxDatagramBytes) {
+    return 0;
+  }
+  e.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(into.data()));
+  return bytes;
+}
+
+DecodeStatus Codec::decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept {
+  if (bytes.size() > kMaxDatagramBytes) {
+    return DecodeStatus::bad_value;
+  }
+  const std::optional<std::uint64_t> version = peek_version(bytes);
+  if (!version) {
+    return DecodeStatus::truncated;
+  }
+  if (*version != kProtocolVersion) {
+    return DecodeStatus::wrong_version;
+  }
+  wire::Envelope& e = wire_->incoming;
+  if (!e.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return DecodeStatus::truncated;
+  }
+  if (e.version() != kProtocolVersion) {
+    return DecodeStatus::wrong_version;
+  }
+  return read_any(e, datagram);
+}
+
+}  // namespace hapton

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "link/messages.h"
+
+namespace hapton {
+
+// In every datagram; a receiver drops those of another version. The rules of change are in proto/hapton.proto.
+constexpr std::uint32_t kProtocolVersion = 1;
+
+// Lengths (m) and forces (N) beyond this are not believed: their squares and products stay finite.
+constexpr double kMaxWireMagnitude = 1e9;
+
+enum class DecodeStatus : std::uint8_t {
+  ok,
+  truncated,        // ends early, or is no well-formed Envelope at all
+  wrong_version,    // of another protocol version
+  unknown_message,  // well formed, of this version, of a kind this build does not know
+  bad_value,        // not finite, out of range, a vector of the wrong length, no rotation, two messages in one
+};
+
+std::string_view to_string(DecodeStatus status) noexcept;
+
+// Turns datagrams into bytes and back as proto/hapton.proto lays down. Keeps its message objects: one Codec a thread.
+// RT: encode and decode yes (no heap, lock or throw, whatever the bytes); construction set-up only.
+class Codec {
+ public:
+  Codec();
+  ~Codec();
+  Codec(Codec&&) noexcept;
+  Codec& operator=(Codec&&) noexcept;
+
+  // Writes the datagram into `into` and returns its bytes; 0 when they do not fit. Values are not judged here: decode does.
+  std::size_t encode(const Datagram& datagram, std::span<std::byte> into) noexcept;
+
+  // Reads one datagram. Post: unless ok, `datagram` is unchanged.
+  DecodeStatus decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept;
+
+ private:
+  struct Wire;
+  std::unique_ptr<Wire> wire_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,76 @@
+#include "link/sequence_tracker.h"
+
+namespace hapton {
+
+Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence) noexcept {
+  ++counts_.received;
+  const bool first_ever = counts_.received == 1;
+  if (first_ever || sender != sender_) {
+    if (!first_ever && sender == previous_sender_) {
+      ++counts_.stale;
+      return Arrival::stale;
+    }
+    counts_.restarts += first_ever ? 0 : 1;
+    previous_sender_ = first_ever ? sender : sender_;
+    sender_ = sender;
+    start(sequence);
+    return Arrival::newest;
+  }
+  const std::uint64_t ahead = sequence - newest_;
+  const std::uint64_t behind = newest_ - sequence;
+  if (ahead != 0 && ahead <= kMaxGap) {
+    return advance(ahead);
+  }
+  if (behind <= kMaxGap) {
+    return look_back(sequence, behind);
+  }
+  ++counts_.jumps;
+  start(sequence);
+  return Arrival::newest;
+}
+
+void SequenceTracker::start(std::uint64_t sequence) noexcept {
+  seen_ = {};
+  newest_ = sequence;
+  first_ = sequence;
+  test_and_mark(sequence);
+}
+
+Arrival SequenceTracker::advance(std::uint64_t gap) noexcept {
+  counts_.lost += gap - 1;
+  if (gap >= kWindow) {
+    seen_ = {};
+  } else {
+    for (std::uint64_t skipped = newest_ + 1; skipped != newest_ + gap; ++skipped) {
+      seen_[skipped % kWindow / 64] &= ~(std::uint64_t{1} << (skipped % 64));
+    }
+    const std::uint64_t next = newest_ + gap;
+    seen_[next % kWindow / 64] &= ~(std::uint64_t{1} << (next % 64));
+  }
+  newest_ += gap;
+  test_and_mark(newest_);
+  return Arrival::newest;
+}
+
+Arrival SequenceTracker::look_back(std::uint64_t sequence, std::uint64_t age) noexcept {
+  if (age >= kWindow || test_and_mark(sequence)) {
+    ++counts_.duplicate;
+    return Arrival::duplicate;
+  }
+  ++counts_.reordered;
+  // What came before the first number we saw was never counted as lost.
+  if (newest_ - first_ >= age && counts_.lost > 0) {
+    --counts_.lost;
+  }
+  return Arrival::reordered;
+}
+
+bool SequenceTracker::test_and_mark(std::uint64_t sequence) noexcept {
+  std::uint64_t& word = seen_[sequence % kWindow / 64];
+  const std::uint64_t bit = std::uint64_t{1} << (sequence % 64);
+  const bool was_seen = (word & bit) != 0;
+  word |= bit;
+  return was_seen;
+}
+
+}  // namespace hapton

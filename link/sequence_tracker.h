@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace hapton {
+
+enum class Arrival : std::uint8_t {
+  newest,     // newer than all before: use it
+  reordered,  // new, but overtaken by a newer one: newest wins, so most receivers drop it
+  duplicate,  // seen before, or too old to tell
+  stale,      // from the process that the present sender replaced
+};
+
+struct SequenceCounts {
+  std::uint64_t received = 0;   // every datagram shown to the tracker
+  std::uint64_t lost = 0;       // gaps that nothing has filled so far
+  std::uint64_t reordered = 0;
+  std::uint64_t duplicate = 0;
+  std::uint64_t stale = 0;
+  std::uint64_t restarts = 0;   // new sender ids after the first
+  std::uint64_t jumps = 0;      // leaps too far to be loss; counting starts again behind them
+};
+
+// Follows the sequence numbers of one sender's datagrams to us. Numbers are compared modulo 2^64.
+// RT: yes. Threads: one.
+class SequenceTracker {
+ public:
+  // Later arrivals than this many numbers behind the newest are taken for duplicates.
+  static constexpr std::uint64_t kWindow = 1024;
+  // A leap of more than this (100 s at 10 kHz), either way, is no loss but a sender that counts from elsewhere.
+  static constexpr std::uint64_t kMaxGap = 1'000'000;
+
+  Arrival track(std::uint64_t sender, std::uint64_t sequence) noexcept;
+
+  const SequenceCounts& counts() const noexcept { return counts_; }
+  // 0 before the first datagram.
+  std::uint64_t sender() const noexcept { return sender_; }
+  std::uint64_t newest() const noexcept { return newest_; }
+
+ private:
+  static constexpr std::uint64_t kWords = kWindow / 64;
+
+  void start(std::uint64_t sequence) noexcept;
+  Arrival advance(std::uint64_t gap) noexcept;
+  Arrival look_back(std::uint64_t sequence, std::uint64_t age) noexcept;
+  bool test_and_mark(std::uint64_t sequence) noexcept;
+
+  SequenceCounts counts_;
+  std::uint64_t sender_ = 0;
+  std::uint64_t previous_sender_ = 0;
+  std::uint64_t newest_ = 0;
+  std::uint64_t first_ = 0;
+  std::array<std::uint64_t, kWords> seen_ = {};  // bit sequence % kWindow: numbers (newest - kWindow, newest]
+};
+
+}  // namespace hapton

@@ -1,0 +1,137 @@
+#include "runtime/trajectory_csv.h"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+namespace hapton {
+namespace {
+
+constexpr std::array<std::string_view, 8> kColumns = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
+constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
+constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
+constexpr double kQuaternionTolerance = 0.01;
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+// What an error shows of the file's own text: short, and nothing that could upset a terminal.
+std::string quoted(std::string_view text) {
+  std::string shown(text.substr(0, 40));
+  for (char& c : shown) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return "'" + shown + (text.size() > 40 ? "...'" : "'");
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, const std::string& name) : rest_(text), name_(name) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+    rows_.reserve(rest_.size() / 48);
+  }
+
+  Result<std::vector<TrajectoryRow>> parse() {
+    while (const auto line = next_line()) {
+      const auto read = columns_ == 0 ? read_header(*line) : read_row(*line);
+      if (!read) return tl::unexpected(read.error());
+    }
+    if (columns_ == 0) return fail("{}: empty; it must begin with the line {}[,qw,qx,qy,qz]", name_, kShortHeader);
+    if (rows_.empty()) return fail("{}: a header but no rows; add one row a step", name_);
+    return std::move(rows_);
+  }
+
+ private:
+  // The next line that says something.
+  std::optional<std::string_view> next_line() {
+    while (!rest_.empty()) {
+      const auto end = rest_.find('\n');
+      const auto line = trimmed(rest_.substr(0, end));
+      rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
+      ++line_number_;
+      if (!line.empty() && line.front() != '#') return line;
+    }
+    return std::nullopt;
+  }
+
+  Result<void> read_header(std::string_view line) {
+    if (line == kShortHeader) columns_ = 4;
+    if (line == kLongHeader) columns_ = 8;
+    if (columns_ == 0) return fail("{}:{}: the header is {}; write {}[,qw,qx,qy,qz]", name_, line_number_, quoted(line), kShortHeader);
+    return {};
+  }
+
+  Result<void> read_row(std::string_view line) {
+    std::array<double, 8> field = {0, 0, 0, 0, 1, 0, 0, 0};
+    for (int column = 0; column < columns_; ++column) {
+      const auto comma = line.find(',');
+      if ((comma == std::string_view::npos) != (column == columns_ - 1))
+        return fail("{}:{}: the row has {} fields than the header's {}; give it {}", name_, line_number_,
+                    column == columns_ - 1 ? "more" : "fewer", columns_, columns_);
+      const auto read = read_number(trimmed(line.substr(0, comma)), column, field[column]);
+      if (!read) return read;
+      line = comma == std::string_view::npos ? std::string_view{} : line.substr(comma + 1);
+    }
+    return add_row(field);
+  }
+
+  Result<void> read_number(std::string_view text, int column, double& value) const {
+    const std::string_view digits = text.starts_with('+') ? text.substr(1) : text;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty() || !std::isfinite(value))
+      return fail("{}:{}: {} in column {} is not a finite number; write one like 0.0125", name_, line_number_, quoted(text), kColumns[column]);
+    return {};
+  }
+
+  Result<void> add_row(const std::array<double, 8>& field) {
+    TrajectoryRow row;
+    row.t_s = field[0];
+    row.p_WD = Vec3(field[1], field[2], field[3]);
+    row.q_WT = Quat(field[4], field[5], field[6], field[7]);
+    if (!rows_.empty() && row.t_s <= rows_.back().t_s)
+      return fail("{}:{}: t_s is {} after {}; times must rise from row to row", name_, line_number_, row.t_s, rows_.back().t_s);
+    const double length = row.q_WT.norm();
+    if (!(std::abs(length - 1.0) <= kQuaternionTolerance))
+      return fail("{}:{}: the quaternion has length {}; give it length 1", name_, line_number_, length);
+    row.q_WT.coeffs() /= length;
+    rows_.push_back(row);
+    return {};
+  }
+
+  std::string_view rest_;
+  const std::string& name_;
+  std::vector<TrajectoryRow> rows_;
+  long line_number_ = 0;
+  int columns_ = 0;
+};
+
+struct Closer {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+}  // namespace
+
+Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, const std::string& name) {
+  return Parser(text, name).parse();
+}
+
+Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path) {
+  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
+  if (!file) return fail("{}: {}; give the path of a trajectory CSV", path, std::strerror(errno));
+  std::string text;
+  std::array<char, 65536> block;
+  while (const std::size_t got = std::fread(block.data(), 1, block.size(), file.get())) text.append(block.data(), got);
+  if (std::ferror(file.get())) return fail("{}: {}; give the path of a trajectory CSV", path, std::strerror(errno));
+  return parse_trajectory_csv(text, path);
+}
+
+}  // namespace hapton

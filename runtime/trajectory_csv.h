@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// One step of a recorded or planned motion. Frame W, metres, seconds; q_WT is of unit length.
+struct TrajectoryRow {
+  double t_s = 0.0;
+  Vec3 p_WD = Vec3::Zero();
+  Quat q_WT = Quat::Identity();
+};
+
+// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, one row a step, `#` comments and
+// empty lines anywhere, LF or CRLF. Strict: every field a finite number and nothing else, times rising, quaternions of unit
+// length within 1 % (they are normalised), at least one row.
+// Error: one line that names the file, the line and the column. RT: set-up only; about 10 million numbers a second.
+Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path);
+
+// The same from text in memory; name stands for the file in errors.
+Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, const std::string& name);
+
+}  // namespace hapton
