@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <string_view>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Where the hand wants the stylus to be at the end of this step of its script, and how it tilts it.
+struct HandIntention {
+  Vec3 p_WH = Vec3::Zero();            // m, frame W
+  Vec3 gimbal_rad = Vec3::Zero();      // yaw about y, pitch about x, roll about the stylus
+};
+
+// A blind person's exploration: travel in front of the scene, approach along -z until something pushes back, press, slide, tap,
+// circle, leave, and again elsewhere. It knows no surface: contact is the force it feels, the surface normal is that force's
+// direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene there is; where it
+// met nothing, it looks nearer to the middle next, then farther out.
+// A lead (the mouse in the vision window) takes the hand over; let go of, the script begins again from there.
+// Every number it draws comes from the seed. RT: step and lead yes.
+class HandScript {
+ public:
+  static constexpr std::int64_t kStepNs = 1'000'000;
+
+  struct Options {
+    std::uint64_t seed = 1;
+    Vec3 workspace_min_m = Vec3::Zero();
+    Vec3 workspace_max_m = Vec3::Zero();
+    Vec3 start_m = Vec3::Zero();
+  };
+  enum class Phase : std::uint8_t { travel, approach, press, slide, tap, circle, leave, led };
+
+  explicit HandScript(const Options& options);
+
+  // One step of kStepNs: what the hand feels now (device point, force on it, both in W) to where it wants to be at the step's end.
+  HandIntention step(const Vec3& p_WD, const Vec3& force_n) noexcept;
+  void lead(const std::optional<Vec3>& p_WH) noexcept;
+  Phase phase() const noexcept { return phase_; }
+
+ private:
+  double uniform(double low, double high) noexcept;
+  void feel(const Vec3& p_WD, const Vec3& force_n) noexcept;
+  void enter(Phase phase) noexcept;
+  void choose_aim() noexcept;
+  bool move_towards(const Vec3& goal, double speed_m_per_s) noexcept;
+  void rub(const Vec3& p_WD, double turn_rad_per_s) noexcept;
+  void turn_tangent(double angle_rad) noexcept;
+  void tap(const Vec3& p_WD) noexcept;
+  void advance_phase(const Vec3& p_WD) noexcept;
+  HandIntention intention() noexcept;
+
+  Options options_;
+  std::mt19937_64 random_;
+  Phase phase_ = Phase::travel;
+  double phase_s_ = 0.0;
+  double phase_end_s_ = 0.0;
+  double total_s_ = 0.0;
+  Vec3 hand_m_;                          // the intention, moved on step by step
+  Vec3 aim_m_ = Vec3::Zero();            // where approach began or leave ends
+  Vec3 normal_ = Vec3::UnitZ();          // of the surface felt last
+  Vec3 tangent_ = Vec3::UnitX();
+  Vec3 felt_n_ = Vec3::Zero();           // force, low-passed as a hand does
+  Vec3 contact_m_ = Vec3::Zero();        // device point when last in contact
+  std::optional<Vec3> lead_m_;
+  double press_n_ = 1.0;
+  double rub_m_per_s_ = 0.08;
+  double turn_rad_per_s_ = 0.0;
+  double lost_s_ = 0.0;                  // since something was felt
+  double reach_m_ = 0.3;                 // how far from the middle it looks, share of the workspace
+  int taps_left_ = 0;
+  bool striking_ = false;
+  bool touched_ = false;                 // anything in this round
+};
+
+}  // namespace hapton

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "io_node/devices/device.h"
+
+namespace hapton {
+
+// The PHANToM Model A of the 1996 HP memo, "Hardware Description": work space 7.5 x 10.5 x 15 in, 1.9 lbf at most, positions to
+// 1/800 in, gimbals to 1/512 turn. The memo does not say which side of the work space is which: x (right) takes 10.5 in, y (up) 7.5
+// in, z (to the user) 15 in, centred on the origin.
+namespace model_a {
+
+constexpr double kInchM = 0.0254;
+constexpr double kPositionStepM = kInchM / 800.0;
+constexpr int kGimbalCounts = 512;
+constexpr double kMaxForceN = 1.9 * 4.4482216152605;
+
+// From nothing to everything in 4 ms, half of a quarter period at 30 Hz: faster than the mechanics pass force on.
+constexpr double kMaxSlewNPerS = kMaxForceN / 0.004;
+
+inline DeviceLimits limits() {
+  const Vec3 half = 0.5 * kInchM * Vec3(10.5, 7.5, 15.0);
+  return {kMaxForceN, kMaxSlewNPerS, 1000.0, -half, half};
+}
+
+}  // namespace model_a
+}  // namespace hapton

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+
+#include "io_node/devices/device.h"
+#include "io_node/devices/hand_script.h"
+#include "io_node/devices/stylus_dynamics.h"
+
+namespace hapton {
+
+// A PHANToM Model A (model_a.h) with a hand on it: 6 DOF in and 3 DOF out, force passed on up to 30 Hz. The three axes are alike and
+// independent (stylus_dynamics.h); gimbals carry no motor, so the stylus tilts as the hand wants. The hand follows a seeded script
+// (hand_script.h) or is led.
+// Time: the first read or write sets the device's zero; the trajectory depends on the forces and the times they were written,
+// not on how often the device is read. A pause of more than kLongestPauseNs is cut to it (a stopped process is no long flight).
+// RT: all but making one: bounded, about 2 us for each simulated millisecond.
+class SimulatedPhantom final : public Device {
+ public:
+  static constexpr std::int64_t kLongestPauseNs = 100'000'000;
+
+  struct Options {
+    std::uint64_t seed = 1;
+    StylusModel stylus;
+  };
+
+  explicit SimulatedPhantom(const Options& options);
+
+  std::string_view name() const noexcept override { return "simulated"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override;
+  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override;
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+
+  // What no program sees on a real device: for tests and plots.
+  Vec3 exact_position_m() const noexcept;
+  HandScript::Phase phase() const noexcept { return script_.phase(); }
+
+ private:
+  void advance_to(std::int64_t now_ns) noexcept;
+  void begin_hand_step() noexcept;
+
+  DeviceLimits limits_;
+  StylusDynamics dynamics_;
+  HandScript script_;
+  std::array<AxisState, 3> axes_;
+  Vec3 force_n_ = Vec3::Zero();
+  Vec3 hand_m_;                        // intention at device_ns_
+  Vec3 hand_m_per_s_ = Vec3::Zero();
+  Vec3 gimbal_rad_ = Vec3::Zero();
+  std::int64_t zero_ns_ = 0;           // host time of device time 0
+  std::int64_t device_ns_ = -1;        // device time reached; below 0: not begun
+};
+
+}  // namespace hapton
