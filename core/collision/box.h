@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// An axis-aligned box. Empty (nothing inside) until it is grown.
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+
+  void grow(const Vec3& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  Box inflated(double by) const { return {low.array() - by, high.array() + by}; }
+  bool overlaps(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+  Vec3 center() const { return 0.5 * (low + high); }
+  double diagonal() const { return (high - low).norm(); }
+
+  static Box around(const Vec3& p, const Vec3& q) { return {p.cwiseMin(q), p.cwiseMax(q)}; }
+};
+
+}  // namespace hapton

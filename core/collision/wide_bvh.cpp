@@ -1,0 +1,259 @@
+#include "core/collision/wide_bvh.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace hapton {
+namespace {
+
+struct FloatBox {
+  __m128 low = _mm_set1_ps(std::numeric_limits<float>::infinity());
+  __m128 high = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+
+  void grow(const FloatBox& other) {
+    low = _mm_min_ps(low, other.low);
+    high = _mm_max_ps(high, other.high);
+  }
+  float half_area() const {
+    alignas(16) std::array<float, 4> d;
+    _mm_store_ps(d.data(), _mm_sub_ps(high, low));
+    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
+  }
+};
+
+// An item's box; the item's number rides in the unused fourth lane of low.
+struct Item {
+  FloatBox box;
+  std::uint32_t id() const { return static_cast<std::uint32_t>(_mm_extract_epi32(_mm_castps_si128(box.low), 3)); }
+  __m128 twice_center() const { return _mm_add_ps(box.low, box.high); }
+};
+
+Item make_item(const Box& box, std::uint32_t id) {
+  Item item;
+  item.box.low = _mm_setr_ps(detail::round_down(box.low[0]), detail::round_down(box.low[1]), detail::round_down(box.low[2]), 0.0F);
+  item.box.high = _mm_setr_ps(detail::round_up(box.high[0]), detail::round_up(box.high[1]), detail::round_up(box.high[2]), 0.0F);
+  item.box.low = _mm_castsi128_ps(_mm_insert_epi32(_mm_castps_si128(item.box.low), static_cast<int>(id), 3));
+  return item;
+}
+
+// A run of items with its box and the box of its (doubled) centres.
+struct Range {
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+  FloatBox box;
+  FloatBox centers;
+  std::uint32_t size() const { return end - begin; }
+};
+
+constexpr int kBins = 16;
+
+}  // namespace
+
+struct WideBvh::Builder {
+  std::vector<Item> items;
+  std::vector<Node>& nodes;
+  int depth = 0;
+
+  Range range_of(std::uint32_t begin, std::uint32_t end) const {
+    Range range{begin, end, {}, {}};
+    for (std::uint32_t i = begin; i < end; ++i) {
+      range.box.grow(items[i].box);
+      const __m128 center = items[i].twice_center();
+      range.centers.grow({center, center});
+    }
+    return range;
+  }
+
+  // Splits at the middle of the item list: bounds the depth whatever the geometry.
+  std::pair<Range, Range> split_median(const Range& range, int axis) {
+    const std::uint32_t middle = range.begin + range.size() / 2;
+    std::nth_element(items.begin() + range.begin, items.begin() + middle, items.begin() + range.end, [axis](const Item& a, const Item& b) {
+      alignas(16) std::array<float, 4> ca;
+      alignas(16) std::array<float, 4> cb;
+      _mm_store_ps(ca.data(), a.twice_center());
+      _mm_store_ps(cb.data(), b.twice_center());
+      return ca[axis] < cb[axis];
+    });
+    return {range_of(range.begin, middle), range_of(middle, range.end)};
+  }
+
+  struct Bin {
+    FloatBox box;
+    FloatBox centers;
+    std::uint32_t count = 0;
+  };
+
+  std::pair<Range, Range> split(const Range& range, bool balanced) {
+    alignas(16) std::array<float, 4> low;
+    alignas(16) std::array<float, 4> extent;
+    _mm_store_ps(low.data(), range.centers.low);
+    _mm_store_ps(extent.data(), _mm_sub_ps(range.centers.high, range.centers.low));
+    const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
+    if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_median(range, widest);
+
+    // One pass bins all three axes.
+    std::array<float, 4> scale_lanes = {};
+    for (int k = 0; k < 3; ++k) scale_lanes[k] = extent[k] > 0.0F ? kBins * 0.999F / extent[k] : 0.0F;
+    const __m128 scale = _mm_loadu_ps(scale_lanes.data());
+    const __m128 base = range.centers.low;
+    const __m128i last = _mm_set1_epi32(kBins - 1);
+    const auto bins_of = [&](const __m128& center) {
+      return _mm_max_epi32(_mm_setzero_si128(), _mm_min_epi32(_mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(center, base), scale)), last));
+    };
+    std::array<std::array<Bin, kBins>, 3> bins;
+    const bool one_axis = range.size() > 4096;  // large runs: the widest axis is nearly always the best, and a third of the work
+    const int first_axis = one_axis ? widest : 0;
+    const int last_axis = one_axis ? widest : 2;
+    for (std::uint32_t i = range.begin; i < range.end; ++i) {
+      const __m128 center = items[i].twice_center();
+      alignas(16) std::array<std::int32_t, 4> b;
+      _mm_store_si128(reinterpret_cast<__m128i*>(b.data()), bins_of(center));
+      for (int k = first_axis; k <= last_axis; ++k) {
+        Bin& bin = bins[k][b[k]];
+        bin.box.grow(items[i].box);
+        bin.centers.grow({center, center});
+        ++bin.count;
+      }
+    }
+    float best_cost = std::numeric_limits<float>::infinity();
+    int best_axis = -1;
+    int best_bin = 0;
+    for (int k = first_axis; k <= last_axis; ++k) {
+      if (!(extent[k] > 0.0F)) continue;
+      std::array<float, kBins> right_cost = {};
+      FloatBox box;
+      std::uint32_t count = 0;
+      for (int b = kBins - 1; b > 0; --b) {
+        box.grow(bins[k][b].box);
+        count += bins[k][b].count;
+        right_cost[b] = count > 0 ? box.half_area() * static_cast<float>(count) : 0.0F;
+      }
+      box = {};
+      count = 0;
+      for (int b = 0; b + 1 < kBins; ++b) {
+        box.grow(bins[k][b].box);
+        count += bins[k][b].count;
+        if (count == 0 || count == range.size()) continue;
+        const float cost = box.half_area() * static_cast<float>(count) + right_cost[b + 1];
+        if (cost < best_cost) {
+          best_cost = cost;
+          best_axis = k;
+          best_bin = b;
+        }
+      }
+    }
+    if (best_axis < 0) return split_median(range, widest);
+    const auto middle = std::partition(items.begin() + range.begin, items.begin() + range.end, [&](const Item& item) {
+      alignas(16) std::array<std::int32_t, 4> b;
+      _mm_store_si128(reinterpret_cast<__m128i*>(b.data()), bins_of(item.twice_center()));
+      return b[best_axis] <= best_bin;
+    });
+    const auto at = static_cast<std::uint32_t>(middle - items.begin());
+    Range left{range.begin, at, {}, {}};
+    Range right{at, range.end, {}, {}};
+    for (int b = 0; b < kBins; ++b) {
+      Range& side = b <= best_bin ? left : right;
+      side.box.grow(bins[best_axis][b].box);
+      side.centers.grow(bins[best_axis][b].centers);
+    }
+    return {left, right};
+  }
+
+  void store_child(Node& node, int c, const FloatBox& box, std::uint32_t child) {
+    alignas(16) std::array<float, 4> low;
+    alignas(16) std::array<float, 4> high;
+    _mm_store_ps(low.data(), box.low);
+    _mm_store_ps(high.data(), box.high);
+    for (int k = 0; k < 3; ++k) {
+      node.low[k][c] = low[k];
+      node.high[k][c] = high[k];
+    }
+    node.child[c] = child;
+  }
+
+  // Builds the node of a run and returns its number. Splits the child with the largest expected cost until there are eight.
+  std::uint32_t build(const Range& range, int level) {
+    const auto index = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      nodes[index].low[k].fill(std::numeric_limits<float>::infinity());
+      nodes[index].high[k].fill(-std::numeric_limits<float>::infinity());
+    }
+    nodes[index].child.fill(0);
+    depth = std::max(depth, level);
+
+    if (range.size() <= kWidth) {
+      for (std::uint32_t i = range.begin; i < range.end; ++i) {
+        store_child(nodes[index], static_cast<int>(i - range.begin), items[i].box, items[i].id() | kItemBit);
+      }
+      return index;
+    }
+    // Below this level runs are halved by count: 13 halvings by eight cover 2^32 items, well inside kMaxDepth.
+    const bool balanced = level > kMaxDepth - 14;
+    std::array<Range, kWidth> parts;
+    parts[0] = range;
+    int count = 1;
+    while (count < kWidth) {
+      int largest = -1;
+      float cost = -1.0F;
+      for (int c = 0; c < count; ++c) {
+        if (parts[c].size() <= kWidth) continue;
+        const float part_cost = balanced ? static_cast<float>(parts[c].size()) : parts[c].box.half_area() * static_cast<float>(parts[c].size());
+        if (part_cost > cost) {
+          cost = part_cost;
+          largest = c;
+        }
+      }
+      if (largest < 0) break;
+      const auto [left, right] = split(parts[largest], balanced);
+      parts[largest] = left;
+      parts[count++] = right;
+    }
+    for (int c = 0; c < count; ++c) {
+      const std::uint32_t child =
+          parts[c].size() == 1 ? items[parts[c].begin].id() | kItemBit : build(parts[c], level + 1);
+      store_child(nodes[index], c, parts[c].box, child);
+    }
+    return index;
+  }
+};
+
+WideBvh::WideBvh(std::span<const Box> boxes) {
+  if (boxes.empty()) return;
+  Builder builder{.items = {}, .nodes = nodes_};
+  builder.items.reserve(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) builder.items.push_back(make_item(boxes[i], static_cast<std::uint32_t>(i)));
+  nodes_.reserve(boxes.size() / 4 + 1);
+  builder.build(builder.range_of(0, static_cast<std::uint32_t>(boxes.size())), 1);
+  nodes_.shrink_to_fit();
+  depth_ = builder.depth;
+}
+
+std::vector<std::uint32_t> WideBvh::items_in_tree_order() const {
+  std::vector<std::uint32_t> order;
+  std::vector<std::uint32_t> stack;
+  if (!nodes_.empty()) stack.push_back(0);
+  while (!stack.empty()) {
+    const std::uint32_t ref = stack.back();
+    stack.pop_back();
+    if ((ref & kItemBit) != 0) {
+      order.push_back(ref & ~kItemBit);
+      continue;
+    }
+    const Node& node = nodes_[ref];
+    for (int c = kWidth - 1; c >= 0; --c) {
+      if (node.low[0][c] <= node.high[0][c]) stack.push_back(node.child[c]);
+    }
+  }
+  return order;
+}
+
+void WideBvh::renumber_items(std::span<const std::uint32_t> renumbered) {
+  for (Node& node : nodes_) {
+    for (std::uint32_t& child : node.child) {
+      if ((child & kItemBit) != 0) child = renumbered[child & ~kItemBit] | kItemBit;
+    }
+  }
+}
+
+}  // namespace hapton

@@ -1,0 +1,167 @@
+#pragma once
+
+#ifndef __AVX2__
+#error "core/collision needs AVX2: configure with -DHAPTON_MARCH=x86-64-v3 or a newer CPU"
+#endif
+#include <immintrin.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/collision/box.h"
+
+namespace hapton {
+
+// A bounding volume tree of eight-wide nodes: one node's eight child boxes are tested by one run of vector instructions.
+// Children are nodes or single items (triangles). Boxes are single precision, rounded outward, relative to an origin that
+// the caller has subtracted already, so a query never misses what it touches.
+// The builder bounds the depth, hence the stack of a query: a query can neither allocate nor drop.
+// Threads: immutable after build, any number of readers. RT: queries yes, build set-up only.
+class WideBvh {
+ public:
+  static constexpr int kWidth = 8;
+  static constexpr int kMaxDepth = 40;
+  static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;
+
+  // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i].
+  explicit WideBvh(std::span<const Box> boxes);
+
+  // Calls visit(item) for every item whose box overlaps the query box; some items that only nearly overlap are visited too.
+  template <class Visit>
+  void for_each_overlapping(const Box& query, Visit&& visit) const;
+
+  // Calls visit(item, bound_squared) for items in roughly increasing distance from p, nearest boxes first, while a box may lie
+  // nearer than sqrt(bound_squared); visit returns the new bound_squared (never larger).
+  template <class Visit>
+  void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
+
+  // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
+  std::vector<std::uint32_t> items_in_tree_order() const;
+
+  std::size_t node_count() const { return nodes_.size(); }
+  std::size_t bytes() const { return nodes_.size() * sizeof(Node); }
+  int depth() const { return depth_; }
+
+  // Renumbers the items: new number of item i is renumbered[i].
+  void renumber_items(std::span<const std::uint32_t> renumbered);
+
+ private:
+  static constexpr std::uint32_t kItemBit = 0x80000000U;
+
+  // low is stored as it is and high too; an unused child has low > high, so nothing overlaps it.
+  struct alignas(32) Node {
+    std::array<std::array<float, kWidth>, 3> low;
+    std::array<std::array<float, kWidth>, 3> high;
+    std::array<std::uint32_t, kWidth> child;  // kItemBit set: an item; else a node
+  };
+
+  struct Builder;
+
+  std::vector<Node> nodes_;
+  int depth_ = 0;
+};
+
+namespace detail {
+
+// The nearest float not above / not below x.
+inline float round_down(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) <= x ? f : std::nextafterf(f, -std::numeric_limits<float>::infinity());
+}
+inline float round_up(double x) {
+  const auto f = static_cast<float>(x);
+  return static_cast<double>(f) >= x ? f : std::nextafterf(f, std::numeric_limits<float>::infinity());
+}
+
+}  // namespace detail
+
+template <class Visit>
+void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  __m256 low[3];
+  __m256 high[3];
+  for (int k = 0; k < 3; ++k) {
+    low[k] = _mm256_set1_ps(detail::round_down(query.low[k]));
+    high[k] = _mm256_set1_ps(detail::round_up(query.high[k]));
+  }
+  std::array<std::uint32_t, kMaxStack> stack;
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[stack[--top]];
+    __m256 hit = _mm256_cmp_ps(_mm256_load_ps(node.low[0].data()), high[0], _CMP_LE_OQ);
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(node.high[0].data()), low[0], _CMP_GE_OQ));
+    for (int k = 1; k < 3; ++k) {
+      hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(node.low[k].data()), high[k], _CMP_LE_OQ));
+      hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(node.high[k].data()), low[k], _CMP_GE_OQ));
+    }
+    for (auto mask = static_cast<unsigned>(_mm256_movemask_ps(hit)); mask != 0; mask &= mask - 1) {
+      const std::uint32_t child = node.child[std::countr_zero(mask)];
+      if ((child & kItemBit) != 0) {
+        visit(child & ~kItemBit);
+      } else {
+        stack[top++] = child;
+      }
+    }
+  }
+}
+
+template <class Visit>
+void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  // Distances are computed in single precision from a point rounded to float: kSlack keeps them lower bounds.
+  // Relative rounding of the subtraction, square and sum is below 8 units of 2^-24; the point's own rounding is below
+  // 2^-24 of its magnitude, subtracted from every distance.
+  constexpr float kSlack = 1.0F - 16.0F / 16777216.0F;
+  __m256 point[3];
+  float error = 0.0F;
+  for (int k = 0; k < 3; ++k) {
+    point[k] = _mm256_set1_ps(static_cast<float>(p[k]));
+    error = std::max(error, detail::round_up(std::abs(p[k]) / 8388608.0));
+  }
+  const __m256 error_8 = _mm256_set1_ps(error);
+  const __m256 zero = _mm256_setzero_ps();
+  struct Entry {
+    std::uint32_t child;
+    float distance_squared;
+  };
+  std::array<Entry, kMaxStack> stack;
+  int top = 0;
+  stack[top++] = {0, 0.0F};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (static_cast<double>(entry.distance_squared) >= bound_squared) continue;
+    if ((entry.child & kItemBit) != 0) {
+      bound_squared = visit(entry.child & ~kItemBit, bound_squared);
+      continue;
+    }
+    const Node& node = nodes_[entry.child];
+    __m256 sum = zero;
+    for (int k = 0; k < 3; ++k) {
+      const __m256 below = _mm256_sub_ps(_mm256_load_ps(node.low[k].data()), point[k]);
+      const __m256 above = _mm256_sub_ps(point[k], _mm256_load_ps(node.high[k].data()));
+      const __m256 outside = _mm256_max_ps(_mm256_sub_ps(_mm256_max_ps(below, above), error_8), zero);
+      sum = _mm256_add_ps(sum, _mm256_mul_ps(outside, outside));
+    }
+    sum = _mm256_mul_ps(sum, _mm256_set1_ps(kSlack));
+    const __m256 bound = _mm256_set1_ps(detail::round_up(bound_squared));
+    auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(sum, bound, _CMP_LT_OQ)));
+    alignas(32) std::array<float, kWidth> distance;
+    _mm256_store_ps(distance.data(), sum);
+    const int first = top;
+    for (; mask != 0; mask &= mask - 1) {  // insertion by distance: the nearest ends on top
+      const int c = std::countr_zero(mask);
+      const Entry next = {node.child[c], distance[c]};
+      int at = top++;
+      for (; at > first && stack[at - 1].distance_squared < next.distance_squared; --at) stack[at] = stack[at - 1];
+      stack[at] = next;
+    }
+  }
+}
+
+}  // namespace hapton

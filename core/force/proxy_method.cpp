@@ -1,0 +1,258 @@
+#include "core/force/proxy_method.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+
+Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
+}
+
+namespace {
+
+std::vector<const TriangleMesh*> meshes_of(const TouchScene& scene) {
+  std::vector<const TriangleMesh*> meshes;
+  for (const TouchObject& object : scene.objects) meshes.push_back(object.mesh.get());
+  return meshes;
+}
+
+}  // namespace
+
+ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene)) {
+  for (const TouchObject& object : scene.objects) {
+    surfaces_.push_back({object.material});
+    has_one_sided_ |= !object.material.two_sided;
+    has_friction_ |= object.material.friction_static > 0.0;
+  }
+  // hover: 2^20 times the rounding of local coordinates, so distances of this size keep six digits; and far below what is felt
+  // (1e-10 m on a 100 mm scene).
+  const double hover = geometry_.extent() * 0x1p-30;
+  clearance_.rest = settings.probe_radius_m + hover;
+  clearance_.slack = 0.25 * hover;
+}
+
+const Material& ProxyMethod::touched_material() const noexcept {
+  return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0].material;
+}
+
+bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcept {
+  if (!has_one_sided_ || surfaces_[geometry_.mesh_of(triangle)].material.two_sided) return true;
+  const Vec3& a = geometry_.corner(triangle, 0);
+  return accurate_cross(geometry_.corner(triangle, 1) - a, geometry_.corner(triangle, 2) - a).dot(p - a) > 0.0;
+}
+
+void ProxyMethod::reset(const Vec3& p_SD) noexcept {
+  placed_ = p_SD.allFinite();
+  settle_at(p_SD - geometry_.origin());
+  last_device_ = proxy_;
+  empty_radius_squared_ = 0.0;
+  empty_retry_ = 0.0;
+}
+
+void ProxyMethod::settle_at(const Vec3& p) noexcept {
+  proxy_ = p;
+  free_ = true;
+  sliding_ = false;
+  touching_count_ = 0;
+}
+
+MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
+  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = proxy_ + geometry_.origin(), .contact = false};
+  ++counters_.steps;
+  const Vec3 device = input.p_SD - geometry_.origin();
+  if (free_ && (device - empty_center_).squaredNorm() < empty_radius_squared_) {
+    ++counters_.skipped;
+    proxy_ = device;
+    last_device_ = device;
+    return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+  }
+  if (!placed_) reset(input.p_SD);
+  const Vec3 velocity = (device - last_device_) / (input.dt_s > 0.0 ? input.dt_s : 1.0);
+  stride_ = (device - last_device_).norm();
+  last_device_ = device;
+  if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_);
+  empty_retry_ -= stride_;
+
+  solve(device);
+  if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+
+  ++counters_.contact_steps;
+  const Material& material = touched_material();
+  const Vec3 stretch = proxy_ - device;
+  MethodOutput output;
+  output.p_SP = proxy_ + geometry_.origin();
+  output.force_n = material.stiffness_n_per_m * stretch;
+  const double length = stretch.norm();
+  if (material.damping_ns_per_m > 0.0 && length > 0.0) {  // along the stretch, never pulling in
+    const double pull = material.damping_ns_per_m * velocity.dot(stretch) / length;
+    output.force_n -= std::min(pull, output.force_n.norm()) * stretch / length;
+  }
+  output.contact = length > 0.0;
+  return output;
+}
+
+// Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
+void ProxyMethod::solve(const Vec3& device) noexcept {
+  const double rest_of_motion = 0.5 * clearance_.slack;  // shorter motions are below the clearance's own slack
+  bool tipped = false;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    const Vec3 wish = device - proxy_;
+    if (touching_count_ == 0) {
+      if (!advance(wish)) {
+        settle_at(device);
+        return;
+      }
+      free_ = false;
+      continue;
+    }
+    ++counters_.iterations;
+    const ConstrainedMotion constrained = next_motion(wish);
+    const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
+    if (motion.squaredNorm() <= rest_of_motion * rest_of_motion) {
+      if (constrained.active_count == 1) std::swap(touching_[0], touching_[constrained.active[0]]);
+      if (constrained.active_count == 1 && !tipped && tip_over(device)) {
+        tipped = true;
+        continue;
+      }
+      return;
+    }
+    if (!advance(motion) && constrained.active_count == 0) {
+      settle_at(device);
+      return;
+    }
+  }
+  ++counters_.unconverged;
+}
+
+ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) const noexcept {
+  std::array<ContactPlane, kMaxTouching> planes;
+  for (int i = 0; i < touching_count_; ++i) {
+    const Separation& s = touching_[i].separation;
+    planes[i] = {s.normal, clearance_.rest - s.distance};
+  }
+  return constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_count_)));
+}
+
+// Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.
+Vec3 ProxyMethod::rub(const Vec3& wish, const Vec3& motion) noexcept {
+  const Material& material = touched_material();
+  const double depth = (wish - motion).norm();
+  const double way = motion.norm();
+  const double hold = (sliding_ ? material.friction_dynamic : material.friction_static) * depth;
+  if (way <= hold + clearance_.slack) {
+    if (way < 0.5 * material.friction_dynamic * depth) sliding_ = false;
+    return Vec3::Zero();
+  }
+  sliding_ = true;
+  return motion * (1.0 - material.friction_dynamic * depth / way);
+}
+
+// A proxy balanced on the very tip of a vertex or ridge with the device on the far side stands on a maximum, not a minimum: push it
+// off, towards the inside of the triangle it touches, by less than the clearance's slack.
+bool ProxyMethod::tip_over(const Vec3& device) noexcept {
+  const Touch& touch = touching_[0];
+  if (touch.separation.feature == Feature::face) return false;
+  if ((device - touch.separation.nearest).dot(touch.separation.normal) >= 0.0) return false;
+  const Vec3 center = (geometry_.corner(touch.triangle, 0) + geometry_.corner(touch.triangle, 1) + geometry_.corner(touch.triangle, 2)) / 3.0;
+  Vec3 inward = center - touch.separation.nearest;
+  inward -= inward.dot(touch.separation.normal) * touch.separation.normal;
+  const double length = inward.norm();
+  if (!(length > 0.0)) return false;
+  return advance(inward * (clearance_.slack / length)) || true;
+}
+
+// Moves the proxy along `motion` until something blocks it; true when blocked. Afterwards touching_ holds what it touches.
+bool ProxyMethod::advance(const Vec3& motion) noexcept {
+  const double t = sweep(proxy_, motion);
+  const bool blocked = t <= 1.0;
+  proxy_ += (blocked ? t : 1.0) * motion;
+  keep_touching();
+  return blocked;
+}
+
+// The first time a moving proxy must stop, > 1 for never. Long ways are searched in pieces that grow, because what
+// blocks is mostly near the start.
+double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
+  ++counters_.sweeps;
+  blocker_count_ = 0;
+  const double length = motion.norm();
+  double piece = 2.0 * stride_ + clearance_.rest;
+  double done = 0.0;
+  while (done < 1.0) {
+    double end = length > 0.0 ? done + piece / length : 1.0;
+    if (!(end < 1.0)) end = 1.0;
+    const Box way = Box::around(from + done * motion, from + end * motion).inflated(clearance_.rest);
+    double first = 2.0;
+    std::array<double, kMaxTouching> times;
+    geometry_.tree().for_each_overlapping(way, [&](std::uint32_t triangle) {
+      ++counters_.tests;
+      const double t = time_to_block(geometry_, triangle, from, motion, clearance_);
+      if (t > 1.0 || !can_touch(triangle, from)) return;
+      first = std::min(first, t);
+      if (blocker_count_ < kMaxTouching) {
+        times[blocker_count_] = t;
+        blockers_[blocker_count_++] = triangle;
+      } else {  // full: the latest hit gives way
+        const auto latest = std::max_element(times.begin(), times.end());
+        if (t < *latest) {
+          blockers_[latest - times.begin()] = triangle;
+          *latest = t;
+        }
+      }
+    });
+    if (first <= end) return first;
+    blocker_count_ = 0;
+    done = end;
+    piece *= 4.0;
+  }
+  return 2.0;
+}
+
+// After a motion: keeps what is still touched, adds what stopped it.
+void ProxyMethod::keep_touching() noexcept {
+  const double reach = clearance_.rest + clearance_.slack;
+  int kept = 0;
+  for (int i = 0; i < touching_count_; ++i) {
+    const Separation s = geometry_.separation(touching_[i].triangle, proxy_);
+    if (s.distance <= reach) touching_[kept++] = {touching_[i].triangle, s};
+  }
+  for (int b = 0; b < blocker_count_ && kept < kMaxTouching; ++b) {
+    const auto known = std::find_if(touching_.begin(), touching_.begin() + kept, [&](const Touch& t) { return t.triangle == blockers_[b]; });
+    if (known != touching_.begin() + kept) continue;
+    const Separation s = geometry_.separation(blockers_[b], proxy_);
+    if (s.distance <= reach) touching_[kept++] = {blockers_[b], s};
+  }
+  touching_count_ = kept;
+}
+
+// A ball round the device with no triangle in it: while the device stays inside, a step is one comparison. The search is no
+// wider than 64 strides, and is not repeated before a part of what it found has been travelled.
+void ProxyMethod::find_empty_ball(const Vec3& device) noexcept {
+  const double widest = 64.0 * stride_ + 4.0 * clearance_.rest;
+  double nearest_squared = widest * widest;
+  geometry_.tree().visit_nearest(device, nearest_squared, [&](std::uint32_t triangle, double bound) {
+    const double d = geometry_.separation(triangle, device).distance;
+    nearest_squared = std::min(bound, d * d);
+    return nearest_squared;
+  });
+  const double radius = std::sqrt(nearest_squared) * (1.0 - 0x1p-40) - clearance_.rest;
+  empty_center_ = device;
+  empty_radius_squared_ = radius > 0.0 ? radius * radius : 0.0;
+  empty_retry_ = std::max(0.25 * std::sqrt(empty_radius_squared_), 4.0 * stride_);
+}
+
+std::string ProxyMethod::describe() const {
+  const auto n = static_cast<double>(std::max<std::uint64_t>(counters_.steps, 1));
+  const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
+  return fmt::format(
+      "proxy: {} triangles, tree of {} nodes, depth {}, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
+      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests a step; "
+      "{} unconverged\n",
+      geometry_.triangle_count(), geometry_.tree().node_count(), geometry_.tree().depth(), static_cast<double>(geometry_.bytes()) * 1e-6,
+      clearance_.rest - 4.0 * clearance_.slack, 4.0 * clearance_.slack, counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
+      counters_.contact_steps, static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c,
+      static_cast<double>(counters_.tests) / c, counters_.unconverged);
+}
+
+}  // namespace hapton

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "core/collision/swept_sphere.h"
+#include "core/force/contact_qp.h"
+#include "core/force/force_method.h"
+
+namespace hapton {
+
+// What the proxy did since the last reset of the counters. Steps unless named.
+struct ProxyCounters {
+  std::uint64_t steps = 0;
+  std::uint64_t skipped = 0;        // free-space steps settled by the empty ball alone
+  std::uint64_t contact_steps = 0;
+  std::uint64_t iterations = 0;     // constrained motions in contact steps
+  std::uint64_t sweeps = 0;         // continuous collision queries
+  std::uint64_t tests = 0;          // triangle against moving sphere
+  std::uint64_t unconverged = 0;    // stopped by the iteration bound: a valid proxy, short of the minimum
+};
+
+// The god-object (point probe) and sphere probe done to convergence: in every step the proxy moves, never crossing a surface, to
+// the constrained local minimum of its distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997; we differ in
+// continuous motion against the triangles themselves, exact active sets, and iteration to convergence within the step).
+//
+// A point probe is a sphere of radius hover = 2^-30 of the scene's extent. Distances decide, never signs of volumes: the proxy's
+// distance to every triangle stays above hover / 2 along its whole way, so edges, vertices and cracks narrower than hover are as
+// tight as faces, and both sides of a sheet are the same.
+//
+// Force = stiffness * (proxy - device), less damping * normal velocity; Coulomb friction holds the proxy back inside its cone.
+// Frame: S. RT: step and reset yes.
+class ProxyMethod final : public ForceMethod {
+ public:
+  static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
+
+  MethodOutput step(const MethodInput& input) noexcept override;
+  void reset(const Vec3& p_SD) noexcept override;
+  std::string describe() const override;
+
+  const ProxyCounters& counters() const { return counters_; }
+  const TouchGeometry& geometry() const { return geometry_; }
+  const Clearance& clearance() const { return clearance_; }
+
+ private:
+  static constexpr int kMaxTouching = 32;
+  static constexpr int kMaxIterations = 64;
+
+  struct Touch {
+    std::uint32_t triangle = 0;
+    Separation separation;
+  };
+  struct Surface {
+    Material material;
+  };
+
+  ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
+
+  void solve(const Vec3& device) noexcept;
+  ConstrainedMotion next_motion(const Vec3& wish) const noexcept;
+  Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
+  bool tip_over(const Vec3& device) noexcept;
+  bool advance(const Vec3& motion) noexcept;
+  double sweep(const Vec3& from, const Vec3& motion) noexcept;
+  void settle_at(const Vec3& p) noexcept;
+  void keep_touching() noexcept;
+  void find_empty_ball(const Vec3& device) noexcept;
+  const Material& touched_material() const noexcept;
+  bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
+
+  TouchGeometry geometry_;
+  std::vector<Surface> surfaces_;
+  Clearance clearance_;
+  bool has_one_sided_ = false;
+  bool has_friction_ = false;
+
+  Vec3 proxy_ = Vec3::Zero();        // local
+  Vec3 last_device_ = Vec3::Zero();  // local
+  bool free_ = true;                 // proxy is the device point
+  bool placed_ = false;              // a first sample has come
+  bool sliding_ = false;             // Coulomb state
+  double stride_ = 0.0;              // how far the device moved in this step
+  Vec3 empty_center_ = Vec3::Zero();
+  double empty_radius_squared_ = 0.0;  // no triangle is within this of empty_center_ plus the probe's rest distance
+  double empty_retry_ = 0.0;           // travel before the next search for an empty ball is worth its cost
+
+  std::array<Touch, kMaxTouching> touching_;
+  int touching_count_ = 0;
+  std::array<std::uint32_t, kMaxTouching> blockers_;  // triangles that stopped the last sweep
+  int blocker_count_ = 0;
+  ProxyCounters counters_;
+};
+
+}  // namespace hapton
