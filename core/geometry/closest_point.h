@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// The part of a triangle a point is nearest to. Edge k runs from corner k to corner (k + 1) mod 3.
+enum class TriangleFeature : std::uint8_t { kFace, kEdge0, kEdge1, kEdge2, kVertex0, kVertex1, kVertex2 };
+
+inline bool is_edge(TriangleFeature feature) { return feature >= TriangleFeature::kEdge0 && feature <= TriangleFeature::kEdge2; }
+inline bool is_vertex(TriangleFeature feature) { return feature >= TriangleFeature::kVertex0; }
+
+// A triangle ready to be asked for distances: corners, unit normal and inward edge directions.
+// Any triangle is allowed: needles, caps, zero area, three equal corners. A triangle of exactly zero area has no face, only its edges.
+// Pre: finite corners whose squared lengths neither overflow nor vanish in double. RT: yes.
+struct PreparedTriangle {
+  PreparedTriangle() = default;
+  PreparedTriangle(const Vec3& a, const Vec3& b, const Vec3& c);
+
+  std::array<Vec3, 3> corner;
+  std::array<Vec3, 3> edge;    // corner k to corner k + 1
+  std::array<Vec3, 3> inward;  // normal x edge: in the plane, away from edge k into the triangle
+  Vec3 normal = Vec3::Zero();  // unit, counter-clockwise side; zero when has_face is false
+  int base = 0;                // the longest edge: the normal is exact about it, so plane distances are taken from its corner
+  bool has_face = false;
+};
+
+// Where a triangle is nearest to a point.
+struct ClosestPoint {
+  Vec3 point = Vec3::Zero();        // on the triangle
+  Vec3 direction = Vec3::Zero();    // unit, from the triangle to the query point; on a face its normal, signed; zero when not defined
+  Vec3 barycentric = Vec3::Zero();  // weights of the corners, each in [0, 1], sum 1
+  double distance = 0.0;
+  TriangleFeature feature = TriangleFeature::kVertex0;
+};
+
+// The point of the triangle nearest to p, to a few roundings of the larger of |p - corner| and the longest edge, whatever the triangle's shape.
+// An edge or a corner shared by two triangles gives bit-equal answers from both. A distance of zero on an edge or a corner has no direction.
+// RT: yes. Source: the region tests of Ericson, Real-Time Collision Detection (2005), 5.1.5; we differ in taking each region by
+// its own well-conditioned formula instead of one set of barycentric products, which lose all digits on needles.
+ClosestPoint closest_point(const PreparedTriangle& triangle, const Vec3& p);
+
+inline ClosestPoint closest_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  return closest_point(PreparedTriangle(a, b, c), p);
+}
+
+}  // namespace hapton

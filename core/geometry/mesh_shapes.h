@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// Meshes made by rule: pure functions of their arguments, centred on the origin unless said otherwise, normals outwards, vertices
+// welded. All are closed except make_plane_grid. RT: set-up only. Pre: positive sizes and counts.
+
+// Icosahedron subdivided level times: 20 * 4^level triangles, every vertex on the sphere.
+TriangleMesh make_icosphere(double radius_m, int level);
+
+// Box with cells x cells squares of two triangles a side.
+TriangleMesh make_box(const Vec3& size_m, int cells = 1);
+
+// Prism over a regular polygon with its corners on the circle, axis z, capped by fans around the axis.
+TriangleMesh make_cylinder(double radius_m, double height_m, int sides, int layers = 1);
+
+// Torus about z, vertices on the exact surface: around the axis and around the tube.
+TriangleMesh make_torus(double ring_radius_m, double tube_radius_m, int around_axis, int around_tube);
+
+// Open square sheet in z = 0, normal +z, cells x cells squares.
+TriangleMesh make_plane_grid(double side_m, int cells);
+
+// Icosphere of the least level with at least min_triangles, its radius modulated by seeded smooth waves of the given relative height.
+// 1,000,000 gives 1,310,720 triangles.
+TriangleMesh make_bumpy_sphere(double radius_m, double relative_height, std::size_t min_triangles, std::uint64_t seed);
+
+// A closed plate in the x-y plane, thin along z.
+TriangleMesh make_thin_wall(double side_m, double thickness_m, int cells);
+
+// Prism over a simple counter-clockwise polygon in x-y, extruded along z over length_m in the given layers. Caps by ear clipping.
+TriangleMesh make_prism(const std::vector<Eigen::Vector2d>& outline_m, double length_m, int layers);
+
+// A block of side_m with a V groove along z in its top (+y) face: opening_rad is the angle between the walls.
+TriangleMesh make_gutter(double side_m, double depth_m, double opening_rad, int layers);
+
+// A block of side_m whose top is a flight of equal steps rising along x.
+TriangleMesh make_staircase(double side_m, int steps, int layers);
+
+// A square pyramid standing upside down in a block: four walls meeting in a concave apex below the open top (+z).
+TriangleMesh make_pit(double side_m, double depth_m);
+
+// The same mesh with every triangle turned over.
+TriangleMesh flipped(TriangleMesh mesh);
+
+// The same mesh scaled about the origin, then moved.
+TriangleMesh scaled_and_moved(TriangleMesh mesh, double scale, const Vec3& move_m);
+
+// Both meshes as one; vertices are not welded.
+TriangleMesh joined(const TriangleMesh& first, const TriangleMesh& second);
+
+}  // namespace hapton

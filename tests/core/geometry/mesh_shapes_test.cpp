@@ -1,0 +1,82 @@
+#include "core/geometry/mesh_shapes.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+#include "core/geometry/mesh_measures.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+void expect_closed_with_volume(const TriangleMesh& mesh, double volume, double relative) {
+  const EdgeCensus census = count_edges(mesh);
+  EXPECT_TRUE(census.closed()) << census.border << " border, " << census.non_manifold << " non-manifold, " << census.inconsistent << " inconsistent";
+  EXPECT_NEAR(compute_volume(mesh), volume, relative * volume);
+}
+
+TEST(MeshShapes, IcosphereIsClosedRoundAndOfKnownCount) {
+  const TriangleMesh mesh = make_icosphere(0.05, 5);
+  EXPECT_EQ(mesh.triangles.size(), 20480u);
+  for (const Vec3& vertex : mesh.vertices) EXPECT_NEAR(vertex.norm(), 0.05, 1e-16);
+  expect_closed_with_volume(mesh, 4.0 / 3.0 * kPi * std::pow(0.05, 3), 2e-3);
+  EXPECT_LT(compute_volume(mesh), 4.0 / 3.0 * kPi * std::pow(0.05, 3));
+}
+
+TEST(MeshShapes, BoxVolumeAndAreaAreExact) {
+  for (int cells : {1, 3}) {
+    const TriangleMesh mesh = make_box(Vec3(1.0, 2.0, 3.0), cells);
+    EXPECT_EQ(mesh.triangles.size(), 12u * cells * cells);
+    expect_closed_with_volume(mesh, 6.0, 1e-14);
+    EXPECT_NEAR(compute_area(mesh), 22.0, 1e-12);
+  }
+}
+
+TEST(MeshShapes, CylinderIsThePrismOverItsPolygon) {
+  const int sides = 40;
+  expect_closed_with_volume(make_cylinder(0.5, 2.0, sides, 3), 2.0 * 0.5 * sides * 0.25 * std::sin(2.0 * kPi / sides), 1e-13);
+}
+
+TEST(MeshShapes, TorusIsClosed) { expect_closed_with_volume(make_torus(1.0, 0.3, 200, 80), 2.0 * kPi * kPi * 0.09, 3e-3); }
+
+TEST(MeshShapes, PlaneGridIsOpenAndFacesUp) {
+  const TriangleMesh mesh = make_plane_grid(2.0, 4);
+  EXPECT_EQ(count_edges(mesh).border, 16u);
+  EXPECT_EQ(count_edges(mesh).inconsistent, 0u);
+  EXPECT_NEAR(compute_area(mesh), 4.0, 1e-14);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    EXPECT_GT((mesh.corner(i, 1) - mesh.corner(i, 0)).cross(mesh.corner(i, 2) - mesh.corner(i, 0)).z(), 0.0);
+  }
+}
+
+TEST(MeshShapes, BumpySphereTakesItsSeedAndItsCount) {
+  const TriangleMesh one = make_bumpy_sphere(0.05, 0.2, 5000, 1);
+  const TriangleMesh same = make_bumpy_sphere(0.05, 0.2, 5000, 1);
+  const TriangleMesh other = make_bumpy_sphere(0.05, 0.2, 5000, 2);
+  EXPECT_EQ(one.triangles.size(), 5120u);
+  EXPECT_TRUE(count_edges(one).closed());
+  EXPECT_GT(compute_volume(one), 0.0);
+  EXPECT_EQ(one.vertices, same.vertices);
+  EXPECT_NE(one.vertices, other.vertices);
+}
+
+TEST(MeshShapes, PrismsOverConcaveOutlinesAreClosed) {
+  const double groove = 0.2 * 0.2 * std::tan(0.25);
+  expect_closed_with_volume(make_gutter(1.0, 0.2, 0.5, 3), 1.0 - groove, 1e-12);
+  expect_closed_with_volume(make_staircase(1.0, 4, 2), 0.5 + 0.5 / 4, 1e-12);
+  expect_closed_with_volume(make_pit(1.0, 0.3), 1.0 - 0.8 * 0.8 * 0.3 / 3.0, 1e-12);
+  expect_closed_with_volume(make_thin_wall(1.0, 1e-3, 2), 1e-3, 1e-12);
+}
+
+TEST(MeshShapes, FlippedHasNegativeVolumeAndJoinedAddsUp) {
+  const TriangleMesh box = make_box(Vec3::Ones());
+  EXPECT_NEAR(compute_volume(flipped(box)), -1.0, 1e-14);
+  const TriangleMesh both = joined(box, scaled_and_moved(box, 2.0, Vec3(5.0, 0.0, 0.0)));
+  EXPECT_NEAR(compute_volume(both), 9.0, 1e-12);
+  EXPECT_TRUE(count_edges(both).closed());
+}
+
+}  // namespace
+}  // namespace hapton
