@@ -1,0 +1,200 @@
+#include "link/hub_peers.h"
+
+#include <algorithm>
+
+#include "link/random_id.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kNowhere = HubPeers::kCapacity;
+
+bool may_send(NodeRole role, const Message& message) {
+  if (role == NodeRole::haptics) {
+    return std::holds_alternative<ForceCommand>(message);
+  }
+  return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<Drawn>(message) ||
+         std::holds_alternative<HandTarget>(message) || std::holds_alternative<Settings>(message);
+}
+
+}  // namespace
+
+HubPeers::HubPeers(Endpoint& endpoint, const Clock& clock, std::uint64_t session, double servo_rate_hz)
+    : endpoint_(endpoint), clock_(clock), session_(session), sender_(make_random_id()), servo_rate_hz_(servo_rate_hz) {}
+
+HubPeers::~HubPeers() {
+  for (std::size_t place = 0; place < kCapacity; ++place) {
+    if (peers_[place].present) {
+      send_to(place, Bye{});
+    }
+  }
+}
+
+PeerEvent HubPeers::receive(Datagram& datagram, std::int64_t deadline_ns) noexcept {
+  if (const PeerEvent silent = drop_silent(clock_.now_ns()); silent.kind != PeerEvent::Kind::none) {
+    return silent;
+  }
+  const Received received = endpoint_.receive(buffer_, deadline_ns);
+  if (received.bytes == 0) {
+    return {};
+  }
+  return handle_datagram(std::span(buffer_).first(received.bytes), received.from, clock_.now_ns(), datagram);
+}
+
+PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns,
+                                    Datagram& datagram) noexcept {
+  ++counts_.received;
+  const DecodeStatus status = codec_.decode(bytes, datagram);
+  if (status != DecodeStatus::ok) {
+    ++counts_.undecodable;
+    counts_.wrong_version += status == DecodeStatus::wrong_version ? 1 : 0;
+    return {};
+  }
+  if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
+    return welcome(datagram.header, hello->role, from, now_ns);
+  }
+  return accept_message(datagram, from, now_ns);
+}
+
+PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns) noexcept {
+  if (datagram.header.session != session_) {
+    ++counts_.other_session;
+    return {};
+  }
+  const std::size_t place = find(datagram.header.sender);
+  if (place == kNowhere || peers_[place].address != from) {
+    ++counts_.strangers;
+    return {};
+  }
+  Peer& peer = peers_[place];
+  const Arrival arrival = peer.tracker.track(datagram.header.sender, datagram.header.sequence);
+  if (arrival == Arrival::duplicate || arrival == Arrival::stale) {
+    return {};
+  }
+  peer.last_heard_ns = now_ns;
+  if (std::holds_alternative<Bye>(datagram.message)) {
+    return leave(place, now_ns);
+  }
+  if (!may_send(peer.role, datagram.message)) {
+    ++counts_.misplaced;
+    return {};
+  }
+  return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = place, .arrival = arrival, .receive_time_ns = now_ns};
+}
+
+PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
+  if (role == NodeRole::io || header.sender == 0) {
+    ++counts_.strangers;
+    return {};
+  }
+  const std::size_t known = find(header.sender);
+  if (known == kNowhere) {
+    const std::size_t place = find_place(role, from, now_ns);
+    return place == kNowhere ? refuse(from, role, now_ns) : join(place, header, role, from, now_ns);
+  }
+  Peer& peer = peers_[known];
+  if (peer.address != from || peer.role != role) {
+    ++counts_.strangers;
+    return {};
+  }
+  peer.tracker.track(header.sender, header.sequence);
+  peer.last_heard_ns = now_ns;
+  send_to(known, Welcome{true, servo_rate_hz_});
+  return {};
+}
+
+PeerEvent HubPeers::refuse(const Address& to, NodeRole role, std::int64_t now_ns) noexcept {
+  ++counts_.refusals;
+  transmit(to, ++refusal_sequence_, Welcome{false, servo_rate_hz_}, now_ns);
+  return {.kind = PeerEvent::Kind::refused, .role = role, .peer = kNowhere, .receive_time_ns = now_ns};
+}
+
+PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from,
+                         std::int64_t now_ns) noexcept {
+  Peer& peer = peers_[place];
+  const bool replaced = peer.present;
+  peer = Peer();
+  peer.present = true;
+  peer.role = role;
+  peer.address = from;
+  peer.sender = header.sender;
+  peer.joined_ns = now_ns;
+  peer.last_heard_ns = now_ns;
+  peer.tracker.track(header.sender, header.sequence);
+  send_to(place, Welcome{true, servo_rate_hz_});
+  return {.kind = PeerEvent::Kind::joined, .role = role, .peer = place, .replaced = replaced, .receive_time_ns = now_ns};
+}
+
+PeerEvent HubPeers::leave(std::size_t place, std::int64_t now_ns) noexcept {
+  peers_[place].present = false;
+  return {.kind = PeerEvent::Kind::left, .role = peers_[place].role, .peer = place, .receive_time_ns = now_ns};
+}
+
+PeerEvent HubPeers::drop_silent(std::int64_t now_ns) noexcept {
+  for (std::size_t place = 0; place < kCapacity; ++place) {
+    if (peers_[place].present && now_ns - peers_[place].last_heard_ns > kSilenceNs) {
+      ++counts_.timeouts;
+      return leave(place, now_ns);
+    }
+  }
+  return {};
+}
+
+std::size_t HubPeers::find(std::uint64_t sender) const noexcept {
+  const auto found = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.present && p.sender == sender; });
+  return static_cast<std::size_t>(found - peers_.begin());
+}
+
+std::size_t HubPeers::find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept {
+  if (role == NodeRole::haptics) {
+    const Peer& holder = peers_[kHapticsPlace];
+    // Two living processes cannot share an address: one that comes from the holder's is its successor.
+    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_heard_ns > kHapticsSilenceNs;
+    return is_free ? kHapticsPlace : kNowhere;
+  }
+  std::size_t free_place = kNowhere;
+  for (std::size_t place = kHapticsPlace + 1; place < kCapacity; ++place) {
+    if (peers_[place].present && peers_[place].address == from) {
+      return place;
+    }
+    if (!peers_[place].present && free_place == kNowhere) {
+      free_place = place;
+    }
+  }
+  return free_place;
+}
+
+std::size_t HubPeers::send_to_role(NodeRole role, const Message& message) noexcept {
+  std::size_t reached = 0;
+  for (std::size_t place = 0; place < kCapacity; ++place) {
+    if (peers_[place].present && peers_[place].role == role && send_to(place, message)) {
+      ++reached;
+    }
+  }
+  return reached;
+}
+
+bool HubPeers::send_to(std::size_t place, const Message& message) noexcept {
+  if (place >= kCapacity || !peers_[place].present) {
+    return false;
+  }
+  Peer& peer = peers_[place];
+  const bool sent = transmit(peer.address, ++peer.sent, message, clock_.now_ns());
+  peer.send_failures += sent ? 0 : 1;
+  return sent;
+}
+
+bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message& message, std::int64_t now_ns) noexcept {
+  outgoing_.header = {.session = session_, .sender = sender_, .sequence = sequence, .send_time_ns = now_ns};
+  outgoing_.message = message;
+  std::array<std::byte, kMaxDatagramBytes> bytes;
+  const std::size_t size = codec_.encode(outgoing_, bytes);
+  return size != 0 && endpoint_.send(to, std::span(bytes).first(size));
+}
+
+std::size_t HubPeers::count(NodeRole role) const noexcept {
+  return static_cast<std::size_t>(
+      std::count_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.present && p.role == role; }));
+}
+
+}  // namespace hapton

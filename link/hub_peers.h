@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "link/codec.h"
+#include "link/endpoint.h"
+#include "link/messages.h"
+#include "link/sequence_tracker.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// One node that has joined the hub.
+struct Peer {
+  bool present = false;
+  NodeRole role = NodeRole::tool;
+  Address address;
+  std::uint64_t sender = 0;          // its Header::sender
+  std::int64_t joined_ns = 0;
+  std::int64_t last_heard_ns = 0;    // hub's clock
+  std::uint64_t sent = 0;            // datagrams to it: the last sequence number used
+  std::uint64_t send_failures = 0;
+  SequenceTracker tracker;           // of what comes from it
+};
+
+struct PeerEvent {
+  enum class Kind : std::uint8_t {
+    none,     // nothing came, or what came was only counted (heartbeat, stranger, rubbish)
+    message,  // `datagram` holds a message of `peer`
+    joined,   // a new peer at place `peer`; `replaced` when it took the place of a silent or restarted one, for which no left came
+    left,     // the peer at place `peer` said Bye or fell silent; its record stays readable until someone joins there
+    refused,  // a second haptics node, or no place left
+  };
+  Kind kind = Kind::none;
+  NodeRole role = NodeRole::tool;
+  std::size_t peer = 0;               // place in the table
+  bool replaced = false;
+  Arrival arrival = Arrival::newest;  // of a message: newest or reordered; duplicates are dropped here
+  std::int64_t receive_time_ns = 0;
+};
+
+struct HubCounts {
+  std::uint64_t received = 0;       // datagrams of any kind
+  std::uint64_t undecodable = 0;
+  std::uint64_t wrong_version = 0;  // of these, those of another protocol version
+  std::uint64_t other_session = 0;  // a message for another life of the hub
+  std::uint64_t strangers = 0;      // a message from someone who has not joined, or under another address than it joined with
+  std::uint64_t misplaced = 0;      // a message that this role does not send (a vision node's ForceCommand)
+  std::uint64_t refusals = 0;
+  std::uint64_t timeouts = 0;       // peers that fell silent
+};
+
+// The hub's side of the star: who has joined, and exchanging messages with them. Any number of vision and tool nodes up to the capacity,
+// and one haptics node: a second is refused while the first is alive, but its place is free after 50 ms of silence or a Bye.
+// One place is kept for the haptics node, and an address (host and port) holds one place at most, so that strangers cannot crowd it out.
+// RT: yes, but for construction. Threads: one.
+class HubPeers {
+ public:
+  static constexpr std::size_t kCapacity = 16;  // place 0 is the haptics node's
+  static constexpr std::size_t kHapticsPlace = 0;
+  static constexpr std::int64_t kHapticsSilenceNs = 50 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
+
+  // Pre: endpoint and clock outlive this. session: make_random_id().
+  HubPeers(Endpoint& endpoint, const Clock& clock, std::uint64_t session, double servo_rate_hz);
+  // Says Bye to everyone.
+  ~HubPeers();
+  HubPeers(const HubPeers&) = delete;
+  HubPeers& operator=(const HubPeers&) = delete;
+
+  // Waits for one datagram until the clock has reached deadline_ns and handles it. none does not mean that the deadline has come.
+  PeerEvent receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;
+
+  // The same for bytes that came another way. Post: `datagram` is what they held, where they could be read.
+  PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram) noexcept;
+
+  // Drops one peer that has been silent too long; call until none. receive does it by itself.
+  PeerEvent drop_silent(std::int64_t now_ns) noexcept;
+
+  // Sends to every peer of this role; the number reached.
+  std::size_t send_to_role(NodeRole role, const Message& message) noexcept;
+  bool send_to(std::size_t peer, const Message& message) noexcept;
+
+  // What Welcome tells from now on.
+  void set_servo_rate_hz(double servo_rate_hz) noexcept { servo_rate_hz_ = servo_rate_hz; }
+
+  const Peer& peer(std::size_t place) const noexcept { return peers_[place]; }
+  std::size_t count(NodeRole role) const noexcept;
+  bool has_haptics() const noexcept { return peers_[kHapticsPlace].present; }
+  std::uint64_t session() const noexcept { return session_; }
+  const HubCounts& counts() const noexcept { return counts_; }
+
+ private:
+  PeerEvent welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
+  PeerEvent refuse(const Address& to, NodeRole role, std::int64_t now_ns) noexcept;
+  PeerEvent join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
+  PeerEvent leave(std::size_t place, std::int64_t now_ns) noexcept;
+  PeerEvent accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns) noexcept;
+  std::size_t find(std::uint64_t sender) const noexcept;
+  std::size_t find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept;
+  bool transmit(const Address& to, std::uint64_t sequence, const Message& message, std::int64_t now_ns) noexcept;
+
+  Endpoint& endpoint_;
+  const Clock& clock_;
+  std::uint64_t session_;
+  std::uint64_t sender_;
+  double servo_rate_hz_;
+  Codec codec_;
+  Datagram outgoing_;
+  std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
+  std::array<Peer, kCapacity> peers_ = {};
+  std::uint64_t refusal_sequence_ = 0;
+  HubCounts counts_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,22 @@
+#include "link/random_id.h"
+
+#include <sys/random.h>
+#include <unistd.h>
+
+#include <ctime>
+
+namespace hapton {
+
+std::uint64_t make_random_id() {
+  std::uint64_t id = 0;
+  // Up to 256 bytes come whole or not at all; without them (a kernel before 3.17) process and time still tell two starts apart.
+  if (getrandom(&id, sizeof id, 0) != static_cast<ssize_t>(sizeof id)) {
+    timespec now = {};
+    clock_gettime(CLOCK_REALTIME, &now);
+    id = (static_cast<std::uint64_t>(getpid()) << 40) ^ (static_cast<std::uint64_t>(now.tv_sec) << 30) ^
+         static_cast<std::uint64_t>(now.tv_nsec);
+  }
+  return id == 0 ? 1 : id;
+}
+
+}  // namespace hapton
