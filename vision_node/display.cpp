@@ -1,0 +1,26 @@
+#include "vision_node/display.h"
+
+#include <cstdlib>
+
+#include <X11/Xlib.h>
+
+namespace hapton {
+
+Result<DisplayConnection> DisplayConnection::open() {
+  constexpr const char* kRemedy =
+      "start it from a desktop, or on a virtual display: xvfb-run -a -s '-screen 0 1280x1024x24' vision_node ... (deploy/run --headless does so)";
+  const char* name = std::getenv("DISPLAY");
+  if (name == nullptr || *name == '\0') return fail("no display: DISPLAY is not set; {}", kRemedy);
+  Display* display = XOpenDisplay(nullptr);
+  if (display == nullptr) return fail("no display: cannot connect to DISPLAY={}; {}", name, kRemedy);
+  DisplayConnection connection(std::shared_ptr<void>(display, [](void* opened) { XCloseDisplay(static_cast<Display*>(opened)); }));
+  int major = 0;
+  int event = 0;
+  int error = 0;
+  if (XQueryExtension(display, "GLX", &major, &event, &error) == 0) {
+    return fail("display {} has no OpenGL (GLX): use one that has; {}", name, kRemedy);
+  }
+  return connection;
+}
+
+}  // namespace hapton

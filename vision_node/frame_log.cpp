@@ -1,0 +1,42 @@
+#include "vision_node/frame_log.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kPauseNs = 250'000'000;
+constexpr std::int64_t kWindowNs = 500'000'000;
+
+}  // namespace
+
+void FrameLog::drew(std::int64_t start_ns, std::int64_t end_ns) {
+  draw_time_.record(end_ns - start_ns);
+  const std::int64_t period = end_ns - last_end_ns_;
+  if (drawn_ > 0 && period <= std::max(kPauseNs, 2 * (end_ns - start_ns))) {
+    moving_ns_ += period;
+    ++moving_frames_;
+    window_ns_ += period;
+    ++window_frames_;
+    if (window_ns_ >= kWindowNs) {
+      recent_hz_ = window_frames_ * 1e9 / static_cast<double>(window_ns_);
+      window_ns_ = 0;
+      window_frames_ = 0;
+    }
+  }
+  last_end_ns_ = end_ns;
+  ++drawn_;
+}
+
+double FrameLog::rate_hz() const {
+  return moving_ns_ > 0 ? static_cast<double>(moving_frames_) * 1e9 / static_cast<double>(moving_ns_) : 0.0;
+}
+
+std::string FrameLog::describe() const {
+  return fmt::format("pictures drawn {}, states that looked the same {}, {:.1f} pictures/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms",
+                     drawn_, skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6);
+}
+
+}  // namespace hapton

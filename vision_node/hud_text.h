@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "link/messages.h"
+
+namespace hapton {
+
+struct HudFacts {
+  bool connected = false;
+  ProbeState state;
+  double frame_rate_hz = 0.0;
+  Vec3 dials_degrees = Vec3::Zero();
+  std::string_view stereo;
+  bool cull = true;
+  bool hand_held = false;
+};
+
+// The few lines in the picture's corner: rates, latency, force. Rounded so that noise below what a reader cares for does not change it.
+std::string compose_hud(const HudFacts& facts);
+
+// The keys and the mouse, for the picture's foot and for --help.
+std::string_view keys_help();
+
+}  // namespace hapton

@@ -1,0 +1,77 @@
+#include "vision_node/knob_box.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+// A lost datagram is told from one still under way after this time: some round trips of the slowest link we meet, yet unnoticed by a hand.
+constexpr std::int64_t kResendNs = 50'000'000;
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+}  // namespace
+
+void Dials::turn(int axis, double by_degrees) {
+  if (axis < 0 || axis > 2 || !std::isfinite(by_degrees)) return;
+  const double turned = std::remainder(degrees[axis] + by_degrees, 360.0);
+  degrees[axis] = turned == -180.0 ? 180.0 : turned;
+}
+
+Pose Dials::compute_pose(const Vec3& p_WC, const Pose& home_WS) const {
+  const Quat turn = Eigen::AngleAxisd(radians(degrees.z()), Vec3::UnitZ()) * Eigen::AngleAxisd(radians(degrees.y()), Vec3::UnitY()) *
+                    Eigen::AngleAxisd(radians(degrees.x()), Vec3::UnitX());
+  return Eigen::Translation3d(p_WC) * turn * Eigen::Translation3d(-p_WC) * home_WS;
+}
+
+std::array<float, 12> to_twelve_floats(const Pose& X_WS) {
+  std::array<float, 12> m;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) m[4 * row + column] = static_cast<float>(X_WS.matrix()(row, column));
+  }
+  return m;
+}
+
+Pose from_twelve_floats(const std::array<float, 12>& m) {
+  Pose X_WS = Pose::Identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) X_WS.matrix()(row, column) = m[4 * row + column];
+  }
+  return X_WS;
+}
+
+void ViewTransformSender::set(const Pose& X_WS) {
+  const auto floats = to_twelve_floats(X_WS);
+  if (newest_.revision != 0 && floats == newest_.X_WS) return;
+  newest_.X_WS = floats;
+  ++newest_.revision;
+  due_ = true;
+}
+
+void ViewTransformSender::confirm(std::uint32_t hub_revision) {
+  const bool first = !heard_;
+  heard_ = true;
+  confirmed_ = hub_revision;
+  if (first && newest_.revision != 0 && hub_revision >= newest_.revision) {
+    newest_.revision = hub_revision + 1;
+    due_ = true;
+  }
+}
+
+void ViewTransformSender::rejoin() {
+  heard_ = false;
+  confirmed_ = 0;
+  due_ = newest_.revision != 0;
+}
+
+std::optional<ViewTransform> ViewTransformSender::take_due(std::int64_t now_ns) {
+  const bool lost = heard_ && confirmed_ < newest_.revision && now_ns - sent_ns_ >= kResendNs;
+  if (!due_ && !lost) return std::nullopt;
+  due_ = false;
+  sent_ns_ = now_ns;
+  ++sent_;
+  return newest_;
+}
+
+}  // namespace hapton

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "core/math/types.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// Three dials that turn the static scene about the world's axes through the workspace centre (memo 4.1, 4.2.1): first x, then y,
+// then z. Units: degrees. RT: no.
+struct Dials {
+  Vec3 degrees = Vec3::Zero();
+
+  // Turns one dial (0, 1, 2 for x, y, z), keeping it within (-180, 180]. A turn that is not finite is ignored.
+  void turn(int axis, double by_degrees);
+
+  // The pose of the static scene: R_z R_y R_x about p_WC, applied to home_WS, the pose of the scene at dials zero.
+  Pose compute_pose(const Vec3& p_WC, const Pose& home_WS = Pose::Identity()) const;
+
+  friend bool operator==(const Dials&, const Dials&) = default;
+};
+
+// The memo's twelve floats.
+std::array<float, 12> to_twelve_floats(const Pose& X_WS);
+Pose from_twelve_floats(const std::array<float, 12>& m);
+
+// Decides when the view transform goes to the hub: when a dial turned, and again while the hub shows that it has not arrived (it
+// got lost, or the hub was restarted). Times: any monotonic clock, ns. RT: no.
+class ViewTransformSender {
+ public:
+  // Takes the newest pose; a pose whose floats did not change is no change.
+  void set(const Pose& X_WS);
+
+  // What the hub last said it has forwarded (ProbeState::view_revision). A hub that, when first heard, is ahead of us has heard an
+  // earlier vision node: our numbers then go on from its.
+  void confirm(std::uint32_t hub_revision);
+
+  // The hub has (again) welcomed us: whatever it knew is to be told anew.
+  void rejoin();
+
+  // The message to send now, if any; counts as sent.
+  std::optional<ViewTransform> take_due(std::int64_t now_ns);
+
+  std::uint32_t revision() const { return newest_.revision; }
+  std::uint64_t sent() const { return sent_; }
+
+ private:
+  ViewTransform newest_;
+  std::uint32_t confirmed_ = 0;
+  bool heard_ = false;
+  bool due_ = false;
+  std::int64_t sent_ns_ = 0;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace hapton

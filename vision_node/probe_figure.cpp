@@ -1,0 +1,79 @@
+#include "vision_node/probe_figure.h"
+
+#include <algorithm>
+
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+
+#include "vision_node/vtk_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kHeadToShaftRadius = 2.6;
+constexpr double kHeadLengthInRadii = 7.0;
+
+void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambient, double specular) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(shape);
+  mapper->ScalarVisibilityOff();
+  actor->SetMapper(mapper);
+  vtkProperty* look = actor->GetProperty();
+  look->SetColor(colour.x(), colour.y(), colour.z());
+  look->SetAmbient(ambient);
+  look->SetDiffuse(1.0 - ambient);
+  look->SetSpecular(specular);
+  look->SetSpecularPower(30.0);
+}
+
+// Unit quaternion that turns the z axis to the direction.
+Quat turn_z_to(const Vec3& direction) { return Quat::FromTwoVectors(Vec3::UnitZ(), direction); }
+
+void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& scale) {
+  Mat4 m = Mat4::Identity();
+  m.topLeftCorner<3, 3>() = turn.toRotationMatrix() * scale.asDiagonal();
+  m.topRightCorner<3, 1>() = origin;
+  vtkNew<vtkMatrix4x4> matrix;
+  copy_matrix(m, matrix);
+  actor->SetUserMatrix(matrix);
+}
+
+}  // namespace
+
+ProbeFigure::ProbeFigure(const ProbeSizes& sizes) : sizes_(sizes) {
+  const double l = sizes.stylus_length_m;
+  const double r = 0.034 * l;
+  const auto pen = make_lathe({{0.0, 0.0}, {0.25 * r, 0.004 * l}, {0.8 * r, 0.13 * l}, {r, 0.2 * l}, {r, 0.42 * l}, {0.86 * r, 0.43 * l},
+                               {0.86 * r, 0.46 * l}, {r, 0.47 * l}, {r, 0.97 * l}, {0.6 * r, l}, {0.0, l}});
+  dress(stylus_, pen, {0.90, 0.91, 0.93}, 0.25, 0.4);
+  dress(tip_, make_ball(sizes.tip_radius_m), {1.0, 0.78, 0.10}, 0.35, 0.5);
+  const double s = sizes.arrow_radius_m;
+  dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
+  const double h = kHeadLengthInRadii * s;
+  dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
+  for (vtkActor* actor : {stylus_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) actor->VisibilityOff();
+}
+
+void ProbeFigure::add_to(vtkRenderer* renderer) {
+  for (vtkActor* actor : {stylus_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) renderer->AddActor(actor);
+}
+
+void ProbeFigure::set(const ProbeShown& probe) {
+  place(stylus_, probe.p_WP, probe.q_WT * turn_z_to(stylus_axis_T()), Vec3::Ones());
+  place(tip_, probe.p_WP, Quat::Identity(), Vec3::Ones());
+  stylus_->VisibilityOn();
+  tip_->VisibilityOn();
+  const Vec3 arrow = compute_arrow(probe, sizes_);
+  const double length = arrow.norm();
+  const bool shown = length > sizes_.arrow_radius_m;
+  shaft_->SetVisibility(shown);
+  head_->SetVisibility(shown);
+  if (!shown) return;
+  const Quat along = turn_z_to(arrow);
+  const double head = std::min(1.0, 0.6 * length / (kHeadLengthInRadii * sizes_.arrow_radius_m));
+  const double shaft = length - 0.99 * head * kHeadLengthInRadii * sizes_.arrow_radius_m;
+  place(shaft_, probe.p_WP, along, {1.0, 1.0, shaft});
+  place(head_, probe.p_WP + arrow, along, Vec3::Constant(head));
+}
+
+}  // namespace hapton

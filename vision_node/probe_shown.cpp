@@ -1,0 +1,71 @@
+#include "vision_node/probe_shown.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+// The picture's smaller side for which ProbeSizes' defaults are meant.
+constexpr double kDeskView = 0.3;
+
+}  // namespace
+
+ProbeSizes scale_probe(const Framing& framing) {
+  const double scale = framing.view_m / kDeskView;
+  ProbeSizes sizes;
+  sizes.tip_radius_m *= scale;
+  sizes.stylus_length_m *= scale;
+  sizes.arrow_m_per_n *= scale;
+  sizes.arrow_max_m *= scale;
+  sizes.arrow_radius_m *= scale;
+  return sizes;
+}
+
+ProbeShown show_probe(const ProbeState& state) {
+  ProbeShown shown;
+  shown.contact = state.contact;
+  if (state.p_WD.allFinite()) shown.p_WP = state.p_WD;
+  if (state.visual_offset_m.allFinite()) shown.p_WP += state.visual_offset_m;
+  if (state.force_n.allFinite()) shown.force_n = state.force_n;
+  if (state.q_WT.coeffs().allFinite() && state.q_WT.squaredNorm() > 0.25) shown.q_WT = state.q_WT.normalized();
+  return shown;
+}
+
+Vec3 stylus_axis_T() { return Vec3(0.45, 0.75, 0.48).normalized(); }
+
+Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes) {
+  const double newtons = probe.force_n.norm();
+  if (!(newtons > 0.0)) return Vec3::Zero();
+  return probe.force_n / newtons * std::min(newtons * sizes.arrow_m_per_n, sizes.arrow_max_m);
+}
+
+PictureWatch::Marks PictureWatch::compute_marks(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen,
+                                                PictureSize size) {
+  const Vec3 end = probe.p_WP + probe.q_WT * (sizes.stylus_length_m * stylus_axis_T());
+  const Vec3 head = probe.p_WP + compute_arrow(probe, sizes);
+  Marks marks;
+  std::size_t i = 0;
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    for (const Vec3& p : {probe.p_WP, end, head}) marks[i++] = project_to_pixel(screen, eye, size, p);
+  }
+  return marks;
+}
+
+bool PictureWatch::differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const {
+  if (!any_ || contact_ != probe.contact) return true;
+  const Marks now = compute_marks(probe, sizes, screen, size);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    // Written so that a mark which is not finite (a point in the eye's own plane) counts as moved.
+    if (!((now[i] - marks_[i]).norm() <= threshold_px_)) return true;
+  }
+  return false;
+}
+
+void PictureWatch::drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) {
+  any_ = true;
+  contact_ = probe.contact;
+  marks_ = compute_marks(probe, sizes, screen, size);
+}
+
+}  // namespace hapton

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+
+#include "link/messages.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// Sizes of what is drawn for the probe, metres. Scaled with the view, so that they look the same at every scale.
+struct ProbeSizes {
+  double tip_radius_m = 0.0018;
+  double stylus_length_m = 0.12;
+  double arrow_m_per_n = 0.02;
+  double arrow_max_m = 0.12;
+  double arrow_radius_m = 0.0016;
+};
+
+ProbeSizes scale_probe(const Framing& framing);
+
+// The probe as the picture shows it: tip at device position + visual offset, so that it rests on the surface while the hand is
+// beneath it (memo 4.2.2). Frame W, metres, newtons.
+struct ProbeShown {
+  Vec3 p_WP = Vec3::Zero();
+  Quat q_WT = Quat::Identity();
+  Vec3 force_n = Vec3::Zero();
+  bool contact = false;
+};
+
+// Anything not finite is shown at the origin or left out: a picture must never fail for what came over the wire.
+ProbeShown show_probe(const ProbeState& state);
+
+// Direction of the stylus' body from its tip, frame T: a pen held in the right hand, leaning back to the viewer's right, so that a
+// device which reports no rotation still looks like a hand at work.
+Vec3 stylus_axis_T();
+
+// Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
+Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);
+
+// Tells whether a picture would look different: whether any of the probe's marks (tip, stylus end, arrow head) moved in any of
+// the pictures by more than a fraction of a pixel.
+class PictureWatch {
+ public:
+  explicit PictureWatch(double threshold_px = 0.5) : threshold_px_(threshold_px) {}
+
+  bool differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const;
+
+  // This is what the newest picture shows.
+  void drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
+
+ private:
+  using Marks = std::array<Vec2, 6>;
+  static Marks compute_marks(const ProbeShown&, const ProbeSizes&, const StereoScreen&, PictureSize);
+
+  double threshold_px_;
+  bool any_ = false;
+  bool contact_ = false;
+  Marks marks_ = {};
+};
+
+}  // namespace hapton

@@ -1,0 +1,93 @@
+#include "vision_node/stereo_camera.h"
+
+#include <algorithm>
+
+namespace hapton {
+namespace {
+
+// Arm's length to a desk display, and the largest sphere that is comfortably looked at from there.
+constexpr double kDeskDistance = 0.6;
+constexpr double kDeskRadius = 0.2;
+// A little air around what is framed.
+constexpr double kMargin = 1.06;
+
+Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {
+  const double side = eye == Eye::left ? -0.5 : eye == Eye::right ? 0.5 : 0.0;
+  return {side * screen.ipd_m, 0.0, screen.distance_m};
+}
+
+}  // namespace
+
+Framing frame_sphere(const Vec3& p_WC, double radius_m, double ipd_m) {
+  const double giant = std::max(1.0, radius_m / kDeskRadius);
+  Framing framing;
+  framing.p_WC = p_WC;
+  framing.distance_m = kDeskDistance * giant;
+  framing.ipd_m = ipd_m * giant;
+  // The cone that touches the sphere cuts the screen plane in a circle of radius d r / sqrt(d^2 - r^2).
+  const double d = framing.distance_m;
+  framing.view_m = 2.0 * kMargin * d * radius_m / std::sqrt(d * d - radius_m * radius_m);
+  framing.depth_m = 2.0 * std::max(radius_m, kDeskRadius * giant);
+  return framing;
+}
+
+StereoScreen compute_screen(const Framing& framing, PictureSize size) {
+  StereoScreen screen;
+  const Eigen::AngleAxisd yaw(framing.yaw_rad, Vec3::UnitY());
+  const Eigen::AngleAxisd pitch(-framing.pitch_rad, Vec3::UnitX());
+  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch;
+  const double width = std::max(1, size.width_px);
+  const double height = std::max(1, size.height_px);
+  const double metres_per_pixel = framing.view_m / std::min(width, height);
+  screen.width_m = width * metres_per_pixel;
+  screen.height_m = height * metres_per_pixel;
+  screen.distance_m = framing.distance_m;
+  screen.ipd_m = framing.ipd_m;
+  screen.near_m = std::max(0.05 * framing.distance_m, framing.distance_m - framing.depth_m);
+  screen.far_m = framing.distance_m + framing.depth_m;
+  return screen;
+}
+
+Vec3 compute_eye_position(const StereoScreen& screen, Eye eye) { return screen.X_WV * eye_in_view(screen, eye); }
+
+Mat4 compute_view_matrix(const StereoScreen& screen, Eye eye) {
+  const Pose X_VE(Eigen::Translation3d(eye_in_view(screen, eye)));
+  return (screen.X_WV * X_VE).inverse(Eigen::Isometry).matrix();
+}
+
+// A point (x, y, -d) of the screen plane must land on x / (w/2), y / (h/2) when x, y are counted from the screen's centre. Seen
+// from the eye, that centre lies at (c_x, c_y) = (-e_x, -e_y). With perspective division by -z:
+//   x_ndc = (2 d / w) (x / -z) - 2 c_x / w, and alike for y. Depth is OpenGL's, -1 at near, 1 at far.
+Mat4 compute_projection_matrix(const StereoScreen& screen, Eye eye) {
+  const Vec3 e = eye_in_view(screen, eye);
+  const double n = screen.near_m;
+  const double f = screen.far_m;
+  Mat4 P = Mat4::Zero();
+  P(0, 0) = 2.0 * screen.distance_m / screen.width_m;
+  P(0, 2) = -2.0 * e.x() / screen.width_m;
+  P(1, 1) = 2.0 * screen.distance_m / screen.height_m;
+  P(1, 2) = -2.0 * e.y() / screen.height_m;
+  P(2, 2) = -(f + n) / (f - n);
+  P(2, 3) = -2.0 * f * n / (f - n);
+  P(3, 2) = -1.0;
+  return P;
+}
+
+Vec2 project_to_pixel(const StereoScreen& screen, Eye eye, PictureSize size, const Vec3& p_W) {
+  const Vec3 p_V = screen.X_WV.inverse(Eigen::Isometry) * p_W;
+  const Vec3 e = eye_in_view(screen, eye);
+  const double stretch = e.z() / (e.z() - p_V.z());
+  const double x = e.x() + (p_V.x() - e.x()) * stretch;
+  const double y = e.y() + (p_V.y() - e.y()) * stretch;
+  return {(x / screen.width_m + 0.5) * size.width_px, (y / screen.height_m + 0.5) * size.height_px};
+}
+
+double compute_disparity_m(const StereoScreen& screen, double z_m) { return screen.ipd_m * z_m / (z_m - screen.distance_m); }
+
+Vec3 displace_in_screen_plane(const StereoScreen& screen, PictureSize size, const Vec2& pixels, double z_m) {
+  const double shrink = (screen.distance_m - z_m) / screen.distance_m;
+  const Vec3 d_V(pixels.x() * screen.width_m / size.width_px * shrink, pixels.y() * screen.height_m / size.height_px * shrink, 0.0);
+  return screen.X_WV.linear() * d_V;
+}
+
+}  // namespace hapton

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// How the two eyes' pictures share the window. side_by_side is ours (two viewports, each with its own aspect); all others but mono
+// are VTK's compositing, fed with our per-eye matrices. split_viewport is VTK's half-width side by side, as 3D televisions stretch it.
+// fake and emulate are VTK's: the left eye alone, and the two eyes in turn, one a picture.
+enum class StereoMode {
+  automatic,
+  mono,
+  side_by_side,
+  crystal_eyes,
+  red_blue,
+  interlaced,
+  left,
+  right,
+  dresden,
+  anaglyph,
+  checkerboard,
+  split_viewport,
+  fake,
+  emulate
+};
+
+// The word for it on the command line.
+std::string_view stereo_mode_name(StereoMode mode);
+
+// Every word that --stereo takes.
+std::vector<std::string> stereo_mode_names();
+
+// Error: a word that names no mode; the line lists those that do.
+Result<StereoMode> find_stereo_mode(std::string_view name);
+
+}  // namespace hapton

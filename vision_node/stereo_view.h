@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+#include "vision_node/interaction.h"
+#include "vision_node/probe_shown.h"
+#include "vision_node/stereo_camera.h"
+#include "vision_node/stereo_mode.h"
+
+namespace hapton {
+
+struct ViewSettings {
+  StereoMode stereo = StereoMode::automatic;
+  int width_px = 1280;
+  int height_px = 720;
+  int msaa = 0;            // samples a pixel; software rendering pays dearly for any
+  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
+  bool offscreen = false;  // no window is mapped; a display is needed all the same
+  bool plain = false;      // one dark colour behind, no light, no HUD: for measuring pixels
+  Framing framing;
+};
+
+// A mesh of the static scene. Frame S.
+struct ShownObject {
+  std::shared_ptr<const TriangleMesh> mesh;
+  Vec3 colour = {0.7, 0.7, 0.72};
+};
+
+// What is in the window: rows from the bottom, 3 bytes a pixel.
+struct Picture {
+  PictureSize size;
+  std::vector<std::uint8_t> rgb;
+  const std::uint8_t* at(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * size.width_px + x)]; }
+};
+
+// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD.
+// side_by_side draws two viewports, each eye with its own view and off-axis projection matrix. All other modes are composed by VTK, whose
+// own eye matrices are replaced by ours for each eye's pass: so every mode shows the same two pictures.
+// Threads: all calls from the one that opened it. RT: no.
+class StereoView {
+ public:
+  // Error: no display (see display.h), crystal_eyes on one that cannot do it, a window that OpenGL refuses.
+  static Result<std::unique_ptr<StereoView>> open(const ViewSettings& settings, const std::vector<ShownObject>& objects);
+  ~StereoView();
+
+  void set_scene_pose(const Pose& X_WS);
+  // Nothing is drawn for the probe before the first call.
+  void set_probe(const ProbeShown& probe);
+  void set_hud(std::string_view facts, std::string_view help);
+  void set_cull(bool cull);
+
+  // Draws and waits until it is done.
+  void draw();
+
+  // The newest picture, as drawn.
+  Picture read_picture();
+  // Error: a file that cannot be written.
+  Result<void> save_png(const std::filesystem::path& file);
+
+  // What happened in the window since the last call.
+  std::vector<WindowEvent> poll_events();
+  // The window was resized or uncovered since the last call and wants to be drawn again.
+  bool take_stale();
+
+  // The mode in use: what automatic came to.
+  StereoMode mode() const;
+  // One eye's picture.
+  PictureSize picture_size() const;
+  StereoScreen screen() const;
+  const ProbeSizes& probe_sizes() const;
+  // Who draws, for reports: OpenGL's renderer string.
+  std::string renderer_name();
+
+ private:
+  struct Window;
+  explicit StereoView(std::unique_ptr<Window> window);
+  std::unique_ptr<Window> window_;
+};
+
+}  // namespace hapton
