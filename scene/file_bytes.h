@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// The whole of a regular file. Error (names the file): missing, unreadable, a directory or device, empty, over max_bytes.
+// RT: set-up only.
+Result<std::string> read_file_bytes(const std::filesystem::path& path, std::size_t max_bytes);
+
+}  // namespace hapton

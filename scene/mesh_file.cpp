@@ -1,0 +1,105 @@
+#include "scene/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "scene/file_bytes.h"
+#include "scene/raw_mesh.h"
+#include "scene/weld.h"
+
+namespace hapton {
+namespace {
+
+// Beyond this squared lengths and volumes would overflow or lose all meaning.
+constexpr double kMaxCoordinateM = 1e12;
+
+std::string extension_of(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
+
+Result<RawMesh> read_raw(std::string_view bytes, const std::string& extension, const std::filesystem::path& folder) {
+  if (extension == ".obj") return read_obj(bytes);
+  if (extension == ".stl") return read_stl(bytes);
+  if (extension == ".ply") return read_ply(bytes);
+  return extension == ".glb" ? read_glb(bytes, folder) : read_gltf(bytes, folder);
+}
+
+Result<MeshFile> to_metres(RawMesh raw, Unit unit) {
+  if (raw.mesh.triangles.empty()) return fail("holds no triangles: export the surface as triangles");
+  if (raw.mesh.triangles.size() > kMaxMeshTriangles) {
+    return fail("has {} triangles, more than {}: simplify it", raw.mesh.triangles.size(), kMaxMeshTriangles);
+  }
+  MeshFile file;
+  file.file_vertices = raw.mesh.vertices.size();
+  weld_vertices(raw.mesh);
+  const double metres = metres_per(unit);
+  Vec3 lowest = Vec3::Constant(HUGE_VAL);
+  Vec3 highest = -lowest;
+  for (Vec3& vertex : raw.mesh.vertices) {
+    vertex *= metres;
+    lowest = lowest.cwiseMin(vertex);
+    highest = highest.cwiseMax(vertex);
+  }
+  if (lowest.minCoeff() < -kMaxCoordinateM || highest.maxCoeff() > kMaxCoordinateM) {
+    return fail("has a coordinate beyond {} m: repair the mesh or give its unit", kMaxCoordinateM);
+  }
+  file.mesh = std::move(raw.mesh);
+  file.parts = std::move(raw.parts);
+  file.format = std::move(raw.format);
+  file.unit = unit;
+  file.notes = std::move(raw.notes);
+  const double longest = (highest - lowest).maxCoeff();
+  if (longest > 10.0 || longest < 1e-3) {
+    file.notes.push_back(fmt::format("is {:.4g} m long read in {}: if that is wrong, give its unit", longest, name_of(unit)));
+  }
+  return file;
+}
+
+}  // namespace
+
+bool is_mesh_file_name(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".obj" || extension == ".stl" || extension == ".ply" || is_gltf(extension);
+}
+
+Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit) {
+  const std::string extension = extension_of(path);
+  const Result<std::string> bytes = read_file_bytes(path, kMaxMeshFileBytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (!is_mesh_file_name(path)) {
+    return fail("{}: unknown mesh extension '{}': convert it to .obj, .stl, .ply, .gltf or .glb", path.string(), extension);
+  }
+  if (is_gltf(extension) && unit.value_or(Unit::m) != Unit::m) {
+    return fail("{}: glTF is always in metres, not {}: leave the unit out", path.string(), name_of(*unit));
+  }
+  Result<MeshFile> file = read_raw(*bytes, extension, path.parent_path()).and_then([&](RawMesh&& raw) {
+    return to_metres(std::move(raw), unit.value_or(Unit::m));
+  });
+  if (!file) return fail("{}: {}", path.string(), file.error().what);
+  return file;
+}
+
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name) {
+  TriangleMesh part;
+  std::string names;
+  for (const MeshPart& run : file.parts) {
+    if (run.name == name) {
+      const auto first = file.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
+      part.triangles.insert(part.triangles.end(), first, first + static_cast<std::ptrdiff_t>(run.triangle_count));
+    }
+    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + run.name + "'";
+  }
+  if (part.triangles.empty()) return fail("has no part '{}': it has {}", name, names);
+  part.vertices = file.mesh.vertices;
+  drop_unused_vertices(part);
+  return part;
+}
+
+}  // namespace hapton

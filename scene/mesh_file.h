@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+#include "scene/unit.h"
+
+namespace hapton {
+
+// A named run of triangles: an OBJ object or group, an STL solid, a glTF node.
+struct MeshPart {
+  std::string name;
+  std::size_t first_triangle = 0;
+  std::size_t triangle_count = 0;
+};
+
+// What a mesh file holds.
+struct MeshFile {
+  TriangleMesh mesh;               // metres, the file's own frame; node transforms applied
+  std::vector<MeshPart> parts;     // in order, together all triangles; names need not differ, and may be empty
+  std::string format;              // "OBJ", "ASCII STL", "binary PLY" ...
+  Unit unit = Unit::m;             // what the numbers in the file were taken to be
+  std::size_t file_vertices = 0;   // before equal ones were welded and unused ones dropped, instances counted each
+  std::vector<std::string> notes;  // what was skipped or looks odd, one line each; not errors
+};
+
+// No file we read may hold more, whatever its header says: about 4 GB once loaded.
+constexpr std::size_t kMaxMeshTriangles = std::size_t{1} << 26;
+constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 31;
+
+// Reads OBJ, STL (ASCII, binary), PLY (ASCII, binary of either byte order), glTF and GLB; the extension decides.
+// Polygons are triangulated, vertices equal to the bit are welded, unused ones dropped; triangles keep the file's order and
+// winding, degenerate ones stay. Positions are scaled to metres.
+// unit: what the file's numbers are in; none given means metres. glTF is in metres by its standard, any other unit is refused.
+// Post: every coordinate is finite, every index in range, at least one triangle.
+// Error: one line with the file, the place in it (line, vertex, byte) and what to do.
+// RT: set-up only. Memory is bounded by the file's size, never by what its header claims.
+Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt);
+
+// True for the extensions load_mesh_file knows.
+bool is_mesh_file_name(const std::filesystem::path& path);
+
+// The triangles of every part of that name, with the vertices they use. Error: no such part; names those there are.
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name);
+
+}  // namespace hapton

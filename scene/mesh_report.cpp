@@ -1,0 +1,84 @@
+#include "scene/mesh_report.h"
+
+#include <fmt/core.h>
+
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace hapton {
+
+Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit) {
+  Result<MeshFile> file = load_mesh_file(path, unit);
+  if (!file) return tl::unexpected(file.error());
+  MeshReport report{.path = path.string(), .file = std::move(*file), .topology = {}};
+  report.topology = compute_mesh_topology(report.file.mesh);
+  return report;
+}
+
+std::string to_text(const MeshReport& report) {
+  const MeshTopology& t = report.topology;
+  const Vec3 size = t.highest - t.lowest;
+  std::string text;
+  const auto line = [&]<class... Args>(std::string_view name, fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text), "{:<22}{}\n", name, fmt::format(format, std::forward<Args>(args)...));
+  };
+  line("file", "{}", report.path);
+  line("format", "{}, numbers read as {}", report.file.format, name_of(report.file.unit));
+  line("triangles", "{}", t.triangles);
+  line("vertices", "{} ({} in the file)", t.vertices, report.file.file_vertices);
+  line("size", "{:.6g} x {:.6g} x {:.6g} m", size.x(), size.y(), size.z());
+  line("from, to", "({:.6g}, {:.6g}, {:.6g}), ({:.6g}, {:.6g}, {:.6g}) m", t.lowest.x(), t.lowest.y(), t.lowest.z(), t.highest.x(),
+       t.highest.y(), t.highest.z());
+  line("signed volume", "{:.6g} m^3", t.signed_volume);
+  line("edges", "{:.4g} / {:.4g} / {:.4g} m (shortest / median / longest)", t.shortest_edge, t.median_edge, t.longest_edge);
+  line("closed", "{}", t.is_closed() ? "yes" : "no");
+  line("boundary edges", "{}", t.boundary_edges);
+  line("non-manifold edges", "{}", t.nonmanifold_edges);
+  line("inconsistent edges", "{}", t.inconsistent_edges);
+  line("non-manifold vertices", "{}", t.nonmanifold_vertices);
+  line("degenerate triangles", "{}", t.degenerate_triangles);
+  line("needle triangles", "{}", t.needle_triangles);
+  line("duplicate triangles", "{}", t.duplicate_triangles);
+  line("components", "{}", t.components);
+  line("parts", "{}", report.file.parts.size());
+  for (const MeshPart& part : report.file.parts)
+    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : part.name);
+  for (const std::string& note : report.file.notes) line("note", "{}", note);
+  return text;
+}
+
+std::string to_json(const MeshReport& report) {
+  using Json = nlohmann::ordered_json;
+  const MeshTopology& t = report.topology;
+  Json parts = Json::array();
+  for (const MeshPart& part : report.file.parts) parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
+  const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
+  const Json json = {{"schema", "hapton-mesh-info-1"},
+                     {"file", report.path},
+                     {"format", report.file.format},
+                     {"unit", name_of(report.file.unit)},
+                     {"triangles", t.triangles},
+                     {"vertices", t.vertices},
+                     {"file_vertices", report.file.file_vertices},
+                     {"lowest_m", corner(t.lowest)},
+                     {"highest_m", corner(t.highest)},
+                     {"signed_volume_m3", t.signed_volume},
+                     {"shortest_edge_m", t.shortest_edge},
+                     {"median_edge_m", t.median_edge},
+                     {"longest_edge_m", t.longest_edge},
+                     {"closed", t.is_closed()},
+                     {"boundary_edges", t.boundary_edges},
+                     {"nonmanifold_edges", t.nonmanifold_edges},
+                     {"inconsistent_edges", t.inconsistent_edges},
+                     {"nonmanifold_vertices", t.nonmanifold_vertices},
+                     {"degenerate_triangles", t.degenerate_triangles},
+                     {"needle_triangles", t.needle_triangles},
+                     {"duplicate_triangles", t.duplicate_triangles},
+                     {"components", t.components},
+                     {"parts", parts},
+                     {"notes", report.file.notes}};
+  // Names come from the file and need not be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hapton

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_file.h"
+
+namespace hapton {
+
+// What a reader found, before welding: the file's own units. Every index in range, every coordinate finite.
+struct RawMesh {
+  std::string format;
+  TriangleMesh mesh;
+  std::vector<MeshPart> parts;
+  std::vector<std::string> notes;
+
+  // Every triangle from here on belongs to a part of this name.
+  void begin_part(std::string name);
+  // Counts the last part's triangles; parts without any go.
+  void end_parts();
+};
+
+// One strict reader a format; bytes is the whole file. Errors say where in the file, not which file. RT: set-up only.
+Result<RawMesh> read_obj(std::string_view bytes);
+Result<RawMesh> read_stl(std::string_view bytes);
+Result<RawMesh> read_ply(std::string_view bytes);
+// folder: where buffers with relative addresses are.
+Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder);
+Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder);
+
+}  // namespace hapton

@@ -1,0 +1,110 @@
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/polygon.h"
+#include "scene/raw_mesh.h"
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+// Keywords that carry no triangles. What is in neither list is noted, so that nothing is dropped in silence.
+bool is_decoration(std::string_view keyword) {
+  for (const std::string_view known : {"vt", "vn", "s", "usemtl", "mtllib", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp",
+                                       "lod", "shadow_obj", "trace_obj", "mg"}) {
+    if (keyword == known) return true;
+  }
+  return false;
+}
+
+class ObjReader {
+ public:
+  explicit ObjReader(std::string_view text) : text_(text), cursor_(text) { raw_.format = "OBJ"; }
+
+  Result<RawMesh> read() {
+    if (text_.find('\0') != std::string_view::npos) return fail("is not text, so not an OBJ file: check its extension");
+    for (; !cursor_.at_end(); cursor_.next_line()) {
+      if (auto error = read_line()) return tl::unexpected(std::move(*error));
+    }
+    add_notes();
+    raw_.end_parts();
+    return std::move(raw_);
+  }
+
+ private:
+  template <class... Args>
+  Error at_line(fmt::format_string<Args...> format, Args&&... args) const {
+    return {fmt::format("line {}: {}", cursor_.line(), fmt::format(format, std::forward<Args>(args)...))};
+  }
+
+  std::optional<Error> read_line() {
+    const std::string_view keyword = cursor_.word_in_line();
+    if (keyword.empty() || keyword[0] == '#' || is_decoration(keyword)) return std::nullopt;
+    if (keyword == "v") return read_vertex();
+    if (keyword == "f" || keyword == "fo") return read_face();
+    if (keyword == "o" || keyword == "g") {
+      raw_.begin_part(std::string(cursor_.rest_of_line()));
+      return std::nullopt;
+    }
+    if (unknown_++ == 0) {
+      raw_.notes.push_back(at_line("'{}' is not read by us; such lines were skipped", printable(keyword)).what);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> read_vertex() {
+    Vec3 vertex;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = cursor_.word_in_line();
+      if (word.empty()) return at_line("a vertex has {} coordinates where 3 belong: export the file again", axis);
+      if (!parse_number(word, vertex[axis])) {
+        return at_line("coordinate '{}' is not a number: export the file again", printable(word));
+      }
+      if (!std::isfinite(vertex[axis])) return at_line("coordinate '{}' is not finite: repair the mesh", printable(word));
+    }
+    raw_.mesh.vertices.push_back(vertex);
+    return std::nullopt;
+  }
+
+  std::optional<Error> read_face() {
+    corners_.clear();
+    for (std::string_view word = cursor_.word_in_line(); !word.empty() && word[0] != '#'; word = cursor_.word_in_line()) {
+      std::int64_t index = 0;
+      if (!parse_integer(word.substr(0, word.find('/')), index)) {
+        return at_line("face corner '{}' is not a vertex number: export the file again", printable(word));
+      }
+      const auto count = static_cast<std::int64_t>(raw_.mesh.vertices.size());
+      const std::int64_t from_zero = index < 0 ? count + index : index - 1;
+      if (index == 0 || from_zero < 0 || from_zero >= count) {
+        return at_line("vertex number {} is out of range, {} vertices come before: export the file again", index, count);
+      }
+      corners_.push_back(static_cast<std::uint32_t>(from_zero));
+    }
+    if (corners_.size() < 3) return at_line("a face has {} corners where at least 3 belong: export the file again", corners_.size());
+    if (!triangulate_polygon(corners_, raw_.mesh.vertices, raw_.mesh.triangles)) {
+      return at_line("a hollow polygon has {} corners, more than {}: triangulate it before exporting", corners_.size(), kMaxPolygonCorners);
+    }
+    if (raw_.parts.empty()) raw_.parts.push_back({});
+    return std::nullopt;
+  }
+
+  void add_notes() {
+    if (unknown_ > 1) raw_.notes.push_back(fmt::format("{} lines in all have keywords that were skipped", unknown_));
+    if (!text_.ends_with('\n')) raw_.notes.push_back("the last line has no line end: the file may have been cut short");
+  }
+
+  std::string_view text_;
+  TextCursor cursor_;
+  RawMesh raw_;
+  std::vector<std::uint32_t> corners_;
+  std::size_t unknown_ = 0;
+};
+
+}  // namespace
+
+Result<RawMesh> read_obj(std::string_view bytes) { return ObjReader(bytes).read(); }
+
+}  // namespace hapton

@@ -1,0 +1,342 @@
+#include "scene/scene_file.h"
+
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "scene/file_bytes.h"
+#include "scene/mesh_file.h"
+#include "scene/near_miss.h"
+#include "scene/text_cursor.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kMaxSceneFileBytes = std::size_t{1} << 24;
+// Far beyond any surface and any device, so that a slip of the keyboard is caught.
+constexpr double kMaxStiffnessNPerM = 1e6;
+constexpr double kMaxDampingNsPerM = 1e4;
+constexpr double kMaxFriction = 10.0;
+constexpr double kMaxLengthM = 1e6;
+constexpr double kMaxScale = 1e9;
+
+// Reads typed values out of one table; the first error stays and the rest is skipped.
+class TableReader {
+ public:
+  TableReader(const toml::table& table, std::string where) : table_(table), where_(std::move(where)) {}
+
+  const std::optional<Error>& error() const { return error_; }
+
+  void allow(std::initializer_list<std::string_view> known) {
+    for (const auto& [key, node] : table_) {
+      if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+      set_error(node, "unknown key '{}' in {}{}", printable(key.str()), where_, near_miss_hint(key.str(), known));
+    }
+  }
+
+  bool has(std::string_view key) const { return table_.contains(key); }
+
+  void read(std::string_view key, std::string& value) {
+    if (const toml::node* node = find(key)) {
+      if (const auto text = node->value_exact<std::string>())
+        value = *text;
+      else
+        set_error(*node, "'{}' in {} must be a text in quotes", key, where_);
+    }
+  }
+
+  void read(std::string_view key, bool& value) {
+    if (const toml::node* node = find(key)) {
+      if (const auto flag = node->value_exact<bool>())
+        value = *flag;
+      else
+        set_error(*node, "'{}' in {} must be true or false", key, where_);
+    }
+  }
+
+  // above: the least value itself is not allowed.
+  void read(std::string_view key, double& value, double least, double most, bool above = false) {
+    if (const toml::node* node = find(key)) read_number(*node, fmt::format("'{}'", key), value, least, most, above);
+  }
+
+  template <std::size_t N>
+  void read(std::string_view key, std::array<double, N>& values, double least, double most) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    const toml::array* array = node->as_array();
+    if (array == nullptr || array->size() != N) return set_error(*node, "'{}' in {} must be a list of {} numbers", key, where_, N);
+    for (std::size_t i = 0; i < N; ++i)
+      read_number(*array->get(i), fmt::format("number {} of '{}'", i + 1, key), values[i], least, most, false);
+  }
+
+  template <class... Args>
+  void fail_at(std::string_view key, fmt::format_string<Args...> format, Args&&... args) {
+    const toml::node* node = table_.get(key);
+    set_error(node == nullptr ? static_cast<const toml::node&>(table_) : *node, format, std::forward<Args>(args)...);
+  }
+
+ private:
+  const toml::node* find(std::string_view key) const { return error_ ? nullptr : table_.get(key); }
+
+  void read_number(const toml::node& node, const std::string& what, double& value, double least, double most, bool above) {
+    const auto number = node.value<double>();
+    if (!number || !node.is_number()) return set_error(node, "{} in {} must be a number", what, where_);
+    if (!(*number >= least && *number <= most) || (above && *number == least)) {
+      return set_error(node, "{} in {} is {}: it must be {} {} and at most {}", what, where_, *number, above ? "above" : "at least", least,
+                       most);
+    }
+    value = *number;
+  }
+
+  template <class... Args>
+  void set_error(const toml::node& node, fmt::format_string<Args...> format, Args&&... args) {
+    if (error_) return;
+    error_ = Error{fmt::format("line {}: {}", node.source().begin.line, fmt::format(format, std::forward<Args>(args)...))};
+  }
+
+  const toml::table& table_;
+  std::string where_;
+  std::optional<Error> error_;
+};
+
+Result<Material> read_material(const toml::table& table, const std::string& name) {
+  Material material;
+  TableReader reader(table, fmt::format("[material.{}]", printable(name)));
+  reader.allow({"stiffness_n_per_m", "damping_ns_per_m", "friction_static", "friction_dynamic", "two_sided"});
+  reader.read("stiffness_n_per_m", material.stiffness_n_per_m, 0.0, kMaxStiffnessNPerM, true);
+  reader.read("damping_ns_per_m", material.damping_ns_per_m, 0.0, kMaxDampingNsPerM);
+  reader.read("friction_static", material.friction_static, 0.0, kMaxFriction);
+  reader.read("friction_dynamic", material.friction_dynamic, 0.0, kMaxFriction);
+  reader.read("two_sided", material.two_sided);
+  if (!reader.error() && material.friction_dynamic > material.friction_static) {
+    reader.fail_at("friction_dynamic", "'friction_dynamic' is {}, more than 'friction_static' {}: make it at most that",
+                   material.friction_dynamic, material.friction_static);
+  }
+  if (reader.error()) return tl::unexpected(*reader.error());
+  return material;
+}
+
+struct ObjectSpec {
+  std::string name;
+  std::string mesh;
+  std::string part;
+  std::optional<Unit> unit;
+  double scale = 1.0;
+  Quat q_SM = Quat::Identity();
+  Vec3 p_SM = Vec3::Zero();
+  std::string material;
+  std::array<double, 3> color = SceneObject().color;
+  std::size_t line = 0;
+};
+
+// rotation: a unit quaternion w, x, y, z. rotation_deg: about the fixed x axis, then y, then z.
+void read_rotation(const toml::table& table, TableReader& reader, Quat& q_SM) {
+  if (table.contains("rotation") && table.contains("rotation_deg")) {
+    return reader.fail_at("rotation_deg", "both 'rotation' and 'rotation_deg' are given: keep one");
+  }
+  std::array<double, 4> wxyz = {1, 0, 0, 0};
+  reader.read("rotation", wxyz, -2.0, 2.0);
+  const Quat given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  if (std::abs(given.norm() - 1.0) > 1e-3) {
+    return reader.fail_at("rotation", "'rotation' has length {:.6g}: a rotation is a quaternion [w, x, y, z] of length 1", given.norm());
+  }
+  std::array<double, 3> degrees = {};
+  reader.read("rotation_deg", degrees, -360.0, 360.0);
+  Quat turned = Quat::Identity();
+  for (int axis = 0; axis < 3; ++axis) {
+    turned = Eigen::AngleAxisd(degrees[axis] * std::numbers::pi / 180.0, Vec3::Unit(axis)) * turned;
+  }
+  q_SM = given.normalized() * turned;
+}
+
+Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
+  ObjectSpec spec;
+  spec.line = table.source().begin.line;
+  TableReader reader(table, fmt::format("[[object]] {}", number));
+  reader.allow({"name", "mesh", "part", "unit", "scale", "rotation", "rotation_deg", "position_m", "material", "color"});
+  if (!reader.has("mesh")) reader.fail_at("mesh", "[[object]] {} has no 'mesh': name its mesh file", number);
+  reader.read("name", spec.name);
+  reader.read("mesh", spec.mesh);
+  reader.read("part", spec.part);
+  reader.read("material", spec.material);
+  reader.read("scale", spec.scale, 0.0, kMaxScale, true);
+  reader.read("color", spec.color, 0.0, 1.0);
+  std::array<double, 3> position = {};
+  reader.read("position_m", position, -kMaxLengthM, kMaxLengthM);
+  spec.p_SM = Vec3(position[0], position[1], position[2]);
+  if (!reader.error()) read_rotation(table, reader, spec.q_SM);
+  std::string unit;
+  reader.read("unit", unit);
+  if (!reader.error() && reader.has("unit")) {
+    const Result<Unit> parsed = parse_unit(unit);
+    if (parsed)
+      spec.unit = *parsed;
+    else
+      reader.fail_at("unit", "{}", parsed.error().what);
+  }
+  if (reader.error()) return tl::unexpected(*reader.error());
+  return spec;
+}
+
+struct SceneSpec {
+  std::vector<ObjectSpec> objects;
+  std::map<std::string, Material, std::less<>> materials;
+  std::optional<Vec3> fit_m;
+};
+
+Result<void> read_materials(const toml::table& table, SceneSpec& spec) {
+  const toml::node* node = table.get("material");
+  if (node == nullptr) return {};
+  if (!node->is_table()) return fail("line {}: 'material' must be tables such as [material.steel]", node->source().begin.line);
+  for (const auto& [key, value] : *node->as_table()) {
+    if (!value.is_table()) return fail("line {}: 'material' must be tables such as [material.steel]", value.source().begin.line);
+    const Result<Material> material = read_material(*value.as_table(), std::string(key.str()));
+    if (!material) return tl::unexpected(material.error());
+    spec.materials.emplace(key.str(), *material);
+  }
+  return {};
+}
+
+Result<void> check_material(const ObjectSpec& object, const SceneSpec& spec) {
+  if (object.material.empty() || spec.materials.contains(object.material)) return {};
+  std::vector<std::string_view> known;
+  for (const auto& [name, material] : spec.materials) known.emplace_back(name);
+  return fail("line {}: there is no [material.{}]{}", object.line, printable(object.material),
+              known.empty() ? ": add it" : near_miss_hint(object.material, known));
+}
+
+Result<SceneSpec> read_spec(const toml::table& table) {
+  SceneSpec spec;
+  TableReader reader(table, "the scene");
+  reader.allow({"fit_m", "object", "material"});
+  std::array<double, 3> fit = {};
+  reader.read("fit_m", fit, 1e-9, kMaxLengthM);
+  if (reader.error()) return tl::unexpected(*reader.error());
+  if (reader.has("fit_m")) spec.fit_m = Vec3(fit[0], fit[1], fit[2]);
+  if (const auto read = read_materials(table, spec); !read) return tl::unexpected(read.error());
+  const toml::array* objects = table["object"].as_array();
+  if (objects == nullptr || objects->empty() || !objects->is_array_of_tables())
+    return fail("there is no [[object]]: add one with its mesh");
+  for (const toml::node& node : *objects) {
+    Result<ObjectSpec> object = read_object(*node.as_table(), spec.objects.size() + 1);
+    if (!object) return tl::unexpected(object.error());
+    if (const auto known = check_material(*object, spec); !known) return tl::unexpected(known.error());
+    spec.objects.push_back(std::move(*object));
+  }
+  return spec;
+}
+
+// Each file is read once, however many objects are made of it.
+class MeshShelf {
+ public:
+  Result<const MeshFile*> load(const std::filesystem::path& path, std::optional<Unit> unit, std::vector<std::string>& notes) {
+    const auto key = std::make_pair(path.string(), unit);
+    auto found = files_.find(key);
+    if (found == files_.end()) {
+      Result<MeshFile> file = load_mesh_file(path, unit);
+      if (!file) return tl::unexpected(file.error());
+      for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
+      found = files_.emplace(key, std::move(*file)).first;
+    }
+    return &found->second;
+  }
+
+ private:
+  std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
+};
+
+Result<TriangleMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshShelf& shelf,
+                               std::vector<std::string>& notes) {
+  const Result<const MeshFile*> file = shelf.load(folder / object.mesh, object.unit, notes);
+  if (!file) return tl::unexpected(file.error());
+  Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
+  if (!mesh) return fail("{}: {}", (folder / object.mesh).string(), mesh.error().what);
+  for (Vec3& vertex : mesh->vertices) vertex = object.p_SM + object.q_SM * (object.scale * vertex);
+  return mesh;
+}
+
+// Scales and shifts all meshes together so that their box just fits into one of that size around the origin.
+void fit(std::vector<TriangleMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
+  Eigen::AlignedBox3d box;
+  for (const TriangleMesh& mesh : meshes) {
+    for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
+  }
+  const double scale = (size_m.array() / box.sizes().array()).minCoeff();
+  for (TriangleMesh& mesh : meshes) {
+    for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - box.center());
+  }
+  notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
+}
+
+Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder) {
+  Scene scene;
+  MeshShelf shelf;
+  std::vector<TriangleMesh> meshes;
+  for (const ObjectSpec& object : spec.objects) {
+    Result<TriangleMesh> mesh = make_mesh(object, folder, shelf, scene.notes);
+    if (!mesh) return fail("line {}: {}", object.line, mesh.error().what);
+    meshes.push_back(std::move(*mesh));
+  }
+  if (spec.fit_m) fit(meshes, *spec.fit_m, scene.notes);
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const ObjectSpec& object = spec.objects[i];
+    const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
+    scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
+                             .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i])),
+                             .material = object.material.empty() ? Material() : spec.materials.find(object.material)->second,
+                             .color = object.color});
+  }
+  return scene;
+}
+
+Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, std::optional<Unit> unit) {
+  Result<MeshFile> file = load_mesh_file(path, unit);
+  if (!file) return tl::unexpected(file.error());
+  Scene scene;
+  for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
+  scene.objects.push_back(
+      {.name = path.stem().string(), .mesh = std::make_shared<const TriangleMesh>(std::move(file->mesh)), .material = {}});
+  return scene;
+}
+
+Result<SceneSpec> parse_spec(const std::string& text) {
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed) {
+    std::string what(parsed.error().description());
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    return fail("line {}: {}", parsed.error().source().begin.line, what);
+  }
+  return read_spec(parsed.table());
+}
+
+}  // namespace
+
+TouchScene Scene::touch_scene() const {
+  TouchScene touch;
+  for (const SceneObject& object : objects) touch.objects.push_back({.mesh = object.mesh, .material = object.material});
+  return touch;
+}
+
+Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit) {
+  if (path.extension() != ".toml") {
+    if (is_mesh_file_name(path)) return load_mesh_as_scene(path, unit);
+    const Result<std::string> bytes = read_file_bytes(path, kMaxMeshFileBytes);
+    if (!bytes) return tl::unexpected(bytes.error());
+    return fail("{}: is neither a scene (.toml) nor a mesh (.obj, .stl, .ply, .gltf, .glb): check its extension", path.string());
+  }
+  if (unit) return fail("{}: a scene file names its units itself: leave the unit out", path.string());
+  const Result<std::string> text = read_file_bytes(path, kMaxSceneFileBytes);
+  if (!text) return tl::unexpected(text.error());
+  const Result<SceneSpec> spec = parse_spec(*text);
+  if (!spec) return fail("{}: {}", path.string(), spec.error().what);
+  Result<Scene> scene = make_scene(*spec, path.parent_path());
+  if (!scene) return fail("{}: {}", path.string(), scene.error().what);
+  return scene;
+}
+
+}  // namespace hapton

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/force/touch_scene.h"
+#include "core/geometry/triangle_mesh.h"
+#include "scene/unit.h"
+
+namespace hapton {
+
+// One thing that is seen and touched.
+struct SceneObject {
+  std::string name;
+  std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres, pose and scale baked in
+  Material material;
+  std::array<double, 3> color = {0.7, 0.7, 0.72};  // sRGB, 0..1
+};
+
+// All that is seen and touched. Frame S.
+struct Scene {
+  std::vector<SceneObject> objects;  // at least one
+  std::vector<std::string> notes;    // what was skipped or looks odd, one line each
+
+  // The same meshes, not copies, as the force methods want them.
+  TouchScene touch_scene() const;
+};
+
+// Reads a scene file (TOML, docs/scene-files.md has every key) or a plain mesh file, which makes a scene of one object.
+// unit: for a plain mesh file only, what its numbers are in; a scene file names its units itself.
+// Error: one line with the file, the line in it and what to do: unknown keys with the nearest known one, values out of
+// their range, whatever load_mesh_file refuses. RT: set-up only.
+Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt);
+
+}  // namespace hapton

@@ -1,0 +1,68 @@
+#include "scene/weld.h"
+
+#include <bit>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffU;
+
+std::uint64_t mix(std::uint64_t h) {
+  // The finaliser of MurmurHash3.
+  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
+  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
+  return h ^ (h >> 33);
+}
+
+std::uint64_t hash(const Vec3& p) {
+  std::uint64_t h = 0;
+  for (int axis = 0; axis < 3; ++axis) h = mix(h + std::bit_cast<std::uint64_t>(p[axis]));
+  return h;
+}
+
+// Numbers the corners by first use; same(v) is the vertex that stands for v.
+template <class Same>
+void renumber(TriangleMesh& mesh, Same same) {
+  std::vector<std::uint32_t> new_index(mesh.vertices.size(), kNone);
+  std::vector<Vec3> kept;
+  kept.reserve(mesh.vertices.size());
+  for (Triangle& triangle : mesh.triangles) {
+    for (std::uint32_t& corner : triangle) {
+      if (new_index[corner] == kNone) {
+        const std::uint32_t twin = same(corner);
+        if (new_index[twin] == kNone) {
+          new_index[twin] = static_cast<std::uint32_t>(kept.size());
+          kept.push_back(mesh.vertices[twin]);
+        }
+        new_index[corner] = new_index[twin];
+      }
+      corner = new_index[corner];
+    }
+  }
+  kept.shrink_to_fit();
+  mesh.vertices = std::move(kept);
+}
+
+}  // namespace
+
+void weld_vertices(TriangleMesh& mesh) {
+  for (Vec3& vertex : mesh.vertices) vertex.array() += 0.0;  // -0 becomes 0
+  // Open addressing, at most half full.
+  std::vector<std::uint32_t> slots(std::bit_ceil(2 * mesh.vertices.size() + 1), kNone);
+  const std::size_t mask = slots.size() - 1;
+  renumber(mesh, [&](std::uint32_t v) {
+    std::size_t slot = hash(mesh.vertices[v]) & mask;
+    while (slots[slot] != kNone && mesh.vertices[slots[slot]] != mesh.vertices[v]) slot = (slot + 1) & mask;
+    if (slots[slot] == kNone) slots[slot] = v;
+    return slots[slot];
+  });
+}
+
+void drop_unused_vertices(TriangleMesh& mesh) {
+  renumber(mesh, [](std::uint32_t v) { return v; });
+}
+
+}  // namespace hapton

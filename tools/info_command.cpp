@@ -1,0 +1,52 @@
+#include "tools/info_command.h"
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "scene/mesh_report.h"
+
+namespace hapton {
+namespace {
+
+struct InfoOptions {
+  std::string file;
+  std::string unit;
+  bool json = false;
+};
+
+Result<std::string> tell(const InfoOptions& options) {
+  std::optional<Unit> unit;
+  if (!options.unit.empty()) {
+    const Result<Unit> parsed = parse_unit(options.unit);
+    if (!parsed) return tl::unexpected(parsed.error());
+    unit = *parsed;
+  }
+  return make_mesh_report(options.file, unit).map([&](const MeshReport& report) {
+    return options.json ? to_json(report) : to_text(report);
+  });
+}
+
+int run(const InfoOptions& options) {
+  const Result<std::string> told = tell(options);
+  if (!told) {
+    std::fprintf(stderr, "hapton info: %s\n", told.error().what.c_str());
+    return 1;
+  }
+  std::fputs(told->c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* info = app.add_subcommand("info", "Tell the size, counts and flaws of a mesh");
+  info->add_option("file", options->file, "OBJ, STL, PLY, glTF or GLB file")->required();
+  info->add_option("--unit", options->unit, "What the file's numbers are in: m (default), cm, mm or in; glTF is always m");
+  info->add_flag("--json", options->json, "As JSON");
+  info->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton
