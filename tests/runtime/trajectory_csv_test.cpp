@@ -1,0 +1,78 @@
+#include "runtime/trajectory_csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(TrajectoryCsv, reads_positions) {
+  const auto rows = parse_trajectory_csv("# made by hand\nt_s,x_m,y_m,z_m\n0,1,2,3\n\n# half way\n0.5, +1e-3 ,-2.5,.25\r\n", "a.csv");
+  ASSERT_TRUE(rows) << rows.error().what;
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_EQ((*rows)[0].p_WD, Vec3(1, 2, 3));
+  EXPECT_EQ((*rows)[1].t_s, 0.5);
+  EXPECT_EQ((*rows)[1].p_WD, Vec3(1e-3, -2.5, 0.25));
+  EXPECT_EQ((*rows)[1].q_WT.coeffs(), Quat::Identity().coeffs());
+}
+
+TEST(TrajectoryCsv, reads_and_normalises_quaternions) {
+  const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0.6,0.8001,0,0\n", "a.csv");
+  ASSERT_TRUE(rows) << rows.error().what;
+  EXPECT_NEAR((*rows)[0].q_WT.norm(), 1.0, 1e-15);
+  EXPECT_NEAR((*rows)[0].q_WT.w(), 0.6, 1e-3);
+}
+
+struct Bad {
+  const char* text;
+  const char* place;
+  const char* reason;
+};
+
+TEST(TrajectoryCsv, says_what_is_wrong_and_where) {
+  const Bad cases[] = {
+      {"", "a.csv:", "empty"},
+      {"# only a comment\n", "a.csv:", "empty"},
+      {"t_s,x_m,y_m,z_m\n", "a.csv:", "no rows"},
+      {"x,y,z\n", "a.csv:1:", "header"},
+      {"t_s,x_m,y_m,z_m,qw\n", "a.csv:1:", "header"},
+      {"t_s,x_m,y_m,z_m\n0,1,2\n", "a.csv:2:", "fewer"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3,4\n", "a.csv:2:", "more"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3,\n", "a.csv:2:", "more"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3\n\n1,1,two,3\n", "a.csv:4:", "'two' in column y_m"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3x\n", "a.csv:2:", "z_m"},
+      {"t_s,x_m,y_m,z_m\n0,1,,3\n", "a.csv:2:", "y_m"},
+      {"t_s,x_m,y_m,z_m\n0,nan,2,3\n", "a.csv:2:", "x_m"},
+      {"t_s,x_m,y_m,z_m\n0,1,inf,3\n", "a.csv:2:", "y_m"},
+      {"t_s,x_m,y_m,z_m\n0,1,1e999,3\n", "a.csv:2:", "y_m"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,2,3\n", "a.csv:3:", "rise"},
+      {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n", "a.csv:2:", "length"},
+      {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1e300,1e300,0,0\n", "a.csv:2:", "length"},
+  };
+  for (const Bad& bad : cases) {
+    const auto rows = parse_trajectory_csv(bad.text, "a.csv");
+    ASSERT_FALSE(rows) << bad.text;
+    EXPECT_THAT(rows.error().what, HasSubstr(bad.place)) << bad.text;
+    EXPECT_THAT(rows.error().what, HasSubstr(bad.reason)) << bad.text;
+    EXPECT_EQ(rows.error().what.find('\n'), std::string::npos);
+  }
+}
+
+TEST(TrajectoryCsv, reads_a_file_and_names_a_missing_one) {
+  const std::string path = testing::TempDir() + "trajectory_csv_test.csv";
+  std::ofstream(path) << "t_s,x_m,y_m,z_m\n0,1,2,3\n";
+  EXPECT_TRUE(read_trajectory_csv(path));
+  std::remove(path.c_str());
+  const auto missing = read_trajectory_csv(path);
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().what, HasSubstr(path));
+  EXPECT_FALSE(read_trajectory_csv(testing::TempDir()));
+}
+
+}  // namespace
+}  // namespace hapton
