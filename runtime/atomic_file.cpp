@@ -1,0 +1,56 @@
+#include "runtime/atomic_file.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+namespace hapton {
+namespace {
+
+tl::unexpected<Error> fail_to_write(const std::filesystem::path& path, int error) {
+  return fail("cannot write {}: {}; choose another folder or free this one", path.string(), std::strerror(error));
+}
+
+// 0, or the errno of what failed. Whatever is reported only on closing counts too.
+int write_text(const std::filesystem::path& path, std::string_view text) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) {
+    return errno;
+  }
+  int error = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
+  if (std::fclose(file) != 0 && error == 0) {
+    error = errno;
+  }
+  return error;
+}
+
+}  // namespace
+
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text) {
+  std::error_code error;
+  if (path.has_parent_path()) {
+    std::filesystem::create_directories(path.parent_path(), error);
+    if (error) {
+      return fail_to_write(path, error.value());
+    }
+  }
+  std::filesystem::path beside = path;
+  beside += fmt::format(".{}.part", getpid());
+  if (const int failure = write_text(beside, text); failure != 0) {
+    std::filesystem::remove(beside, error);
+    return fail_to_write(path, failure);
+  }
+  std::filesystem::rename(beside, path, error);
+  if (error) {
+    const int failure = error.value();
+    std::filesystem::remove(beside, error);
+    return fail_to_write(path, failure);
+  }
+  return {};
+}
+
+}  // namespace hapton

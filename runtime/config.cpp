@@ -1,0 +1,193 @@
+#include "runtime/config.h"
+
+#include <CLI/CLI.hpp>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kBadCommandLine = 2;
+
+bool names_option(std::string_view argument, const CLI::Option& option) {
+  const auto is_long = [&](const std::string& name) {
+    const std::string flag = "--" + name;
+    return argument == flag || argument.starts_with(flag + "=");
+  };
+  const auto is_short = [&](const std::string& name) { return argument.starts_with("-" + name); };
+  return std::any_of(option.get_lnames().begin(), option.get_lnames().end(), is_long) ||
+         (!argument.starts_with("--") && std::any_of(option.get_snames().begin(), option.get_snames().end(), is_short));
+}
+
+Result<std::string> scalar_text(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");
+  return fail("is no text, number, true or false");
+}
+
+// The file's keys as they would stand on the command line, those that `given` overrides left out.
+class ConfigFile {
+ public:
+  ConfigFile(std::string path, CLI::App& app, const std::vector<std::string>& given)
+      : path_(std::move(path)), app_(app), given_(given) {}
+
+  Result<std::vector<std::string>> arguments();
+
+  // " (from FILE)" when the message speaks of a flag that came from the file.
+  std::string origin_of(std::string_view message) const;
+
+ private:
+  Result<toml::table> read() const;
+  Result<void> add(std::string_view key, const toml::node& node);
+  tl::unexpected<Error> fail_at(const toml::node& node, std::string_view what) const {
+    return fail("{}:{}: {}", path_, node.source().begin.line, what);
+  }
+
+  std::string path_;
+  CLI::App& app_;
+  const std::vector<std::string>& given_;
+  std::vector<std::string> arguments_;
+  std::vector<std::string> flags_;
+};
+
+Result<toml::table> ConfigFile::read() const {
+  std::ifstream file(path_);
+  std::stringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    return fail("{}: cannot be read; --config wants a TOML file", path_);
+  }
+  try {
+    return toml::parse(text.str(), path_);
+  } catch (const toml::parse_error& error) {
+    return fail("{}:{}: {}", path_, error.source().begin.line, error.description());
+  }
+}
+
+Result<std::vector<std::string>> ConfigFile::arguments() {
+  const Result<toml::table> table = read();
+  if (!table) {
+    return tl::unexpected(table.error());
+  }
+  for (const auto& [key, node] : *table) {
+    if (const Result<void> added = add(key, node); !added) {
+      return tl::unexpected(added.error());
+    }
+  }
+  return arguments_;
+}
+
+Result<void> ConfigFile::add(std::string_view key, const toml::node& node) {
+  const std::string flag = fmt::format("--{}", key);
+  const CLI::Option* option = app_.get_option_no_throw(flag);
+  if (option == nullptr || key == "config" || key == "help") {
+    return fail_at(node, fmt::format("unknown key '{}'; keys are the program's flags without dashes, see --help", key));
+  }
+  if (std::any_of(given_.begin(), given_.end(), [&](const std::string& given) { return names_option(given, *option); })) {
+    return {};
+  }
+  flags_.push_back(flag);
+  if (const toml::array* array = node.as_array()) {
+    arguments_.push_back(flag);
+    for (const toml::node& element : *array) {
+      const Result<std::string> text = scalar_text(element);
+      if (!text) {
+        return fail_at(element, fmt::format("an element of '{}' {}", key, text.error().what));
+      }
+      arguments_.push_back(*text);
+    }
+    return {};
+  }
+  const Result<std::string> text = scalar_text(node);
+  if (!text) {
+    return fail_at(node, fmt::format("'{}' {}; there are no sections in this file", key, text.error().what));
+  }
+  if (text->empty()) {
+    arguments_.insert(arguments_.end(), {flag, ""});
+  } else {
+    arguments_.push_back(flag + "=" + *text);
+  }
+  return {};
+}
+
+std::string ConfigFile::origin_of(std::string_view message) const {
+  const bool is_ours =
+      std::any_of(flags_.begin(), flags_.end(), [&](const std::string& flag) { return message.find(flag) != message.npos; });
+  return is_ours ? fmt::format(" (from {})", path_) : "";
+}
+
+// Empty when there is no --config.
+std::string find_config_path(const std::vector<std::string>& given) {
+  constexpr std::string_view kFlag = "--config";
+  for (std::size_t i = 0; i < given.size() && given[i] != "--"; ++i) {
+    if (given[i] == kFlag && i + 1 < given.size()) {
+      return given[i + 1];
+    }
+    if (given[i].starts_with("--config=")) {
+      return given[i].substr(kFlag.size() + 1);
+    }
+  }
+  return {};
+}
+
+std::string one_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') {
+    text.pop_back();
+  }
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::string program_name(const CLI::App& app, int argc, const char* const* argv) {
+  if (!app.get_name().empty()) {
+    return app.get_name();
+  }
+  const std::string_view path = argc > 0 ? argv[0] : "hapton";
+  return std::string(path.substr(path.rfind('/') + 1));
+}
+
+}  // namespace
+
+std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const* argv) {
+  const std::string program = program_name(app, argc, argv);
+  app.name(program);
+  std::string config_path;
+  app.add_option("--config", config_path, "TOML file with any of these flags (keys without dashes); the command line wins");
+
+  std::vector<std::string> arguments;
+  for (int i = 1; i < argc; ++i) {
+    arguments.emplace_back(argv[i]);
+  }
+  const std::vector<std::string> given = arguments;
+  ConfigFile file(find_config_path(given), app, given);
+  if (!find_config_path(given).empty()) {
+    const Result<std::vector<std::string>> from_file = file.arguments();
+    if (!from_file) {
+      fmt::print(stderr, "{}: {}\n", program, one_line(from_file.error().what));
+      return kBadCommandLine;
+    }
+    arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), from_file->begin(), from_file->end());
+  }
+  try {
+    std::reverse(arguments.begin(), arguments.end());  // the order CLI11 wants
+    app.parse(arguments);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    const std::string message = one_line(error.what());
+    fmt::print(stderr, "{}: {}{}; see {} --help\n", program, message, file.origin_of(message), program);
+    return kBadCommandLine;
+  }
+  return std::nullopt;
+}
+
+}  // namespace hapton

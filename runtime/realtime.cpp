@@ -1,0 +1,163 @@
+#include "runtime/realtime.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+namespace hapton {
+namespace {
+
+constexpr unsigned long kTimerSlackNs = 1;
+
+std::string describe(int error) { return std::strerror(error); }
+
+RealtimeItem set_timer_slack() {
+  RealtimeItem item{.name = "timer slack", .asked = "1 ns", .obtained = false, .reason = {}, .remedy = {}};
+  if (prctl(PR_SET_TIMERSLACK, kTimerSlackNs, 0, 0, 0) == 0) {
+    item.obtained = true;
+  } else {
+    item.reason = describe(errno);
+    item.remedy = "timers fire up to 50 us late; use a kernel that has PR_SET_TIMERSLACK";
+  }
+  return item;
+}
+
+RealtimeItem set_priority(int priority) {
+  RealtimeItem item{
+      .name = "priority", .asked = fmt::format("SCHED_FIFO {}", priority), .obtained = false, .reason = {}, .remedy = {}};
+  sched_param parameters = {};
+  parameters.sched_priority = priority;
+  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error == 0) {
+    item.obtained = true;
+  } else {
+    item.reason = describe(error);
+    item.remedy = fmt::format("allow it with 'ulimit -r {0}' (rtprio {0} in /etc/security/limits.d), LimitRTPRIO={0} in the unit, "
+                              "or setcap cap_sys_nice+ep", priority);
+  }
+  return item;
+}
+
+RealtimeItem set_cpu(int cpu) {
+  RealtimeItem item{.name = "cpu", .asked = fmt::format("{}", cpu), .obtained = false, .reason = {}, .remedy = {}};
+  if (cpu >= CPU_SETSIZE) {
+    item.reason = "no such number";
+    item.remedy = "choose a CPU that nproc counts";
+    return item;
+  }
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(static_cast<std::size_t>(cpu), &set);
+  if (const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set); error == 0) {
+    item.obtained = true;
+  } else {
+    item.reason = describe(error);
+    item.remedy = fmt::format("choose one of the CPUs this process may use (taskset -p {}), counted from 0", getpid());
+  }
+  return item;
+}
+
+// Under a finite limit a lock on future memory would make some later allocation fail; what is mapped now is then all we lock.
+int memory_lock_flags() {
+  rlimit limit = {};
+  const bool is_unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+  return is_unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT;
+}
+
+RealtimeItem lock_memory() {
+  const int flags = memory_lock_flags();
+  RealtimeItem item{.name = "memory lock",
+                    .asked = (flags & MCL_FUTURE) != 0 ? "all" : "present",
+                    .obtained = false,
+                    .reason = {},
+                    .remedy = {}};
+  if (mlockall(flags) == 0) {
+    item.obtained = true;
+  } else {
+    item.reason = describe(errno);
+    item.remedy = "allow it with 'ulimit -l unlimited' (memlock in /etc/security/limits.d) or LimitMEMLOCK=infinity in the unit";
+  }
+  return item;
+}
+
+RealtimeItem hold_low_latency() {
+  RealtimeItem item{.name = "wake-up latency", .asked = "0 us", .obtained = false, .reason = {}, .remedy = {}};
+  // The request lives as long as the file is open: held once per process, closed by its end.
+  static std::atomic<int> held = -1;
+  if (held >= 0) {
+    item.obtained = true;
+    return item;
+  }
+  const int file = open("/dev/cpu_dma_latency", O_RDWR | O_CLOEXEC);
+  const std::int32_t target_us = 0;
+  if (file >= 0 && write(file, &target_us, sizeof target_us) == static_cast<ssize_t>(sizeof target_us)) {
+    held = file;
+    item.obtained = true;
+    return item;
+  }
+  item.reason = describe(errno);
+  item.remedy = "allow this user to write /dev/cpu_dma_latency (udev rule), or boot with cpuidle.off=1";
+  if (file >= 0) {
+    close(file);
+  }
+  return item;
+}
+
+std::string item_text(const RealtimeItem& item) {
+  if (item.obtained) {
+    return fmt::format("{} {} yes", item.name, item.asked);
+  }
+  return fmt::format("{} {} NO ({}; {})", item.name, item.asked, item.reason, item.remedy);
+}
+
+}  // namespace
+
+Result<RealtimeMode> parse_realtime_mode(std::string_view text) {
+  if (text == "off") return RealtimeMode::off;
+  if (text == "try") return RealtimeMode::attempt;
+  if (text == "require") return RealtimeMode::require;
+  return fail("real-time mode '{}' is not known; use off, try or require", text);
+}
+
+bool RealtimeReport::complete() const {
+  return std::all_of(items.begin(), items.end(), [](const RealtimeItem& item) { return item.obtained; });
+}
+
+std::string RealtimeReport::to_text() const {
+  std::string text = "real time: ";
+  for (const RealtimeItem& item : items) {
+    text += (&item == items.data() ? "" : "; ") + item_text(item);
+  }
+  return text;
+}
+
+Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
+  if (settings.priority < 0 || settings.priority > 99) {
+    return fail("real-time priority {} is out of range; use 1 to 99, or 0 for none", settings.priority);
+  }
+  RealtimeReport report;
+  report.items.push_back(set_timer_slack());
+  if (settings.mode != RealtimeMode::off) {
+    // The CPU first: a thread must not be moved once it outranks the rest.
+    if (settings.cpu >= 0) report.items.push_back(set_cpu(settings.cpu));
+    if (settings.lock_memory) report.items.push_back(lock_memory());
+    if (settings.low_dma_latency) report.items.push_back(hold_low_latency());
+    if (settings.priority > 0) report.items.push_back(set_priority(settings.priority));
+  }
+  if (settings.mode == RealtimeMode::require && !report.complete()) {
+    const auto refused =
+        std::find_if(report.items.begin(), report.items.end(), [](const RealtimeItem& item) { return !item.obtained; });
+    return fail("real time was required, but the system refuses {}; or start with --realtime try", item_text(*refused));
+  }
+  return report;
+}
+
+}  // namespace hapton

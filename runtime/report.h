@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "runtime/latency_histogram.h"
+
+namespace hapton {
+
+// In report.json as "schema"; a reader refuses what it does not know. New fields may come within a version.
+constexpr const char* kReportSchema = "hapton.report/1";
+
+// Where figures were taken.
+struct MachineInfo {
+  std::string host;
+  std::string cpu;
+  int cpu_count = 0;
+  std::string kernel;
+  std::string compiler;
+  std::string build;  // "release, -march x86-64-v3, AVX2 FMA": what the code was compiled for
+};
+
+// RT: no.
+MachineInfo read_machine_info();
+
+// The way between two points of the system and how long it took each time.
+struct LatencyHop {
+  std::string name;  // "force_round_trip": lower_snake, it becomes a key
+  LatencyHistogram histogram;
+};
+
+// What a run was like. One format for nodes, tools and tests.
+struct LatencyReport {
+  std::string program;
+  MachineInfo machine;
+  double seconds = 0.0;                          // how long was measured
+  std::map<std::string, double> rates_hz;
+  std::map<std::string, std::int64_t> counters;
+  std::map<std::string, std::string> notes;      // seed, scene, method, real-time state ...
+  std::vector<LatencyHop> hops;
+};
+
+// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, notes, and per hop n and p50, p90, p99, p99_9, max, mean in us.
+std::string to_json(const LatencyReport& report);
+
+// Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.
+std::string to_csv(const LatencyReport& report);
+
+// A table for people.
+std::string to_text(const LatencyReport& report);
+
+// Writes report.json and latency.csv into `folder`, made if need be. Each file appears whole or not at all: it is written beside and renamed.
+// RT: no. Error: one line naming the file and the reason.
+Result<void> write_report(const LatencyReport& report, const std::filesystem::path& folder);
+
+}  // namespace hapton

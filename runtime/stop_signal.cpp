@@ -1,0 +1,54 @@
+#include "runtime/stop_signal.h"
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstddef>
+
+namespace hapton {
+namespace {
+
+std::atomic<bool> stop_flag{false};
+std::atomic<bool> report_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGUSR1};
+std::array<struct sigaction, kSignals.size()> previous_actions = {};
+
+void on_signal(int signal) {
+  if (signal == SIGUSR1) {
+    report_flag.store(true, std::memory_order_relaxed);
+  } else if (stop_flag.exchange(true, std::memory_order_relaxed)) {
+    // Asked twice: the orderly way out is stuck. SIG_DFL and raise are safe here; the signal strikes when the handler returns.
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
+
+}  // namespace
+
+StopSignal::StopSignal() {
+  stop_flag.store(false);
+  report_flag.store(false);
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &action, &previous_actions[i]);  // fails only for numbers that are no signals
+  }
+}
+
+StopSignal::~StopSignal() {
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &previous_actions[i], nullptr);
+  }
+}
+
+bool StopSignal::stop_requested() const noexcept { return stop_flag.load(std::memory_order_relaxed); }
+
+void StopSignal::request_stop() noexcept { stop_flag.store(true, std::memory_order_relaxed); }
+
+bool StopSignal::take_report_request() noexcept { return report_flag.exchange(false, std::memory_order_relaxed); }
+
+}  // namespace hapton
