@@ -1,1 +1,60 @@
-int main() { return 0; }
+#include <cstdio>
+
+#include <fmt/core.h>
+
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "runtime/cpu_check.h"
+#include "runtime/log.h"
+#include "runtime/stop_signal.h"
+#include "scene/scene_file.h"
+#include "vision_node/vision_options.h"
+#include "vision_node/vision_session.h"
+
+namespace {
+
+using namespace hapton;
+
+int give_up(const Error& error) {
+  log_error("{}", error.what);
+  return 1;
+}
+
+// Any port of the hub's address family.
+const char* any_address_like(const Address& hub) {
+  const bool v4 = hub.ip[10] == 0xff && hub.ip[11] == 0xff;
+  return v4 ? "0.0.0.0:0" : "[::]:0";
+}
+
+int run(VisionOptions& options) {
+  const auto scene = load_scene(options.scene);
+  if (!scene) return give_up(scene.error());
+  for (const auto& note : scene->notes) log_info("{}", note);
+  auto view = open_view(*scene, options);
+  if (!view) return give_up(view.error());
+  SteadyClock clock;
+  if (options.bench_frames > 0) {
+    fmt::print("{}\n", run_bench(**view, clock, options.bench_frames));
+    return 0;
+  }
+  const auto hub = parse_address(options.hub);
+  if (!hub) return give_up(hub.error());
+  auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
+  if (!endpoint) return give_up(endpoint.error());
+  const StopSignal stop;
+  HubClient client(**endpoint, clock, NodeRole::vision, *hub);
+  VisionSession session(**view, client, clock, options);
+  const auto ended = session.run(stop);
+  fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
+  return ended ? 0 : give_up(ended.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  check_cpu("vision_node");
+  start_log("vision_node");
+  auto parsed = parse_vision_options(argc, argv);
+  if (const int* code = std::get_if<int>(&parsed)) return *code;
+  return run(std::get<VisionOptions>(parsed));
+}

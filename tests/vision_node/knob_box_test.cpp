@@ -1,0 +1,121 @@
+#include "vision_node/knob_box.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+TEST(Dials, TurnAboutTheWorldsAxesThroughTheCentre) {
+  const Vec3 centre(0.1, 0.2, 0.3);
+  Dials dials;
+  dials.turn(1, 90.0);
+  const Pose X_WS = dials.compute_pose(centre);
+  EXPECT_LT((X_WS * centre - centre).norm(), 1e-15);
+  EXPECT_LT((X_WS * (centre + Vec3::UnitZ()) - (centre + Vec3::UnitX())).norm(), 1e-15);
+  dials.turn(2, 90.0);
+  EXPECT_LT((dials.compute_pose(centre) * (centre + Vec3::UnitZ()) - (centre + Vec3::UnitY())).norm(), 1e-15);
+}
+
+TEST(Dials, KeepWithinHalfATurnAndIgnoreRubbish) {
+  Dials dials;
+  dials.turn(0, 170.0);
+  dials.turn(0, 20.0);
+  EXPECT_NEAR(dials.degrees.x(), -170.0, 1e-12);
+  dials.turn(0, -10.0);
+  EXPECT_NEAR(dials.degrees.x(), 180.0, 1e-12);
+  const Dials before = dials;
+  dials.turn(0, std::numeric_limits<double>::quiet_NaN());
+  dials.turn(1, std::numeric_limits<double>::infinity());
+  dials.turn(3, 5.0);
+  dials.turn(-1, 5.0);
+  EXPECT_EQ(dials, before);
+}
+
+TEST(TwelveFloats, ComeBackAsTheSamePoseToFloatPrecision) {
+  Dials dials;
+  dials.turn(0, 33.0);
+  dials.turn(2, -71.0);
+  const Pose X_WS = dials.compute_pose({0.05, 0.0, -0.02});
+  const Pose back = from_twelve_floats(to_twelve_floats(X_WS));
+  EXPECT_LT((back.matrix() - X_WS.matrix()).norm(), 1e-6);
+  EXPECT_EQ(to_twelve_floats(X_WS)[3], static_cast<float>(X_WS.translation().x()));
+}
+
+TEST(ViewTransformSender, SendsOnceForEachChangeOnly) {
+  ViewTransformSender sender;
+  EXPECT_FALSE(sender.take_due(0));
+  sender.set(Pose::Identity());
+  auto sent = sender.take_due(0);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 1u);
+  sender.confirm(sent->revision == 1 ? 0 : 1);
+  sender.confirm(1);
+  for (int ms = 1; ms < 2000; ++ms) {
+    sender.set(Pose::Identity());
+    ASSERT_FALSE(sender.take_due(ms * kMs)) << "nothing changed, nothing lost";
+  }
+  Dials dials;
+  dials.turn(0, 5.0);
+  sender.set(dials.compute_pose(Vec3::Zero()));
+  sent = sender.take_due(2000 * kMs);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 2u);
+  EXPECT_EQ(sent->X_WS, to_twelve_floats(dials.compute_pose(Vec3::Zero())));
+  EXPECT_EQ(sender.sent(), 2u);
+}
+
+TEST(ViewTransformSender, SendsAgainUntilTheHubHasIt) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  sender.confirm(0);
+  ASSERT_TRUE(sender.take_due(0));
+  int again = 0;
+  for (int ms = 1; ms <= 1000; ++ms) {
+    sender.confirm(0);  // it got lost
+    if (const auto sent = sender.take_due(ms * kMs)) {
+      ++again;
+      EXPECT_EQ(sent->revision, 1u);
+    }
+  }
+  EXPECT_GE(again, 10);
+  EXPECT_LE(again, 30) << "patiently, not in every turn of the loop";
+  sender.confirm(1);
+  EXPECT_FALSE(sender.take_due(5000 * kMs));
+}
+
+TEST(ViewTransformSender, SendsWhatItHasToAHubThatWasRestarted) {
+  ViewTransformSender sender;
+  Dials dials;
+  dials.turn(1, 40.0);
+  sender.set(Pose::Identity());
+  ASSERT_TRUE(sender.take_due(0));
+  sender.set(dials.compute_pose(Vec3::Zero()));
+  ASSERT_TRUE(sender.take_due(1));
+  sender.confirm(2);
+  sender.rejoin();
+  const auto sent = sender.take_due(2);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->X_WS, to_twelve_floats(dials.compute_pose(Vec3::Zero())));
+}
+
+TEST(ViewTransformSender, GoesOnFromTheRevisionsOfAnEarlierVisionNode) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  ASSERT_TRUE(sender.take_due(0));
+  sender.confirm(41);  // the hub remembers someone before us
+  const auto sent = sender.take_due(1);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 42u);
+  sender.confirm(42);
+  // Another vision node turning its dials must not start a war of revisions.
+  sender.confirm(50);
+  EXPECT_FALSE(sender.take_due(1000 * kMs));
+}
+
+}  // namespace
+}  // namespace hapton

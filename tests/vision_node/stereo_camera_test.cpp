@@ -1,0 +1,143 @@
+#include "vision_node/stereo_camera.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr PictureSize kSize{640, 720};
+
+Framing tilted() {
+  Framing framing = frame_sphere({0.02, -0.03, 0.05}, 0.14, 0.063);
+  framing.yaw_rad = 0.3;
+  framing.pitch_rad = 0.4;
+  return framing;
+}
+
+// Pixel by the matrices that the graphics card gets: clip = P V p.
+Vec2 pixel_by_matrices(const StereoScreen& screen, Eye eye, const Vec3& p_W) {
+  const Eigen::Vector4d clip = compute_projection_matrix(screen, eye) * compute_view_matrix(screen, eye) * p_W.homogeneous();
+  return {(clip.x() / clip.w() + 1.0) * 0.5 * kSize.width_px, (clip.y() / clip.w() + 1.0) * 0.5 * kSize.height_px};
+}
+
+TEST(StereoCamera, CentreOfWorkspaceIsInTheMiddleOfBothEyesPictures) {
+  const Framing framing = tilted();
+  const StereoScreen screen = compute_screen(framing, kSize);
+  for (const Eye eye : {Eye::left, Eye::right, Eye::centre}) {
+    const Vec2 pixel = pixel_by_matrices(screen, eye, framing.p_WC);
+    EXPECT_NEAR(pixel.x(), 320.0, 1e-9);
+    EXPECT_NEAR(pixel.y(), 360.0, 1e-9);
+  }
+}
+
+TEST(StereoCamera, CornersOfTheScreenAreCornersOfBothPictures) {
+  const StereoScreen screen = compute_screen(tilted(), kSize);
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    for (const double sx : {-1.0, 1.0}) {
+      for (const double sy : {-1.0, 1.0}) {
+        const Vec3 corner = screen.X_WV * Vec3(0.5 * sx * screen.width_m, 0.5 * sy * screen.height_m, 0.0);
+        const Vec2 pixel = pixel_by_matrices(screen, eye, corner);
+        EXPECT_NEAR(pixel.x(), 0.5 * (1.0 + sx) * kSize.width_px, 1e-8);
+        EXPECT_NEAR(pixel.y(), 0.5 * (1.0 + sy) * kSize.height_px, 1e-8);
+      }
+    }
+  }
+}
+
+// The picture of a point is where the straight line from the eye to the point crosses the screen: by hand, without any matrix.
+TEST(StereoCamera, MatricesAgreeWithTheRayThroughTheScreen) {
+  constexpr std::uint64_t kSeed = 7;
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> within(-0.15, 0.15);
+  const StereoScreen screen = compute_screen(tilted(), kSize);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 p_V(within(random), within(random), within(random));
+    for (const Eye eye : {Eye::left, Eye::right}) {
+      const Vec3 e(eye == Eye::left ? -0.0315 : 0.0315, 0.0, screen.distance_m);
+      const double share = e.z() / (e.z() - p_V.z());
+      const Vec3 hit = e + share * (p_V - e);
+      const Vec2 expected((hit.x() / screen.width_m + 0.5) * kSize.width_px, (hit.y() / screen.height_m + 0.5) * kSize.height_px);
+      const Vec3 p_W = screen.X_WV * p_V;
+      EXPECT_LT((pixel_by_matrices(screen, eye, p_W) - expected).norm(), 1e-7) << "seed " << kSeed << ", point " << i;
+      EXPECT_LT((project_to_pixel(screen, eye, kSize, p_W) - expected).norm(), 1e-7);
+    }
+  }
+}
+
+TEST(StereoCamera, DisparityIsZeroOnTheScreenCrossedInFrontAndBelowIpdBehind) {
+  const StereoScreen screen = compute_screen(tilted(), kSize);
+  const double pixels_per_metre = kSize.width_px / screen.width_m;
+  for (const double z : {-100.0, -0.3, -0.1, 0.0, 0.1, 0.3}) {
+    const Vec3 p_W = screen.X_WV * Vec3(0.03, -0.02, z);
+    const double measured = pixel_by_matrices(screen, Eye::right, p_W).x() - pixel_by_matrices(screen, Eye::left, p_W).x();
+    EXPECT_NEAR(measured, compute_disparity_m(screen, z) * pixels_per_metre, 1e-7) << z;
+    EXPECT_NEAR(pixel_by_matrices(screen, Eye::right, p_W).y(), pixel_by_matrices(screen, Eye::left, p_W).y(), 1e-8);
+  }
+  EXPECT_EQ(compute_disparity_m(screen, 0.0), 0.0);
+  EXPECT_LT(compute_disparity_m(screen, 0.1), 0.0);
+  EXPECT_GT(compute_disparity_m(screen, -0.1), 0.0);
+  EXPECT_LT(compute_disparity_m(screen, -1e6), screen.ipd_m);
+  // Half way to the eyes the eyes' lines cross one ipd apart.
+  EXPECT_NEAR(compute_disparity_m(screen, 0.5 * screen.distance_m), -screen.ipd_m, 1e-12);
+}
+
+TEST(StereoCamera, DepthRangeIsOpenGls) {
+  const StereoScreen screen = compute_screen(tilted(), kSize);
+  const Mat4 P = compute_projection_matrix(screen, Eye::left);
+  for (const auto& [depth, ndc] : {std::pair(screen.near_m, -1.0), std::pair(screen.far_m, 1.0)}) {
+    const Eigen::Vector4d clip = P * Eigen::Vector4d(0.01, 0.02, -depth, 1.0);
+    EXPECT_NEAR(clip.z() / clip.w(), ndc, 1e-9);
+  }
+}
+
+TEST(StereoCamera, PixelsAreSquareAtEveryAspect) {
+  for (const PictureSize size : {PictureSize{640, 720}, {1280, 720}, {300, 900}, {1, 1}}) {
+    const StereoScreen screen = compute_screen(tilted(), size);
+    EXPECT_NEAR(screen.width_m / size.width_px, screen.height_m / size.height_px, 1e-15);
+    EXPECT_NEAR(std::min(screen.width_m, screen.height_m), tilted().view_m, 1e-15);
+  }
+}
+
+TEST(StereoCamera, FramedSphereIsWhollyInsideThePictureOfEveryEye) {
+  constexpr std::uint64_t kSeed = 11;
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal;
+  for (const double radius : {1e-5, 0.01, 0.14, 0.2, 3.0, 1e5}) {
+    const Framing framing = frame_sphere(Vec3::Zero(), radius, 0.063);
+    const StereoScreen screen = compute_screen(framing, kSize);
+    EXPECT_LT(screen.near_m, framing.distance_m - radius);
+    EXPECT_GT(screen.far_m, framing.distance_m + radius);
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p = radius * Vec3(normal(random), normal(random), normal(random)).normalized();
+      const Vec2 pixel = pixel_by_matrices(screen, Eye::centre, p);
+      ASSERT_TRUE(pixel.x() > 0.0 && pixel.x() < 640.0 && pixel.y() > 0.0 && pixel.y() < 720.0) << "radius " << radius << " seed " << kSeed;
+    }
+  }
+}
+
+TEST(StereoCamera, YawMovesTheViewerRightAndPitchUp) {
+  Framing framing;
+  framing.yaw_rad = 0.3;
+  const Vec3 right = compute_eye_position(compute_screen(framing, kSize), Eye::centre);
+  EXPECT_GT(right.x(), 0.1);
+  EXPECT_NEAR(right.norm(), framing.distance_m, 1e-12);
+  framing.yaw_rad = 0.0;
+  framing.pitch_rad = 0.3;
+  EXPECT_GT(compute_eye_position(compute_screen(framing, kSize), Eye::centre).y(), 0.1);
+}
+
+TEST(StereoCamera, DisplacementInTheScreenPlaneMovesByThatManyPixels) {
+  const StereoScreen screen = compute_screen(tilted(), kSize);
+  for (const double z : {-0.2, 0.0, 0.2}) {
+    const Vec3 from = screen.X_WV * Vec3(0.01, 0.02, z);
+    const Vec3 to = from + displace_in_screen_plane(screen, kSize, {12.0, -7.0}, z);
+    const Vec2 moved = pixel_by_matrices(screen, Eye::left, to) - pixel_by_matrices(screen, Eye::left, from);
+    EXPECT_NEAR(moved.x(), 12.0, 1e-8);
+    EXPECT_NEAR(moved.y(), -7.0, 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// When the one picture of --screenshot is taken: at a contact that has lasted long enough to be drawn well, a number of seconds after
+// the start, or at the exit; whatever was asked, at the exit at the latest. Times: ns since the start. RT: no.
+class ScreenshotMoment {
+ public:
+  // "contact", "exit" or seconds. Error: anything else.
+  static Result<ScreenshotMoment> parse(std::string_view text);
+
+  // Told of every picture drawn; true once, when this is the one to keep.
+  bool is_now(std::int64_t since_start_ns, bool contact);
+
+  bool taken() const { return taken_; }
+
+ private:
+  enum class Kind { contact, exit, time };
+  Kind kind_ = Kind::contact;
+  std::int64_t at_ns_ = 0;
+  std::int64_t contact_since_ns_ = -1;
+  bool taken_ = false;
+};
+
+}  // namespace hapton

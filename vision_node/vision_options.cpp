@@ -1,0 +1,88 @@
+#include "vision_node/vision_options.h"
+
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "runtime/config.h"
+#include "vision_node/hud_text.h"
+
+namespace hapton {
+namespace {
+
+// A check for CLI11 out of one of our parsers: empty when the text is fine.
+template <class Parse>
+CLI::Validator accepts(Parse parse) {
+  return CLI::Validator([parse](std::string& text) { auto read = parse(text); return read ? std::string() : read.error().what; }, "");
+}
+
+Result<PictureSize> parse_size(std::string_view text) {
+  PictureSize size;
+  char rest = 0;
+  const std::string owned(text);
+  if (std::sscanf(owned.c_str(), "%dx%d%c", &size.width_px, &size.height_px, &rest) != 2 || size.width_px < 64 || size.height_px < 64 ||
+      size.width_px > 16384 || size.height_px > 16384) {
+    return fail("--size takes WIDTHxHEIGHT in pixels, from 64x64 to 16384x16384, not '{}'", text);
+  }
+  return size;
+}
+
+}  // namespace
+
+std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv) {
+  VisionOptions options;
+  std::string stereo = "auto";
+  std::string size = "1280x720";
+  std::string when = "contact";
+  bool no_cull = false;
+  bool no_help = false;
+
+  CLI::App app{"Draws the scene and the probe in stereo, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn the window:\n" +
+                   std::string(keys_help()),
+               "vision_node"};
+  app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
+  app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
+  app.add_option("--scene", options.scene, "Scene file (TOML)")->capture_default_str();
+  app.add_option("--stereo", stereo, fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side", [] {
+                   std::string all;
+                   for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
+                   return all;
+                 }()))
+      ->check(accepts(find_stereo_mode))
+      ->capture_default_str();
+  app.add_option("--size", size, "Window, WIDTHxHEIGHT in pixels")->check(accepts(parse_size))->capture_default_str();
+  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")->check(CLI::Range(0.0, 200.0))->capture_default_str();
+  app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
+      ->check(CLI::Range(0.0, 1e9));
+  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right")->check(CLI::Range(-180.0, 180.0))->capture_default_str();
+  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(CLI::Range(-89.0, 89.0))->capture_default_str();
+  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(CLI::Range(-360.0, 360.0));
+  app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(CLI::Range(-360.0, 360.0));
+  app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(CLI::Range(-360.0, 360.0));
+  app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Pictures a second at most, 0: no limit (default: 60, in software 30)")
+      ->check(CLI::Range(0.0, 10000.0));
+  app.add_option("--msaa", options.view.msaa, "Samples a pixel; slow in software")->check(CLI::Range(0, 16))->capture_default_str();
+  app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
+  app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
+  app.add_flag("--offscreen", options.view.offscreen, "No window; an X display is needed all the same");
+  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
+  app.add_option("--screenshot-when", when, "contact, exit or SECONDS after the start; at the exit at the latest")
+      ->check(accepts(ScreenshotMoment::parse))
+      ->capture_default_str();
+  app.add_option("--bench-frames", options.bench_frames, "Draw so many pictures as fast as possible with turning dials, print the rate, end")
+      ->check(CLI::Range(0, 1'000'000));
+
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  const PictureSize pixels = *parse_size(size);
+  options.view.stereo = *find_stereo_mode(stereo);
+  options.view.width_px = pixels.width_px;
+  options.view.height_px = pixels.height_px;
+  options.view.cull = !no_cull;
+  options.help = !no_help;
+  options.screenshot_moment = *ScreenshotMoment::parse(when);
+  return options;
+}
+
+}  // namespace hapton

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "vision_node/screenshot_moment.h"
+#include "vision_node/stereo_mode.h"
+#include "vision_node/stereo_view.h"
+
+namespace hapton {
+
+// The command line, read and checked.
+struct VisionOptions {
+  std::string hub = "127.0.0.1";
+  std::string bind;  // empty: any address of the hub's family, any port
+  std::filesystem::path scene = "scenes/car_front.toml";
+  ViewSettings view;
+  Vec3 dials_degrees = Vec3::Zero();
+  double view_yaw_deg = 0.0;
+  double view_pitch_deg = 15.0;
+  double view_mm = 0.0;       // 0: as the scene needs
+  double ipd_mm = 63.0;
+  double rate_limit_hz = -1;  // below 0: chosen by who draws
+  double seconds = 0.0;       // 0: until the window is closed
+  int bench_frames = 0;
+  bool help = true;
+  std::filesystem::path screenshot;
+  ScreenshotMoment screenshot_moment;
+};
+
+// The options, or the exit code to leave main with. RT: set-up only.
+std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv);
+
+}  // namespace hapton

@@ -1,0 +1,166 @@
+#include "vision_node/vision_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+// How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
+constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
+// The smallest thing that is framed: a scene of one point still gives a picture.
+constexpr double kMinRadius = 1e-6;
+
+VisionStepSettings make_step_settings(const StereoView& view, const VisionOptions& options) {
+  VisionStepSettings settings;
+  for (int axis = 0; axis < 3; ++axis) settings.dials.turn(axis, options.dials_degrees[axis]);
+  settings.max_rate_hz = options.rate_limit_hz;
+  settings.always_changing = view.mode() == StereoMode::emulate;
+  settings.cull = options.view.cull;
+  settings.help = options.help;
+  settings.stereo = stereo_mode_name(view.mode());
+  return settings;
+}
+
+}  // namespace
+
+Framing frame_scene(const Scene& scene, const VisionOptions& options) {
+  double squared_radius = kMinRadius * kMinRadius;
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& p_S : object.mesh->vertices) squared_radius = std::max(squared_radius, p_S.squaredNorm());
+  }
+  Framing framing = frame_sphere(Vec3::Zero(), std::sqrt(squared_radius), options.ipd_mm * 1e-3);
+  if (options.view_mm > 0.0) framing.view_m = options.view_mm * 1e-3;
+  framing.yaw_rad = options.view_yaw_deg * std::numbers::pi / 180.0;
+  framing.pitch_rad = options.view_pitch_deg * std::numbers::pi / 180.0;
+  return framing;
+}
+
+Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options) {
+  options.view.framing = frame_scene(scene, options);
+  std::vector<ShownObject> objects;
+  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.color.data())});
+  auto view = StereoView::open(options.view, objects);
+  if (!view) return view;
+  const std::string renderer = (*view)->renderer_name();
+  options.rate_limit_hz = choose_rate_limit(options, renderer);
+  log_info("stereo mode {}{}, drawn by {}, {} pictures a second at most", stereo_mode_name((*view)->mode()),
+           options.view.stereo == StereoMode::automatic ? " (chosen by auto)" : "", renderer,
+           options.rate_limit_hz > 0.0 ? fmt::format("{:g}", options.rate_limit_hz) : "any");
+  return view;
+}
+
+double choose_rate_limit(const VisionOptions& options, std::string_view renderer_name) {
+  if (options.rate_limit_hz >= 0.0) return options.rate_limit_hz;
+  const bool software = renderer_name.find("llvmpipe") != std::string_view::npos ||
+                        renderer_name.find("softpipe") != std::string_view::npos || renderer_name.find("SWR") != std::string_view::npos;
+  return software ? 30.0 : 60.0;
+}
+
+VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, const VisionOptions& options)
+    : view_(view),
+      hub_(hub),
+      clock_(clock),
+      options_(options),
+      step_(make_step_settings(view, options)),
+      moment_(options.screenshot_moment) {}
+
+Result<void> VisionSession::run(const StopSignal& stop) {
+  start_ns_ = clock_.now_ns();
+  const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
+  while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
+    hear_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
+    if (auto attended = attend_window(); !attended) return attended;
+    if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+    speak();
+  }
+  if (!options_.screenshot.empty() && !moment_.taken()) return take_screenshot(options_.screenshot);
+  return {};
+}
+
+// Waits for one message, then takes all that have come: the newest state wins.
+void VisionSession::hear_hub(std::int64_t deadline_ns) {
+  Datagram heard;
+  for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
+    const auto* state = std::get_if<ProbeState>(&heard.message);
+    if (state != nullptr && hub_.last_arrival() == Arrival::newest) step_.hear(*state);
+  }
+  const bool joined = hub_.state() == JoinState::joined;
+  if (joined && (!was_joined_ || hub_.counts().joins != joins_)) {
+    log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
+    step_.joined();
+  } else if (!joined && was_joined_) {
+    log_warning("the hub has fallen silent; waiting for it");
+    step_.lost();
+  }
+  joins_ = hub_.counts().joins;
+  was_joined_ = joined;
+}
+
+Result<void> VisionSession::attend_window() {
+  for (const WindowEvent& event : view_.poll_events()) step_.handle(event, where());
+  if (view_.take_stale()) step_.spoil();
+  const Wishes wishes = step_.take_wishes();
+  quit_ = quit_ || wishes.quit;
+  return wishes.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+}
+
+void VisionSession::speak() {
+  if (hub_.state() != JoinState::joined) return;
+  while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
+}
+
+Result<void> VisionSession::draw_if_wanted() {
+  const std::int64_t begin_ns = clock_.now_ns();
+  if (!step_.wants_picture(begin_ns, where())) return {};
+  const VisionStep::Shown shown = step_.compose(begin_ns);
+  view_.set_scene_pose(shown.X_WS);
+  if (shown.probe) view_.set_probe(*shown.probe);
+  view_.set_cull(shown.cull);
+  view_.set_hud(shown.hud, shown.help);
+  view_.draw();
+  step_.drew(begin_ns, clock_.now_ns(), where());
+  const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
+  return keep ? take_screenshot(options_.screenshot) : Result<void>{};
+}
+
+Result<void> VisionSession::take_screenshot(const std::filesystem::path& file) {
+  if (auto saved = view_.save_png(file); !saved) return saved;
+  log_info("screenshot written to {}", file.string());
+  return {};
+}
+
+std::filesystem::path VisionSession::next_screenshot_name() {
+  std::filesystem::path name;
+  do name = fmt::format("hapton_{:03}.png", ++screenshots_);
+  while (std::filesystem::exists(name));
+  return name;
+}
+
+VisionStep::Screen VisionSession::where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
+
+std::string run_bench(StereoView& view, const Clock& clock, int frames) {
+  view.draw();  // the first picture builds shaders
+  Dials dials;
+  FrameLog log;
+  for (int i = 0; i < frames; ++i) {
+    const std::int64_t start_ns = clock.now_ns();
+    dials.turn(1, 3.0);
+    dials.turn(0, 1.0);
+    view.set_scene_pose(dials.compute_pose(Vec3::Zero()));
+    view.poll_events();
+    view.draw();
+    log.drew(start_ns, clock.now_ns());
+  }
+  const PictureSize size = view.picture_size();
+  return fmt::format("bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, {}", frames, log.rate_hz(),
+                     stereo_mode_name(view.mode()), size.width_px, size.height_px, log.draw_time().quantile_ns(0.5) * 1e-6,
+                     log.draw_time().quantile_ns(0.99) * 1e-6, view.renderer_name());
+}
+
+}  // namespace hapton

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/base/result.h"
+#include "link/hub_client.h"
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
+#include "scene/scene_file.h"
+#include "vision_node/stereo_view.h"
+#include "vision_node/vision_options.h"
+#include "vision_node/vision_step.h"
+
+namespace hapton {
+
+// The framing that shows the whole scene around the workspace centre (the world's origin), whatever the dials do.
+Framing frame_scene(const Scene& scene, const VisionOptions& options);
+
+// Opens the window on the scene as the options say. Error: see StereoView::open.
+Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options);
+
+// Pictures a second at most: what was asked for, else 60, or 30 when the CPU draws and haptics may live on it.
+double choose_rate_limit(const VisionOptions& options, std::string_view renderer_name);
+
+// One vision node at work: hub, window and VisionStep joined in one loop. RT: no.
+class VisionSession {
+ public:
+  VisionSession(StereoView& view, HubClient& hub, Clock& clock, const VisionOptions& options);
+
+  // Until the window is closed, the time is up or a signal asks. Error: a screenshot that could not be written.
+  Result<void> run(const StopSignal& stop);
+
+  const VisionStep& step() const { return step_; }
+
+ private:
+  void hear_hub(std::int64_t deadline_ns);
+  Result<void> attend_window();
+  void speak();
+  Result<void> draw_if_wanted();
+  Result<void> take_screenshot(const std::filesystem::path& file);
+  std::filesystem::path next_screenshot_name();
+  VisionStep::Screen where() const;
+
+  StereoView& view_;
+  HubClient& hub_;
+  Clock& clock_;
+  const VisionOptions& options_;
+  VisionStep step_;
+  ScreenshotMoment moment_;
+  std::uint64_t joins_ = 0;
+  bool was_joined_ = false;
+  bool quit_ = false;
+  int screenshots_ = 0;
+  std::int64_t start_ns_ = 0;
+};
+
+// Draws that many pictures flat out, the dials turning, and says how fast it went.
+std::string run_bench(StereoView& view, const Clock& clock, int frames);
+
+}  // namespace hapton

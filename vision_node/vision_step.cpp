@@ -1,0 +1,105 @@
+#include "vision_node/vision_step.h"
+
+#include <utility>
+
+#include "vision_node/hud_text.h"
+
+namespace hapton {
+namespace {
+
+// Numbers that change faster than this cannot be read, and must not cause pictures.
+constexpr std::int64_t kHudPeriodNs = 400'000'000;
+
+}  // namespace
+
+VisionStep::VisionStep(VisionStepSettings settings)
+    : settings_(std::move(settings)), watch_(settings_.threshold_px), cull_(settings_.cull), help_(settings_.help) {
+  interaction_.dials() = settings_.dials;
+  sender_.set(settings_.dials.compute_pose(settings_.p_WC));
+}
+
+void VisionStep::hear(const ProbeState& state) {
+  state_ = state;
+  connected_ = true;
+  moved_ = true;
+  sender_.confirm(state.view_revision);
+}
+
+void VisionStep::joined() {
+  connected_ = true;
+  sender_.rejoin();
+}
+
+void VisionStep::handle(const WindowEvent& event, const Screen& where) {
+  Interaction::View view{where.screen, where.picture, settings_.p_WC};
+  if (state_ && state_->p_WD.allFinite()) view.p_WD = state_->p_WD;
+  interaction_.handle(event, view);
+  sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
+}
+
+Wishes VisionStep::take_wishes() {
+  const Wishes wishes = interaction_.take_wishes();
+  cull_ = cull_ != wishes.toggle_cull;
+  help_ = help_ != wishes.toggle_help;
+  stale_ = stale_ || wishes.toggle_cull || wishes.toggle_help;
+  return wishes;
+}
+
+std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
+  if (const auto view = sender_.take_due(now_ns)) return *view;
+  if (const auto hand = interaction_.take_hand(now_ns)) return *hand;
+  if (const auto drawn = std::exchange(drawn_, std::nullopt)) return *drawn;
+  return std::nullopt;
+}
+
+std::string VisionStep::compose_hud_now() const {
+  HudFacts facts;
+  facts.connected = connected_ && state_;
+  if (state_) facts.state = *state_;
+  facts.frame_rate_hz = frames_.recent_rate_hz();
+  facts.dials_degrees = interaction_.dials().degrees;
+  facts.stereo = settings_.stereo;
+  facts.cull = cull_;
+  facts.hand_held = interaction_.hand_active();
+  return compose_hud(facts);
+}
+
+bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
+  if (settings_.max_rate_hz > 0.0 && frames_.drawn() > 0 &&
+      static_cast<double>(now_ns - last_start_ns_) < 1e9 / settings_.max_rate_hz) {
+    return false;
+  }
+  if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_) return true;
+  if (std::exchange(moved_, false)) {
+    if (watch_.differs(show_probe(*state_), where.sizes, where.screen, where.picture)) return true;
+    frames_.skipped();
+  }
+  return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud_now() != hud_shown_;
+}
+
+VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
+  Shown shown;
+  shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
+  if (state_) shown.probe = show_probe(*state_);
+  if (now_ns - hud_ns_ >= kHudPeriodNs || hud_shown_.empty() || stale_) {
+    hud_shown_ = compose_hud_now();
+    hud_ns_ = now_ns;
+  }
+  shown.hud = hud_shown_;
+  if (help_) shown.help = keys_help();
+  shown.cull = cull_;
+  stale_ = false;
+  return shown;
+}
+
+void VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
+  last_start_ns_ = start_ns;
+  frames_.drew(start_ns, end_ns);
+  dials_shown_ = interaction_.dials().degrees;
+  moved_ = false;
+  if (!state_) return;
+  watch_.drawn(show_probe(*state_), where.sizes, where.screen, where.picture);
+  drawn_ = Drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+}
+
+}  // namespace hapton

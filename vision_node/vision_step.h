@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "link/messages.h"
+#include "vision_node/frame_log.h"
+#include "vision_node/interaction.h"
+#include "vision_node/knob_box.h"
+#include "vision_node/probe_shown.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+struct VisionStepSettings {
+  Vec3 p_WC = Vec3::Zero();         // workspace centre: what the dials turn about
+  Dials dials;                      // at the start
+  double max_rate_hz = 60.0;        // pictures a second; 0: as many as can be drawn
+  bool always_changing = false;     // draw even when nothing moved: modes that alternate the eyes
+  bool cull = true;
+  bool help = true;
+  std::string stereo;               // the mode's name, for the HUD
+  double threshold_px = 0.5;        // motion below this is not worth a picture
+};
+
+// All that the vision node decides, without a window, socket or clock: what the hub said and the person did go in; when to draw, what
+// to draw and what to send come out. Times: any one monotonic clock, ns. RT: no.
+class VisionStep {
+ public:
+  // How the picture lies in the world just now.
+  struct Screen {
+    StereoScreen screen;
+    PictureSize picture;
+    ProbeSizes sizes;
+  };
+  // All that the next picture shows.
+  struct Shown {
+    Pose X_WS = Pose::Identity();
+    std::optional<ProbeShown> probe;  // none before the hub has spoken
+    std::string hud;
+    std::string_view help;
+    bool cull = true;
+  };
+
+  explicit VisionStep(VisionStepSettings settings);
+
+  // The newest of what has come. Pre: never older than the one before (newest wins at the caller).
+  void hear(const ProbeState& state);
+  // The hub was joined, for the first time or again.
+  void joined();
+  // The hub has fallen silent.
+  void lost() { connected_ = false; }
+  void handle(const WindowEvent& event, const Screen& where);
+  // The window has to be drawn whatever moved (uncovered, resized).
+  void spoil() { stale_ = true; }
+
+  Wishes take_wishes();
+
+  // What is to be sent now, one message a call until none is left: view transform, hand target, Drawn.
+  std::optional<Message> take_message(std::int64_t now_ns);
+
+  // True when the picture there is no longer shows how things are, and the rate allows another one.
+  bool wants_picture(std::int64_t now_ns, const Screen& where);
+  Shown compose(std::int64_t now_ns);
+  // The picture of the last compose() is in the window.
+  void drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
+
+  const FrameLog& frames() const { return frames_; }
+  const ViewTransformSender& view_transform() const { return sender_; }
+  const Interaction& interaction() const { return interaction_; }
+  bool contact() const { return state_ && state_->contact; }
+
+ private:
+  std::string compose_hud_now() const;
+
+  VisionStepSettings settings_;
+  Interaction interaction_;
+  ViewTransformSender sender_;
+  PictureWatch watch_;
+  FrameLog frames_;
+  std::optional<ProbeState> state_;
+  std::optional<Drawn> drawn_;
+  bool connected_ = false;
+  bool stale_ = true;
+  bool moved_ = false;       // a new state has come since the last picture
+  bool cull_;
+  bool help_;
+  Vec3 dials_shown_ = Vec3::Zero();
+  std::string hud_shown_;
+  std::int64_t hud_ns_ = 0;
+  std::int64_t last_start_ns_ = 0;
+};
+
+}  // namespace hapton
