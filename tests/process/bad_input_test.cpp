@@ -1,0 +1,171 @@
+// Whatever people type: one line on stderr that names the trouble, and an exit code that is neither zero nor a crash's.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "tests/process/program.h"
+
+namespace hapton::process {
+namespace {
+
+struct BadCall {
+  std::string name;  // of the test
+  std::string program;
+  std::vector<std::string> arguments;  // FOLDER and TAKEN_PORT are replaced
+  std::string mentions;                // must be in the line
+};
+
+void PrintTo(const BadCall& call, std::ostream* out) { *out << call.program << " " << call.name; }
+
+std::string replace_all(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+  return text;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty()) lines.push_back(line);
+  }
+  return lines;
+}
+
+void write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
+
+// Files that a call may name.
+void make_bad_files(const std::filesystem::path& folder) {
+  write(folder / "broken.toml", "[[object]\nmesh = ");
+  write(folder / "no_mesh.toml", "[[object]]\nmesh = \"gone.obj\"\n");
+  write(folder / "empty.obj", "");
+  write(folder / "nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+  write(folder / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+  write(folder / "good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write(folder / "empty.csv", "");
+  write(folder / "text.csv", "t_s,x_m,y_m,z_m\n0,a,0,0\n");
+  write(folder / "good.csv", "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.01\n0.001,0.2,0.2,-0.001\n");
+}
+
+class BadInput : public ::testing::TestWithParam<BadCall> {};
+
+TEST_P(BadInput, GivesOneLineAndFails) {
+  const BadCall& call = GetParam();
+  const std::filesystem::path folder = make_test_folder();
+  make_bad_files(folder);
+  const TakenPort taken;
+  std::vector<std::string> arguments = call.arguments;
+  for (std::string& argument : arguments) {
+    argument = replace_all(replace_all(argument, "FOLDER", folder.string()), "TAKEN_PORT", taken.port());
+  }
+  const auto ended = run(call.program, arguments, folder);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_NE(ended->exit_code, 0);
+  EXPECT_LT(ended->exit_code, 126) << "ended by a signal or not started";
+  EXPECT_EQ(lines_of(ended->err).size(), 1U) << ended->err;
+  EXPECT_THAT(ended->err, ::testing::HasSubstr(replace_all(call.mentions, "TAKEN_PORT", taken.port())));
+}
+
+// Gone on, an io_node would hold this port; nobody else is asked for.
+const std::vector<BadCall> kIoNode = {
+    {"UnknownFlag", "io_node", {"--frobnicate"}, "frobnicate"},
+    {"PortIsText", "io_node", {"--bind", "127.0.0.1:port"}, "port"},
+    {"PortTooLarge", "io_node", {"--bind", "127.0.0.1:70000"}, "70000"},
+    {"AddressIsText", "io_node", {"--bind", "not an address:1"}, "not an address"},
+    {"PortInUse", "io_node", {"--bind", "127.0.0.1:TAKEN_PORT"}, "TAKEN_PORT"},
+    {"UnknownDevice", "io_node", {"--bind", "127.0.0.1:0", "--device", "spoon"}, "spoon"},
+    {"RateTooLow", "io_node", {"--bind", "127.0.0.1:0", "--rate", "10"}, "10"},
+    {"RateTooHigh", "io_node", {"--bind", "127.0.0.1:0", "--rate", "1000000"}, "1000000"},
+    {"RateIsText", "io_node", {"--bind", "127.0.0.1:0", "--rate", "fast"}, "fast"},
+    {"RateIsNan", "io_node", {"--bind", "127.0.0.1:0", "--rate", "nan"}, "rate"},
+    {"SecondsNegative", "io_node", {"--bind", "127.0.0.1:0", "--seconds", "-1"}, "seconds"},
+    {"ReplayWithoutTrajectory", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay"}, "trajectory"},
+    {"TrajectoryMissing", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/gone.csv"}, "gone.csv"},
+    {"TrajectoryEmpty", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/empty.csv"}, "empty.csv"},
+    {"TrajectoryIsText", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/text.csv"}, "text.csv"},
+    {"ConfigMissing", "io_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
+    {"ConfigBroken", "io_node", {"--config", "FOLDER/broken.toml"}, "broken.toml"},
+};
+
+const std::vector<BadCall> kHapticsNode = {
+    {"UnknownFlag", "haptics_node", {"--frobnicate"}, "frobnicate"},
+    {"SceneMissing", "haptics_node", {"--scene", "FOLDER/gone.toml"}, "gone.toml"},
+    {"SceneBroken", "haptics_node", {"--scene", "FOLDER/broken.toml"}, "broken.toml"},
+    {"MeshMissing", "haptics_node", {"--scene", "FOLDER/no_mesh.toml"}, "gone.obj"},
+    {"SceneIsAFolder", "haptics_node", {"--scene", "FOLDER"}, "FOLDER"},
+    {"UnknownMethod", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--method", "magic"}, "magic"},
+    {"HubPortTooLarge", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:99999"}, "99999"},
+    {"HubHasNoPort", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:"}, "127.0.0.1:"},
+    {"SecondsIsText", "haptics_node", {"--seconds", "soon"}, "soon"},
+    {"ConfigMissing", "haptics_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
+};
+
+const std::vector<BadCall> kTools = {
+    {"NoCommand", "hapton", {}, "hapton"},
+    {"UnknownCommand", "hapton", {"fly"}, "fly"},
+    {"InfoMissing", "hapton", {"info", "FOLDER/gone.obj"}, "gone.obj"},
+    {"InfoEmpty", "hapton", {"info", "FOLDER/empty.obj"}, "empty.obj"},
+    {"InfoNan", "hapton", {"info", "FOLDER/nan.obj"}, "nan.obj"},
+    {"InfoIndexOutOfRange", "hapton", {"info", "FOLDER/range.obj"}, "range.obj"},
+    {"InfoUnknownUnit", "hapton", {"info", "FOLDER/good.obj", "--unit", "furlong"}, "furlong"},
+    {"ReplayMeshMissing",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/gone.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/r.csv"},
+     "gone.obj"},
+    {"ReplayTrajectoryMissing",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/gone.csv", "--out", "FOLDER/r.csv"},
+     "gone.csv"},
+    {"ReplayUnknownMethod",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/r.csv", "--method", "magic"},
+     "magic"},
+    {"ReplayOutNotWritable",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/no/such/folder/r.csv"},
+     "r.csv"},
+    {"PlotMissing", "hapton", {"plot", "FOLDER/gone"}, "gone"},
+};
+
+std::string name_of(const ::testing::TestParamInfo<BadCall>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(IoNode, BadInput, ::testing::ValuesIn(kIoNode), name_of);
+INSTANTIATE_TEST_SUITE_P(HapticsNode, BadInput, ::testing::ValuesIn(kHapticsNode), name_of);
+INSTANTIATE_TEST_SUITE_P(Tools, BadInput, ::testing::ValuesIn(kTools), name_of);
+
+#ifdef HAPTON_WITH_VISION
+const std::vector<BadCall> kVisionNode = {
+    {"UnknownFlag", "vision_node", {"--frobnicate"}, "frobnicate"},
+    {"UnknownStereo", "vision_node", {"--stereo", "cubist"}, "cubist"},
+    {"SceneMissing", "vision_node", {"--scene", "FOLDER/gone.toml"}, "gone.toml"},
+    {"SceneBroken", "vision_node", {"--scene", "FOLDER/broken.toml"}, "broken.toml"},
+    {"SizeIsText", "vision_node", {"--size", "large"}, "large"},
+    {"DisplayUnreachable", "vision_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml"}, "isplay"},
+};
+INSTANTIATE_TEST_SUITE_P(VisionNode, BadInput, ::testing::ValuesIn(kVisionNode), name_of);
+#endif
+
+class Help : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Help, IsThereAndSucceeds) {
+  const auto ended = run(GetParam(), {"--help"}, make_test_folder());
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0);
+  EXPECT_THAT(ended->out, ::testing::HasSubstr("--help"));
+  EXPECT_EQ(ended->err, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, Help,
+                         ::testing::Values("io_node", "haptics_node", "hapton"
+#ifdef HAPTON_WITH_VISION
+                                           ,
+                                           "vision_node"
+#endif
+                                           ),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace hapton::process

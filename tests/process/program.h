@@ -1,0 +1,76 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hapton::process {
+
+using Seconds = std::chrono::duration<double>;
+
+// How a program ended.
+struct Ended {
+  int exit_code = -1;  // 128 + n when signal n ended it
+  std::string out;
+  std::string err;
+};
+
+// One of our programs, running. Ends with this object at the latest, killed if need be.
+class Program {
+ public:
+  // Starts build/.../bin/NAME with its output going to files in folder (NAME.<n>.out, NAME.<n>.err).
+  Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  bool is_running();
+  void send_signal(int signal);
+  // How it ended, or nothing when it still runs after that time.
+  std::optional<Ended> wait(Seconds at_most);
+  // Ends it at once, as a crash would.
+  void kill();
+  // What it has written so far.
+  std::string out() const;
+  std::string err() const;
+
+ private:
+  void collect(bool block);
+
+  std::filesystem::path out_path_;
+  std::filesystem::path err_path_;
+  pid_t pid_ = -1;
+  std::optional<int> status_;
+};
+
+// Runs a program to its end; a program still there after at_most is killed and gives nothing.
+std::optional<Ended> run(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                         Seconds at_most = Seconds(20));
+
+// A UDP port of 127.0.0.1 that nobody has at the moment.
+std::string find_free_port();
+
+// Holds a UDP port of 127.0.0.1 as long as it lives.
+class TakenPort {
+ public:
+  TakenPort();
+  ~TakenPort();
+  TakenPort(const TakenPort&) = delete;
+  TakenPort& operator=(const TakenPort&) = delete;
+  std::string port() const { return std::to_string(port_); }
+
+ private:
+  int socket_ = -1;
+  int port_ = 0;
+};
+
+// A fresh folder for one test, named after it.
+std::filesystem::path make_test_folder();
+
+std::string read_text(const std::filesystem::path& path);
+
+}  // namespace hapton::process
