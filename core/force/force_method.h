@@ -47,9 +47,13 @@ struct MethodSettings {
   std::array<int, 3> grid_division = {32, 32, 32};  // sweep: cells along x, y, z (memo 4.2.2)
   double offset_m = 0.0005 * 0.0254;  // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
   double probe_radius_m = 0.0;     // proxy, reference: 0 is a point probe
+  int reference_substeps = 8;      // reference: equal parts each step's device motion is followed in
 };
 
 // Builds the named method over the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene.
 Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene);
+
+// The names make_method knows, "sweep, ...", for help texts. RT: set-up only.
+std::string method_names();
 
 }  // namespace hapton

@@ -15,6 +15,8 @@ constexpr std::array kMethods = {
     Entry{"sweep", &SweepMethod::make},
 };
 
+}  // namespace
+
 std::string method_names() {
   std::string names;
   for (const Entry& entry : kMethods) {
@@ -23,8 +25,6 @@ std::string method_names() {
   }
   return names;
 }
-
-}  // namespace
 
 Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene) {
   if (scene.objects.empty()) {

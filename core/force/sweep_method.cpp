@@ -70,6 +70,9 @@ SweepCounters& SweepCounters::operator+=(const SweepCounters& other) noexcept {
 }
 
 Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  if (settings.probe_radius_m != 0.0) {
+    return fail("sweep: its probe is a point and cannot have a radius of {} m; leave the radius at 0 or choose another method", settings.probe_radius_m);
+  }
   Triangles all = gather(scene);
   if (all.planes.empty()) {
     return fail("sweep: the scene has no triangle with an area ({} without one); give a mesh that can be touched", all.degenerate);

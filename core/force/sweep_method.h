@@ -32,7 +32,7 @@ struct SweepCounters {
 // RT: step, reset and counters yes; make and describe set-up only. Threads: one.
 class SweepMethod final : public ForceMethod {
  public:
-  // Error: an impossible grid division or offset, a scene without a triangle that has a plane.
+  // Error: an impossible grid division or offset, a probe with a radius, a scene without a triangle that has a plane.
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;

@@ -273,6 +273,9 @@ TEST(SweepMethod, RefusesWhatItCannotDo) {
   settings.offset_m = kOffset;
   settings.grid_division = {0, 1, 1};
   EXPECT_FALSE(SweepMethod::make(settings, scene));
+  settings.grid_division = {32, 32, 32};
+  settings.probe_radius_m = 1e-3;
+  EXPECT_FALSE(SweepMethod::make(settings, scene));
 }
 
 TEST(SweepMethod, DescribesItsGrid) {

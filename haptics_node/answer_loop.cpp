@@ -1,0 +1,99 @@
+#include "haptics_node/answer_loop.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
+
+}  // namespace
+
+AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder)
+    : hub_(hub), clock_(clock), step_(step), builder_(builder) {}
+
+void AnswerLoop::run(const StopSignal& stop, double seconds) {
+  start_ns_ = clock_.now_ns();
+  const std::int64_t end_ns = seconds > 0 ? start_ns_ + static_cast<std::int64_t>(seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
+  Datagram datagram;
+  while (!stop.stop_requested()) {
+    const std::int64_t now_ns = clock_.now_ns();
+    if (now_ns >= end_ns) {
+      return;
+    }
+    if (hub_.receive(datagram, std::min(end_ns, now_ns + kLookAroundNs))) {
+      drain(datagram);
+      if (step_.has_state()) {
+        answer();
+      }
+    }
+    change_method();
+    tell_of_hub();
+  }
+}
+
+void AnswerLoop::drain(Datagram& datagram) noexcept {
+  do {
+    hear(datagram.message);
+  } while (hub_.receive(datagram, 0));
+}
+
+void AnswerLoop::hear(const Message& message) noexcept {
+  const bool overtaken = hub_.last_arrival() == Arrival::reordered;
+  if (const auto* state = std::get_if<DeviceState>(&message)) {
+    if (overtaken) {
+      return;  // a newer one was answered or is waiting
+    }
+    if (hub_.session() != session_) {
+      session_ = hub_.session();
+      step_.restart();
+    }
+    arrival_ns_ = hub_.receive_time_ns();
+    step_.offer(*state);
+  } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
+    // Overtaken by a state it is still news, by a later view not. Revisions are compared around the 32-bit circle.
+    if (!overtaken || static_cast<std::int32_t>(view->revision - view_revision_) > 0) {
+      view_revision_ = view->revision;
+      step_.turn_scene(*view);
+    }
+  } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
+    builder_.request(settings->method);
+  }
+}
+
+void AnswerLoop::answer() noexcept {
+  ForceCommand command = step_.answer();
+  const std::int64_t spent_ns = std::clamp<std::int64_t>(clock_.now_ns() - arrival_ns_, 0, std::numeric_limits<std::uint32_t>::max());
+  command.compute_ns = static_cast<std::uint32_t>(spent_ns);
+  hub_.send(command);
+  compute_times_.record(spent_ns);
+}
+
+void AnswerLoop::change_method() noexcept {
+  if (auto built = builder_.take()) {
+    builder_.retire(step_.replace(std::move(built)));
+  }
+}
+
+void AnswerLoop::tell_of_hub() {
+  const JoinState state = hub_.state();
+  if (state == told_) {
+    if (state == JoinState::joining && !told_absent_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
+      told_absent_ = true;
+      log_warning("no hub answers yet; start io_node there, or name another place with --hub; trying on");
+    }
+    return;
+  }
+  told_ = state;
+  switch (state) {
+    case JoinState::joined: log_info("joined the hub, {} samples a second", hub_.servo_rate_hz()); break;
+    case JoinState::refused: log_warning("the hub has another haptics node; waiting for its place"); break;
+    case JoinState::joining: log_warning("the hub has gone silent; trying on"); break;
+  }
+}
+
+}  // namespace hapton

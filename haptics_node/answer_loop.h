@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "haptics_node/haptics_step.h"
+#include "haptics_node/method_builder.h"
+#include "link/hub_client.h"
+#include "runtime/clock.h"
+#include "runtime/latency_histogram.h"
+#include "runtime/stop_signal.h"
+
+namespace hapton {
+
+// The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
+// RT: run yes, apart from a line in the log when the hub comes or goes. Threads: one.
+class AnswerLoop {
+ public:
+  AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder);
+
+  // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
+  void run(const StopSignal& stop, double seconds);
+
+  // From a state's arrival to its answer's departure.
+  const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
+
+ private:
+  void drain(Datagram& first) noexcept;
+  void hear(const Message& message) noexcept;
+  void answer() noexcept;
+  void change_method() noexcept;
+  void tell_of_hub();
+
+  HubClient& hub_;
+  const Clock& clock_;
+  HapticsStep& step_;
+  MethodBuilder& builder_;
+  LatencyHistogram compute_times_;
+  std::int64_t arrival_ns_ = 0;
+  std::int64_t start_ns_ = 0;
+  std::uint64_t session_ = 0;
+  std::uint32_t view_revision_ = 0;
+  JoinState told_ = JoinState::joining;
+  bool told_absent_ = false;
+};
+
+}  // namespace hapton

@@ -1,0 +1,51 @@
+#include "haptics_node/haptics_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "core/collision/grid_division.h"
+#include "runtime/config.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kMetresPerInch = 0.0254;
+
+// A check for CLI11 out of one of our parsers: empty when the text is fine.
+template <class Parse>
+CLI::Validator accepts(Parse parse) {
+  return CLI::Validator([parse](std::string& text) { auto read = parse(text); return read ? std::string() : read.error().what; }, "");
+}
+
+}  // namespace
+
+std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* const* argv) {
+  HapticsOptions options;
+  std::string grid = "32";
+  std::string realtime = "try";
+  double offset_in = options.method.offset_m / kMetresPerInch;
+
+  CLI::App app{"Answers every device sample of the hub with the force that the scene gives it.", "haptics_node"};
+  app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
+  app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
+  app.add_option("--scene", options.scene, "Scene file (TOML), or a mesh in metres")->capture_default_str();
+  app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
+  app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
+  app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0 is a point (sweep knows no other)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
+      ->check(accepts(parse_realtime_mode))
+      ->capture_default_str();
+  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: an ordinary thread")->check(CLI::Range(0, 99))->capture_default_str();
+  app.add_option("--cpu", options.realtime.cpu, "Stay on this CPU; -1: where the scheduler likes")->check(CLI::Range(-1, 1023))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  options.method.grid_division = *parse_grid_division(grid);
+  options.method.offset_m = offset_in * kMetresPerInch;
+  options.realtime.mode = *parse_realtime_mode(realtime);
+  return options;
+}
+
+}  // namespace hapton

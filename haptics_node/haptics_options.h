@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+
+#include "core/force/force_method.h"
+#include "runtime/realtime.h"
+
+namespace hapton {
+
+// The command line, read and checked.
+struct HapticsOptions {
+  std::string hub = "127.0.0.1";
+  std::string bind;  // empty: any address of the hub's family, any port
+  std::filesystem::path scene = "scenes/car_front.toml";
+  MethodSettings method;
+  RealtimeSettings realtime;
+  double seconds = 0.0;  // 0: until stopped
+};
+
+// The options, or the exit code to leave main with. RT: set-up only.
+std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* const* argv);
+
+}  // namespace hapton

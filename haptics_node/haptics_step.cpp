@@ -1,0 +1,75 @@
+#include "haptics_node/haptics_step.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "haptics_node/view_pose.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFirstStepS = 1e-3;
+
+}  // namespace
+
+HapticsStep::HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m) : touch_(std::move(touch)), offset_m_(offset_m) {}
+
+void HapticsStep::offer(const DeviceState& state) noexcept {
+  if (has_state_) {
+    ++skipped_;
+    ++counts_.skipped;
+  }
+  state_ = state;
+  has_state_ = true;
+}
+
+ForceCommand HapticsStep::answer() noexcept {
+  has_state_ = false;
+  const std::int64_t step_ns = state_.sample_time_ns - last_time_ns_;
+  input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
+  input_.p_WD = state_.p_WD;
+  input_.X_WS = X_WS_;
+  last_time_ns_ = state_.sample_time_ns;
+  if (!running_) {
+    touch_->reset(input_);
+    running_ = true;
+  }
+  felt_ = touch_->step(input_);
+
+  ++counts_.answered;
+  counts_.contact_steps += felt_.contact ? 1 : 0;
+  counts_.max_force_n = std::max(counts_.max_force_n, felt_.force_n.norm());
+  return {.echo_sample = state_.sample,
+          .echo_sample_time_ns = state_.sample_time_ns,
+          .force_n = felt_.force_n,
+          .visual_offset_m = felt_.visual_offset_m,
+          .contact = felt_.contact,
+          .compute_ns = 0,
+          .skipped_samples = std::exchange(skipped_, 0U)};
+}
+
+bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
+  const auto pose = compute_view_pose(view.X_WS);
+  if (!pose) {
+    ++counts_.views_rejected;
+    return false;
+  }
+  ++counts_.views_taken;
+  X_WS_ = *pose;
+  return true;
+}
+
+std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch) noexcept {
+  ++counts_.methods_taken;
+  std::swap(touch_, touch);
+  if (running_) {
+    TouchInput start = input_;
+    if (felt_.contact) {
+      start.p_WD += felt_.visual_offset_m + offset_m_ * felt_.force_n.normalized();
+    }
+    touch_->reset(start);
+  }
+  return touch;
+}
+
+}  // namespace hapton

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/force/touch_step.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// What the haptics node has done so far.
+struct HapticsCounts {
+  std::uint64_t answered = 0;
+  std::uint64_t contact_steps = 0;
+  std::uint64_t skipped = 0;          // states superseded before they could be answered
+  std::uint64_t views_taken = 0;
+  std::uint64_t views_rejected = 0;   // no rotation and translation
+  std::uint64_t methods_taken = 0;    // put in place while running
+  double max_force_n = 0.0;
+};
+
+// The haptics node without its machine: device states and view transforms go in, force commands come out.
+// RT: all but construction yes. Threads: one.
+class HapticsStep {
+ public:
+  // offset_m: how far off the surface, on the side that is felt, a new method starts when it takes over in contact.
+  explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
+
+  // A newer state for the next answer; one still waiting is skipped.
+  void offer(const DeviceState& state) noexcept;
+  bool has_state() const noexcept { return has_state_; }
+
+  // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
+  ForceCommand answer() noexcept;
+
+  // Turns the static scene; false when it is no pose, and the scene stays as it is.
+  bool turn_scene(const ViewTransform& view) noexcept;
+
+  // Puts another method in place and gives the old one back. In contact the new one starts on the felt side of the surface where the
+  // old one's probe rests, so its first step feels the same surface; in free space at the device point.
+  std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
+
+  // Forgets contact and time: a new hub session begins, or samples were missing for long.
+  void restart() noexcept { running_ = false; }
+
+  const HapticsCounts& counts() const noexcept { return counts_; }
+  const TouchStep& touch() const noexcept { return *touch_; }
+
+ private:
+  std::unique_ptr<TouchStep> touch_;
+  double offset_m_;
+  Pose X_WS_ = Pose::Identity();
+  DeviceState state_;
+  TouchInput input_;    // last answered
+  TouchOutput felt_;    // last answered
+  std::int64_t last_time_ns_ = 0;
+  std::uint32_t skipped_ = 0;
+  bool has_state_ = false;
+  bool running_ = false;  // last answered is there
+  HapticsCounts counts_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,61 @@
+#include <fmt/core.h>
+
+#include "haptics_node/answer_loop.h"
+#include "haptics_node/haptics_options.h"
+#include "haptics_node/haptics_report.h"
+#include "link/udp_endpoint.h"
+#include "runtime/cpu_check.h"
+#include "runtime/log.h"
+#include "scene/scene_file.h"
+
+namespace {
+
+using namespace hapton;
+
+int give_up(const Error& error) {
+  log_error("{}", error.what);
+  return 1;
+}
+
+// Any port of the hub's address family.
+const char* any_address_like(const Address& hub) {
+  const bool v4 = hub.ip[10] == 0xff && hub.ip[11] == 0xff;
+  return v4 ? "0.0.0.0:0" : "[::]:0";
+}
+
+int run(const HapticsOptions& options) {
+  const auto hub = parse_address(options.hub);
+  if (!hub) return give_up(hub.error());
+  const auto scene = load_scene(options.scene);
+  if (!scene) return give_up(scene.error());
+  for (const auto& note : scene->notes) log_info("{}", note);
+  auto method = make_method(options.method, scene->touch_scene());
+  if (!method) return give_up(method.error());
+  log_info("{}", (*method)->describe());
+  auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
+  if (!endpoint) return give_up(endpoint.error());
+
+  const StopSignal stop;
+  SteadyClock clock;
+  HubClient client(**endpoint, clock, NodeRole::haptics, *hub);
+  HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
+  MethodBuilder builder(options.method, scene->touch_scene());
+  AnswerLoop loop(client, clock, step, builder);
+  const auto realtime = enter_realtime(options.realtime);
+  if (!realtime) return give_up(realtime.error());
+  log_info("{}", realtime->to_text());
+
+  loop.run(stop, options.seconds);
+  fmt::print("{}", make_haptics_report(step, client, loop.compute_times()));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  check_cpu("haptics_node");
+  start_log("haptics_node");
+  auto parsed = parse_haptics_options(argc, argv);
+  if (const int* code = std::get_if<int>(&parsed)) return *code;
+  return run(std::get<HapticsOptions>(parsed));
+}

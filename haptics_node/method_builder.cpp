@@ -1,0 +1,54 @@
+#include "haptics_node/method_builder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "runtime/log.h"
+
+namespace hapton {
+
+MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene)
+    : settings_(std::move(settings)), scene_(std::move(scene)), thread_([this] { run(); }) {}
+
+MethodBuilder::~MethodBuilder() {
+  stop_.store(true);
+  thread_.join();
+  free_retired();
+  delete built_.load();
+}
+
+std::unique_ptr<TouchStep> MethodBuilder::take() noexcept {
+  // One place for what is retired: nothing new is handed out before the old one was collected.
+  if (built_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_acquire) != nullptr) {
+    return nullptr;
+  }
+  return std::unique_ptr<TouchStep>(built_.exchange(nullptr, std::memory_order_acq_rel));
+}
+
+void MethodBuilder::run() {
+  // Looks rather than waits: waking a sleeper would be a system call in the loop that asks.
+  constexpr auto kPeriod = std::chrono::milliseconds(10);
+  while (!stop_.load()) {
+    free_retired();
+    if (requests_.take()) {
+      build(requests_.value());
+    }
+    std::this_thread::sleep_for(kPeriod);
+  }
+}
+
+void MethodBuilder::build(const MethodName& name) {
+  MethodSettings settings = settings_;
+  settings.name.assign(name.data(), std::find(name.begin(), name.end(), '\0') - name.begin());
+  auto method = make_method(settings, scene_);
+  if (!method) {
+    log_warning("{}; the method in use stays", method.error().what);
+    return;
+  }
+  log_info("built for use from now on:\n{}", (*method)->describe());
+  delete built_.exchange(new TouchStep(std::move(*method)), std::memory_order_acq_rel);
+}
+
+}  // namespace hapton

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "core/force/force_method.h"
+#include "core/force/touch_scene.h"
+#include "core/force/touch_step.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
+// device neither builds nor frees anything. A name that cannot be built is logged, and the method in use stays.
+// RT: request, take and retire yes; the rest set-up only. Threads: one caller.
+class MethodBuilder {
+ public:
+  using MethodName = std::array<char, 16>;  // NUL-padded
+
+  MethodBuilder(MethodSettings settings, TouchScene scene);
+  ~MethodBuilder();
+  MethodBuilder(const MethodBuilder&) = delete;
+  MethodBuilder& operator=(const MethodBuilder&) = delete;
+
+  // Asks for a method; a later request replaces one not yet begun.
+  void request(const MethodName& name) noexcept { requests_.publish(name); }
+
+  // The method built last, once; none when there is no new one.
+  std::unique_ptr<TouchStep> take() noexcept;
+
+  // Takes a method to be freed. Pre: it was replaced by what take() gave.
+  void retire(std::unique_ptr<TouchStep> step) noexcept { retired_.store(step.release(), std::memory_order_release); }
+
+ private:
+  void run();
+  void build(const MethodName& name);
+  void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
+
+  MethodSettings settings_;
+  TouchScene scene_;
+  Mailbox<MethodName> requests_;
+  std::atomic<TouchStep*> built_ = nullptr;
+  std::atomic<TouchStep*> retired_ = nullptr;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace hapton
