@@ -31,7 +31,7 @@ Result<RawMesh> read_raw(std::string_view bytes, const std::string& extension, c
   return extension == ".glb" ? read_glb(bytes, folder) : read_gltf(bytes, folder);
 }
 
-Result<MeshFile> to_metres(RawMesh raw, Unit unit) {
+Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   if (raw.mesh.triangles.empty()) return fail("holds no triangles: export the surface as triangles");
   if (raw.mesh.triangles.size() > kMaxMeshTriangles) {
     return fail("has {} triangles, more than {}: simplify it", raw.mesh.triangles.size(), kMaxMeshTriangles);
@@ -56,7 +56,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit) {
   file.unit = unit;
   file.notes = std::move(raw.notes);
   const double longest = (highest - lowest).maxCoeff();
-  if (longest > 10.0 || longest < 1e-3) {
+  if (!unit_is_known && (longest > 10.0 || longest < 1e-3)) {
     file.notes.push_back(fmt::format("is {:.4g} m long read in {}: if that is wrong, give its unit", longest, name_of(unit)));
   }
   return file;
@@ -80,7 +80,7 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
     return fail("{}: glTF is always in metres, not {}: leave the unit out", path.string(), name_of(*unit));
   }
   Result<MeshFile> file = read_raw(*bytes, extension, path.parent_path()).and_then([&](RawMesh&& raw) {
-    return to_metres(std::move(raw), unit.value_or(Unit::m));
+    return to_metres(std::move(raw), unit.value_or(Unit::m), unit.has_value() || is_gltf(extension));
   });
   if (!file) return fail("{}: {}", path.string(), file.error().what);
   return file;

@@ -252,10 +252,11 @@ class MeshShelf {
 
 Result<TriangleMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshShelf& shelf,
                                std::vector<std::string>& notes) {
-  const Result<const MeshFile*> file = shelf.load(folder / object.mesh, object.unit, notes);
+  const std::filesystem::path path = (folder / object.mesh).lexically_normal();
+  const Result<const MeshFile*> file = shelf.load(path, object.unit, notes);
   if (!file) return tl::unexpected(file.error());
   Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
-  if (!mesh) return fail("{}: {}", (folder / object.mesh).string(), mesh.error().what);
+  if (!mesh) return fail("{}: {}", path.string(), mesh.error().what);
   for (Vec3& vertex : mesh->vertices) vertex = object.p_SM + object.q_SM * (object.scale * vertex);
   return mesh;
 }
