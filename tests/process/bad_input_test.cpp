@@ -54,7 +54,8 @@ class BadInput : public ::testing::TestWithParam<BadCall> {};
 
 TEST_P(BadInput, GivesOneLineAndFails) {
   const BadCall& call = GetParam();
-  const std::filesystem::path folder = make_test_folder();
+  const TestFolder scratch;
+  const std::filesystem::path& folder = scratch.path();
   make_bad_files(folder);
   const TakenPort taken;
   std::vector<std::string> arguments = call.arguments;
@@ -151,7 +152,8 @@ INSTANTIATE_TEST_SUITE_P(VisionNode, BadInput, ::testing::ValuesIn(kVisionNode),
 class Help : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Help, IsThereAndSucceeds) {
-  const auto ended = run(GetParam(), {"--help"}, make_test_folder());
+  const TestFolder folder;
+  const auto ended = run(GetParam(), {"--help"}, folder.path());
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_EQ(ended->exit_code, 0);
   EXPECT_THAT(ended->out, ::testing::HasSubstr("--help"));

@@ -12,8 +12,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <thread>
 
 extern char** environ;
@@ -35,9 +37,18 @@ int open_local_port(int& port) {
   return descriptor;
 }
 
+std::vector<char*> environment_without_display() {
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    if (!std::string_view(*variable).starts_with("DISPLAY=")) variables.push_back(*variable);
+  }
+  return variables;
+}
+
 }  // namespace
 
-Program::Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder) {
+Program::Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                 const std::string& display) {
   static std::atomic<int> started = 0;
   const std::string stem = name + "." + std::to_string(++started);
   out_path_ = folder / (stem + ".out");
@@ -48,13 +59,17 @@ Program::Program(const std::string& name, const std::vector<std::string>& argume
   std::vector<char*> argv = {path.data()};
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  std::string shown = "DISPLAY=" + display;
+  std::vector<char*> environment = environment_without_display();
+  if (!display.empty()) environment.push_back(shown.data());
+  environment.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err_path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  const int failure = ::posix_spawn(&pid_, path.c_str(), &actions, nullptr, argv.data(), environ);
+  const int failure = ::posix_spawn(&pid_, path.c_str(), &actions, nullptr, argv.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) {
     ADD_FAILURE() << "cannot start " << path << ": " << std::strerror(failure);
@@ -100,19 +115,50 @@ std::optional<Ended> run(const std::string& name, const std::vector<std::string>
   return Program(name, arguments, folder).wait(at_most);
 }
 
+VirtualDisplay::VirtualDisplay() {
+  int ends[2] = {-1, -1};
+  if (::pipe2(ends, O_CLOEXEC) != 0) return;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], 3);
+  std::vector<std::string> words = {"Xvfb", "-displayfd", "3", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  if (::posix_spawnp(&pid_, "Xvfb", &actions, nullptr, argv.data(), environ) != 0) pid_ = -1;
+  posix_spawn_file_actions_destroy(&actions);
+  ::close(ends[1]);
+  // Xvfb writes its number once it is ready.
+  for (char digit = 0; ::read(ends[0], &digit, 1) == 1 && digit != '\n';) name_ += digit;
+  ::close(ends[0]);
+  if (name_.empty()) ADD_FAILURE() << "Xvfb does not start";
+  name_ = ":" + name_;
+}
+
+VirtualDisplay::~VirtualDisplay() {
+  if (pid_ <= 0) return;
+  ::kill(pid_, SIGTERM);
+  ::waitpid(pid_, nullptr, 0);
+}
+
 std::string find_free_port() { return TakenPort().port(); }
 
 TakenPort::TakenPort() { socket_ = open_local_port(port_); }
 TakenPort::~TakenPort() { ::close(socket_); }
 
-std::filesystem::path make_test_folder() {
+TestFolder::TestFolder() {
   const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
   std::string name = std::string(test->test_suite_name()) + "." + test->name();
   std::ranges::replace(name, '/', '_');
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / ("hapton_" + std::to_string(::getpid()) + "_" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
+  path_ = std::filesystem::path(::testing::TempDir()) / ("hapton_" + std::to_string(::getpid()) + "_" + name);
+  std::filesystem::remove_all(path_);
+  std::filesystem::create_directories(path_);
+}
+
+TestFolder::~TestFolder() {
+  std::error_code ignored;
+  if (!::testing::Test::HasFailure()) std::filesystem::remove_all(path_, ignored);
 }
 
 std::string read_text(const std::filesystem::path& path) {

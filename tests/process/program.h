@@ -23,7 +23,9 @@ struct Ended {
 class Program {
  public:
   // Starts build/.../bin/NAME with its output going to files in folder (NAME.<n>.out, NAME.<n>.err).
-  Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+  // display: an X display; empty: it sees none.
+  Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+          const std::string& display = "");
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -51,6 +53,20 @@ class Program {
 std::optional<Ended> run(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                          Seconds at_most = Seconds(20));
 
+// A virtual X display of our own, as long as this lives.
+class VirtualDisplay {
+ public:
+  VirtualDisplay();
+  ~VirtualDisplay();
+  VirtualDisplay(const VirtualDisplay&) = delete;
+  VirtualDisplay& operator=(const VirtualDisplay&) = delete;
+  const std::string& name() const { return name_; }
+
+ private:
+  pid_t pid_ = -1;
+  std::string name_;
+};
+
 // A UDP port of 127.0.0.1 that nobody has at the moment.
 std::string find_free_port();
 
@@ -68,8 +84,18 @@ class TakenPort {
   int port_ = 0;
 };
 
-// A fresh folder for one test, named after it.
-std::filesystem::path make_test_folder();
+// A fresh folder for one test, named after it; kept when the test failed.
+class TestFolder {
+ public:
+  TestFolder();
+  ~TestFolder();
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 std::string read_text(const std::filesystem::path& path);
 
