@@ -32,8 +32,9 @@ TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : t
   const Box bounds = bounds_of(meshes);
   if (!(bounds.low.array() <= bounds.high.array()).all()) return;
   origin_ = bounds.center();
-  extent_ = bounds.diagonal();
-  const double grid = extent_ > 0.0 ? std::ldexp(1.0, std::ilogb(extent_) - 50) : 1.0;
+  const double diagonal = bounds.diagonal();
+  if (diagonal > 0.0) unit_m_ = std::ldexp(1.0, std::ilogb(diagonal));
+  constexpr double kGrid = 0x1p-51;
 
   std::size_t vertex_count = 0;
   std::size_t count = 0;
@@ -48,7 +49,7 @@ TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : t
   std::vector<std::uint16_t> owner;
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     const auto first = static_cast<std::uint32_t>(vertices.size());
-    for (const Vec3& v : meshes[m]->vertices) vertices.push_back(((v - origin_) / grid).array().round() * grid);
+    for (const Vec3& v : meshes[m]->vertices) vertices.push_back((to_local(v) / kGrid).array().round() * kGrid);
     for (const Triangle& t : meshes[m]->triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     if (meshes.size() > 1) owner.resize(triangles.size(), static_cast<std::uint16_t>(m));
   }

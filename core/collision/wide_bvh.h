@@ -68,14 +68,14 @@ class WideBvh {
 
 namespace detail {
 
-// The nearest float not above / not below x.
+// A float not above / not below x, within two units in the last place.
 inline float round_down(double x) {
   const auto f = static_cast<float>(x);
-  return static_cast<double>(f) <= x ? f : std::nextafterf(f, -std::numeric_limits<float>::infinity());
+  return f - std::fabs(f) * 0x1p-22F - std::numeric_limits<float>::min();
 }
 inline float round_up(double x) {
   const auto f = static_cast<float>(x);
-  return static_cast<double>(f) >= x ? f : std::nextafterf(f, std::numeric_limits<float>::infinity());
+  return f + std::fabs(f) * 0x1p-22F + std::numeric_limits<float>::min();
 }
 
 }  // namespace detail

@@ -21,30 +21,30 @@ std::vector<const TriangleMesh*> meshes_of(const TouchScene& scene) {
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene)) {
   for (const TouchObject& object : scene.objects) {
-    surfaces_.push_back({object.material});
+    surfaces_.push_back(object.material);
     has_one_sided_ |= !object.material.two_sided;
     has_friction_ |= object.material.friction_static > 0.0;
   }
-  // hover: 2^20 times the rounding of local coordinates, so distances of this size keep six digits; and far below what is felt
+  // hover: 2^21 times the rounding of local coordinates, so distances of this size keep six digits; and far below what is felt
   // (1e-10 m on a 100 mm scene).
-  const double hover = geometry_.extent() * 0x1p-30;
-  clearance_.rest = settings.probe_radius_m + hover;
-  clearance_.slack = 0.25 * hover;
+  constexpr double kHover = 0x1p-30;
+  clearance_.rest = settings.probe_radius_m / geometry_.unit_m() + kHover;
+  clearance_.slack = 0.25 * kHover;
 }
 
 const Material& ProxyMethod::touched_material() const noexcept {
-  return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0].material;
+  return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0];
 }
 
 bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcept {
-  if (!has_one_sided_ || surfaces_[geometry_.mesh_of(triangle)].material.two_sided) return true;
+  if (!has_one_sided_ || surfaces_[geometry_.mesh_of(triangle)].two_sided) return true;
   const Vec3& a = geometry_.corner(triangle, 0);
   return accurate_cross(geometry_.corner(triangle, 1) - a, geometry_.corner(triangle, 2) - a).dot(p - a) > 0.0;
 }
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   placed_ = p_SD.allFinite();
-  settle_at(p_SD - geometry_.origin());
+  settle_at(geometry_.to_local(p_SD));
   last_device_ = proxy_;
   empty_radius_squared_ = 0.0;
   empty_retry_ = 0.0;
@@ -58,9 +58,9 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
 }
 
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
-  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = proxy_ + geometry_.origin(), .contact = false};
+  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = geometry_.to_scene(proxy_), .contact = false};
   ++counters_.steps;
-  const Vec3 device = input.p_SD - geometry_.origin();
+  const Vec3 device = geometry_.to_local(input.p_SD);
   if (free_ && (device - empty_center_).squaredNorm() < empty_radius_squared_) {
     ++counters_.skipped;
     proxy_ = device;
@@ -68,8 +68,8 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
     return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
   }
   if (!placed_) reset(input.p_SD);
-  const Vec3 velocity = (device - last_device_) / (input.dt_s > 0.0 ? input.dt_s : 1.0);
-  stride_ = (device - last_device_).norm();
+  const Vec3 moved = device - last_device_;
+  stride_ = moved.norm();
   last_device_ = device;
   if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_);
   empty_retry_ -= stride_;
@@ -78,18 +78,20 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;
+  const Vec3 p_SP = geometry_.to_scene(proxy_);
+  const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
+  return {.force_n = force_of((proxy_ - device) * geometry_.unit_m(), moved * speed_m_per_s), .p_SP = p_SP, .contact = true};
+}
+
+// Hooke's law, less damping along the stretch; damping never pulls in.
+Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept {
   const Material& material = touched_material();
-  const Vec3 stretch = proxy_ - device;
-  MethodOutput output;
-  output.p_SP = proxy_ + geometry_.origin();
-  output.force_n = material.stiffness_n_per_m * stretch;
-  const double length = stretch.norm();
-  if (material.damping_ns_per_m > 0.0 && length > 0.0) {  // along the stretch, never pulling in
-    const double pull = material.damping_ns_per_m * velocity.dot(stretch) / length;
-    output.force_n -= std::min(pull, output.force_n.norm()) * stretch / length;
-  }
-  output.contact = length > 0.0;
-  return output;
+  const Vec3 spring = material.stiffness_n_per_m * stretch_m;
+  const double length = stretch_m.norm();
+  if (material.damping_ns_per_m == 0.0 || length == 0.0) return spring;
+  const Vec3 direction = stretch_m / length;
+  const double drag = material.damping_ns_per_m * velocity_m_per_s.dot(direction);
+  return std::max(0.0, spring.norm() - drag) * direction;
 }
 
 // Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
@@ -182,31 +184,55 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   while (done < 1.0) {
     double end = length > 0.0 ? done + piece / length : 1.0;
     if (!(end < 1.0)) end = 1.0;
-    const Box way = Box::around(from + done * motion, from + end * motion).inflated(clearance_.rest);
-    double first = 2.0;
-    std::array<double, kMaxTouching> times;
-    geometry_.tree().for_each_overlapping(way, [&](std::uint32_t triangle) {
+    const Vec3 begin_at = from + done * motion;
+    const Vec3 part = (end - done) * motion;
+    const Box way = Box::around(begin_at, begin_at + part).inflated(clearance_.rest);
+    double first = kNever;
+    const auto test = [&](std::uint32_t triangle) {
       ++counters_.tests;
-      const double t = time_to_block(geometry_, triangle, from, motion, clearance_);
+      const double t = time_to_block(geometry_, triangle, from, motion, std::min(end, first), clearance_);
       if (t > 1.0 || !can_touch(triangle, from)) return;
       first = std::min(first, t);
-      if (blocker_count_ < kMaxTouching) {
-        times[blocker_count_] = t;
-        blockers_[blocker_count_++] = triangle;
-      } else {  // full: the latest hit gives way
-        const auto latest = std::max_element(times.begin(), times.end());
-        if (t < *latest) {
-          blockers_[latest - times.begin()] = triangle;
-          *latest = t;
-        }
-      }
-    });
+      note_blocker(triangle, t);
+    };
+    if (stay_near(way)) {
+      near_.for_each_in_way(begin_at, part, clearance_.rest, way, test);
+    } else {
+      geometry_.tree().for_each_overlapping(way, test);
+    }
     if (first <= end) return first;
     blocker_count_ = 0;
     done = end;
     piece *= 4.0;
   }
-  return 2.0;
+  return kNever;
+}
+
+void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
+  int at = blocker_count_;
+  if (at == kMaxTouching) {  // full: the latest gives way
+    at = static_cast<int>(std::max_element(blocker_times_.begin(), blocker_times_.end()) - blocker_times_.begin());
+    if (t >= blocker_times_[at]) return;
+  } else {
+    ++blocker_count_;
+  }
+  blockers_[at] = triangle;
+  blocker_times_[at] = t;
+}
+
+// Makes the neighbourhood cover the way, if it is short enough for one; its size follows what fits.
+bool ProxyMethod::stay_near(const Box& way) noexcept {
+  if (near_.covers(way)) return true;
+  near_reach_ = std::max(near_reach_, stride_);
+  if ((way.high - way.low).maxCoeff() > 2.0 * (near_reach_ + clearance_.rest)) return false;
+  ++counters_.refills;
+  if (!near_.fill(geometry_, Box{way.center().array() - (near_reach_ + clearance_.rest), way.center().array() + (near_reach_ + clearance_.rest)})) {
+    near_reach_ *= 0.5;
+    return false;
+  }
+  if (near_.count() < kFewNear) near_reach_ *= 1.5;
+  if (near_.count() > kManyNear) near_reach_ *= 0.8;
+  return true;
 }
 
 // After a motion: keeps what is still touched, adds what stopped it.
@@ -247,12 +273,12 @@ std::string ProxyMethod::describe() const {
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
   return fmt::format(
       "proxy: {} triangles, tree of {} nodes, depth {}, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
-      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests a step; "
+      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} refills a step; "
       "{} unconverged\n",
       geometry_.triangle_count(), geometry_.tree().node_count(), geometry_.tree().depth(), static_cast<double>(geometry_.bytes()) * 1e-6,
-      clearance_.rest - 4.0 * clearance_.slack, 4.0 * clearance_.slack, counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
+      (clearance_.rest - 4.0 * clearance_.slack) * geometry_.unit_m(), 4.0 * clearance_.slack * geometry_.unit_m(), counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
       counters_.contact_steps, static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c,
-      static_cast<double>(counters_.tests) / c, counters_.unconverged);
+      static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.unconverged);
 }
 
 }  // namespace hapton

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/collision/neighbourhood.h"
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
 #include "core/force/force_method.h"
@@ -17,6 +18,7 @@ struct ProxyCounters {
   std::uint64_t contact_steps = 0;
   std::uint64_t iterations = 0;     // constrained motions in contact steps
   std::uint64_t sweeps = 0;         // continuous collision queries
+  std::uint64_t refills = 0;        // neighbourhoods copied
   std::uint64_t tests = 0;          // triangle against moving sphere
   std::uint64_t unconverged = 0;    // stopped by the iteration bound: a valid proxy, short of the minimum
 };
@@ -25,7 +27,7 @@ struct ProxyCounters {
 // the constrained local minimum of its distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997; we differ in
 // continuous motion against the triangles themselves, exact active sets, and iteration to convergence within the step).
 //
-// A point probe is a sphere of radius hover = 2^-30 of the scene's extent. Distances decide, never signs of volumes: the proxy's
+// A point probe is a sphere of radius hover = 2^-30 of the scene's size. Distances decide, never signs of volumes: the proxy's
 // distance to every triangle stays above hover / 2 along its whole way, so edges, vertices and cracks narrower than hover are as
 // tight as faces, and both sides of a sheet are the same.
 //
@@ -46,23 +48,25 @@ class ProxyMethod final : public ForceMethod {
  private:
   static constexpr int kMaxTouching = 32;
   static constexpr int kMaxIterations = 64;
+  static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
+  static constexpr int kManyNear = 48;  // one of more is shrunk
 
   struct Touch {
     std::uint32_t triangle = 0;
     Separation separation;
   };
-  struct Surface {
-    Material material;
-  };
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
 
+  Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
   void solve(const Vec3& device) noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) const noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
   bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
+  bool stay_near(const Box& way) noexcept;
+  void note_blocker(std::uint32_t triangle, double t) noexcept;
   void settle_at(const Vec3& p) noexcept;
   void keep_touching() noexcept;
   void find_empty_ball(const Vec3& device) noexcept;
@@ -70,7 +74,7 @@ class ProxyMethod final : public ForceMethod {
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
 
   TouchGeometry geometry_;
-  std::vector<Surface> surfaces_;
+  std::vector<Material> surfaces_;  // one an object
   Clearance clearance_;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
@@ -85,9 +89,13 @@ class ProxyMethod final : public ForceMethod {
   double empty_radius_squared_ = 0.0;  // no triangle is within this of empty_center_ plus the probe's rest distance
   double empty_retry_ = 0.0;           // travel before the next search for an empty ball is worth its cost
 
+  Neighbourhood near_;
+  double near_reach_ = 0.0;  // half the size of the next neighbourhood beyond the probe's own
+
   std::array<Touch, kMaxTouching> touching_;
   int touching_count_ = 0;
   std::array<std::uint32_t, kMaxTouching> blockers_;  // triangles that stopped the last sweep
+  std::array<double, kMaxTouching> blocker_times_;
   int blocker_count_ = 0;
   ProxyCounters counters_;
 };

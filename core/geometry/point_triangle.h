@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/math/exact_cross.h"
 #include "core/math/types.h"
@@ -40,38 +41,39 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& e
 }  // namespace detail
 
 // The distance from p to triangle abc with its gradient, correct for needles and zero-area triangles too: the face decides only
-// where the point projects strictly inside all three edges, otherwise the nearest of the three edges does.
+// where the point projects strictly inside all three edges; otherwise the nearest of the edges that have the point on their
+// outer side does (one of them carries the nearest point, because the triangle is convex).
 // A point exactly on the triangle gets the side its vertex order shows (or, without area, an arbitrary normal).
 // Frames: any, one for all. Pre: edges exact for slivers (see TouchGeometry). RT: yes.
 inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a;
   const Vec3 bc = c - b;
   const Vec3 ca = a - c;
+  const Vec3 ap = p - a;
   const Vec3 normal = accurate_cross(ab, -ca);
   const double normal_squared = normal.squaredNorm();
-  if (normal_squared > 0.0) {
-    const Vec3 ap = p - a;
-    const bool inside = normal.cross(ab).dot(ap) > 0.0 && normal.cross(bc).dot(p - b) > 0.0 && normal.cross(ca).dot(p - c) > 0.0;
-    if (inside) {
-      const double inverse_length = 1.0 / std::sqrt(normal_squared);
-      const double height = normal.dot(ap) * inverse_length;
-      const Vec3 unit = normal * (height < 0.0 ? -inverse_length : inverse_length);
-      const double distance = std::fabs(height);
-      return {distance, unit, p - distance * unit, Vec3::Zero(), Feature::face};
-    }
+  const Vec3 turned = ap.cross(normal);  // its dot with an edge through a: > 0 on the inner side
+  const bool outside_ab = !(turned.dot(ab) > 0.0);
+  const bool outside_bc = !((p - b).cross(normal).dot(bc) > 0.0);
+  const bool outside_ca = !(turned.dot(ca) > 0.0);
+  if (!outside_ab && !outside_bc && !outside_ca) {
+    const double inverse_length = 1.0 / std::sqrt(normal_squared);
+    const double height = normal.dot(ap) * inverse_length;
+    const Vec3 unit = normal * (height < 0.0 ? -inverse_length : inverse_length);
+    const double distance = std::fabs(height);
+    return {distance, unit, p - distance * unit, Vec3::Zero(), Feature::face};
   }
-  detail::NearestOnEdge best = detail::nearest_on_edge(p, a, ab);
+  detail::NearestOnEdge best{std::numeric_limits<double>::infinity(), Vec3::Zero(), false};
   Vec3 along = ab;
-  const detail::NearestOnEdge on_bc = detail::nearest_on_edge(p, b, bc);
-  if (on_bc.distance_squared < best.distance_squared) {
-    best = on_bc;
-    along = bc;
-  }
-  const detail::NearestOnEdge on_ca = detail::nearest_on_edge(p, c, ca);
-  if (on_ca.distance_squared < best.distance_squared) {
-    best = on_ca;
-    along = ca;
-  }
+  const auto consider = [&](const Vec3& from, const Vec3& edge) {
+    const detail::NearestOnEdge on_edge = detail::nearest_on_edge(p, from, edge);
+    if (!(on_edge.distance_squared < best.distance_squared)) return;
+    best = on_edge;
+    along = edge;
+  };
+  if (outside_ab) consider(a, ab);
+  if (outside_bc) consider(b, bc);
+  if (outside_ca) consider(c, ca);
   Separation result;
   result.distance = std::sqrt(best.distance_squared);
   result.nearest = best.nearest;
@@ -79,8 +81,10 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   if (best.inner) result.along = along;
   if (result.distance > 0.0) {
     result.normal = (p - best.nearest) / result.distance;
+  } else if (normal_squared > 0.0) {
+    result.normal = normal / std::sqrt(normal_squared);
   } else {
-    result.normal = normal_squared > 0.0 ? Vec3(normal / std::sqrt(normal_squared)) : along.squaredNorm() > 0.0 ? along.unitOrthogonal() : Vec3::UnitX();
+    result.normal = along.squaredNorm() > 0.0 ? along.unitOrthogonal() : Vec3::UnitX();
   }
   return result;
 }
