@@ -1,5 +1,8 @@
 #include "link/codec.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -270,6 +273,19 @@ std::optional<std::uint64_t> peek_version(std::span<const std::byte> bytes) {
   return std::nullopt;
 }
 
+// Every field ends within the datagram. The parser finds that out too, but only after it has reserved room for whatever length a
+// message claims to have.
+bool is_well_framed(std::span<const std::byte> bytes) {
+  using google::protobuf::internal::WireFormatLite;
+  google::protobuf::io::CodedInputStream input(reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<int>(bytes.size()));
+  while (const std::uint32_t tag = input.ReadTag()) {
+    if (!WireFormatLite::SkipField(&input, tag)) {
+      return false;
+    }
+  }
+  return input.ConsumedEntireMessage();
+}
+
 // --- reserving: afterwards no datagram of at most kMaxDatagramBytes makes a message grow ---
 
 template <class Field>
@@ -380,7 +396,7 @@ DecodeStatus Codec::decode(std::span<const std::byte> bytes, Datagram& datagram)
     return DecodeStatus::wrong_version;
   }
   wire::Envelope& e = wire_->incoming;
-  if (!e.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+  if (!is_well_framed(bytes) || !e.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return DecodeStatus::truncated;
   }
   if (e.version() != kProtocolVersion) {
