@@ -1,0 +1,297 @@
+#include "link/hub_client.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "link/hub_peers.h"
+#include "link/memory_endpoint.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+class HubClientTest : public testing::Test {
+ protected:
+  void start_hub(std::uint64_t session) { hub_.emplace(*hub_endpoint_, clock_, session, 1000.0); }
+
+  // A hub that dies without a word.
+  void crash_hub() {
+    network_.set_impairments({.loss = 1.0});
+    hub_.reset();
+    network_.set_impairments(impairments_);
+  }
+
+  // Both sides turn for a while, a millisecond at a time: the hub sends `per_ms` states, the client drains them.
+  void run(std::int64_t duration_ms, int per_ms = 0) {
+    for (std::int64_t i = 0; i < duration_ms; ++i) {
+      clock_.advance_ns(kMs);
+      if (hub_) {
+        turn_hub(per_ms);
+      }
+      Datagram datagram;
+      while (client_->receive(datagram, 0)) {
+        ++states_;
+        last_sample_ = std::get<DeviceState>(datagram.message).sample;
+      }
+    }
+  }
+
+  void turn_hub(int states) {
+    Datagram datagram;
+    std::uint64_t before = 0;
+    do {
+      before = hub_->counts().received;
+      messages_ += hub_->receive(datagram, 0).kind == PeerEvent::Kind::message ? 1 : 0;
+    } while (hub_->counts().received != before);
+    for (int i = 0; i < states; ++i) {
+      hub_->send_to_role(NodeRole::haptics, DeviceState{.sample = ++sample_});
+    }
+  }
+
+  void start_client(NodeRole role = NodeRole::haptics) {
+    client_.emplace(*client_endpoint_, clock_, role, hub_endpoint_->local_address());
+  }
+
+  Impairments impairments_;
+  SimulatedClock clock_;
+  MemoryNetwork network_{clock_};
+  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
+  std::unique_ptr<Endpoint> client_endpoint_ = *network_.open(memory_address(2, 0));
+  std::optional<HubPeers> hub_;
+  std::optional<HubClient> client_;
+  std::uint64_t sample_ = 0;
+  std::uint64_t last_sample_ = 0;
+  int states_ = 0;
+  int messages_ = 0;
+};
+
+TEST_F(HubClientTest, JoinsAndExchangesMessages) {
+  start_hub(1);
+  start_client();
+  EXPECT_EQ(client_->state(), JoinState::joining);
+  EXPECT_FALSE(client_->send(ForceCommand{}));
+  run(3, 1);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  EXPECT_EQ(client_->servo_rate_hz(), 1000.0);
+  EXPECT_EQ(client_->session(), 1U);
+  EXPECT_GE(states_, 2);
+  EXPECT_TRUE(client_->send(ForceCommand{.echo_sample = 1}));
+  run(1);
+  EXPECT_EQ(messages_, 1);
+  EXPECT_EQ(client_->counts().joins, 1U);
+}
+
+TEST_F(HubClientTest, KeepsSayingHelloTenTimesASecond) {
+  start_hub(1);
+  start_client(NodeRole::vision);
+  run(5000);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  EXPECT_NEAR(static_cast<double>(client_->counts().sent), 50.0, 1.0);
+  EXPECT_EQ(hub_->counts().timeouts, 0U);
+}
+
+TEST_F(HubClientTest, WaitsForAHubThatStartsLater) {
+  start_client();
+  run(700);
+  EXPECT_EQ(client_->state(), JoinState::joining);
+  start_hub(1);
+  run(101);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+}
+
+TEST_F(HubClientTest, WaitingItselfSaysHello) {
+  start_client();
+  Datagram datagram;
+  EXPECT_FALSE(client_->receive(datagram, clock_.now_ns() + 1000 * kMs));
+  EXPECT_NEAR(static_cast<double>(client_->counts().sent), 10.0, 1.0);
+}
+
+TEST_F(HubClientTest, NoticesASilentHub) {
+  start_hub(1);
+  start_client();
+  run(10);
+  crash_hub();
+  run(300);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  run(300);
+  EXPECT_EQ(client_->state(), JoinState::joining);
+}
+
+TEST_F(HubClientTest, JoinsARestartedHubByItself) {
+  start_hub(1);
+  start_client();
+  run(10, 1);
+  crash_hub();
+  run(20);
+  start_hub(2);
+  sample_ = 0;
+  states_ = 0;
+  run(110, 1);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  EXPECT_EQ(client_->session(), 2U);
+  EXPECT_GT(states_, 0);
+  EXPECT_EQ(client_->counts().joins, 2U);
+  EXPECT_EQ(client_->sequence_counts().restarts, 1U);
+}
+
+TEST_F(HubClientTest, AHubsByeIsHeard) {
+  start_hub(1);
+  start_client();
+  run(10);
+  hub_.reset();
+  run(1);
+  EXPECT_EQ(client_->state(), JoinState::joining);
+}
+
+TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
+  start_hub(1);
+  start_client();
+  run(10, 1);
+  crash_hub();
+  start_hub(2);
+  run(110);
+  ASSERT_EQ(client_->session(), 2U);
+  // The earlier hub's late words: a state, and a welcome that would take us back.
+  states_ = 0;
+  Codec codec;
+  std::array<std::byte, kMaxDatagramBytes> bytes;
+  for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1.0})}) {
+    const std::size_t size = codec.encode({{1, 5, 1000, 0}, message}, bytes);
+    hub_endpoint_->send(client_endpoint_->local_address(), std::span(bytes).first(size));
+  }
+  run(1);
+  EXPECT_EQ(states_, 0);
+  EXPECT_EQ(client_->session(), 2U);
+  EXPECT_EQ(client_->counts().other_session, 2U);
+}
+
+TEST_F(HubClientTest, ListensToTheHubsAddressOnly) {
+  start_hub(1);
+  start_client();
+  run(10);
+  const auto stranger = *network_.open(memory_address(66, 6));
+  Codec codec;
+  std::array<std::byte, kMaxDatagramBytes> bytes;
+  for (const Message& message : {Message(DeviceState{}), Message(Welcome{true, 1.0}), Message(Bye{})}) {
+    const std::size_t size = codec.encode({{1, 5, 1000, 0}, message}, bytes);
+    stranger->send(client_endpoint_->local_address(), std::span(bytes).first(size));
+  }
+  run(1);
+  EXPECT_EQ(states_, 0);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  EXPECT_EQ(client_->counts().foreign, 3U);
+}
+
+TEST_F(HubClientTest, AFloodOfRubbishCannotHoldAPoll) {
+  start_hub(1);
+  start_client();
+  run(10);
+  const auto stranger = *network_.open(memory_address(66, 6));
+  const std::array<std::byte, 4> rubbish = {};
+  for (int i = 0; i < 1000; ++i) {
+    stranger->send(client_endpoint_->local_address(), rubbish);
+  }
+  Datagram datagram;
+  EXPECT_FALSE(client_->receive(datagram, 0));
+  EXPECT_LT(client_->counts().foreign, 100U);
+  const std::int64_t start_ns = clock_.now_ns();
+  EXPECT_FALSE(client_->receive(datagram, start_ns + 5 * kMs));
+  EXPECT_EQ(client_->counts().foreign, 1000U);
+  EXPECT_EQ(clock_.now_ns(), start_ns + 5 * kMs);
+}
+
+TEST_F(HubClientTest, ASecondHapticsNodeIsRefusedAndTakesOverWhenTheFirstDies) {
+  start_hub(1);
+  start_client();
+  run(5);
+  const auto endpoint = *network_.open(memory_address(3, 0));
+  HubClient second(*endpoint, clock_, NodeRole::haptics, hub_endpoint_->local_address());
+  Datagram datagram;
+  for (int i = 0; i < 300; ++i) {
+    client_->send(ForceCommand{});
+    run(1, 1);
+    EXPECT_FALSE(second.receive(datagram, 0));
+  }
+  EXPECT_EQ(second.state(), JoinState::refused);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  EXPECT_FALSE(second.send(ForceCommand{}));
+  // The first dies without a word: 50 ms of silence and one Hello period later the second has its place.
+  int served_at_ms = -1;
+  for (int i = 0; i < 300 && served_at_ms < 0; ++i) {
+    clock_.advance_ns(kMs);
+    turn_hub(1);
+    served_at_ms = second.receive(datagram, 0) ? i : -1;
+  }
+  EXPECT_GE(served_at_ms, 0);
+  EXPECT_LE(served_at_ms, 152);
+  EXPECT_EQ(second.state(), JoinState::joined);
+}
+
+TEST_F(HubClientTest, SaysByeWhenItGoes) {
+  start_hub(1);
+  start_client();
+  run(5);
+  ASSERT_TRUE(hub_->has_haptics());
+  client_.reset();
+  Datagram datagram;
+  EXPECT_EQ(hub_->receive(datagram, 0).kind, PeerEvent::Kind::left);
+  EXPECT_FALSE(hub_->has_haptics());
+}
+
+TEST_F(HubClientTest, StaysJoinedAndCountsOnABadNetwork) {
+  impairments_ = {.seed = 11, .loss = 0.05, .duplicate = 0.02, .reorder = 0.05, .jitter_ns = kMs / 2};
+  network_.set_impairments(impairments_);
+  start_hub(1);
+  start_client();
+  run(5000, 1);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  const SequenceCounts& counts = client_->sequence_counts();
+  const double sent = static_cast<double>(hub_->peer(HubPeers::kHapticsPlace).sent);
+  EXPECT_NEAR(static_cast<double>(counts.lost), 0.05 * sent, 0.01 * sent);
+  EXPECT_NEAR(static_cast<double>(counts.duplicate), 0.02 * sent, 0.01 * sent);
+  EXPECT_GT(counts.reordered, 100U);
+  EXPECT_EQ(static_cast<std::uint64_t>(states_), client_->counts().received);
+  EXPECT_GE(last_sample_ + 10, sample_);
+}
+
+// Endpoints that keep nothing, so that only the client's own heap use counts.
+class EchoingEndpoint final : public Endpoint {
+ public:
+  bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+  Received receive(std::span<std::byte> into, std::int64_t) noexcept override {
+    std::copy(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size), into.begin());
+    return {.bytes = size, .from = memory_address(1, 4950)};
+  }
+  Address local_address() const override { return memory_address(2, 1); }
+
+  std::array<std::byte, kMaxDatagramBytes> bytes = {};
+  std::size_t size = 0;
+};
+
+TEST(HubClientHeapTest, UsesNoHeapOnceBuilt) {
+  if (!AllocationGuard::is_available()) {
+    GTEST_SKIP() << "heap use cannot be counted in this build";
+  }
+  SimulatedClock clock;
+  EchoingEndpoint endpoint;
+  HubClient client(endpoint, clock, NodeRole::haptics, memory_address(1, 4950));
+  Codec codec;
+  Datagram datagram;
+  const AllocationGuard guard;
+  endpoint.size = codec.encode({{1, 2, 1, 0}, Welcome{true, 1000.0}}, endpoint.bytes);
+  client.receive(datagram, 0);
+  ASSERT_EQ(client.state(), JoinState::joined);
+  for (std::uint64_t i = 2; i < 1000; ++i) {
+    clock.advance_ns(kMs);
+    endpoint.size = codec.encode({{1, 2, i, 0}, DeviceState{.sample = i}}, endpoint.bytes);
+    ASSERT_TRUE(client.receive(datagram, 0));
+    ASSERT_TRUE(client.send(ForceCommand{.echo_sample = i}));
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,325 @@
+#include "link/hub_peers.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+#include "link/hub_client.h"
+#include "link/memory_endpoint.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using Kind = PeerEvent::Kind;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+constexpr std::uint64_t kSession = 777;
+constexpr double kRate = 1000.0;
+
+// Someone who speaks the wire by hand.
+struct RawNode {
+  std::unique_ptr<Endpoint> endpoint;
+  std::uint64_t sender = 0;
+  std::uint64_t sequence = 0;
+};
+
+class HubPeersTest : public testing::Test {
+ protected:
+  HubPeersTest() { hub_.emplace(*hub_endpoint_, clock_, kSession, kRate); }
+
+  RawNode raw_node(std::uint8_t host, std::uint64_t sender, std::uint16_t port = 9) {
+    return {*network_.open(memory_address(host, port)), sender, 0};
+  }
+
+  void send(RawNode& node, const Message& message, std::uint64_t session = kSession) {
+    Bytes bytes;
+    const std::size_t size = codec_.encode({{session, node.sender, ++node.sequence, clock_.now_ns()}, message}, bytes);
+    ASSERT_GT(size, 0U);
+    node.endpoint->send(hub_endpoint_->local_address(), std::span(bytes).first(size));
+  }
+
+  // What the hub makes of all that has come; silences included.
+  std::vector<PeerEvent> events() {
+    std::vector<PeerEvent> all;
+    while (true) {
+      const std::uint64_t before = hub_->counts().received;
+      const PeerEvent event = hub_->receive(datagram_, 0);
+      if (event.kind != Kind::none) {
+        all.push_back(event);
+      } else if (hub_->counts().received == before) {
+        return all;
+      }
+    }
+  }
+
+  PeerEvent event() {
+    const std::vector<PeerEvent> all = events();
+    EXPECT_EQ(all.size(), 1U);
+    return all.empty() ? PeerEvent{} : all.front();
+  }
+
+  std::vector<Datagram> received_by(RawNode& node) {
+    std::vector<Datagram> all;
+    Bytes bytes;
+    while (true) {
+      const Received received = node.endpoint->receive(bytes, 0);
+      if (received.bytes == 0) {
+        return all;
+      }
+      Datagram datagram;
+      EXPECT_EQ(codec_.decode(std::span(bytes).first(received.bytes), datagram), DecodeStatus::ok);
+      all.push_back(datagram);
+    }
+  }
+
+  using Bytes = std::array<std::byte, kMaxDatagramBytes>;
+
+  SimulatedClock clock_;
+  MemoryNetwork network_{clock_};
+  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
+  std::optional<HubPeers> hub_;
+  Codec codec_;
+  Datagram datagram_;
+};
+
+TEST_F(HubPeersTest, WelcomesANodeWithSessionAndRate) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::vision}, 0);
+  const PeerEvent joined = event();
+  EXPECT_EQ(joined.kind, Kind::joined);
+  EXPECT_EQ(joined.role, NodeRole::vision);
+  EXPECT_FALSE(joined.replaced);
+  EXPECT_EQ(hub_->peer(joined.peer).address, node.endpoint->local_address());
+  const std::vector<Datagram> answers = received_by(node);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].header.session, kSession);
+  EXPECT_EQ(answers[0].header.sequence, 1U);
+  const auto& welcome = std::get<Welcome>(answers[0].message);
+  EXPECT_TRUE(welcome.accepted);
+  EXPECT_EQ(welcome.servo_rate_hz, kRate);
+}
+
+TEST_F(HubPeersTest, AnswersEveryHelloAndJoinsOnce) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::vision}, 0);
+  send(node, Hello{NodeRole::vision});
+  EXPECT_EQ(events().size(), 1U);
+  EXPECT_EQ(received_by(node).size(), 2U);
+  EXPECT_EQ(hub_->count(NodeRole::vision), 1U);
+}
+
+TEST_F(HubPeersTest, RefusesASecondHapticsNodeWhileTheFirstLives) {
+  RawNode first = raw_node(2, 20);
+  RawNode second = raw_node(3, 30);
+  send(first, Hello{NodeRole::haptics}, 0);
+  EXPECT_EQ(event().peer, HubPeers::kHapticsPlace);
+  clock_.advance_ns(HubPeers::kHapticsSilenceNs);
+  send(second, Hello{NodeRole::haptics}, 0);
+  EXPECT_EQ(event().kind, Kind::refused);
+  const std::vector<Datagram> answers = received_by(second);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_FALSE(std::get<Welcome>(answers[0].message).accepted);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).sender, 20U);
+
+  send(second, ForceCommand{});
+  EXPECT_TRUE(events().empty());
+  EXPECT_EQ(hub_->counts().strangers, 1U);
+}
+
+TEST_F(HubPeersTest, AnAnsweringHapticsNodeKeepsItsPlaceBetweenHellos) {
+  RawNode first = raw_node(2, 20);
+  RawNode second = raw_node(3, 30);
+  send(first, Hello{NodeRole::haptics}, 0);
+  for (int i = 0; i < 200; ++i) {
+    clock_.advance_ns(kMs);
+    send(first, ForceCommand{.echo_sample = 1});
+    send(second, Hello{NodeRole::haptics}, 0);
+  }
+  int refused = 0;
+  for (const PeerEvent& e : events()) {
+    refused += e.kind == Kind::refused ? 1 : 0;
+  }
+  EXPECT_EQ(refused, 200);
+}
+
+TEST_F(HubPeersTest, AfterFiftyMillisecondsOfSilenceTheHapticsPlaceIsFree) {
+  RawNode first = raw_node(2, 20);
+  RawNode second = raw_node(3, 30);
+  send(first, Hello{NodeRole::haptics}, 0);
+  event();
+  clock_.advance_ns(HubPeers::kHapticsSilenceNs + 1);
+  send(second, Hello{NodeRole::haptics}, 0);
+  const PeerEvent joined = event();
+  EXPECT_EQ(joined.kind, Kind::joined);
+  EXPECT_TRUE(joined.replaced);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).sender, 30U);
+}
+
+TEST_F(HubPeersTest, AByeFreesTheHapticsPlaceAtOnce) {
+  RawNode first = raw_node(2, 20);
+  RawNode second = raw_node(3, 30);
+  send(first, Hello{NodeRole::haptics}, 0);
+  event();
+  send(first, Bye{});
+  EXPECT_EQ(event().kind, Kind::left);
+  EXPECT_FALSE(hub_->has_haptics());
+  send(second, Hello{NodeRole::haptics}, 0);
+  EXPECT_EQ(event().kind, Kind::joined);
+}
+
+TEST_F(HubPeersTest, ARestartedProcessOnTheSameAddressTakesItsOwnPlaceBack) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::haptics}, 0);
+  event();
+  node.sender = 21;
+  node.sequence = 0;
+  send(node, Hello{NodeRole::haptics}, 0);
+  const PeerEvent joined = event();
+  EXPECT_EQ(joined.kind, Kind::joined);
+  EXPECT_TRUE(joined.replaced);
+  send(node, ForceCommand{});
+  EXPECT_EQ(event().kind, Kind::message);
+  EXPECT_EQ(hub_->peer(joined.peer).tracker.counts().restarts, 0U);
+}
+
+TEST_F(HubPeersTest, DropsTheSilentAfterASecond) {
+  RawNode quiet = raw_node(2, 20);
+  RawNode lively = raw_node(3, 30);
+  send(quiet, Hello{NodeRole::vision}, 0);
+  send(lively, Hello{NodeRole::tool}, 0);
+  EXPECT_EQ(events().size(), 2U);
+  clock_.advance_ns(600 * kMs);
+  send(lively, Drawn{});
+  event();
+  clock_.advance_ns(600 * kMs);
+  const PeerEvent left = event();
+  EXPECT_EQ(left.kind, Kind::left);
+  EXPECT_EQ(left.role, NodeRole::vision);
+  EXPECT_EQ(hub_->counts().timeouts, 1U);
+  EXPECT_EQ(hub_->count(NodeRole::tool), 1U);
+}
+
+TEST_F(HubPeersTest, SendsToOneRoleOnly) {
+  RawNode haptics = raw_node(2, 20);
+  RawNode vision = raw_node(3, 30);
+  RawNode another = raw_node(4, 40);
+  send(haptics, Hello{NodeRole::haptics}, 0);
+  send(vision, Hello{NodeRole::vision}, 0);
+  send(another, Hello{NodeRole::vision}, 0);
+  events();
+  EXPECT_EQ(hub_->send_to_role(NodeRole::vision, ProbeState{}), 2U);
+  EXPECT_EQ(hub_->send_to_role(NodeRole::tool, ProbeState{}), 0U);
+  EXPECT_EQ(received_by(haptics).size(), 1U);
+  const std::vector<Datagram> seen = received_by(another);
+  ASSERT_EQ(seen.size(), 2U);
+  EXPECT_EQ(seen[1].header.sequence, 2U);
+  EXPECT_FALSE(hub_->send_to(99, Bye{}));
+}
+
+TEST_F(HubPeersTest, CountsAndDropsWhatDoesNotBelong) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::vision}, 0);
+  event();
+
+  send(node, Drawn{}, kSession + 1);
+  EXPECT_TRUE(events().empty());
+  EXPECT_EQ(hub_->counts().other_session, 1U);
+
+  RawNode thief = raw_node(3, 20);
+  send(thief, Drawn{});
+  send(thief, Hello{NodeRole::vision});
+  EXPECT_TRUE(events().empty());
+  EXPECT_EQ(hub_->counts().strangers, 2U);
+
+  send(node, ForceCommand{.force_n = Vec3(1, 0, 0)});
+  send(node, DeviceState{});
+  send(node, Welcome{});
+  EXPECT_TRUE(events().empty());
+  EXPECT_EQ(hub_->counts().misplaced, 3U);
+
+  const std::array<std::byte, 3> rubbish = {std::byte{0x08}, std::byte{0x09}, std::byte{1}};
+  node.endpoint->send(hub_endpoint_->local_address(), rubbish);
+  EXPECT_TRUE(events().empty());
+  EXPECT_EQ(hub_->counts().undecodable, 1U);
+  EXPECT_EQ(hub_->counts().wrong_version, 1U);
+
+  RawNode impostor = raw_node(4, 40);
+  send(impostor, Hello{NodeRole::io}, 0);
+  EXPECT_TRUE(events().empty());
+}
+
+TEST_F(HubPeersTest, DropsDuplicatesAndMarksTheOvertaken) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::haptics}, 0);
+  event();
+  node.sequence = 10;
+  send(node, ForceCommand{});
+  EXPECT_EQ(event().arrival, Arrival::newest);
+  node.sequence = 5;
+  send(node, ForceCommand{});
+  EXPECT_EQ(event().arrival, Arrival::reordered);
+  node.sequence = 5;
+  send(node, ForceCommand{});
+  EXPECT_TRUE(events().empty());
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).tracker.counts().duplicate, 1U);
+}
+
+TEST_F(HubPeersTest, AFullTableRefusesButKeepsThePlaceOfTheHapticsNode) {
+  std::vector<RawNode> nodes;
+  for (std::uint8_t i = 0; i < HubPeers::kCapacity; ++i) {
+    nodes.push_back(raw_node(static_cast<std::uint8_t>(10 + i), 100U + i));
+    send(nodes.back(), Hello{NodeRole::vision}, 0);
+  }
+  EXPECT_EQ(events().size(), HubPeers::kCapacity);
+  EXPECT_EQ(hub_->count(NodeRole::vision), HubPeers::kCapacity - 1);
+  EXPECT_EQ(hub_->counts().refusals, 1U);
+  RawNode haptics = raw_node(2, 20);
+  send(haptics, Hello{NodeRole::haptics}, 0);
+  EXPECT_EQ(event().kind, Kind::joined);
+}
+
+TEST_F(HubPeersTest, AFloodFromOneAddressTakesOnePlaceAndNoHeap) {
+  constexpr std::uint64_t kSeed = 99;
+  RecordProperty("seed", std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  RawNode haptics = raw_node(2, 20);
+  send(haptics, Hello{NodeRole::haptics}, 0);
+  events();
+  const Address from = memory_address(66, 6);
+  Bytes bytes;
+  const AllocationGuard guard;
+  std::uint64_t allocations = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Message message = i % 3 == 0 ? Message(Hello{NodeRole::tool}) : Message(ForceCommand{.force_n = Vec3(99, 0, 0)});
+    const std::size_t size = codec_.encode({{random() % 2 == 0 ? kSession : random(), random() | 1U, random(), 0}, message}, bytes);
+    clock_.advance_ns(1000);
+    // Straight into the hub: the memory network would allocate for the answer only.
+    const std::uint64_t before = guard.count();
+    const PeerEvent e = hub_->handle_datagram(std::span(bytes).first(size), from, clock_.now_ns(), datagram_);
+    allocations += guard.count() - before;
+    ASSERT_NE(e.kind, Kind::message);
+  }
+  EXPECT_EQ(hub_->count(NodeRole::tool), 1U);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).sender, 20U);
+  EXPECT_GT(hub_->counts().strangers, 1000U);
+  EXPECT_GT(hub_->counts().other_session, 1000U);
+  if (AllocationGuard::is_available()) {
+    EXPECT_EQ(allocations, 0U);
+  }
+}
+
+TEST_F(HubPeersTest, SaysByeToEveryoneWhenItGoes) {
+  RawNode node = raw_node(2, 20);
+  send(node, Hello{NodeRole::tool}, 0);
+  event();
+  received_by(node);
+  hub_.reset();
+  const std::vector<Datagram> last = received_by(node);
+  ASSERT_EQ(last.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<Bye>(last[0].message));
+}
+
+}  // namespace
+}  // namespace hapton

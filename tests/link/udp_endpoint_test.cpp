@@ -1,0 +1,186 @@
+#include "link/udp_endpoint.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "runtime/clock.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+
+class UdpEndpointTest : public testing::Test {
+ protected:
+  std::unique_ptr<Endpoint> open(std::string_view address) {
+    Result<std::unique_ptr<Endpoint>> endpoint = open_udp_endpoint(address);
+    EXPECT_TRUE(endpoint) << endpoint.error().what;
+    return endpoint ? std::move(*endpoint) : nullptr;
+  }
+
+  std::string receive(Endpoint& endpoint, std::int64_t wait_ns = 1000 * kMs) {
+    received_ = endpoint.receive(buffer_, clock_.now_ns() + wait_ns);
+    return {reinterpret_cast<const char*>(buffer_.data()), received_.bytes};
+  }
+
+  SteadyClock clock_;
+  std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
+  Received received_;
+};
+
+TEST(ParseAddressTest, ReadsWhatItWrites) {
+  for (const char* text : {"127.0.0.1:4950", "255.255.255.255:65535", "0.0.0.0:0", "[::1]:4950", "[2001:db8::7]:1"}) {
+    const Result<Address> address = parse_address(text);
+    ASSERT_TRUE(address) << address.error().what;
+    EXPECT_EQ(to_string(*address), text);
+  }
+}
+
+TEST(ParseAddressTest, FillsInTheHubsPort) {
+  EXPECT_EQ(to_string(*parse_address("10.1.2.3")), "10.1.2.3:4950");
+  EXPECT_EQ(to_string(*parse_address("::1")), "[::1]:4950");
+  EXPECT_EQ(to_string(*parse_address("[::1]")), "[::1]:4950");
+  EXPECT_EQ(to_string(*parse_address("10.1.2.3", 0)), "10.1.2.3:0");
+}
+
+TEST(ParseAddressTest, ResolvesNames) {
+  const Result<Address> address = parse_address("localhost:77");
+  ASSERT_TRUE(address) << address.error().what;
+  EXPECT_EQ(to_string(*address), "127.0.0.1:77");
+}
+
+TEST(ParseAddressTest, SaysWhatIsWrongInOneLine) {
+  for (const char* text : {"", ":5", "1.2.3.4:", "1.2.3.4:x", "1.2.3.4:65536", "1.2.3.4:-1", "[::1", "[::1]5", "no such host:1", "fe80::1%eth0",
+                           "1.2.3.4:80:90"}) {
+    const Result<Address> address = parse_address(text);
+    ASSERT_FALSE(address) << text;
+    EXPECT_THAT(address.error().what, HasSubstr(fmt::format("address '{}'", text)));
+    EXPECT_EQ(address.error().what.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(UdpEndpointTest, CarriesDatagramsBothWaysAndNamesTheSender) {
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  ASSERT_NE(a->local_address().port, 0);
+  ASSERT_TRUE(a->send(b->local_address(), bytes_of("ping")));
+  EXPECT_EQ(receive(*b), "ping");
+  EXPECT_EQ(received_.from, a->local_address());
+  ASSERT_TRUE(b->send(received_.from, bytes_of("pong")));
+  EXPECT_EQ(receive(*a), "pong");
+}
+
+TEST_F(UdpEndpointTest, SpeaksIpv6AndIpv4OnOneSocket) {
+  Result<std::unique_ptr<Endpoint>> opened = open_udp_endpoint("[::]:0");
+  if (!opened) {
+    GTEST_SKIP() << "no IPv6 here: " << opened.error().what;
+  }
+  Endpoint& hub = **opened;
+  const std::uint16_t port = hub.local_address().port;
+  for (const char* local : {"[::1]:0", "127.0.0.1:0"}) {
+    Result<std::unique_ptr<Endpoint>> node = open_udp_endpoint(local);
+    if (!node) {
+      GTEST_SKIP() << node.error().what;
+    }
+    Address to = (*node)->local_address();
+    to.port = port;
+    ASSERT_TRUE((*node)->send(to, bytes_of(local)));
+    EXPECT_EQ(receive(hub), local);
+    EXPECT_EQ(received_.from, (*node)->local_address());
+    ASSERT_TRUE(hub.send(received_.from, bytes_of("back")));
+    EXPECT_EQ(receive(**node), "back");
+  }
+}
+
+TEST_F(UdpEndpointTest, AnIpv4SocketRefusesIpv6Addresses) {
+  const auto a = open("127.0.0.1:0");
+  EXPECT_FALSE(a->send(*parse_address("[2001:db8::1]:9"), bytes_of("x")));
+}
+
+TEST_F(UdpEndpointTest, WaitsUntilTheDeadlineAndNotBeyondReason) {
+  const auto a = open("127.0.0.1:0");
+  const std::int64_t start_ns = clock_.now_ns();
+  EXPECT_EQ(receive(*a, 20 * kMs), "");
+  EXPECT_GE(clock_.now_ns() - start_ns, 20 * kMs);
+}
+
+TEST_F(UdpEndpointTest, APastDeadlineOnlyTakesWhatIsThere) {
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  EXPECT_EQ(receive(*b, -kMs), "");
+  a->send(b->local_address(), bytes_of("1"));
+  a->send(b->local_address(), bytes_of("2"));
+  EXPECT_EQ(receive(*b, -kMs), "1");
+  EXPECT_EQ(b->receive(buffer_, 0).bytes, 1U);
+  EXPECT_EQ(b->receive(buffer_, std::numeric_limits<std::int64_t>::min() / 2).bytes, 0U);
+}
+
+TEST_F(UdpEndpointTest, IgnoresThatAPeerIsNotThere) {
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  const Address gone = open("127.0.0.1:0")->local_address();
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(a->send(gone, bytes_of("anyone?")));
+    EXPECT_EQ(receive(*a, kMs), "");  // the refusal comes back here
+  }
+  a->send(gone, bytes_of("anyone?"));
+  EXPECT_TRUE(a->send(b->local_address(), bytes_of("hello")));
+  EXPECT_EQ(receive(*b), "hello");
+}
+
+TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  std::array<std::byte, 16> small = {};
+  a->send(b->local_address(), bytes_of("far too long for sixteen bytes"));
+  a->send(b->local_address(), {});
+  a->send(b->local_address(), bytes_of("fits"));
+  const Received received = b->receive(small, clock_.now_ns() + 1000 * kMs);
+  EXPECT_EQ(received.bytes, 4U);
+  EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
+  EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
+}
+
+TEST_F(UdpEndpointTest, SaysInOneLineWhyItCannotListen) {
+  const auto holder = open("127.0.0.1:0");
+  const std::string taken = to_string(holder->local_address());
+  const auto expect_refused = [](const std::string& address, const char* reason) {
+    const Result<std::unique_ptr<Endpoint>> refused = open_udp_endpoint(address);
+    ASSERT_FALSE(refused) << address;
+    EXPECT_THAT(refused.error().what, HasSubstr(reason));
+    EXPECT_EQ(refused.error().what.find('\n'), std::string::npos);
+  };
+  expect_refused(taken, "another program holds this port");
+  expect_refused("192.0.2.1:4950", "this host has no such address");
+  expect_refused("nonsense:port", "port 'port'");
+}
+
+TEST_F(UdpEndpointTest, UsesNoHeapForADatagram) {
+  if (!AllocationGuard::is_available()) {
+    GTEST_SKIP() << "heap use cannot be counted in this build";
+  }
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  const Address to = b->local_address();
+  const AllocationGuard guard;
+  std::size_t received = 0;
+  for (int i = 0; i < 100; ++i) {
+    a->send(to, bytes_of("datagram"));
+    received += b->receive(buffer_, clock_.now_ns() + 1000 * kMs).bytes;
+    b->receive(buffer_, clock_.now_ns() + 10'000);
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_EQ(received, 800U);
+}
+
+}  // namespace
+}  // namespace hapton
