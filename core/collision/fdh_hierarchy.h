@@ -1,0 +1,296 @@
+#pragma once
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/collision/fdh_directions.h"
+#include "core/collision/fdh_topology.h"
+
+namespace hapton {
+
+// What a query looked at.
+struct FdhVisits {
+  std::uint32_t nodes = 0;   // eight-wide nodes opened
+  std::uint32_t leaves = 0;
+  std::uint32_t items = 0;   // triangles (or objects) in those leaves
+
+  FdhVisits& operator+=(const FdhVisits& other) {
+    nodes += other.nodes;
+    leaves += other.leaves;
+    items += other.items;
+    return *this;
+  }
+};
+
+namespace detail {
+
+using Float8 = float __attribute__((vector_size(32)));
+using Int8Lanes = std::int32_t __attribute__((vector_size(32)));
+
+inline Float8 lanes8(float value) { return Float8{} + value; }
+inline Float8 min8(const Float8& a, const Float8& b) { return a < b ? a : b; }
+inline Float8 max8(const Float8& a, const Float8& b) { return a > b ? a : b; }
+// Bit i: lane i is true.
+inline unsigned bits8(const Int8Lanes& truth) {
+#if defined(__AVX__)
+  return static_cast<unsigned>(_mm256_movemask_ps(std::bit_cast<__m256>(truth)));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= static_cast<unsigned>(truth[i] & 1) << i;
+  return bits;
+#endif
+}
+
+// A float below / above x, at least half a unit in the last place away. (float)x lies within half a unit u of x; what is taken
+// off is between u and 2u, and rounding the difference gives back at most u/2... so x - result >= 0; the constant covers subnormals.
+inline float float_below(double x) {
+  const auto f = static_cast<float>(x);
+  return f - (std::fabs(f) * 0x1p-22F + 0x1p-140F);
+}
+inline float float_above(double x) {
+  const auto f = static_cast<float>(x);
+  return f + (std::fabs(f) * 0x1p-22F + 0x1p-140F);
+}
+
+}  // namespace detail
+
+// What lies between low and high on every axis, single precision, rounded outward: the query's side of a comparison.
+template <int K>
+struct FdhInterval {
+  std::array<float, K / 2> low;
+  std::array<float, K / 2> high;
+};
+
+// A bounding volume hierarchy of Fixed Direction Hulls with K planes over numbered items: flat nodes of eight children, one run
+// of vector instructions a plane pair, the box's three pairs first (fdh-rendering.txt, section 5).
+// Planes are single precision, rounded outward, relative to the owner's centre: whoever touches an item is never turned away.
+// Threads: const calls from any number. RT: walks yes (fixed stack, see FdhTopology), the rest set-up only.
+template <int K>
+class FdhHierarchy {
+ public:
+  static constexpr int kAxes = K / 2;
+  static constexpr int kWidth = FdhTopology::kWidth;
+
+  // Pre: slack covers the rounding of the hulls that refit is given and of the queries (absolute, per axis).
+  void adopt(const FdhTopology& topology) {
+    depth_ = topology.depth;
+    nodes_.resize(topology.nodes.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].child = topology.nodes[i];
+  }
+
+  // Sets every plane anew, bottom-up; hull_of(first, count) is the hull of that run of items in tree order, relative to the
+  // centre; slack (absolute, >= 0) is its rounding. RT: no heap, but visits everything.
+  template <class HullOf>
+  void refit(double slack, HullOf&& hull_of) {
+    for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+      Node& node = nodes_[n];
+      for (int c = 0; c < kWidth; ++c) {
+        const std::uint32_t child = node.child[c];
+        if (child == FdhTopology::kNothing) {
+          for (int i = 0; i < kAxes; ++i) {
+            node.low[i][c] = std::numeric_limits<float>::infinity();
+            node.high[i][c] = -std::numeric_limits<float>::infinity();
+          }
+        } else if (FdhTopology::is_leaf(child)) {
+          const FdhHull<K> hull = hull_of(FdhTopology::leaf_first(child), FdhTopology::leaf_count(child));
+          for (int i = 0; i < kAxes; ++i) {
+            node.low[i][c] = detail::float_below(hull.low[i] - slack);
+            node.high[i][c] = detail::float_above(hull.high[i] + slack);
+          }
+        } else {
+          const Node& below = nodes_[child];
+          for (int i = 0; i < kAxes; ++i) {
+            float low = below.low[i][0];
+            float high = below.high[i][0];
+            for (int k = 1; k < kWidth; ++k) {
+              low = below.low[i][k] < low ? below.low[i][k] : low;
+              high = below.high[i][k] > high ? below.high[i][k] : high;
+            }
+            node.low[i][c] = low;
+            node.high[i][c] = high;
+          }
+        }
+      }
+    }
+  }
+
+  // Calls leaf(first, count) for every leaf whose hull overlaps the interval.
+  template <class Leaf>
+  FdhVisits walk_overlapping(const FdhInterval<K>& q, Leaf&& leaf) const {
+    return walk(
+        [&q](const Node& node) {
+          detail::Int8Lanes hit = (node.low[0] <= q.high[0]) & (node.high[0] >= q.low[0]);
+          for (int i = 1; i < 3; ++i) hit &= (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
+          if constexpr (kAxes > 3) {
+            if (detail::bits8(hit) == 0) return 0U;
+            for (int i = 3; i < kAxes; ++i) hit &= (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
+          }
+          return detail::bits8(hit);
+        },
+        leaf);
+  }
+
+  // A segment against hulls grown on every axis: p + t d, t in [0, 1]. See make_sweep.
+  struct Sweep {
+    std::array<float, kAxes> from;
+    std::array<float, kAxes> inverse;  // 1 / d along the axis
+    std::array<float, kAxes> grow;     // half thickness along the axis, rounding included
+  };
+
+  // The sweep of a ball of this radius between two points, given by their projections relative to the centre.
+  // Rounding: |from| 2^-24 each for the start and the planes' difference goes into grow; times carry a relative error below
+  // 2^-21, allowed for where they are compared. A direction shorter than the padding counts as that long, padding grown alike,
+  // so no inverse overflows.
+  static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
+    Sweep sweep;
+    for (int i = 0; i < kAxes; ++i) {
+      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + 1e-30;
+      double d = to[i] - from[i];
+      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + 1e-6) + pad;
+      if (std::fabs(d) < pad) {
+        d = d < 0.0 ? -pad : pad;
+        grow += 2.0 * pad;
+      }
+      sweep.from[i] = static_cast<float>(from[i]);
+      sweep.inverse[i] = static_cast<float>(1.0 / d);
+      sweep.grow[i] = detail::float_above(grow);
+    }
+    return sweep;
+  }
+
+  // Calls leaf(first, count) for every leaf whose hull the sweep meets.
+  template <class Leaf>
+  FdhVisits walk_swept(const Sweep& q, Leaf&& leaf) const {
+    return walk(
+        [&q](const Node& node) {
+          detail::Float8 enter = detail::lanes8(0.0F);
+          detail::Float8 exit = detail::lanes8(1.0F);
+          const auto clip = [&](int i) {
+            // The planes round too when they are grown: 2^-23 of them is at most what the padding of the leaf planes holds.
+            const detail::Float8 a = ((node.low[i] - q.grow[i]) - q.from[i]) * q.inverse[i];
+            const detail::Float8 b = ((node.high[i] + q.grow[i]) - q.from[i]) * q.inverse[i];
+            enter = detail::max8(enter, detail::min8(a, b));
+            exit = detail::min8(exit, detail::max8(a, b));
+          };
+          constexpr float kSlack = 4e-6F;
+          for (int i = 0; i < 3; ++i) clip(i);
+          const detail::Int8Lanes used = node.low[0] <= node.high[0];
+          if constexpr (kAxes > 3) {
+            if (detail::bits8((enter <= exit + kSlack) & used) == 0) return 0U;
+            for (int i = 3; i < kAxes; ++i) clip(i);
+          }
+          return detail::bits8((enter <= exit + kSlack) & used);
+        },
+        leaf);
+  }
+
+  // Calls leaf(first, count), nearest hulls first, while a hull may lie nearer to the interval than the square root of
+  // bound_squared(), which leaf lowers as it finds nearer items. Distances are Euclidean lower bounds.
+  template <class Bound, class Leaf>
+  FdhVisits walk_nearest(const FdhInterval<K>& q, Bound&& bound_squared, Leaf&& leaf) const {
+    FdhVisits visits;
+    if (nodes_.empty()) return visits;
+    struct Entry {
+      std::uint32_t child;
+      float distance_squared;
+    };
+    std::array<Entry, FdhTopology::kMaxStack> stack;
+    int top = 0;
+    stack[top++] = {0, 0.0F};
+    float bound = slackened(bound_squared());
+    while (top > 0) {
+      const Entry entry = stack[--top];
+      if (!(entry.distance_squared <= bound)) continue;
+      if (FdhTopology::is_leaf(entry.child)) {
+        const std::uint32_t count = FdhTopology::leaf_count(entry.child);
+        ++visits.leaves;
+        visits.items += count;
+        leaf(FdhTopology::leaf_first(entry.child), count);
+        bound = slackened(bound_squared());
+        continue;
+      }
+      ++visits.nodes;
+      const Node& node = nodes_[entry.child];
+      const detail::Float8 zero = detail::lanes8(0.0F);
+      const auto gap = [&](int i) { return detail::max8(detail::max8(node.low[i] - q.high[i], q.low[i] - node.high[i]), zero); };
+      const detail::Float8 gx = gap(0);
+      const detail::Float8 gy = gap(1);
+      const detail::Float8 gz = gap(2);
+      detail::Float8 distance = gx * gx + gy * gy + gz * gz;
+      unsigned mask = detail::bits8(distance <= bound) & node.used();
+      if constexpr (kAxes > 3) {
+        if (mask == 0) continue;
+        for (int i = 3; i < kAxes; ++i) {
+          const detail::Float8 g = gap(i);
+          // Rounded down, so that the bound stays below the distance.
+          constexpr std::array<float, 4> kInverseLengthSquared = {0.0F, 1.0F, 0.4999999F, 0.3333333F};
+          distance = detail::max8(distance, g * g * kInverseLengthSquared[FdhDirections<K>::length_squared(i)]);
+        }
+        mask &= detail::bits8(distance <= bound);
+      }
+      const int first = top;
+      for (; mask != 0; mask &= mask - 1) {
+        const int c = std::countr_zero(mask);
+        const Entry next = {node.child[c], distance[c]};
+        int at = top++;
+        for (; at > first && stack[at - 1].distance_squared < next.distance_squared; --at) stack[at] = stack[at - 1];
+        stack[at] = next;
+      }
+    }
+    return visits;
+  }
+
+  std::size_t node_count() const { return nodes_.size(); }
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
+  int depth() const { return depth_; }
+
+ private:
+  struct alignas(32) Node {
+    std::array<detail::Float8, kAxes> low;
+    std::array<detail::Float8, kAxes> high;
+    FdhTopology::Children child;
+
+    unsigned used() const { return detail::bits8(low[0] <= high[0]); }
+  };
+
+  // Node distances carry at most five roundings of 2^-24 each (difference, square, two sums, scale).
+  static float slackened(double squared) { return detail::float_above(squared * (1.0 + 1e-6)); }
+
+  template <class Test, class Leaf>
+  FdhVisits walk(Test&& test, Leaf&& leaf) const {
+    FdhVisits visits;
+    if (nodes_.empty()) return visits;
+    std::array<std::uint32_t, FdhTopology::kMaxStack> stack;
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+      const Node& node = nodes_[stack[--top]];
+      ++visits.nodes;
+      for (unsigned mask = test(node); mask != 0; mask &= mask - 1) {
+        const std::uint32_t child = node.child[std::countr_zero(mask)];
+        if (FdhTopology::is_leaf(child)) {
+          const std::uint32_t count = FdhTopology::leaf_count(child);
+          ++visits.leaves;
+          visits.items += count;
+          leaf(FdhTopology::leaf_first(child), count);
+        } else {
+          stack[top++] = child;
+        }
+      }
+    }
+    return visits;
+  }
+
+  std::vector<Node> nodes_;
+  int depth_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,247 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/collision/fdh_tree.h"
+
+namespace hapton {
+
+// The two levels of fdh-rendering.txt, section 3: a hierarchy of Fixed Direction Hulls over the objects, and under each object the tree
+// over its triangles.
+// Frame: one for all objects (static scene S). Units: the meshes'.
+// Threads: const calls from any number. RT: queries yes; build and refit set-up only.
+template <int K>
+class FdhScene {
+ public:
+  struct Object {
+    std::span<const Vec3> vertices;
+    std::span<const Triangle> triangles;
+  };
+
+  FdhScene() = default;
+
+  // Pre: the vertices outlive the scene. Objects without triangles are allowed and never found. Error: as FdhTree::build.
+  static Result<FdhScene> build(std::span<const Object> objects);
+
+  // One object's vertices have moved: its tree and the upper level follow. Error: as FdhTree::refit; nothing changes then.
+  Result<void> refit(std::uint32_t object, std::span<const Vec3> vertices);
+
+  // Calls visit(object, triangle) for every triangle the query touches, as FdhTree does. Query: FdhBall, FdhBox, FdhSweep or FdhHull<K>.
+  template <class Query, class Visit>
+  FdhVisits for_each_overlapping(const Query& query, Visit&& visit) const;
+
+  // The triangle nearest to p, if one is at most max_distance away; else an infinite distance.
+  FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
+
+  // Adds the triangles nearest to the segment between two points (or to one point, when they are equal) to what is collected.
+  FdhVisits collect_nearest(const Vec3& from, const Vec3& to, FdhNearest& nearest) const;
+
+  std::size_t object_count() const { return trees_.size(); }
+  const FdhTree<K>& tree(std::size_t object) const { return trees_[object]; }
+  // How far rounding can move a computed point or distance, for queries within the scene's extent.
+  double rounding() const { return slack_; }
+
+  FdhStats stats() const {
+    FdhStats all{0, upper_.node_count(), upper_.depth(), upper_.bytes() + order_.capacity() * sizeof(std::uint32_t)};
+    for (const FdhTree<K>& tree : trees_) {
+      const FdhStats one = tree.stats();
+      all.triangles += one.triangles;
+      all.nodes += one.nodes;
+      all.depth = std::max(all.depth, upper_.depth() + one.depth);
+      all.bytes += one.bytes;
+    }
+    return all;
+  }
+
+ private:
+  void measure();
+  void set_planes();
+  FdhInterval<K> interval(const FdhHull<K>& hull) const;
+
+  FdhHierarchy<K> upper_;
+  std::vector<std::uint32_t> order_;
+  std::vector<FdhTree<K>> trees_;
+  Vec3 center_ = Vec3::Zero();
+  double slack_ = 0.0;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <int K>
+void FdhScene<K>::measure() {
+  FdhHull<K> all;
+  double tree_slack = 0.0;
+  for (const FdhTree<K>& tree : trees_) {
+    if (tree.stats().triangles == 0) continue;
+    for (int i = 0; i < K / 2; ++i) {
+      all.low[i] = std::min(all.low[i], tree.hull().low[i]);
+      all.high[i] = std::max(all.high[i], tree.hull().high[i]);
+    }
+    tree_slack = std::max(tree_slack, tree.rounding());
+  }
+  if (!(all.low[0] <= all.high[0])) return;
+  double largest = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    center_[i] = 0.5 * all.low[i] + 0.5 * all.high[i];
+    largest = std::max({largest, std::fabs(all.low[i]), std::fabs(all.high[i])});
+  }
+  slack_ = tree_slack + 0x1p-48 * largest;
+}
+
+template <int K>
+void FdhScene<K>::set_planes() {
+  const auto middle = fdh_project<K>(center_);
+  upper_.refit(slack_ * 3.0, [&](std::uint32_t first, std::uint32_t count) {
+    FdhHull<K> hull;
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      const FdhHull<K>& one = trees_[order_[i]].hull();
+      for (int k = 0; k < K / 2; ++k) {
+        hull.low[k] = std::min(hull.low[k], one.low[k] - middle[k]);
+        hull.high[k] = std::max(hull.high[k], one.high[k] - middle[k]);
+      }
+    }
+    return hull;
+  });
+}
+
+template <int K>
+Result<FdhScene<K>> FdhScene<K>::build(std::span<const Object> objects) {
+  FdhScene scene;
+  std::vector<FdhItem> items;
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    auto tree = FdhTree<K>::build(objects[o].vertices, objects[o].triangles);
+    if (!tree) return fail("object {}: {}", o, tree.error().what);
+    scene.trees_.push_back(std::move(*tree));
+  }
+  scene.measure();
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    const FdhTree<K>& tree = scene.trees_[o];
+    if (tree.stats().triangles == 0) continue;
+    FdhItem item{{}, static_cast<std::uint32_t>(o), {}};
+    for (int k = 0; k < 3; ++k) {
+      item.low[k] = static_cast<float>(tree.hull().low[k] - scene.center_[k]);
+      item.high[k] = static_cast<float>(tree.hull().high[k] - scene.center_[k]);
+    }
+    items.push_back(item);
+  }
+  FdhTopology topology = build_fdh_topology(items);
+  scene.order_ = std::move(topology.order);
+  scene.upper_.adopt(topology);
+  scene.set_planes();
+  return scene;
+}
+
+template <int K>
+Result<void> FdhScene<K>::refit(std::uint32_t object, std::span<const Vec3> vertices) {
+  if (object >= trees_.size()) return fail("scene: there is no object {}; it has {}", object, trees_.size());
+  if (const auto moved = trees_[object].refit(vertices); !moved) return moved;
+  measure();
+  set_planes();
+  return {};
+}
+
+template <int K>
+FdhInterval<K> FdhScene<K>::interval(const FdhHull<K>& hull) const {
+  const auto middle = fdh_project<K>(center_);
+  FdhInterval<K> q;
+  for (int i = 0; i < K / 2; ++i) {
+    const double pad = 4.0 * slack_ + 0x1p-48 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
+    q.low[i] = detail::float_below(hull.low[i] - middle[i] - pad);
+    q.high[i] = detail::float_above(hull.high[i] - middle[i] + pad);
+  }
+  return q;
+}
+
+namespace detail {
+
+// The hull of a query: what an object must overlap to be looked into.
+template <int K>
+FdhHull<K> hull_around(const FdhBox& box) {
+  FdhHull<K> hull;
+  for (int corner = 0; corner < 8; ++corner) {
+    hull.add({(corner & 1) != 0 ? box.high.x() : box.low.x(), (corner & 2) != 0 ? box.high.y() : box.low.y(),
+              (corner & 4) != 0 ? box.high.z() : box.low.z()});
+  }
+  return hull;
+}
+template <int K>
+FdhHull<K> hull_around(const FdhHull<K>& hull) {
+  return hull;
+}
+template <int K>
+FdhHull<K> hull_around(const FdhSweep& sweep) {
+  FdhHull<K> hull;
+  hull.add(sweep.from);
+  hull.add(sweep.to);
+  for (int i = 0; i < K / 2; ++i) {
+    const double grow = sweep.radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + 1e-12);
+    hull.low[i] -= grow;
+    hull.high[i] += grow;
+  }
+  return hull;
+}
+template <int K>
+FdhHull<K> hull_around(const FdhBall& ball) {
+  return hull_around<K>(FdhSweep{ball.center, ball.center, ball.radius});
+}
+
+}  // namespace detail
+
+template <int K>
+template <class Query, class Visit>
+FdhVisits FdhScene<K>::for_each_overlapping(const Query& query, Visit&& visit) const {
+  FdhHull<K> hull = detail::hull_around<K>(query);
+  for (int i = 0; i < K / 2; ++i) {
+    if (!(hull.low[i] <= hull.high[i])) return {};
+  }
+  FdhVisits below;
+  FdhVisits visits = upper_.walk_overlapping(interval(hull), [&](std::uint32_t first, std::uint32_t count) {
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      const std::uint32_t object = order_[i];
+      below += trees_[object].for_each_overlapping(query, [&](std::uint32_t triangle) { visit(object, triangle); });
+    }
+  });
+  return visits += below;
+}
+
+template <int K>
+FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
+  FdhNear best;
+  if (!p.allFinite() || !(max_distance >= 0.0)) return best;
+  double bound = max_distance;
+  FdhHull<K> point;
+  point.add(p);
+  upper_.walk_nearest(
+      interval(point), [&bound] { return bound * bound * (1.0 + 1e-15); },
+      [&](std::uint32_t first, std::uint32_t count) {
+        for (std::uint32_t i = first; i < first + count; ++i) {
+          FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + 1e-15));
+          near.object = order_[i];
+          if (near.distance_squared < best.distance_squared || (near.distance_squared == best.distance_squared && near.object < best.object)) {
+            best = near;
+            bound = std::min(bound, std::sqrt(near.distance_squared));
+          }
+        }
+      });
+  return best;
+}
+
+template <int K>
+FdhVisits FdhScene<K>::collect_nearest(const Vec3& from, const Vec3& to, FdhNearest& nearest) const {
+  FdhHull<K> way;
+  way.add(from);
+  way.add(to);
+  FdhVisits below;
+  FdhVisits visits = upper_.walk_nearest(
+      interval(way), [&nearest] { return nearest.bound_squared(); },
+      [&](std::uint32_t first, std::uint32_t count) {
+        for (std::uint32_t i = first; i < first + count; ++i) below += trees_[order_[i]].collect_nearest(from, to, order_[i], nearest);
+      });
+  return visits += below;
+}
+
+}  // namespace hapton

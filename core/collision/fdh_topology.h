@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hapton {
+
+// The box of one thing to be put in a tree (a triangle, an object), single precision.
+struct FdhItem {
+  std::array<float, 3> low;
+  std::uint32_t id;
+  std::array<float, 3> high;
+  std::uint32_t unused = 0;
+};
+
+// Which items lie under which node: the part of a hierarchy that is the same for every number of directions.
+struct FdhTopology {
+  static constexpr int kWidth = 8;
+  static constexpr std::uint32_t kLeafSize = 4;
+  static constexpr int kMaxDepth = 48;                               // nodes on the way from the root to a leaf
+  static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;     // a traversal leaves at most kWidth - 1 siblings behind a level
+  static constexpr std::size_t kMaxItems = std::size_t{1} << 28;
+
+  // A child: a leaf (kLeafBit, count - 1 in two bits, first item in 28), a node's index, or kNothing.
+  static constexpr std::uint32_t kLeafBit = 0x80000000U;
+  static constexpr std::uint32_t kNothing = 0xFFFFFFFFU;
+  static constexpr bool is_leaf(std::uint32_t child) { return (child & kLeafBit) != 0; }
+  static constexpr std::uint32_t leaf_first(std::uint32_t child) { return child & 0x0FFFFFFFU; }
+  static constexpr std::uint32_t leaf_count(std::uint32_t child) { return ((child >> 28) & 3U) + 1U; }
+  static constexpr std::uint32_t leaf(std::uint32_t first, std::uint32_t count) { return kLeafBit | ((count - 1U) << 28) | first; }
+
+  using Children = std::array<std::uint32_t, kWidth>;
+  std::vector<Children> nodes;        // the root first; every node before its children; used children first
+  std::vector<std::uint32_t> order;   // item ids in tree order: leaves are runs of it
+  int depth = 0;                      // levels of nodes, <= kMaxDepth
+};
+
+// Builds by the binned surface-area heuristic on boxes (MacDonald & Booth 1990; Wald 2007), nodes directly kWidth wide: a node opens the
+// child of largest area until it is full. Where so many levels are used up that only halving still fits kMaxDepth, it halves.
+// items are reordered. Pre: items.size() <= kMaxItems, every number finite. RT: set-up only.
+FdhTopology build_fdh_topology(std::span<FdhItem> items);
+
+}  // namespace hapton

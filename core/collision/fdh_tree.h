@@ -1,0 +1,436 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/collision/fdh_hierarchy.h"
+#include "core/geometry/triangle_distance.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+struct FdhBall {
+  Vec3 center;
+  double radius;
+};
+struct FdhBox {
+  Vec3 low;
+  Vec3 high;
+};
+// A ball moved from one point to another: radius 0 is a segment; equal points a ball.
+struct FdhSweep {
+  Vec3 from;
+  Vec3 to;
+  double radius = 0.0;
+};
+
+// One triangle and how far it is.
+struct FdhNear {
+  double distance_squared = std::numeric_limits<double>::infinity();
+  std::uint32_t triangle = 0;
+  std::uint32_t object = 0;
+};
+
+// The nearest triangles met so far, at most as many as asked for plus one: the first left out tells how far the rest is complete.
+// Candidates collect in a buffer and are cut back by selection when it is full, so each costs a constant time on average.
+// RT: yes.
+class FdhNearest {
+ public:
+  static constexpr std::size_t kMaxCount = 256;
+
+  // Pre: 1 <= count <= kMaxCount, max_distance >= 0 (infinite: no limit).
+  FdhNearest(std::size_t count, double max_distance)
+      : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}
+
+  double bound_squared() const { return bound_; }
+  // Distances that are added may be wrong by this much.
+  void allow_rounding(double rounding) { rounding_ = rounding > rounding_ ? rounding : rounding_; }
+  void add(double distance_squared, std::uint32_t object, std::uint32_t triangle) {
+    if (!(distance_squared <= bound_)) return;
+    found_[count_++] = {distance_squared, triangle, object};
+    if (count_ == limit()) cut();
+  }
+
+  // Ends the search: the found triangles, in no order. complete_radius: every triangle nearer than that is among them.
+  std::span<const FdhNear> finish() {
+    if (count_ >= keep_) {
+      cut();
+      complete_radius_ = std::fmax(0.0, std::sqrt(found_[keep_ - 1].distance_squared) * (1.0 - 1e-12) - 2.0 * rounding_);
+      count_ = keep_ - 1;
+    } else {
+      complete_radius_ = max_distance_;
+    }
+    return {found_.data(), count_};
+  }
+  double complete_radius() const { return complete_radius_; }
+
+ private:
+  static bool nearer(const FdhNear& a, const FdhNear& b) {
+    if (a.distance_squared != b.distance_squared) return a.distance_squared < b.distance_squared;
+    return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
+  }
+  std::size_t limit() const { return 2 * keep_ < found_.size() ? 2 * keep_ : found_.size(); }
+  // Keeps the nearest keep_; the farthest of them is last and is the new bound.
+  void cut() {
+    std::nth_element(found_.begin(), found_.begin() + (keep_ - 1), found_.begin() + count_, nearer);
+    count_ = keep_;
+    bound_ = found_[keep_ - 1].distance_squared;
+  }
+
+  std::size_t keep_;
+  std::size_t count_ = 0;
+  double bound_;
+  double max_distance_;
+  double complete_radius_ = 0.0;
+  double rounding_ = 0.0;
+  std::array<FdhNear, 2 * (kMaxCount + 1)> found_;
+};
+
+// What a tree is.
+struct FdhStats {
+  std::size_t triangles = 0;
+  std::size_t nodes = 0;
+  int depth = 0;
+  std::size_t bytes = 0;  // the tree's own; the mesh is the owner's
+};
+
+// The second level of fdh-rendering.txt, section 3: the triangles of one object in a hierarchy of Fixed Direction Hulls.
+// K: 6 (axis-aligned boxes), 14 (the paper's), 18, 26. Coordinates are taken relative to the middle of the mesh, in double, before they
+// become single precision planes, so far-off and tiny meshes are no different from others.
+// Frames: the mesh's. Units: the mesh's.
+// Threads: const calls from any number. RT: queries yes; build, refit set-up only (refit uses no heap).
+template <int K>
+class FdhTree {
+ public:
+  FdhTree() = default;
+
+  // Pre: the vertices outlive the tree; indices are in range, coordinates finite.
+  // Error: more than 2^28 triangles; an extent beyond 1e-15 .. 1e15.
+  static Result<FdhTree> build(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+
+  // The same triangles at new places. Planes only: when the shape has changed much, a new build gives faster queries.
+  // Pre: as many vertices as before; they outlive the tree. Error: as build; the tree is then unchanged.
+  Result<void> refit(std::span<const Vec3> vertices);
+
+  // Each calls visit(triangle) for every triangle that the query touches, once, and for no triangle but
+  // ball: those at most the radius away; box, hull: those whose own hull of K planes overlaps the query's;
+  // sweep: those whose leaf's hull it meets (radius 0), those at most the radius away (else).
+  // All are generous by the rounding of their arithmetic, never short of it. A query that is not finite visits nothing.
+  template <class Visit>
+  FdhVisits for_each_overlapping(const FdhBall& ball, Visit&& visit) const;
+  template <class Visit>
+  FdhVisits for_each_overlapping(const FdhBox& box, Visit&& visit) const;
+  template <class Visit>
+  FdhVisits for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const;
+  template <class Visit>
+  FdhVisits for_each_overlapping(const FdhHull<K>& hull, Visit&& visit) const;
+
+  // The triangle nearest to p, if one is at most max_distance away; else an infinite distance.
+  FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
+
+  // Adds the triangles nearest to a point, or to the segment between two, to what is collected.
+  FdhVisits collect_nearest(const Vec3& p, std::uint32_t object, FdhNearest& nearest) const;
+  FdhVisits collect_nearest(const Vec3& from, const Vec3& to, std::uint32_t object, FdhNearest& nearest) const;
+
+  FdhStats stats() const {
+    return {order_.size(), hierarchy_.node_count(), hierarchy_.depth(),
+            hierarchy_.bytes() + order_.capacity() * sizeof(std::uint32_t) + corners_.capacity() * sizeof(Triangle)};
+  }
+  const FdhHull<K>& hull() const { return hull_; }  // of all triangles, in the mesh's frame
+  const Vec3& center() const { return center_; }
+  // How far rounding can move a computed point or distance here, for queries within the mesh's extent.
+  double rounding() const { return slack_; }
+
+ private:
+  using Three = detail::Of3<Lanes4>;
+
+  const Vec3& vertex(std::uint32_t i) const { return vertices_[i]; }
+  FdhInterval<K> interval(const Vec3& low_point, const Vec3& high_point, double grow) const;
+  // Corners of a leaf's triangles in lanes; lanes beyond count repeat the last.
+  void load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const;
+  FdhHull<K> hull_of(std::uint32_t first, std::uint32_t count, const Vec3& origin) const;
+  Result<void> measure(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+  void set_planes();
+  // Of a distance computed from p.
+  double rounding_at(const Vec3& p) const { return slack_ + 0x1p-49 * (p - center_).cwiseAbs().maxCoeff(); }
+  // Squared, and generous by rounding.
+  double reach_squared(double radius, const Vec3& p) const {
+    const double reach = radius * (1.0 + 1e-12) + rounding_at(p);
+    return reach * reach;
+  }
+
+  FdhHierarchy<K> hierarchy_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Triangle> corners_;  // in tree order
+  std::span<const Vec3> vertices_;
+  FdhHull<K> hull_;
+  Vec3 center_ = Vec3::Zero();
+  double extent_ = 0.0;  // largest distance from the centre along a coordinate
+  double slack_ = 0.0;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <int K>
+Result<void> FdhTree<K>::measure(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
+  Vec3 low = Vec3::Zero();
+  Vec3 high = Vec3::Zero();
+  bool first = true;
+  for (const Triangle& triangle : triangles) {
+    for (const std::uint32_t index : triangle) {
+      const Vec3& v = vertices[index];
+      low = first ? v : Vec3(low.cwiseMin(v));
+      high = first ? v : Vec3(high.cwiseMax(v));
+      first = false;
+    }
+  }
+  const double extent = 0.5 * (high - low).maxCoeff();
+  if (!(extent < 1e15) || (extent > 0.0 && extent < 1e-15)) {
+    return fail("tree: the mesh extends {:g} m; give coordinates in metres, between 1e-15 and 1e15 across", 2.0 * extent);
+  }
+  extent_ = extent;
+  center_ = 0.5 * low + 0.5 * high;
+  // Projections add three coordinates: a few units of 2^-53 of the coordinates themselves (what p - center rounds) and of extents.
+  const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+  slack_ = 0x1p-50 * (extent + largest);
+  return {};
+}
+
+template <int K>
+Result<FdhTree<K>> FdhTree<K>::build(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
+  if (triangles.size() > FdhTopology::kMaxItems) {
+    return fail("tree: {} triangles are more than the {} a tree can hold; split the mesh into objects", triangles.size(),
+                FdhTopology::kMaxItems);
+  }
+  FdhTree tree;
+  if (const auto measured = tree.measure(vertices, triangles); !measured) return tl::unexpected(measured.error());
+  const double scale = tree.extent_ > 0.0 ? 1.0 / tree.extent_ : 1.0;
+  std::vector<FdhItem> items(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Vec3 a = (vertices[triangles[i][0]] - tree.center_) * scale;
+    const Vec3 b = (vertices[triangles[i][1]] - tree.center_) * scale;
+    const Vec3 c = (vertices[triangles[i][2]] - tree.center_) * scale;
+    const Eigen::Vector3f low = a.cwiseMin(b).cwiseMin(c).template cast<float>();
+    const Eigen::Vector3f high = a.cwiseMax(b).cwiseMax(c).template cast<float>();
+    items[i] = {{low.x(), low.y(), low.z()}, static_cast<std::uint32_t>(i), {high.x(), high.y(), high.z()}};
+  }
+  FdhTopology topology = build_fdh_topology(items);
+  tree.order_ = std::move(topology.order);
+  tree.corners_.resize(triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) tree.corners_[i] = triangles[tree.order_[i]];
+  tree.hierarchy_.adopt(topology);
+  tree.vertices_ = vertices;
+  tree.set_planes();
+  return tree;
+}
+
+template <int K>
+Result<void> FdhTree<K>::refit(std::span<const Vec3> vertices) {
+  if (vertices.size() != vertices_.size()) {
+    return fail("tree: {} vertices instead of {}; build a new tree when the mesh itself changes", vertices.size(), vertices_.size());
+  }
+  if (const auto measured = measure(vertices, corners_); !measured) return measured;
+  vertices_ = vertices;
+  set_planes();
+  return {};
+}
+
+template <int K>
+void FdhTree<K>::set_planes() {
+  hierarchy_.refit(slack_ * 3.0, [this](std::uint32_t first, std::uint32_t count) { return hull_of(first, count, center_); });
+  hull_ = hull_of(0, static_cast<std::uint32_t>(order_.size()), Vec3::Zero());
+}
+
+template <int K>
+FdhHull<K> FdhTree<K>::hull_of(std::uint32_t first, std::uint32_t count, const Vec3& origin) const {
+  FdhHull<K> hull;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    for (const std::uint32_t index : corners_[i]) hull.add(vertices_[index] - origin);
+  }
+  return hull;
+}
+
+template <int K>
+FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_point, double grow) const {
+  const auto a = fdh_project<K>(low_point - center_);
+  const auto b = fdh_project<K>(high_point - center_);
+  FdhInterval<K> out;
+  for (int i = 0; i < K / 2; ++i) {
+    const double pad = grow * (i < 3 ? 1.0 : std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i)))) * (1.0 + 1e-12) +
+                       0x1p-50 * (std::fabs(a[i]) + std::fabs(b[i]));
+    out.low[i] = detail::float_below(std::min(a[i], b[i]) - pad);
+    out.high[i] = detail::float_above(std::max(a[i], b[i]) + pad);
+  }
+  return out;
+}
+
+template <int K>
+void FdhTree<K>::load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const {
+  for (std::uint32_t lane = 0; lane < 4; ++lane) {
+    const Triangle& t = corners_[first + std::min(lane, count - 1)];
+    const Vec3& va = vertices_[t[0]];
+    const Vec3& vb = vertices_[t[1]];
+    const Vec3& vc = vertices_[t[2]];
+    a.x[lane] = va.x();
+    a.y[lane] = va.y();
+    a.z[lane] = va.z();
+    b.x[lane] = vb.x();
+    b.y[lane] = vb.y();
+    b.z[lane] = vb.z();
+    c.x[lane] = vc.x();
+    c.y[lane] = vc.y();
+    c.z[lane] = vc.z();
+  }
+}
+
+namespace detail {
+inline Of3<Lanes4> lanes_of(const Vec3& p) { return {Lanes4{} + p.x(), Lanes4{} + p.y(), Lanes4{} + p.z()}; }
+}  // namespace detail
+
+template <int K>
+template <class Visit>
+FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) const {
+  if (!ball.center.allFinite() || !(ball.radius >= 0.0)) return {};
+  const double limit = reach_squared(ball.radius, ball.center);
+  const Three p = detail::lanes_of(ball.center);
+  const auto leaf = [&](std::uint32_t first, std::uint32_t count) {
+    Three a;
+    Three b;
+    Three c;
+    load(first, count, a, b, c);
+    const Lanes4 d = triangle_distance_squared<Lanes4>(p, a, b, c);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (d[i] <= limit) visit(order_[first + i]);
+    }
+  };
+  return hierarchy_.walk_nearest(interval(ball.center, ball.center, 0.0), [limit] { return limit; }, leaf);
+}
+
+template <int K>
+template <class Visit>
+FdhVisits FdhTree<K>::for_each_overlapping(const FdhBox& box, Visit&& visit) const {
+  if (!box.low.allFinite() || !box.high.allFinite() || (box.low.array() > box.high.array()).any()) return {};
+  FdhHull<K> hull;
+  for (int corner = 0; corner < 8; ++corner) {
+    hull.add({(corner & 1) != 0 ? box.high.x() : box.low.x(), (corner & 2) != 0 ? box.high.y() : box.low.y(),
+              (corner & 4) != 0 ? box.high.z() : box.low.z()});
+  }
+  return for_each_overlapping(hull, visit);
+}
+
+template <int K>
+template <class Visit>
+FdhVisits FdhTree<K>::for_each_overlapping(const FdhHull<K>& hull, Visit&& visit) const {
+  const auto middle = fdh_project<K>(center_);
+  FdhHull<K> grown;
+  FdhInterval<K> q;
+  for (int i = 0; i < K / 2; ++i) {
+    if (!std::isfinite(hull.low[i]) || !std::isfinite(hull.high[i])) return {};
+    const double pad = 4.0 * slack_ + 0x1p-49 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
+    grown.low[i] = hull.low[i] - pad;
+    grown.high[i] = hull.high[i] + pad;
+    q.low[i] = detail::float_below(grown.low[i] - middle[i]);
+    q.high[i] = detail::float_above(grown.high[i] - middle[i]);
+  }
+  return hierarchy_.walk_overlapping(q, [&](std::uint32_t first, std::uint32_t count) {
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      if (hull_of(i, 1, Vec3::Zero()).overlaps(grown)) visit(order_[i]);
+    }
+  });
+}
+
+template <int K>
+template <class Visit>
+FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const {
+  if (!sweep.from.allFinite() || !sweep.to.allFinite() || !(sweep.radius >= 0.0)) return {};
+  const double reach = std::max(reach_squared(sweep.radius, sweep.from), reach_squared(sweep.radius, sweep.to));
+  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(sweep.from - center_), fdh_project<K>(sweep.to - center_), std::sqrt(reach));
+  if (sweep.radius == 0.0) {
+    return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
+      for (std::uint32_t i = first; i < first + count; ++i) visit(order_[i]);
+    });
+  }
+  const Three from = detail::lanes_of(sweep.from);
+  const Three to = detail::lanes_of(sweep.to);
+  return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
+    Three a;
+    Three b;
+    Three c;
+    load(first, count, a, b, c);
+    const Lanes4 d = segment_triangle_distance_squared<Lanes4>(from, to, a, b, c);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (d[i] <= reach) visit(order_[first + i]);
+    }
+  });
+}
+
+template <int K>
+FdhNear FdhTree<K>::find_nearest(const Vec3& p, double max_distance) const {
+  FdhNear best;
+  if (!p.allFinite() || !(max_distance >= 0.0)) return best;
+  double bound = max_distance * max_distance;
+  bool found = false;
+  const Three lanes = detail::lanes_of(p);
+  hierarchy_.walk_nearest(
+      interval(p, p, 0.0), [&bound] { return bound; },
+      [&](std::uint32_t first, std::uint32_t count) {
+        Three a;
+        Three b;
+        Three c;
+        load(first, count, a, b, c);
+        const Lanes4 d = triangle_distance_squared<Lanes4>(lanes, a, b, c);
+        for (std::uint32_t i = 0; i < count; ++i) {
+          const std::uint32_t id = order_[first + i];
+          if (d[i] < bound || (d[i] == bound && (!found || id < best.triangle))) {
+            bound = d[i];
+            best = {bound, id, 0};
+            found = true;
+          }
+        }
+      });
+  return best;
+}
+
+template <int K>
+FdhVisits FdhTree<K>::collect_nearest(const Vec3& p, std::uint32_t object, FdhNearest& nearest) const {
+  if (!p.allFinite()) return {};
+  nearest.allow_rounding(rounding_at(p));
+  const Three lanes = detail::lanes_of(p);
+  return hierarchy_.walk_nearest(
+      interval(p, p, 0.0), [&nearest] { return nearest.bound_squared(); },
+      [&](std::uint32_t first, std::uint32_t count) {
+        Three a;
+        Three b;
+        Three c;
+        load(first, count, a, b, c);
+        const Lanes4 d = triangle_distance_squared<Lanes4>(lanes, a, b, c);
+        for (std::uint32_t i = 0; i < count; ++i) nearest.add(d[i], object, order_[first + i]);
+      });
+}
+
+template <int K>
+FdhVisits FdhTree<K>::collect_nearest(const Vec3& from, const Vec3& to, std::uint32_t object, FdhNearest& nearest) const {
+  if (from == to) return collect_nearest(from, object, nearest);
+  if (!from.allFinite() || !to.allFinite()) return {};
+  nearest.allow_rounding(std::max(rounding_at(from), rounding_at(to)));
+  const Three lanes_from = detail::lanes_of(from);
+  const Three lanes_to = detail::lanes_of(to);
+  return hierarchy_.walk_nearest(
+      interval(from, to, 0.0), [&nearest] { return nearest.bound_squared(); },
+      [&](std::uint32_t first, std::uint32_t count) {
+        Three a;
+        Three b;
+        Three c;
+        load(first, count, a, b, c);
+        const Lanes4 d = segment_triangle_distance_squared<Lanes4>(lanes_from, lanes_to, a, b, c);
+        for (std::uint32_t i = 0; i < count; ++i) nearest.add(d[i], object, order_[first + i]);
+      });
+}
+
+}  // namespace hapton

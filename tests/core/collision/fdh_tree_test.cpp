@@ -1,0 +1,294 @@
+#include "core/collision/fdh_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/made_meshes.h"
+#include "tests/support/obj_mesh.h"
+
+namespace hapton {
+namespace {
+
+using Ids = std::set<std::uint32_t>;
+
+struct NamedMesh {
+  std::string name;
+  TriangleMesh mesh;
+};
+
+const std::vector<NamedMesh>& meshes() {
+  static const std::vector<NamedMesh> kMeshes = [] {
+    std::vector<NamedMesh> all;
+    all.push_back({"soup", made::soup(31, 1500, 1.0, 0.2)});
+    all.push_back({"bumpy", made::sphere(0.05, 24, 0.1)});
+    all.push_back({"car front", made::obj_mesh("car_front_3300.obj")});
+    all.push_back({"wingnut", made::obj_mesh("wingnut.obj")});
+    all.push_back({"one triangle", {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}}});
+    all.push_back({"one point many times", {{Vec3(3, 4, 5)}, std::vector<Triangle>(50, Triangle{0, 0, 0})}});
+    all.push_back({"same triangle many times", {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, std::vector<Triangle>(50, Triangle{0, 1, 2})}});
+    all.push_back({"far away", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1.0, {1e6, -1e6, 1e6})});
+    all.push_back({"tiny", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1e-6, {0, 0, 0})});
+    all.push_back({"tiny and off", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1e-6, {1, 2, 3})});
+    all.push_back({"huge", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1e6, {0, 0, 0})});
+    return all;
+  }();
+  return kMeshes;
+}
+
+// Query points about the mesh: near triangles, at corners exactly, around the box, far off.
+struct Points {
+  const TriangleMesh& mesh;
+  std::mt19937_64 random{41};
+  std::uniform_real_distribution<double> unit{-1.0, 1.0};
+  double size = 0.0;
+
+  explicit Points(const TriangleMesh& m) : mesh(m) {
+    Vec3 low = m.vertices[0];
+    Vec3 high = low;
+    for (const Vec3& v : m.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    size = std::max((high - low).norm(), low.norm() * 1e-9);
+  }
+  Vec3 direction() { return {unit(random), unit(random), unit(random)}; }
+  Vec3 make(int i) {
+    const auto t = random() % mesh.triangles.size();
+    if (i % 4 == 0) return mesh.corner(t, i % 3);
+    if (i % 4 == 1) return (mesh.corner(t, 0) + mesh.corner(t, 1)) * 0.5;
+    if (i % 4 == 2) return mesh.corner(t, 1) + 0.05 * size * direction();
+    return mesh.corner(t, 2) + 3.0 * size * direction();
+  }
+};
+
+double distance_squared(const TriangleMesh& mesh, std::size_t t, const Vec3& p) {
+  return triangle_distance_squared(p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
+}
+
+template <class T>
+class FdhTreeOf : public testing::Test {};
+
+template <int K>
+struct Directions {
+  static constexpr int kCount = K;
+};
+using AllDirections = testing::Types<Directions<6>, Directions<14>, Directions<18>, Directions<26>>;
+TYPED_TEST_SUITE(FdhTreeOf, AllDirections);
+
+// Everything wanted is visited, once, and nothing beyond what is allowed.
+template <class Tree, class Query, class Wanted, class Allowed>
+void expect_twin(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Wanted&& wanted, Allowed&& allowed) {
+  Ids visited;
+  tree.for_each_overlapping(query, [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << what << ": twice"; });
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const bool in = visited.count(t) > 0;
+    if (wanted(t)) {
+      EXPECT_TRUE(in) << what << ": triangle " << t << " is missing";
+    }
+    if (in) {
+      EXPECT_TRUE(allowed(t)) << what << ": triangle " << t << " is too much";
+    }
+  }
+}
+
+TYPED_TEST(FdhTreeOf, BallFindsWhatBruteForceFinds) {
+  for (const auto& [name, mesh] : meshes()) {
+    const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+    ASSERT_TRUE(tree) << tree.error().what;
+    Points points(mesh);
+    for (int i = 0; i < 60; ++i) {
+      const Vec3 p = points.make(i);
+      const double radius = points.size * (i % 5) * 0.04;
+      const double slack = 1e-12 * (points.size + p.norm());
+      expect_twin(
+          *tree, mesh, FdhBall{p, radius}, name, [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius; },
+          [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius + slack; });
+    }
+  }
+}
+
+TYPED_TEST(FdhTreeOf, SweptBallFindsWhatBruteForceFinds) {
+  for (const auto& [name, mesh] : meshes()) {
+    const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+    ASSERT_TRUE(tree);
+    Points points(mesh);
+    for (int i = 0; i < 60; ++i) {
+      const Vec3 p = points.make(i);
+      Vec3 q = i % 7 == 0 ? p : Vec3(p + (i % 2 == 0 ? 0.3 : 0.01) * points.size * points.direction());
+      if (i % 5 == 1) q = points.make(i + 2);
+      if (i % 11 == 2) q = Vec3(p.x(), p.y(), p.z() + 0.2 * points.size);  // along an axis: two directions are zero
+      const double radius = i % 3 == 0 ? 0.0 : points.size * 0.02 * (i % 3);
+      const double slack = 1e-12 * (points.size + p.norm());
+      const auto distance = [&](std::uint32_t t) {
+        return std::sqrt(segment_triangle_distance_squared<double>(of3(p), of3(q), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)),
+                                                                   of3(mesh.corner(t, 2))));
+      };
+      expect_twin(
+          *tree, mesh, FdhSweep{p, q, radius}, name, [&](std::uint32_t t) { return distance(t) <= radius; },
+          [&](std::uint32_t t) { return radius == 0.0 || distance(t) <= radius + slack; });
+    }
+  }
+}
+
+TYPED_TEST(FdhTreeOf, BoxAndHullFindWhatBruteForceFinds) {
+  constexpr int kCount = TypeParam::kCount;
+  for (const auto& [name, mesh] : meshes()) {
+    const auto tree = FdhTree<kCount>::build(mesh.vertices, mesh.triangles);
+    ASSERT_TRUE(tree);
+    Points points(mesh);
+    for (int i = 0; i < 40; ++i) {
+      const Vec3 p = points.make(i);
+      const Vec3 half = 0.1 * points.size * points.direction().cwiseAbs();
+      FdhHull<kCount> box;
+      for (int c = 0; c < 8; ++c) {
+        box.add({p.x() + ((c & 1) != 0 ? half.x() : -half.x()), p.y() + ((c & 2) != 0 ? half.y() : -half.y()),
+                 p.z() + ((c & 4) != 0 ? half.z() : -half.z())});
+      }
+      FdhHull<kCount> hull;
+      for (int k = 0; k < 4; ++k) hull.add(p + 0.1 * points.size * points.direction());
+      const auto overlaps = [&](const FdhHull<kCount>& query, double grow) {
+        return [&mesh, query, grow](std::uint32_t t) {
+          FdhHull<kCount> own;
+          for (int k = 0; k < 3; ++k) own.add(mesh.corner(t, k));
+          FdhHull<kCount> grown = query;
+          for (int a = 0; a < kCount / 2; ++a) {
+            grown.low[a] -= grow;
+            grown.high[a] += grow;
+          }
+          return own.overlaps(grown);
+        };
+      };
+      const double slack = 1e-12 * (points.size + p.norm());
+      expect_twin(*tree, mesh, FdhBox{p - half, p + half}, name + " box", overlaps(box, 0.0), overlaps(box, slack));
+      expect_twin(*tree, mesh, hull, name + " hull", overlaps(hull, 0.0), overlaps(hull, slack));
+    }
+  }
+}
+
+TYPED_TEST(FdhTreeOf, NearestIsTheNearest) {
+  for (const auto& [name, mesh] : meshes()) {
+    const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+    ASSERT_TRUE(tree);
+    Points points(mesh);
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 p = points.make(i);
+      FdhNear best;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const double d = distance_squared(mesh, t, p);
+        if (d < best.distance_squared) best = {d, t, 0};
+      }
+      const FdhNear found = tree->find_nearest(p);
+      EXPECT_EQ(found.distance_squared, best.distance_squared) << name;
+      EXPECT_EQ(found.triangle, best.triangle) << name << ": of equally near triangles the first";
+      if (best.distance_squared > 0.0) {
+        EXPECT_FALSE(std::isfinite(tree->find_nearest(p, 0.999 * std::sqrt(best.distance_squared)).distance_squared)) << name;
+      }
+    }
+  }
+}
+
+TYPED_TEST(FdhTreeOf, NearestSetIsCompleteWithinItsRadius) {
+  for (const auto& [name, mesh] : meshes()) {
+    const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+    ASSERT_TRUE(tree);
+    Points points(mesh);
+    for (int i = 0; i < 60; ++i) {
+      const Vec3 p = points.make(i);
+      const Vec3 q = i % 2 == 0 ? p : Vec3(p + 0.05 * points.size * points.direction());
+      const std::size_t count = std::array{1U, 16U, 64U, 256U}[i % 4];
+      const double limit = i % 3 == 0 ? 0.1 * points.size : std::numeric_limits<double>::infinity();
+      FdhNearest nearest(count, limit);
+      tree->collect_nearest(p, q, 7, nearest);
+      const auto found = nearest.finish();
+      Ids ids;
+      double farthest = 0.0;
+      for (const FdhNear& near : found) {
+        EXPECT_TRUE(ids.insert(near.triangle).second);
+        EXPECT_EQ(near.object, 7U);
+        farthest = std::max(farthest, std::sqrt(near.distance_squared));
+      }
+      EXPECT_LE(found.size(), count);
+      EXPECT_LE(farthest, nearest.complete_radius() + 1e-9 * (points.size + p.norm()));
+      std::size_t within = 0;
+      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const double d = std::sqrt(segment_triangle_distance_squared<double>(of3(p), of3(q), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)),
+                                                                             of3(mesh.corner(t, 2))));
+        if (d < nearest.complete_radius()) {
+          EXPECT_TRUE(ids.count(t)) << name << " misses " << t;
+        }
+        within += d <= limit ? 1 : 0;
+      }
+      EXPECT_EQ(found.size(), std::min(count, within)) << name;
+    }
+  }
+}
+
+TYPED_TEST(FdhTreeOf, FollowsMovedVertices) {
+  TriangleMesh mesh = made::sphere(0.05, 20, 0.1);
+  auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+  ASSERT_TRUE(tree);
+  std::vector<Vec3> moved = mesh.vertices;
+  for (Vec3& v : moved) v = Vec3(2.0 * v.y() + 10.0 * v.x() * v.x(), v.z(), -v.x()) + Vec3(100.0, 0.0, 0.0);
+  ASSERT_TRUE(tree->refit(moved));
+  mesh.vertices = moved;
+  Points points(mesh);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p = points.make(i);
+    double best = 1e300;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) best = std::min(best, distance_squared(mesh, t, p));
+    EXPECT_EQ(tree->find_nearest(p).distance_squared, best);
+  }
+  std::vector<Vec3> fewer(moved.begin(), moved.end() - 1);
+  EXPECT_FALSE(tree->refit(fewer));
+}
+
+TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteAreAnswered) {
+  const auto empty = FdhTree<TypeParam::kCount>::build({}, {});
+  ASSERT_TRUE(empty);
+  EXPECT_FALSE(std::isfinite(empty->find_nearest(Vec3::Zero()).distance_squared));
+  const TriangleMesh mesh = made::sphere(1.0, 8);
+  const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  int visited = 0;
+  const auto count = [&visited](std::uint32_t) { ++visited; };
+  tree->for_each_overlapping(FdhBall{Vec3(nan, 0, 0), 1.0}, count);
+  tree->for_each_overlapping(FdhBall{Vec3(0, 0, 0), nan}, count);
+  tree->for_each_overlapping(FdhSweep{Vec3(0, 0, 0), Vec3(infinity, 0, 0), 0.0}, count);
+  tree->for_each_overlapping(FdhBox{Vec3(0, nan, 0), Vec3(1, 1, 1)}, count);
+  tree->for_each_overlapping(FdhHull<TypeParam::kCount>(), count);
+  EXPECT_EQ(visited, 0);
+  EXPECT_FALSE(std::isfinite(tree->find_nearest(Vec3(nan, nan, nan)).distance_squared));
+}
+
+TEST(FdhTree, RefusesWhatSinglePrecisionCannotHold) {
+  const TriangleMesh huge = scaled_and_moved(made::sphere(1.0, 8), 1e20, Vec3::Zero());
+  const auto tree = FdhTree<14>::build(huge.vertices, huge.triangles);
+  ASSERT_FALSE(tree);
+  EXPECT_NE(tree.error().what.find("metres"), std::string::npos);
+}
+
+TEST(FdhTree, MoreDirectionsOpenFewerLeaves) {
+  const TriangleMesh mesh = made::sphere(0.05, 80, 0.1);
+  const auto box = FdhTree<6>::build(mesh.vertices, mesh.triangles);
+  const auto hull = FdhTree<26>::build(mesh.vertices, mesh.triangles);
+  Points points(mesh);
+  FdhVisits with_6;
+  FdhVisits with_26;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 p = points.make(i);
+    const FdhSweep sweep{p, p + 0.2 * points.size * points.direction(), 0.0};
+    with_6 += box->for_each_overlapping(sweep, [](std::uint32_t) {});
+    with_26 += hull->for_each_overlapping(sweep, [](std::uint32_t) {});
+  }
+  EXPECT_LT(with_26.leaves, with_6.leaves);
+}
+
+}  // namespace
+}  // namespace hapton
