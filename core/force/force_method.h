@@ -55,5 +55,6 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
 
 // The names make_method knows, "sweep, ...", for help texts. RT: set-up only.
 std::string method_names();
+bool is_method_name(std::string_view name);
 
 }  // namespace hapton

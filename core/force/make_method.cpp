@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <array>
 
 #include "core/force/force_method.h"
+#include "core/force/reference_method.h"
 #include "core/force/sweep_method.h"
 
 namespace hapton {
@@ -12,6 +14,7 @@ struct Entry {
 };
 
 constexpr std::array kMethods = {
+    Entry{"reference", &ReferenceMethod::make},
     Entry{"sweep", &SweepMethod::make},
 };
 
@@ -24,6 +27,10 @@ std::string method_names() {
     names += entry.name;
   }
   return names;
+}
+
+bool is_method_name(std::string_view name) {
+  return std::any_of(kMethods.begin(), kMethods.end(), [name](const Entry& entry) { return entry.name == name; });
 }
 
 Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene) {

@@ -1,0 +1,406 @@
+#include "core/force/reference_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kStiffness = 1000.0;
+
+TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
+  return scene;
+}
+
+std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double probe_radius_m = 0.0, Material material = {}, bool prefilter = true, int substeps = 8) {
+  MethodSettings settings;
+  settings.name = "reference";
+  settings.probe_radius_m = probe_radius_m;
+  settings.reference_substeps = substeps;
+  auto made = ReferenceMethod::make_reference(settings, scene_of(std::move(mesh), material), prefilter);
+  EXPECT_TRUE(made.has_value());
+  return std::move(*made);
+}
+
+// A walk of the device near a shape: seeded, about 0.1 mm a step, alternating between outside and inside.
+template <class Visit>
+void walk(std::uint64_t seed, int steps, const std::function<Vec3(double, double)>& surface, Visit visit) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  double u = 0.3, v = 0.7;
+  for (int i = 0; i < steps; ++i) {
+    u += 0.002 * normal(random);
+    v += 0.002 * normal(random);
+    visit(surface(u, v), i);
+  }
+}
+
+// ---- Shapes made of exact faces: the force is the analytic one to rounding of the proxy's rest distance. ----
+
+TEST(ReferenceMethod, PlaneGivesTheExactDepth) {
+  auto method = reference_over(make_plane_grid(0.1, 16));
+  method->reset(Vec3(0.0, 0.0, 0.005));
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Vec3 device(0.0, 0.0, 0.001);
+  for (int i = 0; i < 2000; ++i) {
+    device += 1e-4 * Vec3(normal(random), normal(random), 0.0);
+    device.x() = std::clamp(device.x(), -0.045, 0.045);
+    device.y() = std::clamp(device.y(), -0.045, 0.045);
+    device.z() = 0.0015 * std::sin(0.01 * i);
+    const MethodOutput felt = method->step({.p_SD = device});
+    const double expected = std::max(0.0, -device.z()) * kStiffness;
+    ASSERT_NEAR(felt.force_n.z(), expected, 1e-6) << i;
+    ASSERT_LT(felt.force_n.head<2>().norm(), 1e-6) << i;
+    ASSERT_EQ(felt.contact, felt.force_n.norm() > 0.0);
+  }
+}
+
+TEST(ReferenceMethod, SphereProbeOnThePlaneFeelsItsRadius) {
+  const double radius = 0.0005;
+  auto method = reference_over(make_plane_grid(0.1, 40), radius);
+  method->reset(Vec3(0.0, 0.0, 0.005));
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 device(0.03 * std::sin(0.01 * i), 0.03 * std::cos(0.013 * i), 0.001 * std::cos(0.02 * i));
+    const MethodOutput felt = method->step({.p_SD = device});
+    ASSERT_NEAR(felt.force_n.z(), kStiffness * std::max(0.0, radius - device.z()), 1e-6) << i;
+    ASSERT_LT(felt.force_n.head<2>().norm(), 1e-6);
+  }
+}
+
+// Inside a box the free space is convex, so the proxy is the projection onto it: exact on faces, edges and corners, in one step.
+TEST(ReferenceMethod, RoomCornersAreExactProjections) {
+  for (double probe : {0.0, 0.002}) {
+    auto method = reference_over(make_box(Vec3::Constant(0.1), 5), probe);
+    method->reset(Vec3::Zero());
+    std::mt19937_64 random(2);
+    std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
+    Vec3 before_force = Vec3::Zero(), before = Vec3::Zero();
+    for (int i = 0; i < 1500; ++i) {
+      const Vec3 device = 0.06 * Vec3(symmetric(random), symmetric(random), symmetric(random));
+      const Vec3 expected = device.cwiseMax(-0.05 + probe).cwiseMin(0.05 - probe);
+      const MethodOutput felt = method->step({.p_SD = device});
+      ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i << " probe " << probe;
+      ASSERT_LT((felt.force_n - kStiffness * (expected - device)).norm(), 1e-6);
+      ASSERT_LE((felt.force_n - before_force).norm(), kStiffness * (device - before).norm() + 1e-6);  // firmly non-expansive
+      before_force = felt.force_n;
+      before = device;
+    }
+    EXPECT_EQ(method->counters().unsettled, 0u);
+  }
+}
+
+TEST(ReferenceMethod, BoxFacesFromOutside) {
+  auto method = reference_over(make_box(Vec3::Constant(0.1), 4));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (double side : {-1.0, 1.0}) {
+      Vec3 start = Vec3::Zero();
+      start[axis] = side * 0.06;
+      method->reset(start);
+      for (int i = 0; i < 300; ++i) {
+        Vec3 device(0.02 * std::sin(0.05 * i), 0.03 * std::cos(0.07 * i), 0.02 * std::sin(0.03 * i + 1.0));
+        device[axis] = side * (0.06 - 0.012 * std::min(1.0, i / 100.0));
+        const MethodOutput felt = method->step({.p_SD = device});
+        Vec3 expected = Vec3::Zero();
+        expected[axis] = side * kStiffness * std::max(0.0, 0.05 - std::abs(device[axis]));
+        ASSERT_LT((felt.force_n - expected).norm(), 1e-6) << axis << ' ' << i;
+      }
+    }
+  }
+}
+
+// ---- Curved shapes: the mesh lies inside the shape by at most the sagitta, and its normals differ by at most the facet's half angle. ----
+
+struct Curved {
+  const char* name;
+  TriangleMesh mesh;
+  std::function<Vec3(double, double)> at_depth_1mm;
+  std::function<Vec3(const Vec3&)> nearest;  // on the analytic surface
+  double sagitta_m;                          // the farthest the mesh is from the surface
+  double tilt_rad;                           // the farthest a face's normal is from the surface's
+  double least_radius_m;                     // of curvature, at the device's depth: how a tilt of the face moves the foot
+};
+
+void expect_close_to_analytic(const Curved& shape, double probe) {
+  auto method = reference_over(shape.mesh, probe);
+  const Vec3 first = shape.at_depth_1mm(0.3, 0.7);
+  const Vec3 outwards = (shape.nearest(first) - first).normalized();
+  method->reset(first + 0.01 * outwards);
+  method->step({.p_SD = first});
+  int contacts = 0;
+  walk(9, 1500, shape.at_depth_1mm, [&](const Vec3& device, int i) {
+    const MethodOutput felt = method->step({.p_SD = device});
+    const Vec3 depth = shape.nearest(device) - device;
+    const Vec3 expected = kStiffness * (depth + probe * depth.normalized());
+    // The nearest point of the mesh is within the sagitta of the shape's along the depth. Sideways the foot rests on a face that is
+    // tilted by at most tilt, so the force is turned by at most that angle.
+    const double strength = expected.norm();
+    ASSERT_TRUE(felt.contact) << shape.name << ' ' << i;
+    ASSERT_NEAR(felt.force_n.norm(), strength, kStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6) << shape.name << ' ' << i;
+    ASSERT_LT((felt.force_n - expected).norm(), kStiffness * shape.sagitta_m + strength * 1.05 * shape.tilt_rad + 1e-6) << shape.name << ' ' << i;
+    ++contacts;
+  });
+  EXPECT_EQ(contacts, 1500);
+  EXPECT_EQ(method->counters().unsettled, 0u) << shape.name;
+}
+
+// The longest edge e of a face inscribed in radius r: the face's circumradius is at most e / sqrt(3) for near-equilateral faces and e / 2
+// for right ones in their plane; e / sqrt(3) bounds both.
+double longest_edge(const TriangleMesh& mesh) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, (mesh.corner(i, k) - mesh.corner(i, (k + 1) % 3)).norm());
+  }
+  return longest;
+}
+
+Curved make_sphere_case() {
+  const double r = 0.05;
+  TriangleMesh mesh = make_icosphere(r, 6);
+  const double reach = longest_edge(mesh) / std::sqrt(3.0);
+  return {"sphere", std::move(mesh),
+          [=](double u, double v) { return Vec3((r - 0.001) * Vec3(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v))); },
+          [=](const Vec3& p) { return Vec3(r * p.normalized()); }, r - std::sqrt(r * r - reach * reach), std::asin(reach / r), r - 0.001};
+}
+
+Curved make_cylinder_case() {
+  const double r = 0.03;
+  const int sides = 256;
+  return {"cylinder", make_cylinder(r, 0.1, sides, 40),
+          [=](double u, double v) { return Vec3((r - 0.001) * std::cos(u), (r - 0.001) * std::sin(u), 0.03 * std::sin(v)); },
+          [=](const Vec3& p) {
+            const double across = p.head<2>().norm();
+            return Vec3(p.x() * r / across, p.y() * r / across, p.z());
+          },
+          r * (1.0 - std::cos(std::numbers::pi / sides)), std::numbers::pi / sides, r - 0.001};
+}
+
+Curved make_torus_case() {
+  const double ring = 0.035, tube = 0.015;
+  const int around = 512, about = 192;
+  // Two chords, one along each circle: their sagittas add, their half angles too.
+  const double step_tube = std::numbers::pi / about, step_ring = std::numbers::pi / around;
+  return {"torus", make_torus(ring, tube, around, about),
+          [=](double u, double v) {
+            const double out = ring + (tube - 0.001) * std::cos(v);
+            return Vec3(out * std::cos(u), out * std::sin(u), (tube - 0.001) * std::sin(v));
+          },
+          [=](const Vec3& p) {
+            const Vec3 core = ring * Vec3(p.x(), p.y(), 0.0).normalized();
+            return Vec3(core + tube * (p - core).normalized());
+          },
+          (ring + tube) * (1.0 - std::cos(step_ring)) + tube * (1.0 - std::cos(step_tube)), 1.5 * (step_tube + step_ring), tube - 0.001};
+}
+
+TEST(ReferenceMethod, SphereWithinTheSagitta) { expect_close_to_analytic(make_sphere_case(), 0.0); }
+TEST(ReferenceMethod, CylinderWithinTheSagitta) { expect_close_to_analytic(make_cylinder_case(), 0.0); }
+TEST(ReferenceMethod, TorusWithinTheSagitta) { expect_close_to_analytic(make_torus_case(), 0.0); }
+TEST(ReferenceMethod, SphereProbeOnASphere) { expect_close_to_analytic(make_sphere_case(), 0.0005); }
+TEST(ReferenceMethod, SphereProbeOnATorus) { expect_close_to_analytic(make_torus_case(), 0.002); }
+
+// A sphere over an edge it can roll about: on a tetrahedron-like ridge the rest place is analytic.
+TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
+  // A half plane z = 0, x <= 0: its border is the y axis. A sphere of radius r hangs on it where the device pulls it.
+  TriangleMesh sheet;
+  sheet.vertices = {{-0.1, -0.1, 0}, {0, -0.1, 0}, {0, 0.1, 0}, {-0.1, 0.1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const double radius = 0.01;
+  auto method = reference_over(sheet, radius);
+  method->reset(Vec3(0.001, 0.0, 0.02));
+  for (int i = 0; i <= 100; ++i) {
+    const Vec3 device(0.001 + 2e-5 * i, 1e-4 * i, 0.02 - 1.5e-4 * i);
+    const MethodOutput felt = method->step({.p_SD = device});
+    const Vec3 out(device.x(), 0.0, device.z());
+    Vec3 expected = device;
+    if (out.norm() < radius) expected = radius * out.normalized() + Vec3(0, device.y(), 0);
+    ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i;
+  }
+}
+
+// ---- Places and motions that must not leak. ----
+
+TEST(ReferenceMethod, NothingFallsThroughEdgesAndCorners) {
+  const TriangleMesh mesh = make_icosphere(0.05, 3);
+  auto method = reference_over(mesh);
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+    for (const Vec3& aim : {mesh.corner(i, 0), Vec3(0.5 * (mesh.corner(i, 0) + mesh.corner(i, 1))), Vec3((mesh.corner(i, 0) + mesh.corner(i, 1) + mesh.corner(i, 2)) / 3.0)}) {
+      method->reset(1.2 * aim);
+      MethodOutput felt;
+      for (double part : {1.05, 0.98, 0.97}) felt = method->step({.p_SD = part * aim});
+      ASSERT_TRUE(felt.contact);
+      ASSERT_NEAR(felt.force_n.norm(), kStiffness * 0.03 * aim.norm(), 0.1);
+      ASSERT_GT(felt.p_SP.norm(), 0.0485);
+    }
+  }
+}
+
+TEST(ReferenceMethod, CoincidentSweepsStayOutside) {
+  // The device moves exactly in the plane of the top face, along its edges and diagonals, then presses in.
+  auto method = reference_over(make_box(Vec3::Constant(0.1), 2));
+  method->reset(Vec3(-0.07, 0.0, 0.05));
+  for (int i = 0; i <= 140; ++i) {
+    const MethodOutput felt = method->step({.p_SD = Vec3(-0.07 + 0.001 * i, 0.0, 0.05)});
+    ASSERT_GE(felt.p_SP.z(), 0.05);
+    ASSERT_LT(felt.force_n.norm(), 1e-6);
+  }
+  method->reset(Vec3(0.0, 0.0, 0.05));  // exactly on a vertex
+  const MethodOutput felt = method->step({.p_SD = Vec3(0.0, 0.0, 0.049)});
+  EXPECT_NEAR(felt.force_n.z(), 1.0, 1e-6);
+}
+
+TEST(ReferenceMethod, ThinWallHoldsFastMotion) {
+  auto method = reference_over(make_thin_wall(0.1, 1e-5, 8));
+  method->reset(Vec3(0.001, 0.002, 0.01));
+  const MethodOutput felt = method->step({.p_SD = Vec3(0.001, 0.002, -0.01)});
+  EXPECT_NEAR(felt.force_n.z(), 10.0 + kStiffness * 5e-6, 1e-6);
+  EXPECT_NEAR(felt.p_SP.z(), 5e-6, 1e-10);
+}
+
+TEST(ReferenceMethod, OneSidedSurfaceLetsGoFromBehind) {
+  Material material;
+  material.two_sided = false;
+  auto method = reference_over(make_plane_grid(0.1, 4), 0.0, material);
+  method->reset(Vec3(0.01, 0.02, -0.01));
+  EXPECT_FALSE(method->step({.p_SD = Vec3(0.01, 0.02, 0.01)}).contact);
+  EXPECT_TRUE(method->step({.p_SD = Vec3(0.011, 0.02, -0.01)}).contact);
+}
+
+TEST(ReferenceMethod, NotFiniteInputGivesNoForceAndIsForgotten) {
+  auto method = reference_over(make_plane_grid(0.1, 4));
+  method->reset(Vec3(0.01, 0.02, 0.01));
+  ASSERT_TRUE(method->step({.p_SD = Vec3(0.01, 0.02, -0.001)}).contact);
+  for (double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const MethodOutput felt = method->step({.p_SD = Vec3(0.0, bad, 0.0)});
+    EXPECT_FALSE(felt.contact);
+    EXPECT_EQ(felt.force_n, Vec3(0, 0, 0));
+  }
+  EXPECT_NEAR(method->step({.p_SD = Vec3(0.01, 0.02, -0.001)}).force_n.z(), 1.0, 1e-6);
+  for (double far : {1e3, 1e30, 1e300}) {
+    EXPECT_TRUE(method->step({.p_SD = Vec3(0.01, 0.02, -far)}).force_n.allFinite());
+    EXPECT_FALSE(method->step({.p_SD = Vec3(0.01, 0.02, far)}).contact);
+  }
+  EXPECT_NEAR(method->step({.p_SD = Vec3(0.01, 0.02, -0.001)}).force_n.z(), 1.0, 1e-6);
+}
+
+// ---- Invariances. ----
+
+TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.5, 0.2, 1000, 4);
+  std::vector<Vec3> path;
+  walk(10, 300, [](double u, double v) { return Vec3(0.47 * Vec3(std::cos(20 * u) * std::cos(20 * v), std::sin(20 * u) * std::cos(20 * v), std::sin(20 * v))); },
+       [&](const Vec3& p, int) { path.push_back(p); });
+  auto run = [&](double scale, const Vec3& move) {
+    auto method = reference_over(scaled_and_moved(mesh, scale, move));
+    method->reset(2.0 * path.front() * scale + move);
+    std::vector<Vec3> stretches;
+    for (const Vec3& p : path) {
+      const Vec3 device = p * scale + move;
+      stretches.push_back(method->step({.p_SD = device}).force_n / (kStiffness * scale));
+    }
+    return stretches;
+  };
+  const std::vector<Vec3> plain = run(1.0, Vec3::Zero());
+  for (const auto& [scale, move, play] : {std::tuple{1e-6, Vec3(0, 0, 0), 1e-8}, {1e6, Vec3(0, 0, 0), 1e-8}, {1.0, Vec3(1e6, -1e6, 1e6), 1e-6}, {0x1p-20, Vec3(0, 0, 0), 0.0}}) {
+    const std::vector<Vec3> other = run(scale, move);
+    int contacts = 0;
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      ASSERT_LE((plain[i] - other[i]).norm(), play) << scale << ' ' << i;
+      contacts += plain[i].norm() > 0.0;
+    }
+    EXPECT_GT(contacts, 100);
+  }
+}
+
+TEST(ReferenceMethod, PrefilterChangesNothingToTheBit) {
+  for (double probe : {0.0, 0.003}) {
+    const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.25, 1000, 5);
+    auto with = reference_over(mesh, probe, {}, true);
+    auto without = reference_over(mesh, probe, {}, false);
+    std::mt19937_64 random(12);
+    std::normal_distribution<double> normal;
+    Vec3 device(0.07, 0.0, 0.0);
+    with->reset(device);
+    without->reset(device);
+    int contacts = 0;
+    for (int i = 0; i < 250; ++i) {
+      device += (i % 17 == 0 ? 0.02 : 0.0015) * Vec3(normal(random), normal(random), normal(random)) - 0.05 * device * (device.norm() > 0.07);
+      const MethodOutput one = with->step({.p_SD = device});
+      const MethodOutput two = without->step({.p_SD = device});
+      ASSERT_EQ(one.force_n, two.force_n) << i;
+      ASSERT_EQ(one.p_SP, two.p_SP) << i;
+      contacts += one.contact;
+    }
+    EXPECT_GT(contacts, 50);
+    EXPECT_LT(with->counters().candidates, without->counters().candidates);
+  }
+}
+
+// ---- Materials. ----
+
+TEST(ReferenceMethod, FrictionHoldsInsideTheConeAndDragsOnIt) {
+  Material material;
+  material.friction_static = 0.5;
+  material.friction_dynamic = 0.3;
+  auto method = reference_over(make_plane_grid(0.1, 10), 0.0, material);
+  method->reset(Vec3(0.0, 0.0, 0.001));
+  method->step({.p_SD = Vec3(0.0, 0.0, -0.001)});
+  bool slid = false;
+  for (int i = 1; i <= 200; ++i) {
+    const double x = 1e-5 * i;
+    const Vec3 force = method->step({.p_SD = Vec3(x, 0.0, -0.001)}).force_n;
+    const double ratio = -force.x() / force.z();
+    ASSERT_LE(ratio, 0.5 + 1e-6);
+    if (x < 0.00049) {
+      ASSERT_NEAR(force.x(), -kStiffness * x, 1e-6) << i;
+    } else if (x > 0.00052) {
+      slid = true;
+      ASSERT_NEAR(ratio, 0.3, 1e-6) << i;
+    }
+  }
+  EXPECT_TRUE(slid);
+}
+
+TEST(ReferenceMethod, DampingResistsGoingInAndNeverPulls) {
+  Material material;
+  material.damping_ns_per_m = 2.0;
+  auto method = reference_over(make_plane_grid(0.1, 4), 0.0, material);
+  method->reset(Vec3(0.0, 0.0, 0.001));
+  method->step({.p_SD = Vec3(0.0, 0.0, -0.001)});
+  EXPECT_NEAR(method->step({.p_SD = Vec3(0.0, 0.0, -0.0011)}).force_n.z(), 1.1 + 0.2, 1e-6);
+  EXPECT_NEAR(method->step({.p_SD = Vec3(0.0, 0.0, -0.0010)}).force_n.z(), 1.0 - 0.2, 1e-6);
+  EXPECT_EQ(method->step({.p_SD = Vec3(0.0, 0.0, -0.00001)}).force_n.z(), 0.0);
+}
+
+// ---- The judge of rest. ----
+
+TEST(ReferenceMethod, SettleFromMovesWhatWasNotAtRest) {
+  auto method = reference_over(make_plane_grid(0.1, 4));
+  const MethodOutput rested = method->settle_from(Vec3(0.001, 0.002, 0.0), Vec3(0.001, 0.002, -0.001));
+  EXPECT_LT((rested.p_SP - Vec3(0.001, 0.002, 0.0)).norm(), 1e-9);
+  const MethodOutput moved = method->settle_from(Vec3(0.011, 0.002, 1e-10), Vec3(0.001, 0.002, -0.001));
+  EXPECT_LT((moved.p_SP - Vec3(0.001, 0.002, 0.0)).norm(), 1e-9);
+}
+
+TEST(ReferenceMethod, RefusesImpossibleSettings) {
+  MethodSettings settings;
+  settings.reference_substeps = 0;
+  EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(make_plane_grid(0.1, 1))).has_value());
+  settings.reference_substeps = 8;
+  settings.probe_radius_m = -1.0;
+  EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(make_plane_grid(0.1, 1))).has_value());
+  settings.probe_radius_m = 0.0;
+  EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(TriangleMesh{})).has_value());
+}
+
+}  // namespace
+}  // namespace hapton
