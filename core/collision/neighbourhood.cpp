@@ -1,5 +1,8 @@
 #include "core/collision/neighbourhood.h"
 
+#include <bit>
+#include <utility>
+
 namespace hapton {
 namespace {
 
@@ -31,7 +34,7 @@ void choose(const __m256& mask, const __m256 other[3], __m256 into[3]) {
 
 }  // namespace
 
-__m256 Neighbourhood::separation_bound(const Block& block, const __m256 p[3], const __m256 motion[3]) noexcept {
+Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const __m256 p[3], const __m256 motion[3]) noexcept {
   __m256 a[3];
   __m256 ab[3];
   __m256 ac[3];
@@ -80,10 +83,57 @@ __m256 Neighbourhood::separation_bound(const Block& block, const __m256 p[3], co
 
   // u . (q - x) for every x of the triangle is at least its value at the corner that lies farthest along u.
   const __m256 support = _mm256_max_ps(zero, _mm256_max_ps(dot(off, ab), dot(off, ac)));
-  const __m256 at_start = dot(off, ap);
-  const __m256 along = _mm256_min_ps(zero, dot(off, motion));
-  const __m256 bound = _mm256_sub_ps(_mm256_add_ps(at_start, along), support);
-  return _mm256_sub_ps(bound, _mm256_load_ps(block.rounding));
+  const __m256 distance = _mm256_sub_ps(_mm256_sub_ps(dot(off, ap), support), _mm256_load_ps(block.rounding));
+  return {distance, _mm256_min_ps(zero, dot(off, motion))};
+}
+
+int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radius, const Box& way,
+                                 std::array<Meeting, kCapacity>& meetings) const noexcept {
+  __m256 low[3];
+  __m256 high[3];
+  __m256 start[3];
+  __m256 move[3];
+  float magnitude = 0.0F;
+  for (int k = 0; k < 3; ++k) {
+    low[k] = _mm256_set1_ps(detail::round_down(way.low[k] - center_[k]));
+    high[k] = _mm256_set1_ps(detail::round_up(way.high[k] - center_[k]));
+    const auto s = static_cast<float>(p[k] - center_[k]);
+    const auto m = static_cast<float>(motion[k]);
+    start[k] = _mm256_set1_ps(s);
+    move[k] = _mm256_set1_ps(m);
+    magnitude += std::fabs(s) + std::fabs(m);
+  }
+  // Rounding of the query's side of the bound: a dozen operations on values below `magnitude`.
+  const __m256 enough = _mm256_set1_ps(detail::round_up(radius) + magnitude * 0x1p-20F);
+  const __m256 zero = _mm256_setzero_ps();
+  int n = 0;
+  const int blocks = (count_ + 7) / 8;
+  for (int b = 0; b < blocks; ++b) {
+    const Block& block = blocks_[b];
+    __m256 hit = _mm256_cmp_ps(_mm256_load_ps(block.low[0]), high[0], _CMP_LE_OQ);
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[0]), low[0], _CMP_GE_OQ));
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.low[1]), high[1], _CMP_LE_OQ));
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[1]), low[1], _CMP_GE_OQ));
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.low[2]), high[2], _CMP_LE_OQ));
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[2]), low[2], _CMP_GE_OQ));
+    if (_mm256_testz_ps(hit, hit) != 0) continue;
+    const Bound bound = separation_bound(block, start, move);
+    const __m256 gap = _mm256_sub_ps(bound.distance, enough);
+    hit = _mm256_andnot_ps(_mm256_cmp_ps(_mm256_add_ps(gap, bound.approach), zero, _CMP_GT_OQ), hit);
+    auto mask = static_cast<unsigned>(_mm256_movemask_ps(hit));
+    if (mask == 0) continue;
+    // gap / -approach, rounded down by a few units; zero where the gap is closed already.
+    const __m256 time = _mm256_mul_ps(_mm256_div_ps(gap, _mm256_sub_ps(zero, bound.approach)), _mm256_set1_ps(1.0F - 0x1p-21F));
+    alignas(32) float earliest[8];
+    _mm256_store_ps(earliest, _mm256_and_ps(time, _mm256_cmp_ps(gap, zero, _CMP_GT_OQ)));
+    for (; mask != 0; mask &= mask - 1) {
+      const int lane = std::countr_zero(mask);
+      meetings[n] = {earliest[lane], block.triangle[lane]};
+      if (meetings[n].earliest < meetings[0].earliest) std::swap(meetings[n], meetings[0]);
+      ++n;
+    }
+  }
+  return n;
 }
 
 // Three passes, so that the memory a triangle needs is on its way while others are worked on: numbers, corners, derived values.

@@ -173,20 +173,27 @@ bool ProxyMethod::advance(const Vec3& motion) noexcept {
   return blocked;
 }
 
-// The first time a moving proxy must stop, > 1 for never. Long ways are searched in pieces that grow, because what
-// blocks is mostly near the start.
+// The first time a moving proxy must stop, > 1 for never. A long way is searched piece by piece, because what blocks is mostly
+// near the start: first through the neighbourhood, then through the tree in pieces that grow.
 double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   ++counters_.sweeps;
   blocker_count_ = 0;
   const double length = motion.norm();
-  double piece = 2.0 * stride_ + clearance_.rest;
+  double far_piece = 2.0 * (stride_ + near_reach_);
   double done = 0.0;
-  while (done < 1.0) {
-    double end = length > 0.0 ? done + piece / length : 1.0;
+  for (int piece = 0; done < 1.0; ++piece) {
+    const Vec3 start = from + done * motion;
+    const bool near = piece < kNearPieces && stay_near(start, (1.0 - done) * motion);
+    double end = 1.0;
+    if (near) {
+      end = done + near_.time_inside(start, motion, clearance_.rest);
+    } else if (length > 0.0) {
+      end = done + far_piece / length;
+      far_piece *= 4.0;
+    }
     if (!(end < 1.0)) end = 1.0;
-    const Vec3 begin_at = from + done * motion;
     const Vec3 part = (end - done) * motion;
-    const Box way = Box::around(begin_at, begin_at + part).inflated(clearance_.rest);
+    const Box way = Box::around(start, start + part).inflated(clearance_.rest);
     double first = kNever;
     const auto test = [&](std::uint32_t triangle) {
       ++counters_.tests;
@@ -195,17 +202,37 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
       first = std::min(first, t);
       note_blocker(triangle, t);
     };
-    if (stay_near(way)) {
-      near_.for_each_in_way(begin_at, part, clearance_.rest, way, test);
+    if (near) {
+      const int count = near_.find_meetings(start, part, clearance_.rest, way, meetings_);
+      for (int i = 0; i < count; ++i) {
+        if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first) test(meetings_[i].triangle);
+      }
     } else {
       geometry_.tree().for_each_overlapping(way, test);
     }
     if (first <= end) return first;
     blocker_count_ = 0;
     done = end;
-    piece *= 4.0;
   }
   return kNever;
+}
+
+// Makes the neighbourhood cover the beginning of a motion: all of a short one, a fair part of a long one. Its size follows what fits.
+bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion) noexcept {
+  near_reach_ = std::max(near_reach_, stride_);
+  const double length = motion.norm();
+  const Vec3 beginning = length > 0.5 * near_reach_ ? Vec3(motion * (0.5 * near_reach_ / length)) : motion;
+  if (near_.covers(Box::around(start, start + beginning).inflated(clearance_.rest))) return true;
+  ++counters_.refills;
+  const double half = near_reach_ + clearance_.rest;
+  const Vec3 center = start + 0.5 * beginning;
+  if (!near_.fill(geometry_, Box{center.array() - half, center.array() + half})) {
+    near_reach_ *= 0.5;
+    return false;
+  }
+  if (near_.count() < kFewNear) near_reach_ *= 1.5;
+  if (near_.count() > kManyNear && near_reach_ > clearance_.rest) near_reach_ *= 0.8;
+  return true;
 }
 
 void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
@@ -218,21 +245,6 @@ void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
   }
   blockers_[at] = triangle;
   blocker_times_[at] = t;
-}
-
-// Makes the neighbourhood cover the way, if it is short enough for one; its size follows what fits.
-bool ProxyMethod::stay_near(const Box& way) noexcept {
-  if (near_.covers(way)) return true;
-  near_reach_ = std::max(near_reach_, stride_);
-  if ((way.high - way.low).maxCoeff() > 2.0 * (near_reach_ + clearance_.rest)) return false;
-  ++counters_.refills;
-  if (!near_.fill(geometry_, Box{way.center().array() - (near_reach_ + clearance_.rest), way.center().array() + (near_reach_ + clearance_.rest)})) {
-    near_reach_ *= 0.5;
-    return false;
-  }
-  if (near_.count() < kFewNear) near_reach_ *= 1.5;
-  if (near_.count() > kManyNear) near_reach_ *= 0.8;
-  return true;
 }
 
 // After a motion: keeps what is still touched, adds what stopped it.

@@ -48,6 +48,7 @@ class ProxyMethod final : public ForceMethod {
  private:
   static constexpr int kMaxTouching = 32;
   static constexpr int kMaxIterations = 64;
+  static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
   static constexpr int kManyNear = 48;  // one of more is shrunk
 
@@ -65,7 +66,7 @@ class ProxyMethod final : public ForceMethod {
   bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
-  bool stay_near(const Box& way) noexcept;
+  bool stay_near(const Vec3& start, const Vec3& motion) noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
   void settle_at(const Vec3& p) noexcept;
   void keep_touching() noexcept;
@@ -90,6 +91,7 @@ class ProxyMethod final : public ForceMethod {
   double empty_retry_ = 0.0;           // travel before the next search for an empty ball is worth its cost
 
   Neighbourhood near_;
+  std::array<Neighbourhood::Meeting, Neighbourhood::kCapacity> meetings_;
   double near_reach_ = 0.0;  // half the size of the next neighbourhood beyond the probe's own
 
   std::array<Touch, kMaxTouching> touching_;
