@@ -160,16 +160,19 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
 std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const* argv) {
   const std::string program = program_name(app, argc, argv);
   app.name(program);
-  std::string config_path;
-  app.add_option("--config", config_path, "TOML file with any of these flags (keys without dashes); the command line wins");
-
+  if (app.get_option_no_throw("--config") == nullptr) {
+    // Read before CLI11 sees it (find_config_path); declared here for --help and for its checks.
+    app.add_option_function<std::string>(
+        "--config", [](const std::string&) {}, "TOML file with any of these flags (keys without dashes); the command line wins");
+  }
   std::vector<std::string> arguments;
   for (int i = 1; i < argc; ++i) {
     arguments.emplace_back(argv[i]);
   }
   const std::vector<std::string> given = arguments;
-  ConfigFile file(find_config_path(given), app, given);
-  if (!find_config_path(given).empty()) {
+  const std::string path = find_config_path(given);
+  ConfigFile file(path, app, given);
+  if (!path.empty()) {
     const Result<std::vector<std::string>> from_file = file.arguments();
     if (!from_file) {
       fmt::print(stderr, "{}: {}\n", program, one_line(from_file.error().what));

@@ -27,6 +27,12 @@ constexpr CpuNeeds compiled_cpu_needs() {
   return needs;
 }
 
+// What this CPU has of them.
+CpuNeeds read_cpu();
+
+// The name of the first thing needed that is not there; nullptr when nothing is missing.
+const char* find_missing(CpuNeeds needed, CpuNeeds available);
+
 // First line of every main: when this CPU lacks an instruction set the program was built for, prints one line and exits 1, rather than
 // die later of an illegal instruction. Runs without those instructions itself.
 void exit_unless_cpu_has(CpuNeeds needs, const char* program);

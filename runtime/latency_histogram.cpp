@@ -20,8 +20,10 @@ double LatencyHistogram::quantile_ns(double fraction) const noexcept {
     return 0.0;
   }
   const double clamped = std::isnan(fraction) ? 1.0 : std::clamp(fraction, 0.0, 1.0);
-  const auto rank = static_cast<std::uint64_t>(
-      std::clamp(std::ceil(clamped * static_cast<double>(count_)), 1.0, static_cast<double>(count_)));
+  // 0.07 * 100 is a little above 7 in binary: what rounding alone lifted over a whole number is brought back below it.
+  constexpr double kRounding = 1.0 - 4 * std::numeric_limits<double>::epsilon();
+  const auto n = static_cast<double>(count_);
+  const auto rank = static_cast<std::uint64_t>(std::clamp(std::ceil(clamped * n * kRounding), 1.0, n));
   if (rank == count_) {
     return static_cast<double>(max_ns_);
   }

@@ -1,0 +1,159 @@
+#include "runtime/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace hapton {
+namespace {
+
+using testing::HasSubstr;
+
+class ConfigTest : public testing::Test {
+ protected:
+  ConfigTest() {
+    app_.add_option("-r,--rate", rate_, "Hz")->check(CLI::Range(250.0, 10'000.0));
+    app_.add_option("--name", name_);
+    app_.add_option("--gains", gains_);
+    app_.add_flag("--headless", headless_);
+    app_.add_option("--count", count_);
+  }
+  ~ConfigTest() override { std::filesystem::remove(path_); }
+
+  std::string file(const std::string& text) {
+    std::ofstream(path_) << text;
+    return path_.string();
+  }
+
+  // The exit code, or -1 to go on; what was said on stderr is in error_.
+  int parse(std::vector<std::string> arguments) {
+    std::vector<const char*> argv = {"/some/where/io_node"};
+    for (const std::string& argument : arguments) {
+      argv.push_back(argument.c_str());
+    }
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    const std::optional<int> exit_code = parse_command_line(app_, static_cast<int>(argv.size()), argv.data());
+    output_ = testing::internal::GetCapturedStdout();
+    error_ = testing::internal::GetCapturedStderr();
+    return exit_code.value_or(-1);
+  }
+
+  void expect_one_error(const std::string& part) {
+    EXPECT_THAT(error_, testing::StartsWith("io_node: "));
+    EXPECT_THAT(error_, HasSubstr(part));
+    EXPECT_EQ(error_.find('\n'), error_.size() - 1) << error_;
+  }
+
+  std::filesystem::path path_ = std::filesystem::temp_directory_path() / fmt::format("hapton_config_{}.toml", getpid());
+  CLI::App app_{"A node"};
+  double rate_ = 1000.0;
+  std::string name_ = "default";
+  std::vector<double> gains_;
+  bool headless_ = false;
+  int count_ = 0;
+  std::string output_;
+  std::string error_;
+};
+
+TEST_F(ConfigTest, WithoutAFileTheCommandLineAlone) {
+  EXPECT_EQ(parse({"--rate", "500", "--headless"}), -1);
+  EXPECT_EQ(rate_, 500.0);
+  EXPECT_TRUE(headless_);
+}
+
+TEST_F(ConfigTest, ReadsEveryKindOfValue) {
+  EXPECT_EQ(parse({"--config", file("rate = 2500.5\nname = \"a b = c\"\ngains = [1, -2.5, 3]\nheadless = true\ncount = -7\n")}), -1)
+      << error_;
+  EXPECT_EQ(rate_, 2500.5);
+  EXPECT_EQ(name_, "a b = c");
+  EXPECT_EQ(gains_, (std::vector<double>{1, -2.5, 3}));
+  EXPECT_TRUE(headless_);
+  EXPECT_EQ(count_, -7);
+}
+
+TEST_F(ConfigTest, FalseLeavesAFlagOff) {
+  headless_ = true;
+  EXPECT_EQ(parse({"--config=" + file("headless = false\n")}), -1) << error_;
+  EXPECT_FALSE(headless_);
+}
+
+TEST_F(ConfigTest, AnEmptyTextIsAValue) {
+  EXPECT_EQ(parse({"--config", file("name = \"\"\n")}), -1) << error_;
+  EXPECT_EQ(name_, "");
+}
+
+TEST_F(ConfigTest, TheCommandLineWins) {
+  const std::string config = file("rate = 2000\nname = \"file\"\ngains = [1]\n");
+  EXPECT_EQ(parse({"-r", "3000", "--config", config, "--name=line"}), -1) << error_;
+  EXPECT_EQ(rate_, 3000.0);
+  EXPECT_EQ(name_, "line");
+  EXPECT_EQ(gains_, std::vector<double>{1});
+}
+
+TEST_F(ConfigTest, NamesAnUnknownKeyWithFileAndLine) {
+  EXPECT_EQ(parse({"--config", file("rate = 2000\n\nraet = 1\n")}), 2);
+  expect_one_error(path_.string() + ":3: unknown key 'raet'");
+}
+
+TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {
+  EXPECT_EQ(parse({"--config", file("rate = 2000\nname = \"open\n")}), 2);
+  expect_one_error(path_.string() + ":2: ");
+}
+
+TEST_F(ConfigTest, RefusesSectionsAndDates) {
+  EXPECT_EQ(parse({"--config", file("[rate]\nvalue = 3\n")}), 2);
+  expect_one_error(":1: 'rate' is no text, number, true or false");
+  EXPECT_EQ(parse({"--config", file("rate = 2020-01-01\n")}), 2);
+  expect_one_error(":1: 'rate' is no text");
+  EXPECT_EQ(parse({"--config", file("gains = [1, [2]]\n")}), 2);
+  expect_one_error("an element of 'gains'");
+}
+
+TEST_F(ConfigTest, AFileMayNotNameAnother) {
+  EXPECT_EQ(parse({"--config", file("config = \"x\"\n")}), 2);
+  expect_one_error("unknown key 'config'");
+}
+
+TEST_F(ConfigTest, AMissingFileOrAFolderIsAnError) {
+  EXPECT_EQ(parse({"--config", "/no/such/file.toml"}), 2);
+  expect_one_error("/no/such/file.toml: cannot be read");
+  EXPECT_EQ(parse({"--config", "/tmp"}), 2);
+  expect_one_error("/tmp: cannot be read");
+}
+
+TEST_F(ConfigTest, ABadValueOfTheFileNamesTheFile) {
+  EXPECT_EQ(parse({"--config", file("rate = 5\n")}), 2);
+  expect_one_error("--rate");
+  EXPECT_THAT(error_, HasSubstr("(from " + path_.string() + ")"));
+  EXPECT_EQ(parse({"--config", file("count = \"many\"\n")}), 2);
+  expect_one_error("--count");
+}
+
+TEST_F(ConfigTest, ABadCommandLineIsOneLineAndExitCodeTwo) {
+  EXPECT_EQ(parse({"--rate", "5"}), 2);
+  expect_one_error("--rate");
+  EXPECT_THAT(error_, testing::Not(HasSubstr("(from")));
+  EXPECT_EQ(parse({"--no-such-flag"}), 2);
+  expect_one_error("--no-such-flag");
+  EXPECT_EQ(parse({"--config"}), 2);
+  expect_one_error("--config");
+}
+
+TEST_F(ConfigTest, HelpGoesToStdoutAndEndsWell) {
+  EXPECT_EQ(parse({"--help"}), 0);
+  EXPECT_THAT(output_, HasSubstr("--config"));
+  EXPECT_THAT(output_, HasSubstr("--rate"));
+  EXPECT_EQ(error_, "");
+}
+
+}  // namespace
+}  // namespace hapton

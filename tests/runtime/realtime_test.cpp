@@ -1,0 +1,103 @@
+#include "runtime/realtime.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <optional>
+#include <thread>
+
+namespace hapton {
+namespace {
+
+using testing::HasSubstr;
+
+// What the thread is like after entering, as the system tells it.
+struct Outcome {
+  std::optional<Result<RealtimeReport>> report;
+  int policy = -1;
+  int priority = -1;
+  int slack_ns = -1;
+  int cpu = -1;
+};
+
+Outcome enter_in_a_thread(const RealtimeSettings& settings) {
+  Outcome outcome;
+  std::thread([&] {
+    outcome.report = enter_realtime(settings);
+    sched_param parameters = {};
+    pthread_getschedparam(pthread_self(), &outcome.policy, &parameters);
+    outcome.priority = parameters.sched_priority;
+    outcome.slack_ns = prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
+    outcome.cpu = sched_getcpu();
+  }).join();
+  munlockall();
+  return outcome;
+}
+
+const RealtimeItem* find_item(const RealtimeReport& report, const std::string& name) {
+  const auto found = std::find_if(report.items.begin(), report.items.end(), [&](const auto& item) { return item.name == name; });
+  return found == report.items.end() ? nullptr : &*found;
+}
+
+TEST(RealtimeTest, OffAsksForFineTimersOnly) {
+  const Outcome outcome = enter_in_a_thread({.mode = RealtimeMode::off});
+  ASSERT_TRUE(*outcome.report);
+  ASSERT_EQ((*outcome.report)->items.size(), 1U);
+  EXPECT_EQ((*outcome.report)->items[0].name, "timer slack");
+  EXPECT_EQ(outcome.policy, SCHED_OTHER);
+}
+
+TEST(RealtimeTest, TheReportTellsTheTruth) {
+  const Outcome outcome = enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 7, .cpu = 0});
+  ASSERT_TRUE(*outcome.report);
+  const RealtimeReport& report = **outcome.report;
+  ASSERT_EQ(report.items.size(), 5U);
+  EXPECT_EQ(find_item(report, "priority")->obtained, outcome.policy == SCHED_FIFO && outcome.priority == 7);
+  if (find_item(report, "cpu")->obtained) {
+    EXPECT_EQ(outcome.cpu, 0);
+  }
+  for (const RealtimeItem& item : report.items) {
+    EXPECT_EQ(item.reason.empty(), item.obtained) << item.name;
+    EXPECT_EQ(item.remedy.empty(), item.obtained) << item.name;
+    EXPECT_THAT(report.to_text(), HasSubstr(item.name));
+  }
+  // Once SCHED_FIFO is obtained the kernel reports no slack at all.
+  EXPECT_LE(outcome.slack_ns, 1);
+}
+
+TEST(RealtimeTest, ARefusalIsReportedWithItsRemedyAndOnlyRequireFails) {
+  constexpr int kNoSuchCpu = 1000;
+  const Outcome tried = enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
+  ASSERT_TRUE(*tried.report);
+  const RealtimeItem* item = find_item(**tried.report, "cpu");
+  ASSERT_NE(item, nullptr);
+  EXPECT_FALSE(item->obtained);
+  EXPECT_THAT((*tried.report)->to_text(), HasSubstr("cpu 1000 NO ("));
+  EXPECT_FALSE((*tried.report)->complete());
+
+  const Outcome required = enter_in_a_thread({.mode = RealtimeMode::require, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
+  ASSERT_FALSE(*required.report);
+  EXPECT_THAT(required.report->error().what, HasSubstr("refuses cpu 1000"));
+  EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
+}
+
+TEST(RealtimeTest, NonsenseIsAnErrorInEveryMode) {
+  EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = 100}));
+  EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = -1}));
+}
+
+TEST(RealtimeTest, ReadsTheModesOfTheCommandLine) {
+  EXPECT_EQ(*parse_realtime_mode("off"), RealtimeMode::off);
+  EXPECT_EQ(*parse_realtime_mode("try"), RealtimeMode::attempt);
+  EXPECT_EQ(*parse_realtime_mode("require"), RealtimeMode::require);
+  EXPECT_THAT(parse_realtime_mode("maybe").error().what, HasSubstr("'maybe'"));
+}
+
+}  // namespace
+}  // namespace hapton
