@@ -2,6 +2,7 @@
 #include <array>
 
 #include "core/force/force_method.h"
+#include "core/force/proxy_method.h"
 #include "core/force/reference_method.h"
 #include "core/force/sweep_method.h"
 
@@ -14,6 +15,7 @@ struct Entry {
 };
 
 constexpr std::array kMethods = {
+    Entry{"proxy", &ProxyMethod::make},
     Entry{"reference", &ReferenceMethod::make},
     Entry{"sweep", &SweepMethod::make},
 };
