@@ -1,10 +1,19 @@
 #include "vision_node/display.h"
 
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 
 #include <X11/Xlib.h>
 
 namespace hapton {
+namespace {
+
+// A virtual display refuses connections for some milliseconds while it resets itself.
+constexpr int kTries = 4;
+constexpr std::chrono::milliseconds kBetweenTries{50};
+
+}  // namespace
 
 Result<DisplayConnection> DisplayConnection::open() {
   constexpr const char* kRemedy =
@@ -12,6 +21,10 @@ Result<DisplayConnection> DisplayConnection::open() {
   const char* name = std::getenv("DISPLAY");
   if (name == nullptr || *name == '\0') return fail("no display: DISPLAY is not set; {}", kRemedy);
   Display* display = XOpenDisplay(nullptr);
+  for (int tries = 0; display == nullptr && tries < kTries; ++tries) {
+    std::this_thread::sleep_for(kBetweenTries);
+    display = XOpenDisplay(nullptr);
+  }
   if (display == nullptr) return fail("no display: cannot connect to DISPLAY={}; {}", name, kRemedy);
   DisplayConnection connection(std::shared_ptr<void>(display, [](void* opened) { XCloseDisplay(static_cast<Display*>(opened)); }));
   int major = 0;

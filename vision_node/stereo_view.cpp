@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <utility>
 
 #include <vtkActor.h>
@@ -338,6 +339,10 @@ Picture StereoView::read_picture() {
 }
 
 Result<void> StereoView::save_png(const std::filesystem::path& file) {
+  // Tried first, because VTK would write its own lines about it to stderr.
+  if (!std::ofstream(file, std::ios::binary)) {
+    return fail("cannot write the screenshot {}: does its folder exist, may it be written to?", file.string());
+  }
   vtkNew<vtkWindowToImageFilter> grab;
   grab->SetInput(window_->window);
   grab->SetInputBufferTypeToRGB();
@@ -347,7 +352,7 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   writer->SetFileName(file.c_str());
   writer->SetInputConnection(grab->GetOutputPort());
   writer->Write();
-  if (writer->GetErrorCode() != 0) return fail("cannot write the screenshot {}: does its folder exist, may it be written to?", file.string());
+  if (writer->GetErrorCode() != 0) return fail("cannot write the screenshot {}: is the disk full?", file.string());
   return {};
 }
 

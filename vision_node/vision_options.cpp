@@ -17,6 +17,18 @@ CLI::Validator accepts(Parse parse) {
   return CLI::Validator([parse](std::string& text) { auto read = parse(text); return read ? std::string() : read.error().what; }, "");
 }
 
+// CLI11's own range lets nan pass, which lies in no range.
+CLI::Validator between(double least, double most) {
+  const auto describe = fmt::format("[{:g}, {:g}]", least, most);
+  return CLI::Validator(
+      [least, most, describe](std::string& text) {
+        double value = 0.0;
+        const bool inside = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+        return inside ? std::string() : fmt::format("{} is not within {}", text, describe);
+      },
+      describe);
+}
+
 Result<PictureSize> parse_size(std::string_view text) {
   PictureSize size;
   char rest = 0;
@@ -52,21 +64,21 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(accepts(find_stereo_mode))
       ->capture_default_str();
   app.add_option("--size", size, "Window, WIDTHxHEIGHT in pixels")->check(accepts(parse_size))->capture_default_str();
-  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")->check(CLI::Range(0.0, 200.0))->capture_default_str();
+  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")->check(between(0.0, 200.0))->capture_default_str();
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
-      ->check(CLI::Range(0.0, 1e9));
-  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right")->check(CLI::Range(-180.0, 180.0))->capture_default_str();
-  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(CLI::Range(-89.0, 89.0))->capture_default_str();
-  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(CLI::Range(-360.0, 360.0));
-  app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(CLI::Range(-360.0, 360.0));
-  app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(CLI::Range(-360.0, 360.0));
+      ->check(between(0.0, 1e9));
+  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right")->check(between(-180.0, 180.0))->capture_default_str();
+  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(between(-89.0, 89.0))->capture_default_str();
+  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
+  app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(between(-360.0, 360.0));
+  app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(between(-360.0, 360.0));
   app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Pictures a second at most, 0: no limit (default: 60, in software 30)")
-      ->check(CLI::Range(0.0, 10000.0));
+      ->check(between(0.0, 10000.0));
   app.add_option("--msaa", options.view.msaa, "Samples a pixel; slow in software")->check(CLI::Range(0, 16))->capture_default_str();
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
   app.add_flag("--offscreen", options.view.offscreen, "No window; an X display is needed all the same");
-  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")->check(between(0.0, 1e9))->capture_default_str();
   app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
   app.add_option("--screenshot-when", when, "contact, exit or SECONDS after the start; at the exit at the latest")
       ->check(accepts(ScreenshotMoment::parse))

@@ -1,0 +1,41 @@
+#include "vision_node/hud_text.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.servo_rate_hz = 1000.4F;
+  facts.state.round_trip_p50_us = 23.0F;
+  facts.state.round_trip_p99_us = 81.0F;
+  facts.state.force_n = {0.0, 3.0, 4.0};
+  facts.state.contact = true;
+  facts.frame_rate_hz = 58.2;
+  facts.stereo = "anaglyph";
+  facts.cull = false;
+  const std::string text = compose_hud(facts);
+  for (const char* part : {"1000 Hz", "23", "81", "5.00 N", "touching", "58", "anaglyph", "no cull"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+  }
+  facts.state.contact = false;
+  EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos);
+}
+
+TEST(Hud, NumbersThatAreNoneDoNotBreakIt) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.force_n = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_NE(compose_hud(facts).find("0.00 N"), std::string::npos);
+}
+
+TEST(Hud, NamesEveryKey) {
+  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q "}) EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
+}
+
+}  // namespace
+}  // namespace hapton

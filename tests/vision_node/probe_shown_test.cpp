@@ -1,0 +1,96 @@
+#include "vision_node/probe_shown.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr PictureSize kSize{640, 720};
+
+TEST(ShowProbe, AddsTheVisualOffset) {
+  ProbeState state;
+  state.p_WD = {0.1, 0.2, 0.3};
+  state.visual_offset_m = {0.01, 0.0, -0.02};
+  EXPECT_LT((show_probe(state).p_WP - Vec3(0.11, 0.2, 0.28)).norm(), 1e-15);
+}
+
+TEST(ShowProbe, SurvivesRubbish) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  ProbeState state;
+  state.p_WD = Vec3::Constant(kNan);
+  state.visual_offset_m = Vec3::Constant(std::numeric_limits<double>::infinity());
+  state.force_n = Vec3::Constant(kNan);
+  state.q_WT.coeffs().setConstant(kNan);
+  const ProbeShown shown = show_probe(state);
+  EXPECT_TRUE(shown.p_WP.allFinite() && shown.force_n.allFinite() && shown.q_WT.coeffs().allFinite());
+  state.q_WT.coeffs().setZero();
+  EXPECT_NEAR(show_probe(state).q_WT.norm(), 1.0, 1e-15);
+}
+
+TEST(Arrow, IsAsLongAsTheForceUpToItsLimit) {
+  const ProbeSizes sizes;
+  ProbeShown probe;
+  EXPECT_EQ(compute_arrow(probe, sizes), Vec3::Zero());
+  probe.force_n = {0.0, 2.0, 0.0};
+  EXPECT_LT((compute_arrow(probe, sizes) - Vec3(0.0, 2.0 * sizes.arrow_m_per_n, 0.0)).norm(), 1e-15);
+  probe.force_n = {0.0, 0.0, -1000.0};
+  EXPECT_LT((compute_arrow(probe, sizes) - Vec3(0.0, 0.0, -sizes.arrow_max_m)).norm(), 1e-15);
+}
+
+class Watch : public testing::Test {
+ protected:
+  Framing framing_ = frame_sphere(Vec3::Zero(), 0.12, 0.063);
+  StereoScreen screen_ = compute_screen(framing_, kSize);
+  ProbeSizes sizes_ = scale_probe(framing_);
+  double pixel_m_ = screen_.width_m / kSize.width_px;
+  PictureWatch watch_{0.5};
+  ProbeShown probe_;
+};
+
+TEST_F(Watch, FirstPictureIsAlwaysWanted) { EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize)); }
+
+TEST_F(Watch, MotionBelowHalfAPixelIsNotAboveIs) {
+  watch_.drawn(probe_, sizes_, screen_, kSize);
+  EXPECT_FALSE(watch_.differs(probe_, sizes_, screen_, kSize));
+  probe_.p_WP.x() = 0.4 * pixel_m_;
+  EXPECT_FALSE(watch_.differs(probe_, sizes_, screen_, kSize));
+  probe_.p_WP.x() = 0.6 * pixel_m_;
+  EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize));
+}
+
+TEST_F(Watch, SlowDriftAddsUp) {
+  watch_.drawn(probe_, sizes_, screen_, kSize);
+  int pictures = 0;
+  for (int i = 0; i < 1000; ++i) {
+    probe_.p_WP.y() += 0.01 * pixel_m_;
+    if (!watch_.differs(probe_, sizes_, screen_, kSize)) continue;
+    ++pictures;
+    watch_.drawn(probe_, sizes_, screen_, kSize);
+  }
+  EXPECT_GE(pictures, 17);  // 10 pixels in halves
+  EXPECT_LE(pictures, 25);
+}
+
+TEST_F(Watch, TurningTheStylusAndAGrowingForceAreSeen) {
+  watch_.drawn(probe_, sizes_, screen_, kSize);
+  ProbeShown turned = probe_;
+  turned.q_WT = Eigen::AngleAxisd(0.05, Vec3::UnitZ());
+  EXPECT_TRUE(watch_.differs(turned, sizes_, screen_, kSize));
+  ProbeShown pushed = probe_;
+  pushed.force_n = {0.5, 0.0, 0.0};
+  EXPECT_TRUE(watch_.differs(pushed, sizes_, screen_, kSize));
+  ProbeShown touching = probe_;
+  touching.contact = true;
+  EXPECT_TRUE(watch_.differs(touching, sizes_, screen_, kSize));
+}
+
+TEST_F(Watch, APointInTheEyesPlaneCountsAsMoved) {
+  watch_.drawn(probe_, sizes_, screen_, kSize);
+  probe_.p_WP = compute_eye_position(screen_, Eye::left);
+  EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,43 @@
+#include "vision_node/screenshot_moment.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+TEST(ScreenshotMoment, WaitsForAContactThatLasts) {
+  auto moment = *ScreenshotMoment::parse("contact");
+  EXPECT_FALSE(moment.is_now(0, false));
+  EXPECT_FALSE(moment.is_now(100 * kMs, true));
+  EXPECT_FALSE(moment.is_now(200 * kMs, false)) << "a brush only";
+  EXPECT_FALSE(moment.is_now(300 * kMs, true));
+  EXPECT_FALSE(moment.is_now(500 * kMs, true));
+  EXPECT_TRUE(moment.is_now(700 * kMs, true));
+  EXPECT_FALSE(moment.is_now(800 * kMs, true)) << "once";
+  EXPECT_TRUE(moment.taken());
+}
+
+TEST(ScreenshotMoment, AtATime) {
+  auto moment = *ScreenshotMoment::parse("1.5");
+  EXPECT_FALSE(moment.is_now(1499 * kMs, true));
+  EXPECT_TRUE(moment.is_now(1500 * kMs, false));
+}
+
+TEST(ScreenshotMoment, ExitIsLeftToTheEnd) {
+  auto moment = *ScreenshotMoment::parse("exit");
+  for (int ms = 0; ms < 10000; ++ms) ASSERT_FALSE(moment.is_now(ms * kMs, true));
+  EXPECT_FALSE(moment.taken());
+}
+
+TEST(ScreenshotMoment, RefusesAnythingElse) {
+  for (const char* text : {"", "now", "1.5s", "-1", "nan", "inf", "1e9"}) {
+    const auto moment = ScreenshotMoment::parse(text);
+    ASSERT_FALSE(moment) << text;
+    EXPECT_NE(moment.error().what.find("contact"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,76 @@
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+struct Ended {
+  int code = -1;
+  std::string output;
+};
+
+// The program itself, with what it wrote to either stream.
+Ended run_vision(const std::string& arguments, const std::string& environment = "") {
+  const std::string command = "cd " HAPTON_SOURCE_DIR " && " + environment + " " HAPTON_BIN_DIR "/vision_node " + arguments + " 2>&1";
+  Ended run;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return run;
+  char buffer[512];
+  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) run.output += buffer;
+  const int status = pclose(pipe);
+  run.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  return run;
+}
+
+TEST(VisionProgram, WithoutADisplayItSaysSoInOneLineAndEnds) {
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj", "DISPLAY=");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("no display"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("xvfb-run"), std::string::npos);
+}
+
+TEST(VisionProgram, CrystalEyesWithoutQuadBufferSaysSoAndEnds) {
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --stereo crystal_eyes --seconds 0.5 --offscreen");
+  if (run.code == 0) GTEST_SKIP() << "this display has quad-buffered stereo";
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("quad-buffered"), std::string::npos) << run.output;
+}
+
+TEST(VisionProgram, MissingSceneIsOneLine) {
+  const Ended run = run_vision("--scene nowhere.toml");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("nowhere.toml"), std::string::npos) << run.output;
+}
+
+TEST(VisionProgram, BadHubIsOneLine) {
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --hub 127.0.0.1:99999");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("99999"), std::string::npos) << run.output;
+}
+
+TEST(VisionProgram, WritesAScreenshotWithNobodyThere) {
+  const auto file = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + ".png");
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --size 320x180 --seconds 0.5 --screenshot " + file.string());
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(std::filesystem::exists(file));
+  EXPECT_NE(run.output.find("pictures drawn"), std::string::npos);
+  std::filesystem::remove(file);
+}
+
+TEST(VisionProgram, ScreenshotThatCannotBeWrittenFails) {
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 0.3 --screenshot /nowhere/a.png");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("/nowhere/a.png"), std::string::npos) << run.output;
+}
+
+TEST(VisionProgram, BenchSaysItsRate) {
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --bench-frames 5");
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_NE(run.output.find("5 pictures"), std::string::npos) << run.output;
+}
+
+}  // namespace

@@ -1,0 +1,192 @@
+#include "vision_node/vision_session.h"
+
+#include <atomic>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "link/hub_peers.h"
+#include "link/random_id.h"
+#include "link/udp_endpoint.h"
+#include "tests/vision_node/made_views.h"
+
+namespace hapton {
+namespace {
+
+// A hub that sends probe states at 500 Hz from a thread of its own and keeps what it hears.
+class FakeHub {
+ public:
+  FakeHub() : endpoint_(std::move(*open_udp_endpoint("127.0.0.1:0"))), thread_([this] { run(); }) {}
+  ~FakeHub() { stop(); }
+  void stop() {
+    stopping_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  Address address() const { return endpoint_->local_address(); }
+
+  // Where the probe is, by sample; set before anyone joins.
+  std::atomic<bool> moving{true};
+  std::atomic<bool> contact{true};
+  // Swallow this many view transforms, as a bad line would.
+  std::atomic<int> lose_transforms{0};
+
+  // To be looked at after stop().
+  std::vector<ViewTransform> transforms;
+  std::vector<Drawn> drawn;
+  std::uint64_t samples = 0;
+
+ private:
+  void run() {
+    HubPeers peers(*endpoint_, clock_, make_random_id(), 500.0);
+    Datagram heard;
+    ProbeState state;
+    std::int64_t next_ns = clock_.now_ns();
+    while (!stopping_) {
+      next_ns += 2 * kNanosecondsPerMillisecond;
+      while (clock_.now_ns() < next_ns) {
+        if (peers.receive(heard, next_ns).kind == PeerEvent::Kind::message) keep(heard.message, state);
+      }
+      state.sample = ++samples;
+      state.sample_time_ns = next_ns;
+      if (moving) state.p_WD.x() = 0.05 * std::sin(0.01 * static_cast<double>(samples));
+      state.contact = contact;
+      state.servo_rate_hz = 500.0F;
+      peers.send_to_role(NodeRole::vision, state);
+    }
+  }
+
+  void keep(const Message& message, ProbeState& state) {
+    if (const auto* transform = std::get_if<ViewTransform>(&message)) {
+      if (lose_transforms-- > 0) return;
+      transforms.push_back(*transform);
+      state.view_revision = transform->revision;
+    }
+    if (const auto* picture = std::get_if<Drawn>(&message)) drawn.push_back(*picture);
+  }
+
+  SteadyClock clock_;
+  std::unique_ptr<Endpoint> endpoint_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+struct Session {
+  explicit Session(const Address& hub, VisionOptions given = {}) : options(std::move(given)) {
+    options.view.width_px = 320;
+    options.view.height_px = 180;
+    options.view.offscreen = true;
+    if (options.seconds == 0.0) options.seconds = 1.2;
+    Scene scene;
+    scene.objects.push_back({"ball", make_marker(Vec3::Zero(), 0.03), {}, {0.8, 0.2, 0.1}});
+    view = std::move(*open_view(scene, options));
+    endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
+    client = std::make_unique<HubClient>(*endpoint, clock, NodeRole::vision, hub);
+    session = std::make_unique<VisionSession>(*view, *client, clock, options);
+  }
+
+  VisionOptions options;
+  SteadyClock clock;
+  StopSignal stop;
+  std::unique_ptr<StereoView> view;
+  std::unique_ptr<Endpoint> endpoint;
+  std::unique_ptr<HubClient> client;
+  std::unique_ptr<VisionSession> session;
+};
+
+TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) {
+  FakeHub hub;
+  Session vision(hub.address());
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  vision.session.reset();
+  hub.stop();
+  ASSERT_GT(hub.drawn.size(), 3u);
+  for (std::size_t i = 1; i < hub.drawn.size(); ++i) EXPECT_GE(hub.drawn[i].echo_sample, hub.drawn[i - 1].echo_sample);
+  EXPECT_LE(hub.drawn.back().echo_sample, hub.samples);
+  EXPECT_GT(hub.drawn.back().echo_sample, hub.samples / 2) << "newest wins: pictures do not lag behind the hub";
+}
+
+TEST(VisionSession, RestsWhileNothingMoves) {
+  FakeHub hub;
+  hub.moving = false;
+  Session vision(hub.address());
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  EXPECT_LE(vision.session->step().frames().drawn(), 6u);
+  EXPECT_GT(vision.session->step().frames().skipped_count(), 50u);
+}
+
+TEST(VisionSession, TheTwelveFloatsArriveThoughTheFirstAreLost) {
+  FakeHub hub;
+  hub.lose_transforms = 2;
+  VisionOptions options;
+  options.dials_degrees = {10.0, -20.0, 30.0};
+  Session vision(hub.address(), options);
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  hub.stop();
+  Dials dials;
+  for (int axis = 0; axis < 3; ++axis) dials.turn(axis, options.dials_degrees[axis]);
+  ASSERT_FALSE(hub.transforms.empty());
+  EXPECT_LE(hub.transforms.size(), 3u) << "not again once the hub has them";
+  EXPECT_EQ(hub.transforms.back().X_WS, to_twelve_floats(dials.compute_pose(Vec3::Zero())));
+}
+
+TEST(VisionSession, ScreenshotShowsTheContactOrElseTheEnd) {
+  const auto file = std::filesystem::temp_directory_path() / ("hapton_session_" + std::to_string(getpid()) + ".png");
+  for (const bool contact : {true, false}) {
+    std::filesystem::remove(file);
+    FakeHub hub;
+    hub.contact = contact;
+    VisionOptions options;
+    options.screenshot = file;
+    Session vision(hub.address(), options);
+    ASSERT_TRUE(vision.session->run(vision.stop));
+    EXPECT_TRUE(std::filesystem::exists(file)) << contact;
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(VisionSession, WithoutAHubItStillDrawsAndEndsInTime) {
+  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  VisionOptions options;
+  options.seconds = 0.3;
+  Session vision(nobody->local_address(), options);
+  const std::int64_t begin = vision.clock.now_ns();
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  EXPECT_GE(vision.clock.now_ns() - begin, 300 * kNanosecondsPerMillisecond);
+  EXPECT_GE(vision.session->step().frames().drawn(), 1u);
+}
+
+TEST(VisionSession, OutlivesTheHubAndFindsTheNextOne) {
+  auto hub = std::make_unique<FakeHub>();
+  const Address address = hub->address();
+  VisionOptions options;
+  options.seconds = 3.0;
+  Session vision(address, options);
+  std::thread person([&] {
+    vision.clock.sleep_until_ns(vision.clock.now_ns() + 800 * kNanosecondsPerMillisecond);
+    hub.reset();
+  });
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  person.join();
+  EXPECT_EQ(vision.client->state(), JoinState::joining);
+  EXPECT_EQ(vision.client->counts().joins, 1u);
+}
+
+TEST(FrameScene, HoldsTheWholeSceneWhateverTheDialsDo) {
+  Scene scene;
+  scene.objects.push_back({"far", make_marker({0.1, 0.0, 0.0}, 0.02), {}, {}});
+  const Framing framing = frame_scene(scene, {});
+  EXPECT_GT(framing.view_m, 2.0 * 0.12);
+  EXPECT_EQ(framing.p_WC, Vec3::Zero());
+}
+
+TEST(RateLimit, IsLowerWhereTheCpuDraws) {
+  VisionOptions options;
+  EXPECT_EQ(choose_rate_limit(options, "NVIDIA GeForce"), 60.0);
+  EXPECT_EQ(choose_rate_limit(options, "llvmpipe (LLVM 15.0.6, 256 bits)"), 30.0);
+  options.rate_limit_hz = 0.0;
+  EXPECT_EQ(choose_rate_limit(options, "llvmpipe"), 0.0);
+}
+
+}  // namespace
+}  // namespace hapton

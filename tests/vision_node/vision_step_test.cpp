@@ -1,0 +1,181 @@
+#include "vision_node/vision_step.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+class VisionStepTest : public testing::Test {
+ protected:
+  VisionStepTest() {
+    const Framing framing = frame_sphere(Vec3::Zero(), 0.12, 0.063);
+    where_.picture = {640, 720};
+    where_.screen = compute_screen(framing, where_.picture);
+    where_.sizes = scale_probe(framing);
+  }
+
+  static VisionStepSettings settings() {
+    VisionStepSettings made;
+    made.max_rate_hz = 100.0;
+    made.stereo = "side_by_side";
+    return made;
+  }
+
+  // One turn of the loop: draws when wanted, taking 5 ms. True when it drew.
+  bool turn(VisionStep& step, std::int64_t now_ns) {
+    if (!step.wants_picture(now_ns, where_)) return false;
+    step.compose(now_ns);
+    step.drew(now_ns, now_ns + 5 * kMs, where_);
+    return true;
+  }
+
+  static ProbeState state_at(double x_m, std::uint64_t sample, std::uint32_t revision = 1) {
+    ProbeState state;
+    state.sample = sample;
+    state.sample_time_ns = static_cast<std::int64_t>(sample) * kMs;
+    state.p_WD = {x_m, 0.0, 0.0};
+    state.servo_rate_hz = 1000.0F;
+    state.view_revision = revision;
+    return state;
+  }
+
+  template <class T>
+  static std::vector<T> take_all(VisionStep& step, std::int64_t now_ns) {
+    std::vector<T> found;
+    while (const auto message = step.take_message(now_ns)) {
+      if (const T* wanted = std::get_if<T>(&*message)) found.push_back(*wanted);
+    }
+    return found;
+  }
+
+  VisionStep::Screen where_;
+};
+
+TEST_F(VisionStepTest, DrawsOnceThenRestsWhileNothingMoves) {
+  VisionStep step(settings());
+  int pictures = 0;
+  for (int ms = 0; ms < 10000; ++ms) {
+    step.hear(state_at(0.01, static_cast<std::uint64_t>(ms)));
+    pictures += turn(step, ms * kMs);
+  }
+  EXPECT_LE(pictures, 3) << "the first, and the HUD's";
+  EXPECT_GE(pictures, 1);
+  EXPECT_GT(step.frames().skipped_count(), 9000u);
+}
+
+TEST_F(VisionStepTest, DrawsWhatMovesAtMostAtTheLimit) {
+  VisionStep step(settings());
+  int pictures = 0;
+  for (int ms = 0; ms < 1000; ++ms) {
+    step.hear(state_at(0.0001 * ms, static_cast<std::uint64_t>(ms)));
+    pictures += turn(step, ms * kMs);
+  }
+  EXPECT_GE(pictures, 60);
+  EXPECT_LE(pictures, 101);
+}
+
+TEST_F(VisionStepTest, AModeThatAlternatesTheEyesNeverRests) {
+  VisionStepSettings alternating = settings();
+  alternating.always_changing = true;
+  VisionStep step(alternating);
+  int pictures = 0;
+  for (int ms = 0; ms < 1000; ++ms) pictures += turn(step, ms * kMs);
+  EXPECT_NEAR(pictures, 100, 2);
+}
+
+TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
+  VisionStep step(settings());
+  ASSERT_TRUE(turn(step, 0));
+  ASSERT_FALSE(turn(step, 20 * kMs));
+  WindowEvent event;
+  event.key = 'y';
+  step.handle(event, where_);
+  EXPECT_TRUE(turn(step, 40 * kMs));
+  EXPECT_FALSE(turn(step, 60 * kMs));
+  event.key = 'b';
+  step.handle(event, where_);
+  step.take_wishes();
+  EXPECT_TRUE(step.wants_picture(80 * kMs, where_));
+  EXPECT_FALSE(step.compose(80 * kMs).cull);
+  step.drew(80 * kMs, 85 * kMs, where_);
+  EXPECT_FALSE(turn(step, 100 * kMs));
+  step.spoil();
+  EXPECT_TRUE(turn(step, 120 * kMs));
+}
+
+TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
+  VisionStep step(settings());
+  step.joined();
+  step.hear(state_at(0.01, 41));
+  step.hear(state_at(0.02, 42));
+  ASSERT_TRUE(turn(step, 0));
+  const auto drawn = take_all<Drawn>(step, 6 * kMs);
+  ASSERT_EQ(drawn.size(), 1u);
+  EXPECT_EQ(drawn[0].echo_sample, 42u);
+  EXPECT_EQ(drawn[0].echo_sample_time_ns, 42 * kMs);
+  EXPECT_TRUE(take_all<Drawn>(step, 7 * kMs).empty());
+}
+
+TEST_F(VisionStepTest, WithoutAHubThereIsAPictureButNoReport) {
+  VisionStep step(settings());
+  ASSERT_TRUE(step.wants_picture(0, where_));
+  const auto shown = step.compose(0);
+  EXPECT_FALSE(shown.probe);
+  EXPECT_NE(shown.hud.find("waiting"), std::string::npos);
+  step.drew(0, kMs, where_);
+  EXPECT_TRUE(take_all<Drawn>(step, kMs).empty());
+}
+
+TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
+  VisionStepSettings turned = settings();
+  turned.dials.turn(1, 30.0);
+  VisionStep step(turned);
+  step.joined();
+  auto sent = take_all<ViewTransform>(step, 0);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].X_WS, to_twelve_floats(step.compose(0).X_WS));
+  step.hear(state_at(0.0, 1, sent[0].revision));
+  take_all<ViewTransform>(step, kMs);
+  WindowEvent event;
+  event.key = 'x';
+  step.handle(event, where_);
+  sent = take_all<ViewTransform>(step, 2 * kMs);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].X_WS, to_twelve_floats(step.compose(2 * kMs).X_WS));
+}
+
+TEST_F(VisionStepTest, ATransformThatGotLostIsSentAgain) {
+  VisionStep step(settings());
+  step.joined();
+  step.hear(state_at(0.0, 1, 0));
+  ASSERT_EQ(take_all<ViewTransform>(step, 0).size(), 1u);
+  std::size_t again = 0;
+  for (int ms = 1; ms < 500; ++ms) {
+    step.hear(state_at(0.0, static_cast<std::uint64_t>(ms), 0));
+    again += take_all<ViewTransform>(step, ms * kMs).size();
+  }
+  EXPECT_GE(again, 3u);
+  step.hear(state_at(0.0, 600, step.view_transform().revision()));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 1000 * kMs).empty());
+}
+
+TEST_F(VisionStepTest, HudFollowsButSlowly) {
+  VisionStep step(settings());
+  ProbeState state = state_at(0.01, 1);
+  step.hear(state);
+  ASSERT_TRUE(turn(step, 0));
+  int pictures = 0;
+  for (int ms = 1; ms <= 4000; ++ms) {
+    state.round_trip_p99_us = static_cast<float>(10 + ms);  // a new number each time
+    step.hear(state);
+    pictures += turn(step, ms * kMs);
+  }
+  EXPECT_GE(pictures, 8);
+  EXPECT_LE(pictures, 11);
+  EXPECT_NE(step.compose(5000 * kMs).hud.find("4010"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton
