@@ -1,0 +1,250 @@
+// What each reader makes of good and bad files of its format.
+#include "scene/raw_mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/scene/sample_files.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const std::string kThree = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+std::string error_of(const Result<RawMesh>& read) { return read ? "it was read" : read.error().what; }
+
+std::vector<std::string> part_names(const RawMesh& raw) {
+  std::vector<std::string> names;
+  for (const MeshPart& part : raw.parts) names.push_back(part.name);
+  return names;
+}
+
+TEST(ReadObj, TakesAllWaysToWriteAFace) {
+  const auto raw = read_obj(kThree + "v 1 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2/1 3/1\nf 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 3//1\n"
+                                     "f -4 -3 -2 # a comment\nf 1 2 \\\n 3\r\n\tf +1 2 4 3\n");
+  ASSERT_TRUE(raw) << raw.error().what;
+  ASSERT_THAT(raw->mesh.triangles, SizeIs(8));
+  for (int t = 0; t < 6; ++t) EXPECT_EQ(raw->mesh.triangles[t], (Triangle{0, 1, 2})) << t;
+}
+
+TEST(ReadObj, KeepsDoubles) {
+  const auto raw = read_obj("v 1000000.0625 1e-320 0.1\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_EQ(raw->mesh.vertices[0].x(), 1000000.0625);
+  EXPECT_EQ(raw->mesh.vertices[0].z(), 0.1);
+}
+
+TEST(ReadObj, NamesParts) {
+  const auto raw = read_obj(kThree + "o one\nf 1 2 3\ng empty\ng two words\nf 1 2 3\nf 3 2 1\n");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(part_names(*raw), ElementsAre("one", "two words"));
+  EXPECT_EQ(raw->parts[1].first_triangle, 1U);
+  EXPECT_EQ(raw->parts[1].triangle_count, 2U);
+}
+
+TEST(ReadObj, TellsTheLineOfAFault) {
+  EXPECT_THAT(error_of(read_obj(kThree + "f 1 2 9\n")), AllOf(HasSubstr("line 4"), HasSubstr("9 is out of range")));
+  EXPECT_THAT(error_of(read_obj(kThree + "f 0 1 2\n")), HasSubstr("0 is out of range"));
+  EXPECT_THAT(error_of(read_obj(kThree + "f -1 -2 -4\n")), HasSubstr("-4 is out of range"));
+  EXPECT_THAT(error_of(read_obj(kThree + "f 1 2 99999999999999999999\n")), HasSubstr("not a vertex number"));
+  EXPECT_THAT(error_of(read_obj(kThree + "f 1.5 2 3\n")), HasSubstr("'1.5' is not a vertex number"));
+  EXPECT_THAT(error_of(read_obj(kThree + "\n\nf 1 2\n")), AllOf(HasSubstr("line 6"), HasSubstr("2 corners")));
+  EXPECT_THAT(error_of(read_obj("v 0 0\n")), HasSubstr("2 coordinates"));
+  EXPECT_THAT(error_of(read_obj("v 0 0 nan\n")), HasSubstr("not finite"));
+  EXPECT_THAT(error_of(read_obj("v 0 0 -inf\n")), HasSubstr("not finite"));
+  EXPECT_THAT(error_of(read_obj("v 0 0 1e999\n")), HasSubstr("not finite"));
+  EXPECT_THAT(error_of(read_obj("v 0 0 0x10\n")), HasSubstr("not a number"));
+  EXPECT_THAT(error_of(read_obj(std::string("v 0\0 0 0\n", 9))), HasSubstr("not text"));
+}
+
+TEST(ReadObj, NotesWhatItSkips) {
+  const auto raw = read_obj("nonsense here\n" + kThree + "curv 1 2\nf 1 2 3");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("line 1"), HasSubstr("'nonsense'")), HasSubstr("2 lines"), HasSubstr("cut short")));
+}
+
+TEST(ReadStl, TakesSeveralSolidsInEitherCase) {
+  const std::string one = sample::ascii_stl(sample::tetrahedron());
+  std::string two = one;
+  for (char& c : two) c = static_cast<char>(std::toupper(c));
+  const auto raw = read_stl(one + two);
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(part_names(*raw), ElementsAre("body", "BODY"));
+  EXPECT_THAT(raw->mesh.triangles, SizeIs(8));
+}
+
+TEST(ReadStl, TellsWhereAFaultIs) {
+  std::string quad = sample::ascii_stl(sample::tetrahedron());
+  quad.insert(quad.find("  endloop"), "   vertex 0 0 0\n");
+  EXPECT_THAT(error_of(read_stl(quad)), AllOf(HasSubstr("line 7"), HasSubstr("'vertex' where 'endloop' belongs")));
+  std::string nan = sample::ascii_stl(sample::tetrahedron());
+  nan.replace(nan.find("1.5"), 3, "nan");
+  EXPECT_THAT(error_of(read_stl(nan)), AllOf(HasSubstr("line 5"), HasSubstr("not finite")));
+  TriangleMesh infinite = sample::tetrahedron();
+  infinite.vertices[3].y() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(error_of(read_stl(sample::binary_stl(infinite))), AllOf(HasSubstr("triangle 2"), HasSubstr("not finite")));
+  EXPECT_THAT(error_of(read_stl("neither text nor triangles")), HasSubstr("fewer than"));
+}
+
+TEST(ReadStl, NotesBytesTooMany) {
+  const auto raw = read_stl(sample::binary_stl(sample::tetrahedron()) + "more");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->notes, ElementsAre(HasSubstr("4 bytes")));
+}
+
+TEST(ReadPly, SkipsWhatIsNotGeometry) {
+  const std::string text =
+      "ply\r\nformat ascii 1.0\r\nobj_info x\r\nelement camera 1\r\nproperty list uchar float lens\r\nelement vertex 4\r\n"
+      "property uchar red\r\nproperty double z\r\nproperty list int int ring\r\nproperty double x\r\nproperty double y\r\n"
+      "element nothing 4000000000\r\nelement face 1\r\nproperty list uchar uint vertex_index\r\nproperty float quality\r\nend_header\r\n"
+      "2 0.5 0.5\r\n255 7 0 0 0\r\n255 7 1 9 1 0\r\n255 7 2 9 9 1 1\r\n255 7 0 0 1\r\n4 0 1 2 3 0.25\r\n";
+  const auto raw = read_ply(text);
+  ASSERT_TRUE(raw) << raw.error().what;
+  ASSERT_THAT(raw->mesh.vertices, SizeIs(4));
+  EXPECT_EQ(raw->mesh.vertices[2], Vec3(1, 1, 7));
+  EXPECT_THAT(raw->mesh.triangles, SizeIs(2));
+}
+
+TEST(ReadPly, TellsWhereAFaultIs) {
+  const auto with = [](const std::string& what, const std::string& by) {
+    std::string text = sample::ascii_ply(sample::tetrahedron());
+    text.replace(text.find(what), what.size(), by);
+    return error_of(read_ply(text));
+  };
+  EXPECT_THAT(with("ply", "plx"), HasSubstr("does not begin with 'ply'"));
+  EXPECT_THAT(with("ascii", "text"), HasSubstr("unknown format 'text'"));
+  EXPECT_THAT(with("format ascii 1.0\n", ""), HasSubstr("no 'format'"));
+  EXPECT_THAT(with("vertex 4", "vertex -4"), AllOf(HasSubstr("line 4"), HasSubstr("'-4'")));
+  EXPECT_THAT(with("float z", "half z"), HasSubstr("'half'"));
+  EXPECT_THAT(with("property float z\n", ""), HasSubstr("property 'z'"));
+  EXPECT_THAT(with("vertex_indices", "corners"), HasSubstr("'vertex_indices'"));
+  EXPECT_THAT(with("element face", "element strip"), HasSubstr("no 'face' element"));
+  EXPECT_THAT(with("end_header", "header_end"), HasSubstr("'header_end'"));
+  EXPECT_THAT(with("0 2.25 0", "0 nan 0"), AllOf(HasSubstr("line 13"), HasSubstr("vertex 2")));
+  EXPECT_THAT(with("0 2.25 0", "0 x 0"), AllOf(HasSubstr("line 13"), HasSubstr("not a number")));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 7"), AllOf(HasSubstr("line 15"), HasSubstr("vertex 7, out of range")));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 -1"), HasSubstr("vertex -1, out of range"));
+  EXPECT_THAT(with("3 0 1 2", "3 0 1 1.5"), HasSubstr("out of range"));
+  EXPECT_THAT(with("3 0 1 2", "2 0 1"), HasSubstr("2 corners"));
+  EXPECT_THAT(with("3 0 1 2", "4000000000 0 1 2"), HasSubstr("ends too early"));
+}
+
+TEST(ReadPly, TellsTheByteOfAFaultInBinary) {
+  std::string bytes = sample::binary_ply(sample::tetrahedron());
+  const std::int32_t index = 70000;
+  std::memcpy(bytes.data() + bytes.size() - 4, &index, sizeof index);
+  EXPECT_THAT(error_of(read_ply(bytes)), AllOf(HasSubstr(fmt::format("byte {}", bytes.size())), HasSubstr("vertex 70000")));
+}
+
+std::string gltf_with(const std::string& what, const std::string& by) {
+  std::string text = sample::inline_gltf(sample::tetrahedron());
+  text.replace(text.find(what), what.size(), by);
+  return error_of(read_gltf(text, "."));
+}
+
+TEST(ReadGltf, TellsWhatIsWrong) {
+  EXPECT_THAT(gltf_with("\"2.0\"", "\"1.0\""), HasSubstr("version '1.0'"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":5"), HasSubstr("nodes[0].mesh is 5, out of range"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":-1"), HasSubstr("nodes[0].mesh is -1"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":\"x\""), HasSubstr("not a number"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"children\":[0]"), HasSubstr("under itself"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"children\":[7]"), HasSubstr("out of range"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"rotation\":[0,0,0,0]"), HasSubstr("rotation is zero"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"matrix\":[1,2]"), HasSubstr("16 numbers"));
+  EXPECT_THAT(gltf_with("\"indices\":1", "\"indices\":9"), HasSubstr("out of range"));
+  EXPECT_THAT(gltf_with("\"indices\":1", "\"indices\":0"), HasSubstr("not of type SCALAR"));
+  EXPECT_THAT(gltf_with("5126", "5130"), HasSubstr("componentType is 5130"));
+  EXPECT_THAT(gltf_with("\"count\":12", "\"count\":11"), HasSubstr("multiple of 3"));
+  EXPECT_THAT(gltf_with("\"bufferView\":1", "\"bufferView\":1,\"sparse\":{}"), HasSubstr("sparse"));
+  EXPECT_THAT(gltf_with("\"bufferView\":1,", ""), HasSubstr("bufferView is missing"));
+  EXPECT_THAT(gltf_with("\"byteOffset\":48", "\"byteOffset\":480"), HasSubstr("cut short"));
+  EXPECT_THAT(gltf_with("base64,", "base64,!"), HasSubstr("not base64"));
+  EXPECT_THAT(gltf_with("data:application", "http://application"), HasSubstr("on the network"));
+  EXPECT_THAT(gltf_with("{\"asset\"", "{\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\""), HasSubstr("KHR_draco_mesh_compression"));
+  TriangleMesh mesh = sample::tetrahedron();
+  mesh.triangles[1][2] = 4;
+  EXPECT_THAT(error_of(read_gltf(sample::inline_gltf(mesh), ".")), AllOf(HasSubstr("index 5 is 4"), HasSubstr("4 vertices")));
+  mesh = sample::tetrahedron();
+  mesh.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(error_of(read_gltf(sample::inline_gltf(mesh), ".")), AllOf(HasSubstr("vertex 2"), HasSubstr("not finite")));
+}
+
+TEST(ReadGltf, SurvivesDeepNesting) {
+  EXPECT_THAT(error_of(read_gltf(std::string(1000000, '['), ".")), HasSubstr("JSON is broken"));
+  std::string nodes = "[";
+  for (int n = 1; n < 50000; ++n) nodes += fmt::format(R"({{"children":[{}]}},)", n);
+  nodes += R"({"mesh":0}])";
+  const TriangleMesh mesh = sample::tetrahedron();
+  const std::string json = sample::gltf_json(mesh, "", nodes);
+  const std::string bytes = sample::glb(json, sample::gltf_buffer(mesh));
+  const auto raw = read_glb(bytes, ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->mesh.triangles, SizeIs(4));
+}
+
+TEST(ReadGltf, AppliesTransformsDownTheTreeToEveryInstance) {
+  const TriangleMesh mesh = sample::tetrahedron();
+  // Two instances: one turned 90 degrees about z, doubled and moved, under a moved parent; one mirrored in x by a matrix.
+  const std::string nodes = R"([{"translation":[10,0,0],"children":[1]},)"
+                            R"({"mesh":0,"name":"turned","translation":[0,5,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2]},)"
+                            R"({"mesh":0,"name":"mirrored","matrix":[-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,3,1]},{"mesh":0,"name":"in no scene"}])";
+  const auto raw = read_glb(sample::glb(sample::gltf_json(mesh, "", nodes, "[0,2]"), sample::gltf_buffer(mesh)), ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(part_names(*raw), ElementsAre("turned", "mirrored"));
+  ASSERT_THAT(raw->mesh.triangles, SizeIs(8));
+  EXPECT_LT((raw->mesh.vertices[1] - Vec3(10, 8, 0)).norm(), 1e-12);
+  EXPECT_LT((raw->mesh.vertices[4 + 1] - Vec3(-1.5, 0, 3)).norm(), 1e-12);
+  EXPECT_EQ(raw->mesh.triangles[4], (Triangle{4, 6, 5})) << "a mirror turns the winding";
+}
+
+TEST(ReadGltf, TakesStripsFansAndNoIndices) {
+  const TriangleMesh mesh = sample::tetrahedron();
+  const auto read_mode = [&](const std::string& mode) {
+    std::string json = sample::gltf_json(mesh, "");
+    json.replace(json.find(",\"indices\":1"), 12, ",\"mode\":" + mode);
+    return read_glb(sample::glb(json, sample::gltf_buffer(mesh)), ".");
+  };
+  const auto strip = read_mode("5");
+  ASSERT_TRUE(strip) << strip.error().what;
+  EXPECT_THAT(strip->mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}));
+  const auto fan = read_mode("6");
+  ASSERT_TRUE(fan) << fan.error().what;
+  EXPECT_THAT(fan->mesh.triangles, ElementsAre(Triangle{0, 1, 2}, Triangle{0, 2, 3}));
+  const auto points = read_mode("0");
+  ASSERT_TRUE(points) << points.error().what;
+  EXPECT_THAT(points->mesh.triangles, SizeIs(0));
+  EXPECT_THAT(points->notes, ElementsAre(HasSubstr("1 primitives of points")));
+}
+
+TEST(ReadGltf, TakesQuantizedPositions) {
+  std::string buffer;
+  for (const int c : {0, 0, 0, 0, 127, 0, 0, 0, 0, -127, 0, 0}) sample::append(buffer, static_cast<std::int8_t>(c));
+  const std::string json =
+      R"({"asset":{"version":"2.0"},"extensionsRequired":["KHR_mesh_quantization"],"nodes":[{"mesh":0}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"bufferView":0,"componentType":5120,"normalized":true,)"
+      R"("count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":12,"byteStride":4}],"buffers":[{"byteLength":12}]})";
+  const auto raw = read_glb(sample::glb(json, buffer), ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->mesh.vertices, ElementsAre(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, -1, 0)));
+}
+
+TEST(ReadGlb, TellsWhatIsWrong) {
+  std::string bytes = sample::glb(sample::gltf_json(sample::tetrahedron(), ""), sample::gltf_buffer(sample::tetrahedron()));
+  EXPECT_THAT(error_of(read_glb("glTX" + bytes.substr(4), ".")), HasSubstr("does not begin with 'glTF'"));
+  std::string version = bytes;
+  version[4] = 1;
+  EXPECT_THAT(error_of(read_glb(version, ".")), HasSubstr("version 1"));
+  std::string chunk = bytes;
+  chunk[15] = 0x7f;
+  EXPECT_THAT(error_of(read_glb(chunk, ".")), HasSubstr("reaches past the end"));
+}
+
+}  // namespace
+}  // namespace hapton
