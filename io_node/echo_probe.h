@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "link/endpoint.h"
+#include "runtime/clock.h"
+#include "runtime/latency_histogram.h"
+
+namespace hapton {
+
+// Measures the bare echo of the same machine in the same run: sends a datagram as long as a DeviceState's to a responder that sends back what
+// it gets, and waits for it as the servo waits for its force. The ratio of the force round trip to it is what the system itself costs.
+// RT: probe yes; making one is set-up only. Threads: the servo's.
+class EchoProbe {
+ public:
+  struct Counts {
+    std::uint64_t sent = 0;
+    std::uint64_t answered = 0;
+    std::uint64_t late = 0;     // came after its wait was over
+    std::uint64_t foreign = 0;  // not what we sent
+  };
+
+  // Pre: endpoint and clock outlive this; the endpoint is the probe's own.
+  EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder);
+
+  // One echo; waits no longer than until deadline_ns.
+  void probe(std::int64_t deadline_ns) noexcept;
+
+  const LatencyHistogram& round_trip() const noexcept { return round_trip_; }
+  const Counts& counts() const noexcept { return counts_; }
+
+ private:
+  Endpoint& endpoint_;
+  const Clock& clock_;
+  Address responder_;
+  std::array<std::byte, kMaxDatagramBytes> out_ = {};
+  std::array<std::byte, kMaxDatagramBytes> in_ = {};
+  std::size_t bytes_ = 0;
+  std::uint64_t sequence_ = 0;
+  LatencyHistogram round_trip_;
+  Counts counts_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "link/endpoint.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// Something a person wants to read about, told by the servo loop.
+struct ServoEvent {
+  enum class Kind : std::uint8_t { joined, left, refused, rate_changed, method_asked };
+  Kind kind = Kind::joined;
+  NodeRole role = NodeRole::tool;
+  Address address;
+  double rate_hz = 0.0;               // of rate_changed
+  std::array<char, 16> method = {};   // of method_asked
+};
+
+// From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.
+// RT: push yes, wait-free. Threads: one pushes, one pops.
+class EventRing {
+ public:
+  void push(const ServoEvent& event) noexcept {
+    const std::size_t end = end_.load(std::memory_order_relaxed);
+    if (end - begin_.load(std::memory_order_acquire) == kCapacity) {
+      dropped_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    events_[end % kCapacity] = event;
+    end_.store(end + 1, std::memory_order_release);
+  }
+
+  bool pop(ServoEvent& event) noexcept {
+    const std::size_t begin = begin_.load(std::memory_order_relaxed);
+    if (begin == end_.load(std::memory_order_acquire)) return false;
+    event = events_[begin % kCapacity];
+    begin_.store(begin + 1, std::memory_order_release);
+    return true;
+  }
+
+  std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::size_t kCapacity = 64;
+  std::array<ServoEvent, kCapacity> events_ = {};
+  alignas(64) std::atomic<std::size_t> begin_{0};
+  alignas(64) std::atomic<std::size_t> end_{0};
+  std::atomic<std::uint64_t> dropped_{0};
+};
+
+}  // namespace hapton

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "runtime/realtime.h"
+
+namespace hapton {
+
+struct IoOptions {
+  std::string bind = "127.0.0.1:4950";
+  std::string device = "simulated";  // or "replay"
+  std::string trajectory;            // CSV of the replay
+  bool loop = false;                 // the replay begins again
+  double rate_hz = 1000.0;
+  double vision_rate_hz = 240.0;
+  double seconds = 0.0;              // 0: until stopped
+  std::string out;                   // folder for reports; empty: none
+  std::uint64_t seed = 1;
+  double max_force_n = 0.0;          // 0: the device's
+  double max_slew_n_per_s = 0.0;
+  std::string echo_probe;            // responder of the bare echo; empty: not measured
+  RealtimeSettings realtime;
+};
+
+// The program's options, or the exit code to leave main with (help, or an error that has been printed). RT: set-up only.
+std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv);
+
+}  // namespace hapton

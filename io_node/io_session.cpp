@@ -1,0 +1,103 @@
+#include "io_node/io_session.h"
+
+#include <chrono>
+#include <limits>
+#include <thread>
+
+#include <fmt/core.h>
+
+#include "io_node/io_report.h"
+#include "link/udp_endpoint.h"
+#include "runtime/log.h"
+#include "runtime/report.h"
+
+namespace hapton {
+namespace {
+
+constexpr auto kLookEvery = std::chrono::milliseconds(20);
+
+const char* name_of(NodeRole role) {
+  switch (role) {
+    case NodeRole::io: return "io";
+    case NodeRole::haptics: return "haptics";
+    case NodeRole::vision: return "vision";
+    case NodeRole::tool: return "tool";
+  }
+  return "unknown";
+}
+
+std::string describe(const ServoEvent& event) {
+  switch (event.kind) {
+    case ServoEvent::Kind::joined: return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
+    case ServoEvent::Kind::left: return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
+    case ServoEvent::Kind::refused: return fmt::format("a {} node was refused: its place is taken", name_of(event.role));
+    case ServoEvent::Kind::rate_changed: return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
+    case ServoEvent::Kind::method_asked: return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
+  }
+  return {};
+}
+
+}  // namespace
+
+IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options) {}
+
+void IoSession::servo_thread() {
+  const auto realtime = enter_realtime(options_.realtime);
+  if (realtime) realtime_ = realtime->to_text();
+  else started_ = tl::unexpected(realtime.error());
+  if (realtime) servo_.start();
+  is_started_.store(true, std::memory_order_release);
+  if (realtime) {
+    while (!ends_.load(std::memory_order_relaxed) && servo_.device_status() == DeviceStatus::ready) servo_.step();
+    servo_.finish();
+  }
+  has_ended_.store(true, std::memory_order_release);
+}
+
+bool IoSession::is_over(const StopSignal& stop) const {
+  return stop.stop_requested() || clock_.now_ns() >= end_ns_ || has_ended_.load(std::memory_order_acquire);
+}
+
+Result<void> IoSession::run(StopSignal& stop) {
+  std::thread servo([this] { servo_thread(); });
+  while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds) : std::numeric_limits<std::int64_t>::max();
+  Result<void> reported = started_ ? look_after(stop) : started_;
+  ends_.store(true, std::memory_order_relaxed);
+  servo.join();
+  print_events();
+  if (!started_) return started_;
+  const ServoStats& stats = servo_.collect_stats();
+  fmt::print("{}", describe_run(stats));
+  if (const auto last = write_report_of(stats); reported && !last) reported = last;
+  if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
+  return reported;
+}
+
+Result<void> IoSession::look_after(StopSignal& stop) {
+  Result<void> reported;
+  log_info("{}", realtime_);
+  while (!is_over(stop)) {
+    std::this_thread::sleep_for(kLookEvery);
+    print_events();
+    const bool wished = servo_.take_report_wish();
+    if (stop.take_report_request() || wished) servo_.ask_for_snapshot();
+    if (!servo_.take_snapshot()) continue;
+    const auto written = write_report_of(servo_.snapshot());
+    if (written) log_info("report on request: {}", options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
+    if (!written && reported) reported = written;
+    if (options_.out.empty()) fmt::print("{}", describe_run(servo_.snapshot()));
+  }
+  return reported;
+}
+
+void IoSession::print_events() {
+  for (ServoEvent event; servo_.events().pop(event);) log_info("{}", describe(event));
+}
+
+Result<void> IoSession::write_report_of(const ServoStats& stats) {
+  if (options_.out.empty()) return {};
+  return write_report(make_io_report(stats, options_, realtime_), options_.out);
+}
+
+}  // namespace hapton

@@ -1,0 +1,74 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "io_node/device_maker.h"
+#include "io_node/io_options.h"
+#include "io_node/io_session.h"
+#include "link/random_id.h"
+#include "link/udp_endpoint.h"
+#include "runtime/cpu_check.h"
+#include "runtime/log.h"
+#include "runtime/stop_signal.h"
+
+namespace {
+
+using namespace hapton;
+
+int give_up(const Error& error) {
+  log_error("{}", error.what);
+  return 1;
+}
+
+// The bare echo's own socket and what measures with it; empty when it is not asked for.
+struct Echo {
+  std::unique_ptr<Endpoint> endpoint;
+  std::unique_ptr<EchoProbe> probe;
+};
+
+Result<Echo> open_echo(const IoOptions& options, const Clock& clock) {
+  Echo echo;
+  if (options.echo_probe.empty()) return echo;
+  const auto responder = parse_address(options.echo_probe);
+  if (!responder) return tl::unexpected(responder.error());
+  auto endpoint = open_udp_endpoint(responder->ip[10] == 0xff && responder->ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0");
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  echo.endpoint = std::move(*endpoint);
+  echo.probe = std::make_unique<EchoProbe>(*echo.endpoint, clock, *responder);
+  return echo;
+}
+
+int run(const IoOptions& options) {
+  StopSignal stop;
+  SteadyClock clock;
+  const auto device = make_device(options);
+  if (!device) return give_up(device.error());
+  const auto endpoint = open_udp_endpoint(options.bind);
+  if (!endpoint) return give_up(endpoint.error());
+  const auto echo = open_echo(options, clock);
+  if (!echo) return give_up(echo.error());
+
+  HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
+  const Servo::Options limits{options.rate_hz, options.vision_rate_hz, options.max_force_n, options.max_slew_n_per_s};
+  const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get());
+  fmt::print("hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}\n", to_string((*endpoint)->local_address()), (*device)->name(),
+             options.rate_hz, servo->force_limits().max_force_n, options.seed);
+  std::fflush(stdout);
+  if (options.max_force_n > (*device)->limits().max_force_n || options.max_slew_n_per_s > (*device)->limits().max_slew_n_per_s)
+    log_warning("limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", (*device)->limits().max_force_n,
+                (*device)->limits().max_slew_n_per_s);
+  IoSession session(*servo, clock, options);
+  const auto ended = session.run(stop);
+  return ended ? 0 : give_up(ended.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  check_cpu("io_node");
+  start_log("io_node");
+  const auto parsed = parse_io_options(argc, argv);
+  if (const int* code = std::get_if<int>(&parsed)) return *code;
+  return run(std::get<IoOptions>(parsed));
+}

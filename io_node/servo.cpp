@@ -1,0 +1,273 @@
+#include "io_node/servo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
+constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
+constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
+
+}  // namespace
+
+Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo)
+    : device_(device),
+      peers_(peers),
+      clock_(clock),
+      echo_(echo),
+      guard_({device.limits().max_force_n, device.limits().max_slew_n_per_s}),
+      vision_period_ns_(options.vision_rate_hz > 0.0 ? std::llround(1e9 / options.vision_rate_hz) : 0) {
+  guard_.tighten({options.max_force_n, options.max_slew_n_per_s});
+  stats_.rate_hz = options.rate_hz;
+  start();
+}
+
+std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / stats_.rate_hz); }
+
+void Servo::start() noexcept {
+  tick_ns_ = clock_.now_ns() + period_ns();
+  stats_.start_ns = stats_.end_ns = tick_ns_;
+  next_vision_ns_ = next_view_repeat_ns_ = tick_ns_;
+  figures_since_ns_ = stats_.start_ns;
+  next_figures_ns_ = stats_.start_ns + kFiguresNs;
+}
+
+void Servo::step() noexcept {
+  if (clock_.now_ns() >= tick_ns_) drain();
+  receive_until(tick_ns_);
+  begin_cycle();
+  sample_device();
+  const std::int64_t period = period_ns();
+  const std::int64_t middle_ns = tick_ns_ + period / 2;
+  await_force(middle_ns);
+  do_spare_work();
+  if (echo_ != nullptr && (ledger_.is_newest_answered() || !peers_.has_haptics())) {
+    receive_until(middle_ns);
+    echo_->probe(tick_ns_ + period - period / 8);
+  }
+  tick_ns_ += period_ns();
+}
+
+void Servo::begin_cycle() noexcept {
+  const std::int64_t late_ns = clock_.now_ns() - tick_ns_;
+  const std::int64_t period = period_ns();
+  stats_.wake_lateness.record(late_ns);
+  // A period changed while waiting may put the tick into the future: then this cycle is simply early.
+  const std::int64_t skipped = std::max<std::int64_t>(0, late_ns) / period;
+  stats_.missed_cycles += static_cast<std::uint64_t>(skipped);
+  tick_ns_ += skipped * period;
+  stats_.end_ns = tick_ns_ + period;
+}
+
+void Servo::sample_device() noexcept {
+  const std::int64_t begin_ns = clock_.now_ns();
+  sample_ = device_.read(begin_ns);
+  // A sample is taken when the device has given it; how long that takes is a figure of its own.
+  sample_.time_ns = clock_.now_ns();
+  stats_.device_read.record(sample_.time_ns - begin_ns);
+  ++sample_number_;
+  ++stats_.samples;
+  const bool is_expected = haptics_alive(sample_.time_ns) &&
+                           sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
+  ledger_.take(sample_number_, sample_.time_ns, is_expected);
+  stats_.states_sent += peers_.send_to_role(
+      NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
+  const Vec3 held_n = guard_.step(std::nullopt, clock_.now_ns());
+  if (held_n != written_n_) write_force(held_n);
+}
+
+// A node that has not been heard for so long gives up its place to the first who asks: it counts as gone.
+bool Servo::haptics_alive(std::int64_t now_ns) const noexcept {
+  return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsPlace).last_heard_ns < HubPeers::kHapticsSilenceNs;
+}
+
+void Servo::write_force(const Vec3& force_n) noexcept {
+  device_.write(force_n, clock_.now_ns());
+  written_n_ = force_n;
+  stats_.max_force_n = std::max(stats_.max_force_n, force_n.norm());
+}
+
+void Servo::receive_one(std::int64_t deadline_ns) noexcept {
+  const PeerEvent event = peers_.receive(incoming_, deadline_ns);
+  if (event.kind != PeerEvent::Kind::none) hear(event, incoming_);
+}
+
+void Servo::receive_until(std::int64_t deadline_ns) noexcept {
+  while (clock_.now_ns() < deadline_ns) receive_one(deadline_ns);
+}
+
+// A loop too late to wait still hears what has come; not without end, or strangers could hold it up.
+void Servo::drain() noexcept {
+  for (int polls = 0; polls < kMostPolls; ++polls) {
+    const std::uint64_t before = peers_.counts().received;
+    receive_one(0);
+    if (peers_.counts().received == before) return;
+  }
+}
+
+void Servo::await_force(std::int64_t deadline_ns) noexcept {
+  while (!ledger_.is_newest_answered() && peers_.has_haptics() && clock_.now_ns() < deadline_ns) receive_one(deadline_ns);
+}
+
+void Servo::hear(const PeerEvent& event, const Datagram& datagram) noexcept {
+  switch (event.kind) {
+    case PeerEvent::Kind::none: return;
+    case PeerEvent::Kind::message: return hear_message(event, datagram);
+    case PeerEvent::Kind::joined: return on_joined(event);
+    case PeerEvent::Kind::left: return on_left(event);
+    case PeerEvent::Kind::refused: return tell(ServoEvent::Kind::refused, event.role, {});
+  }
+}
+
+void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexcept {
+  if (const auto* force = std::get_if<ForceCommand>(&datagram.message)) return on_force(*force);
+  // Of these the newest wins; an overtaken one says what is no longer so.
+  if (event.arrival != Arrival::newest) return;
+  if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) return on_view(*view);
+  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn);
+  if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
+  if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event.role);
+}
+
+void Servo::on_force(const ForceCommand& command) noexcept {
+  const SampleLedger::Verdict verdict = ledger_.answer(command);
+  if (verdict == SampleLedger::Verdict::duplicate || verdict == SampleLedger::Verdict::unknown) return;
+  const bool is_newest = verdict != SampleLedger::Verdict::reordered;
+  Vec3 force_n = Vec3::Zero();
+  if (is_newest) force_n = guard_.step(WantedForce{command.force_n, command.echo_sample_time_ns}, clock_.now_ns());
+  const std::int64_t round_trip_ns = clock_.now_ns() - command.echo_sample_time_ns;
+  if (is_newest) {
+    write_force(force_n);
+    stats_.force_age.record(clock_.now_ns() - command.echo_sample_time_ns);
+    last_force_ = command;
+  }
+  stats_.round_trip.record(round_trip_ns);
+  stats_.haptics_compute.record(command.compute_ns);
+  stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
+  ++stats_.forces;
+  stats_.contact_samples += command.contact ? 1 : 0;
+}
+
+void Servo::on_view(const ViewTransform& view) noexcept {
+  view_ = view;
+  stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
+  next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
+}
+
+void Servo::on_drawn(const Drawn& drawn) noexcept {
+  const std::int64_t age_ns = clock_.now_ns() - drawn.echo_sample_time_ns;
+  const bool is_ours = drawn.echo_sample != 0 && drawn.echo_sample <= sample_number_ && age_ns >= 0 &&
+                       drawn.echo_sample_time_ns >= stats_.start_ns;
+  if (!is_ours) return;
+  ++stats_.drawn;
+  stats_.device_to_drawn.record(age_ns);
+  stats_.frame_rate_hz = static_cast<double>(drawn.frame_rate_hz);
+}
+
+void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
+  if (!hand.active && hand_leader_ != peer) return;
+  hand_leader_ = hand.active ? peer : kNobody;
+  device_.lead_hand(hand.active ? std::optional(hand.p_WH) : std::nullopt);
+}
+
+void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
+  if (settings.servo_rate_hz >= kLowestRateHz && settings.servo_rate_hz <= kHighestRateHz) {
+    stats_.rate_hz = settings.servo_rate_hz;
+    peers_.set_servo_rate_hz(settings.servo_rate_hz);
+    events_.push({ServoEvent::Kind::rate_changed, role, {}, settings.servo_rate_hz, {}});
+  } else if (settings.servo_rate_hz != 0.0) {
+    ++stats_.bad_settings;
+  }
+  if (settings.method[0] != '\0') {
+    peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false});
+    events_.push({ServoEvent::Kind::method_asked, role, {}, 0.0, settings.method});
+  }
+  if (settings.report_now) report_wished_.store(true, std::memory_order_release);
+}
+
+void Servo::on_joined(const PeerEvent& event) noexcept {
+  tell(ServoEvent::Kind::joined, event.role, peers_.peer(event.peer).address);
+  if (event.peer == hand_leader_) on_hand({}, event.peer);
+  if (event.role != NodeRole::haptics) return;
+  ledger_.excuse_waiting();
+  if (!view_) return;
+  stats_.views_forwarded += peers_.send_to(event.peer, *view_) ? 1 : 0;
+  next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
+}
+
+void Servo::on_left(const PeerEvent& event) noexcept {
+  tell(ServoEvent::Kind::left, event.role, peers_.peer(event.peer).address);
+  if (event.peer == hand_leader_) on_hand({}, event.peer);
+  if (event.role == NodeRole::haptics) ledger_.excuse_waiting();
+}
+
+void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept { events_.push({kind, role, address, 0.0, {}}); }
+
+// Once a cycle, when the force path is done.
+void Servo::do_spare_work() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  ledger_.settle(now_ns);
+  if (vision_period_ns_ > 0 && now_ns >= next_vision_ns_) {
+    next_vision_ns_ = std::max(next_vision_ns_ + vision_period_ns_, now_ns);
+    send_probe();
+  }
+  if (view_ && now_ns >= next_view_repeat_ns_) {
+    next_view_repeat_ns_ = now_ns + kViewRepeatNs;
+    peers_.send_to_role(NodeRole::haptics, *view_);
+  }
+  if (now_ns >= next_figures_ns_) refresh_figures(now_ns);
+  if (snapshot_asked_.exchange(false, std::memory_order_acq_rel)) snapshots_.publish(collect_stats());
+}
+
+void Servo::send_probe() noexcept {
+  probe_.sample = sample_number_;
+  probe_.sample_time_ns = sample_.time_ns;
+  probe_.p_WD = sample_.p_WD;
+  probe_.q_WT = sample_.q_WT;
+  probe_.buttons = sample_.buttons;
+  const bool is_live = !guard_.silent();
+  probe_.contact = is_live && last_force_.contact;
+  probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
+  probe_.force_n = written_n_;
+  probe_.view_revision = view_ ? view_->revision : 0;
+  stats_.probe_states_sent += peers_.send_to_role(NodeRole::vision, probe_);
+}
+
+void Servo::refresh_figures(std::int64_t now_ns) noexcept {
+  next_figures_ns_ = now_ns + kFiguresNs;
+  const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
+  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(stats_.samples - figures_samples_) / passed_s);
+  figures_since_ns_ = now_ns;
+  figures_samples_ = stats_.samples;
+  probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
+  probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
+}
+
+void Servo::finish() noexcept {
+  constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
+  const std::int64_t end_ns = clock_.now_ns() + ForceGuard::kSilenceLimitNs + 2 * kStepNs;
+  for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
+    receive_until(now_ns + kStepNs);
+    const Vec3 held_n = guard_.step(std::nullopt, clock_.now_ns());
+    if (held_n != written_n_) write_force(held_n);
+  }
+  write_force(Vec3::Zero());
+  ledger_.close(haptics_alive(sample_.time_ns));
+}
+
+const ServoStats& Servo::collect_stats() noexcept {
+  stats_.ledger = ledger_.counts();
+  stats_.guard = guard_.counters();
+  stats_.hub = peers_.counts();
+  stats_.events_dropped = events_.dropped();
+  if (echo_ != nullptr) {
+    stats_.bare_echo = echo_->round_trip();
+    stats_.echo = echo_->counts();
+  }
+  return stats_;
+}
+
+}  // namespace hapton

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "io_node/devices/device.h"
+#include "io_node/echo_probe.h"
+#include "io_node/event_ring.h"
+#include "io_node/safety/force_guard.h"
+#include "io_node/sample_ledger.h"
+#include "io_node/servo_stats.h"
+#include "link/hub_peers.h"
+#include "runtime/clock.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// The loop that owns the device and is the clock of the whole system. One cycle, begun at each tick of absolute time:
+//
+//   read the device, send the sample to the haptics node
+//   wait on the hub's socket until the next tick; the instant the force for this sample is there: guard it, write it
+//   then what is left to do: the probe to the vision nodes, a repeat of the view, figures, halfway a bare echo
+//
+// A cycle that comes a period or more late skips whole periods and counts them. The newest force wins: one that answers an older
+// sample than the last is counted and dropped. Forces reach the device through the guard only.
+// RT: step and finish yes; making one is set-up only. Threads: one, but for ask_for_snapshot, snapshot and events (one other).
+class Servo {
+ public:
+  static constexpr double kLowestRateHz = 250.0;
+  static constexpr double kHighestRateHz = 10'000.0;
+
+  struct Options {
+    double rate_hz = 1000.0;
+    double vision_rate_hz = 240.0;      // ProbeStates a second to each vision node, at most; 0: none
+    double max_force_n = 0.0;           // tighter than the device's own limit; 0: the device's
+    double max_slew_n_per_s = 0.0;
+  };
+
+  // Pre: all outlive the servo; rates in range. echo may be null.
+  Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr);
+
+  // Sets the first tick one period from now.
+  void start() noexcept;
+  // One cycle: from this tick, waiting for it if need be, to the next.
+  void step() noexcept;
+  // Hears the last answers and lets the device go as the guard does in a silence; about 22 ms.
+  void finish() noexcept;
+
+  // What was measured so far, as a copy; the servo's thread only.
+  const ServoStats& collect_stats() noexcept;
+  DeviceStatus device_status() const noexcept { return device_.status(); }
+  const ForceLimits& force_limits() const noexcept { return guard_.limits(); }
+  double rate_hz() const noexcept { return stats_.rate_hz; }
+
+  // The other thread: asks for a copy, and takes it when it is there (within a few cycles).
+  void ask_for_snapshot() noexcept { snapshot_asked_.store(true, std::memory_order_release); }
+  bool take_snapshot() noexcept { return snapshots_.take(); }
+  const ServoStats& snapshot() const noexcept { return snapshots_.value(); }
+  // A tool wished for a report; true once for each wish.
+  bool take_report_wish() noexcept { return report_wished_.exchange(false, std::memory_order_acq_rel); }
+  EventRing& events() noexcept { return events_; }
+
+ private:
+  void begin_cycle() noexcept;
+  void sample_device() noexcept;
+  void receive_until(std::int64_t deadline_ns) noexcept;
+  void drain() noexcept;
+  void await_force(std::int64_t deadline_ns) noexcept;
+  void receive_one(std::int64_t deadline_ns) noexcept;
+  void hear(const PeerEvent& event, const Datagram& datagram) noexcept;
+  void hear_message(const PeerEvent& event, const Datagram& datagram) noexcept;
+  void on_force(const ForceCommand& command) noexcept;
+  void on_view(const ViewTransform& view) noexcept;
+  void on_drawn(const Drawn& drawn) noexcept;
+  void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
+  void on_settings(const Settings& settings, NodeRole role) noexcept;
+  void on_joined(const PeerEvent& event) noexcept;
+  void on_left(const PeerEvent& event) noexcept;
+  void write_force(const Vec3& force_n) noexcept;
+  void do_spare_work() noexcept;
+  void send_probe() noexcept;
+  void refresh_figures(std::int64_t now_ns) noexcept;
+  bool haptics_alive(std::int64_t now_ns) const noexcept;
+  void tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept;
+  std::int64_t period_ns() const noexcept;
+
+  static constexpr std::size_t kNobody = HubPeers::kCapacity;
+
+  Device& device_;
+  HubPeers& peers_;
+  const Clock& clock_;
+  EchoProbe* echo_;
+  ForceGuard guard_;
+  SampleLedger ledger_;
+  ServoStats stats_;
+  std::int64_t vision_period_ns_ = 0;
+
+  std::int64_t tick_ns_ = 0;
+  std::int64_t next_vision_ns_ = 0;
+  std::int64_t next_view_repeat_ns_ = 0;
+  std::int64_t next_figures_ns_ = 0;
+  std::int64_t figures_since_ns_ = 0;
+  std::uint64_t figures_samples_ = 0;
+
+  DeviceSample sample_;
+  std::uint64_t sample_number_ = 0;
+  Vec3 written_n_ = Vec3::Zero();
+  ForceCommand last_force_;
+  std::optional<ViewTransform> view_;
+  std::size_t hand_leader_ = kNobody;
+  ProbeState probe_;
+  Datagram incoming_;
+
+  EventRing events_;
+  Mailbox<ServoStats> snapshots_;
+  std::atomic<bool> snapshot_asked_{false};
+  std::atomic<bool> report_wished_{false};
+};
+
+}  // namespace hapton

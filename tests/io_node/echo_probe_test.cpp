@@ -1,0 +1,58 @@
+#include "io_node/echo_probe.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/io_node/scripted_endpoint.h"
+
+namespace hapton {
+namespace {
+
+const Address kResponder{{1}, 7};
+constexpr std::int64_t kUs = 1000;
+
+struct Probe : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  ScriptedEndpoint endpoint{clock};
+  EchoProbe probe{endpoint, clock, kResponder};
+  std::size_t bytes = 0;
+  void answer_after(std::int64_t delay_ns) {
+    endpoint.on_send_raw = [this, delay_ns](const Address& to, std::span<const std::byte> sent) {
+      bytes = sent.size();
+      endpoint.arrive_raw(clock.now_ns() + delay_ns, to, sent);
+    };
+  }
+};
+
+TEST_F(Probe, measures_the_round_trip_of_a_datagram_as_long_as_a_device_state) {
+  answer_after(20 * kUs);
+  for (int n = 0; n < 10; ++n) probe.probe(clock.now_ns() + 300 * kUs);
+  EXPECT_EQ(probe.counts().answered, 10U);
+  EXPECT_EQ(probe.round_trip().max_ns(), 20 * kUs);
+  EXPECT_GT(bytes, 70U);
+  EXPECT_LT(bytes, 150U);
+}
+
+TEST_F(Probe, a_late_answer_is_counted_and_not_taken_for_the_next_one) {
+  answer_after(500 * kUs);
+  const std::int64_t begin = clock.now_ns();
+  probe.probe(begin + 300 * kUs);
+  EXPECT_EQ(clock.now_ns(), begin + 300 * kUs);
+  answer_after(250 * kUs);
+  probe.probe(clock.now_ns() + 300 * kUs);
+  EXPECT_EQ(probe.counts().late, 1U);
+  EXPECT_EQ(probe.counts().answered, 1U);
+  EXPECT_EQ(probe.round_trip().max_ns(), 250 * kUs);
+}
+
+TEST_F(Probe, strangers_are_not_taken_for_the_responder) {
+  endpoint.on_send_raw = [this](const Address&, std::span<const std::byte> sent) {
+    endpoint.arrive_raw(clock.now_ns() + kUs, Address{{2}, 7}, sent);
+    endpoint.arrive_raw(clock.now_ns() + kUs, kResponder, sent.first(sent.size() - 1));
+  };
+  probe.probe(clock.now_ns() + 300 * kUs);
+  EXPECT_EQ(probe.counts().foreign, 2U);
+  EXPECT_EQ(probe.counts().answered, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <vector>
+
+#include "link/codec.h"
+#include "link/endpoint.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// The network end of a test that plays all the other nodes: what the hub sends is shown to on_send, what the test wants the hub to
+// receive is put on the agenda with its time of arrival. Waiting moves the simulated clock on.
+class ScriptedEndpoint final : public Endpoint {
+ public:
+  explicit ScriptedEndpoint(SimulatedClock& clock) : clock_(clock) {}
+
+  std::function<void(const Address& to, const Datagram&)> on_send;
+  // Of bytes that are no datagram of ours.
+  std::function<void(const Address& to, std::span<const std::byte>)> on_send_raw;
+
+  void arrive(std::int64_t when_ns, const Address& from, const Datagram& datagram) {
+    std::vector<std::byte> bytes(kMaxDatagramBytes);
+    bytes.resize(codec_.encode(datagram, bytes));
+    arrive_raw(when_ns, from, bytes);
+  }
+  void arrive_raw(std::int64_t when_ns, const Address& from, std::span<const std::byte> bytes) {
+    agenda_.push_back({when_ns, count_++, from, {bytes.begin(), bytes.end()}});
+    std::sort(agenda_.begin(), agenda_.end(), [](const Item& a, const Item& b) {
+      return a.when_ns != b.when_ns ? a.when_ns > b.when_ns : a.order > b.order;
+    });
+  }
+
+  bool send(const Address& to, std::span<const std::byte> bytes) noexcept override {
+    Datagram datagram;
+    if (on_send_raw) on_send_raw(to, bytes);
+    if (on_send && codec_.decode(bytes, datagram) == DecodeStatus::ok) on_send(to, datagram);
+    return true;
+  }
+
+  Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
+    const bool in_time = !agenda_.empty() && agenda_.back().when_ns <= std::max(deadline_ns, clock_.now_ns());
+    if (!in_time) {
+      clock_.sleep_until_ns(deadline_ns);
+      return {};
+    }
+    const Item item = agenda_.back();
+    agenda_.pop_back();
+    clock_.sleep_until_ns(item.when_ns);
+    std::memcpy(into.data(), item.bytes.data(), std::min(into.size(), item.bytes.size()));
+    return {item.bytes.size(), item.from};
+  }
+
+  Address local_address() const override { return {{}, 4950}; }
+
+ private:
+  struct Item {
+    std::int64_t when_ns;
+    int order;
+    Address from;
+    std::vector<std::byte> bytes;
+  };
+  SimulatedClock& clock_;
+  Codec codec_;
+  std::vector<Item> agenda_;
+  int count_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,454 @@
+#include "io_node/servo.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "io_node/devices/simulated_phantom.h"
+#include "tests/io_node/scripted_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kUs = 1000;
+constexpr std::uint64_t kSession = 77;
+
+// A device that stands still and remembers what was put on its motors.
+class BenchDevice final : public Device {
+ public:
+  struct Written {
+    Vec3 force_n;
+    std::int64_t time_ns;
+  };
+  BenchDevice() {
+    limits_ = {8.0, 2000.0, 1000.0, Vec3::Constant(-0.1), Vec3::Constant(0.1)};
+    written.reserve(100'000);
+  }
+  std::string_view name() const noexcept override { return "bench"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    reads.push_back(now_ns);
+    return {now_ns, place, Quat::Identity(), 5};
+  }
+  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override {
+    hand = p_WH;
+    return true;
+  }
+  Vec3 place = Vec3(0.01, 0.02, 0.03);
+  std::vector<Written> written;
+  std::vector<std::int64_t> reads;
+  std::optional<Vec3> hand;
+
+ private:
+  DeviceLimits limits_;
+};
+
+struct Servos : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  ScriptedEndpoint endpoint{clock};
+  BenchDevice device;
+  HubPeers peers{endpoint, clock, kSession, 1000.0};
+  std::unique_ptr<Servo> servo;
+  std::map<std::uint16_t, std::uint64_t> sequences;
+  // What the nodes heard.
+  std::vector<DeviceState> states;
+  std::vector<ProbeState> probes;
+  std::vector<ViewTransform> views;
+  std::vector<Settings> settings;
+  // How the haptics node answers; -1: not at all.
+  std::int64_t answer_delay_ns = 100 * kUs;
+  ForceCommand answer;
+
+  static Address at(std::uint16_t port) { return {{9}, port}; }
+  static constexpr std::uint16_t kHaptics = 1, kVision = 2, kTool = 3;
+
+  void SetUp() override {
+    answer.force_n = Vec3(0, 0, 2);
+    answer.contact = true;
+    answer.compute_ns = 7000;
+    answer.visual_offset_m = Vec3(0, 0, 0.001);
+    endpoint.on_send = [this](const Address& to, const Datagram& datagram) { hear(to, datagram); };
+  }
+
+  void make(Servo::Options options = {}, EchoProbe* echo = nullptr) { servo = std::make_unique<Servo>(device, peers, clock, options, echo); }
+
+  void hear(const Address&, const Datagram& datagram) {
+    if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
+      states.push_back(*state);
+      if (answer_delay_ns >= 0) force(*state, answer_delay_ns);
+    }
+    if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) probes.push_back(*probe);
+    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
+    if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
+  }
+
+  void force(const DeviceState& state, std::int64_t delay_ns) {
+    ForceCommand command = answer;
+    command.echo_sample = state.sample;
+    command.echo_sample_time_ns = state.sample_time_ns;
+    say(kHaptics, command, delay_ns);
+  }
+
+  // From the node at this port, to arrive after delay_ns. Sequences count in the order of saying.
+  void say(std::uint16_t port, const Message& message, std::int64_t delay_ns = 0) {
+    endpoint.arrive(clock.now_ns() + delay_ns, at(port), {{kSession, 1000ULL + port, ++sequences[port], clock.now_ns()}, message});
+  }
+  void join(std::uint16_t port, NodeRole role) { say(port, Hello{role}); }
+
+  void run(int cycles) {
+    for (int n = 0; n < cycles; ++n) {
+      if (n % 100 == 50) {
+        for (const auto& [port, unused] : std::map(sequences)) say(port, Hello{roles.at(port)});
+      }
+      servo->step();
+    }
+  }
+  const std::map<std::uint16_t, NodeRole> roles = {{kHaptics, NodeRole::haptics}, {kVision, NodeRole::vision}, {kTool, NodeRole::tool}};
+  const ServoStats& stats() { return servo->collect_stats(); }
+};
+
+TEST_F(Servos, ticks_on_absolute_time_and_writes_the_matching_force_at_once) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(500);
+  ASSERT_EQ(device.reads.size(), 500U);
+  for (std::size_t n = 1; n < 500; ++n) ASSERT_EQ(device.reads[n] - device.reads[0], static_cast<std::int64_t>(n) * kMs);
+  EXPECT_EQ(states.back().p_WD, device.place);
+  EXPECT_EQ(states.back().buttons, 5U);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().time_ns, states.back().sample_time_ns + 100 * kUs);
+  EXPECT_EQ(stats().round_trip.max_ns(), 100 * kUs);
+  EXPECT_EQ(stats().haptics_compute.max_ns(), 7 * kUs);
+  EXPECT_EQ(stats().wire.max_ns(), 93 * kUs);
+  EXPECT_EQ(stats().force_age.max_ns(), 100 * kUs);
+  EXPECT_EQ(stats().wake_lateness.max_ns(), 0);
+  EXPECT_EQ(stats().samples, 500U);
+  EXPECT_EQ(stats().forces, states.size());
+  EXPECT_EQ(stats().contact_samples, states.size());
+  EXPECT_EQ(stats().ledger.lost + stats().ledger.late + stats().missed_cycles, 0U);
+  EXPECT_NEAR(stats().seconds(), 0.5, 1e-12);
+}
+
+TEST_F(Servos, force_begins_with_a_ramp) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(52);
+  EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 0.1);
+}
+
+TEST_F(Servos, late_forces_are_counted_and_the_newest_wins) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = 1300 * kUs;
+  run(100);
+  EXPECT_NEAR(static_cast<double>(stats().ledger.late), 100.0, 2.0);
+  EXPECT_EQ(stats().round_trip.max_ns(), 1300 * kUs);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(stats().ledger.lost, 0U);
+}
+
+TEST_F(Servos, an_overtaken_force_is_not_written) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = -1;
+  servo->step();
+  const DeviceState slow = states.back();
+  servo->step();
+  force(states.back(), 0);
+  answer.force_n = Vec3(7, 0, 0);
+  force(slow, 100);
+  run(3);
+  EXPECT_EQ(device.written.back().force_n, Vec3(0, 0, 2));
+  EXPECT_EQ(stats().ledger.reordered, 1U);
+}
+
+TEST_F(Servos, silence_lets_go_and_the_force_ramps_back_in) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  answer_delay_ns = -1;
+  run(19);
+  EXPECT_NE(device.written.back().force_n, Vec3::Zero());
+  run(3);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_EQ(stats().guard.silences, 1U);
+  answer_delay_ns = 50 * kUs;
+  run(10);
+  EXPECT_LT(device.written.back().force_n.z(), 0.3);
+  run(120);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(stats().ledger.lost, 0U);  // they wait for the patience to end
+  run(250);
+  EXPECT_NEAR(static_cast<double>(stats().ledger.lost), 22.0, 1.0);
+}
+
+TEST_F(Servos, a_haptics_node_that_died_loses_nothing_and_its_successor_gets_the_view) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  ViewTransform view;
+  view.revision = 4;
+  view.X_WS[3] = 0.5F;
+  say(kVision, view);
+  run(300);
+  ASSERT_FALSE(views.empty());
+  EXPECT_EQ(views.front().X_WS[3], 0.5F);
+  EXPECT_EQ(probes.back().view_revision, 4U);
+  // Killed: neither answers nor heartbeats; then another at another port.
+  answer_delay_ns = -1;
+  sequences.erase(kHaptics);
+  run(1200);
+  EXPECT_EQ(stats().hub.timeouts, 1U);
+  views.clear();
+  answer_delay_ns = 100 * kUs;
+  sequences[kHaptics] = 0;
+  endpoint.arrive(clock.now_ns(), at(kHaptics), {{0, 2000, 1, 0}, Hello{NodeRole::haptics}});
+  servo->step();
+  EXPECT_EQ(views.size(), 1U);
+  run(300);
+  servo->finish();
+  EXPECT_EQ(stats().ledger.lost, 0U);
+  EXPECT_GT(stats().ledger.excused, 1000U);
+}
+
+TEST_F(Servos, a_slow_haptics_node_that_skips_samples_supersedes_them) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = -1;
+  run(4);
+  answer_delay_ns = 100 * kUs;
+  answer.skipped_samples = 4;
+  servo->step();
+  answer.skipped_samples = 0;
+  run(400);
+  EXPECT_EQ(stats().ledger.superseded, 4U);
+  EXPECT_EQ(stats().ledger.lost, 0U);
+}
+
+TEST_F(Servos, hostile_forces_never_reach_the_motors_as_they_are) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  for (const double bad : {1e8, -1e8, 1e9, 8.1}) {
+    answer.force_n = Vec3(bad, bad, -bad);
+    run(20);
+  }
+  Vec3 last = Vec3::Zero();
+  std::int64_t last_ns = 0;
+  for (const auto& written : device.written) {
+    ASSERT_TRUE(written.force_n.allFinite());
+    ASSERT_LE(written.force_n.norm(), 8.0);
+    const double reach_n = last_ns > 0 ? 2000.0e-9 * static_cast<double>(written.time_ns - last_ns) : 8.0;
+    ASSERT_LE((written.force_n - last).norm(), reach_n + 1e-9);
+    last = written.force_n;
+    last_ns = written.time_ns;
+  }
+  EXPECT_GT(stats().guard.clamped, 60U);
+  EXPECT_GT(stats().guard.slewed, 0U);
+}
+
+TEST_F(Servos, duplicates_and_forged_echoes_are_ignored) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  const std::size_t written = device.written.size();
+  ForceCommand forged = answer;
+  forged.force_n = Vec3(8, 0, 0);
+  forged.echo_sample = states.back().sample;
+  forged.echo_sample_time_ns = states.back().sample_time_ns;
+  say(kHaptics, forged);
+  forged.echo_sample += 100;
+  say(kHaptics, forged);
+  forged.echo_sample_time_ns = std::numeric_limits<std::int64_t>::max();
+  say(kHaptics, forged);
+  answer_delay_ns = -1;
+  servo->step();
+  EXPECT_EQ(device.written.size(), written);
+  EXPECT_EQ(stats().ledger.duplicate, 1U);
+  EXPECT_EQ(stats().ledger.unknown, 2U);
+}
+
+TEST_F(Servos, vision_hears_the_probe_at_its_rate_with_offset_and_figures) {
+  make({.vision_rate_hz = 50.0});
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 50.0, 2.0);
+  const ProbeState& probe = probes.back();
+  EXPECT_EQ(probe.visual_offset_m, answer.visual_offset_m);
+  EXPECT_TRUE(probe.contact);
+  EXPECT_EQ(probe.force_n, answer.force_n);
+  EXPECT_NEAR(probe.servo_rate_hz, 1000.0, 5.0);
+  EXPECT_NEAR(probe.round_trip_p50_us, 100.0, 2.0);
+  EXPECT_EQ(stats().probe_states_sent, probes.size());
+}
+
+TEST_F(Servos, vision_is_served_without_haptics_too) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 240.0, 5.0);
+  EXPECT_FALSE(probes.back().contact);
+}
+
+TEST_F(Servos, drawn_gives_the_age_of_the_picture) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(100);
+  const ProbeState probe = probes.back();
+  say(kVision, Drawn{probe.sample, probe.sample_time_ns, 57.0F}, 15 * kMs);
+  say(kVision, Drawn{probe.sample + 1'000'000, probe.sample_time_ns, 57.0F}, 15 * kMs);
+  say(kVision, Drawn{probe.sample, -5, 57.0F}, 15 * kMs);
+  const std::int64_t expected = clock.now_ns() + 15 * kMs - probe.sample_time_ns;
+  run(30);
+  EXPECT_EQ(stats().drawn, 1U);
+  EXPECT_EQ(stats().device_to_drawn.max_ns(), expected);
+  EXPECT_EQ(stats().frame_rate_hz, 57.0);
+}
+
+TEST_F(Servos, rate_changes_while_running_and_nonsense_is_refused) {
+  make();
+  join(kTool, NodeRole::tool);
+  run(10);
+  for (const double rate : {249.0, 10'001.0, -1.0, 1e300}) say(kTool, Settings{rate, {}, false});
+  servo->step();
+  EXPECT_EQ(servo->rate_hz(), 1000.0);
+  EXPECT_GE(stats().bad_settings + stats().hub.undecodable, 4U);
+  say(kTool, Settings{4000.0, {}, false});
+  run(3);
+  EXPECT_EQ(servo->rate_hz(), 4000.0);
+  device.reads.clear();
+  run(20);
+  for (std::size_t n = 1; n < device.reads.size(); ++n) ASSERT_EQ(device.reads[n] - device.reads[n - 1], 250 * kUs);
+  ServoEvent event;
+  ASSERT_TRUE(servo->events().pop(event));
+  EXPECT_EQ(event.kind, ServoEvent::Kind::joined);
+  ASSERT_TRUE(servo->events().pop(event));
+  EXPECT_EQ(event.rate_hz, 4000.0);
+}
+
+TEST_F(Servos, a_method_goes_on_to_haptics_and_a_report_wish_to_the_other_thread) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  Settings wish;
+  std::copy_n("sweep", 5, wish.method.begin());
+  wish.report_now = true;
+  run(5);
+  say(kTool, wish);
+  run(2);
+  ASSERT_EQ(settings.size(), 1U);
+  EXPECT_STREQ(settings[0].method.data(), "sweep");
+  EXPECT_EQ(settings[0].servo_rate_hz, 0.0);
+  EXPECT_FALSE(settings[0].report_now);
+  EXPECT_TRUE(servo->take_report_wish());
+  EXPECT_FALSE(servo->take_report_wish());
+  servo->ask_for_snapshot();
+  EXPECT_FALSE(servo->take_snapshot());
+  servo->step();
+  ASSERT_TRUE(servo->take_snapshot());
+  EXPECT_EQ(servo->snapshot().samples, 8U);
+}
+
+TEST_F(Servos, the_mouse_leads_the_hand_until_it_lets_go_or_leaves) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(2);
+  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  run(2);
+  ASSERT_TRUE(device.hand);
+  EXPECT_EQ(*device.hand, Vec3(0.01, 0, 0));
+  say(kVision, HandTarget{});
+  run(2);
+  EXPECT_FALSE(device.hand);
+  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  run(2);
+  ASSERT_TRUE(device.hand);
+  say(kVision, Bye{});
+  run(2);
+  EXPECT_FALSE(device.hand);
+}
+
+TEST_F(Servos, a_cycle_that_comes_too_late_skips_whole_periods_and_counts_them) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  const std::int64_t before = device.reads.back();
+  clock.advance_ns(7 * kMs + 300 * kUs);
+  run(5);
+  // A cycle is over when its force is written, 100 us after its tick: the next tick was missed by 6.4 ms.
+  EXPECT_EQ(stats().missed_cycles, 6U);
+  EXPECT_EQ(stats().wake_lateness.max_ns(), 6400 * kUs);
+  const std::size_t n = device.reads.size();
+  EXPECT_EQ(device.reads[n - 1] - before, 11 * kMs);
+  EXPECT_EQ(device.reads[n - 1] - device.reads[n - 2], kMs);
+  EXPECT_NEAR(stats().seconds(), 0.111, 1e-12);
+}
+
+TEST_F(Servos, a_flood_of_rubbish_does_not_hold_up_the_loop) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  // More than a late loop looks at in a cycle, all of it there already, and the clock stands still while it is read.
+  const std::byte rubbish[] = {std::byte{1}, std::byte{2}, std::byte{3}};
+  clock.advance_ns(5 * kMs);
+  for (int n = 0; n < 500; ++n) endpoint.arrive_raw(clock.now_ns(), at(66), rubbish);
+  const std::size_t reads = device.reads.size();
+  const std::uint64_t heard = stats().hub.undecodable;
+  servo->step();
+  EXPECT_EQ(device.reads.size(), reads + 1);
+  run(100);
+  EXPECT_EQ(stats().hub.undecodable, heard + 500);
+  EXPECT_EQ(stats().guard.silences, 0U);
+}
+
+TEST_F(Servos, echo_is_measured_halfway_and_leaves_the_force_path_alone) {
+  ScriptedEndpoint echo_endpoint(clock);
+  const Address responder{{5}, 5};
+  std::vector<std::int64_t> sent;
+  echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
+    sent.push_back(clock.now_ns());
+    if (sent.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, bytes);
+  };
+  EchoProbe echo(echo_endpoint, clock, responder);
+  make({}, &echo);
+  join(kHaptics, NodeRole::haptics);
+  run(500);
+  EXPECT_EQ(stats().round_trip.max_ns(), 100 * kUs);
+  EXPECT_EQ(stats().wake_lateness.max_ns(), 0);
+  EXPECT_EQ(stats().missed_cycles, 0U);
+  EXPECT_EQ(sent.size(), 500U);
+  for (std::size_t n = 0; n < sent.size(); ++n) ASSERT_EQ(sent[n] - device.reads[n], 500 * kUs);
+  EXPECT_EQ(stats().echo.answered, 450U);
+  EXPECT_EQ(stats().bare_echo.max_ns(), 30 * kUs);
+}
+
+TEST_F(Servos, finish_lets_the_device_go) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  servo->finish();
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_EQ(stats().ledger.lost, 0U);
+  EXPECT_NEAR(stats().seconds(), 0.3, 1e-12);
+}
+
+TEST_F(Servos, tighter_limits_hold) {
+  make({.max_force_n = 1.5});
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_NEAR(device.written.back().force_n.z(), 1.5, 1e-9);
+}
+
+}  // namespace
+}  // namespace hapton
