@@ -1,0 +1,112 @@
+#include "core/geometry/touch_trajectory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+#include "core/geometry/closest_point.h"
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+double distance_to(const TriangleMesh& mesh, const Vec3& p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) nearest = std::min(nearest, closest_point(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2), p).distance);
+  return nearest;
+}
+
+TEST(TouchTrajectory, SlideIsOfTheKindThePeersWereMeasuredWith) {
+  const TriangleMesh mesh = make_icosphere(0.05, 5);
+  const auto slide = make_slide_trajectory(mesh, {.seed = 3});
+  ASSERT_TRUE(slide.has_value());
+  ASSERT_EQ(slide->p_SD.size(), 20000u);
+  EXPECT_EQ(slide->reset_every, 4000u);
+  for (std::size_t segment = 0; segment < 5; ++segment) {
+    const Vec3* rows = &slide->p_SD[segment * 4000];
+    EXPECT_NEAR(rows[0].norm(), 0.05 + 0.005, 2e-4);
+    EXPECT_NEAR(rows[199].norm(), 0.05 - 0.0015, 1e-4);
+    double shallow = 1.0, deep = 0.0;
+    for (int i = 300; i < 4000; ++i) {
+      ASSERT_LT((rows[i] - rows[i - 1]).norm(), 1.6e-4);
+      shallow = std::min(shallow, 0.05 - rows[i].norm());
+      deep = std::max(deep, 0.05 - rows[i].norm());
+    }
+    EXPECT_NEAR(shallow, 0.001, 1e-4);
+    EXPECT_NEAR(deep, 0.002, 1e-4);
+    double way = 0.0;
+    for (int i = 1000; i < 3000; ++i) way += (rows[i] - rows[i - 1]).norm();
+    EXPECT_NEAR(way / 2.0, 0.1, 0.01);  // m/s
+  }
+}
+
+TEST(TouchTrajectory, LengthsFollowTheMeshAndSeedsMatter) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.2, 1000, 1);
+  const auto one = make_slide_trajectory(mesh, {.seed = 5, .rows = 5000});
+  const auto same = make_slide_trajectory(mesh, {.seed = 5, .rows = 5000});
+  const auto other = make_slide_trajectory(mesh, {.seed = 6, .rows = 5000});
+  const auto large = make_slide_trajectory(scaled_and_moved(mesh, 1024.0, Vec3::Zero()), {.seed = 5, .rows = 5000});
+  EXPECT_EQ(one->p_SD, same->p_SD);
+  EXPECT_NE(one->p_SD, other->p_SD);
+  for (std::size_t i = 0; i < one->p_SD.size(); ++i) ASSERT_LT((1024.0 * one->p_SD[i] - large->p_SD[i]).norm(), 1e-6);
+}
+
+TEST(TouchTrajectory, FreeNeverTouches) {
+  for (const TriangleMesh& mesh : {make_icosphere(0.05, 4), make_box(Vec3(0.1, 0.05, 0.03)), make_torus(0.04, 0.01, 40, 20), make_gutter(0.1, 0.03, 0.6, 3)}) {
+    const auto free = make_free_trajectory(mesh, {.seed = 2, .rows = 4000});
+    ASSERT_TRUE(free.has_value());
+    for (std::size_t i = 0; i < free->p_SD.size(); i += 10) ASSERT_GT(distance_to(mesh, free->p_SD[i]), 0.0005);
+  }
+}
+
+TEST(TouchTrajectory, FreeOrbitsASphereAtOneToElevenMillimetres) {
+  const TriangleMesh mesh = make_icosphere(0.05, 4);
+  const auto free = make_free_trajectory(mesh, {.seed = 2, .rows = 8000});
+  double low = 1.0, high = 0.0;
+  for (const Vec3& p : free->p_SD) {
+    low = std::min(low, p.norm() - 0.05);
+    high = std::max(high, p.norm() - 0.05);
+  }
+  EXPECT_NEAR(low, 0.001, 3e-4);
+  EXPECT_NEAR(high, 0.011, 3e-4);
+  EXPECT_LT((free->p_SD[0] - free->p_SD[4000]).norm(), 0.011);
+}
+
+TEST(TouchTrajectory, TapsEndInsideAndStartOutside) {
+  const TriangleMesh mesh = make_icosphere(0.05, 3);
+  const auto taps = make_tap_trajectory(mesh, {.seed = 2, .rows = 4000});
+  ASSERT_EQ(taps->reset_every, 40u);
+  for (std::size_t i = 0; i < 4000; i += 40) {
+    EXPECT_NEAR(distance_to(mesh, taps->p_SD[i]), 0.005, 5e-4);
+    EXPECT_NEAR(distance_to(mesh, taps->p_SD[i + 20]), 0.0015, 2e-4);
+    EXPECT_LT(taps->p_SD[i + 20].norm(), 0.049);
+  }
+}
+
+TEST(TouchTrajectory, RandomWalkStaysNearAndVisitsTheInside) {
+  const TriangleMesh mesh = make_icosphere(0.05, 3);
+  const auto walk = make_random_walk(mesh, {.seed = 2});
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < walk->p_SD.size(); ++i) {
+    ASSERT_LE(walk->p_SD[i].cwiseAbs().maxCoeff(), 0.066);
+    if (i > 0) {
+      ASSERT_LT((walk->p_SD[i] - walk->p_SD[i - 1]).norm(), 2.5e-3);
+    }
+    inside += walk->p_SD[i].norm() < 0.05;
+  }
+  EXPECT_GT(inside, 2000u);
+  EXPECT_LT(inside, 18000u);
+}
+
+TEST(TouchTrajectory, RefusesMeshesWithoutArea) {
+  EXPECT_FALSE(make_slide_trajectory(TriangleMesh{}, {}).has_value());
+  TriangleMesh line;
+  line.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  line.triangles = {{0, 1, 2}};
+  EXPECT_FALSE(make_free_trajectory(line, {}).has_value());
+}
+
+}  // namespace
+}  // namespace hapton
