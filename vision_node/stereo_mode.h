@@ -8,9 +8,9 @@
 
 namespace hapton {
 
-// How the two eyes' pictures share the window. side_by_side is ours (two viewports, each with its own aspect); all others but mono
-// are VTK's compositing, fed with our per-eye matrices. split_viewport is VTK's half-width side by side, as 3D televisions stretch it.
-// fake and emulate are VTK's: the left eye alone, and the two eyes in turn, one a picture.
+// How the two eyes' pictures share the window. side_by_side is ours (two viewports, each with its own aspect), and so is emulate (the eyes
+// in turn, one a picture; VTK 9.1's own draws both and leaves the right one). All others but mono are VTK's compositing, fed with our
+// per-eye matrices: split_viewport is its half-width side by side, as 3D televisions stretch it, fake the left eye alone.
 enum class StereoMode {
   automatic,
   mono,

@@ -41,7 +41,7 @@ int vtk_stereo_type(StereoMode mode) {
     case StereoMode::checkerboard: return VTK_STEREO_CHECKERBOARD;
     case StereoMode::split_viewport: return VTK_STEREO_SPLITVIEWPORT_HORIZONTAL;
     case StereoMode::fake: return VTK_STEREO_FAKE;
-    case StereoMode::emulate: return VTK_STEREO_EMULATE;
+    case StereoMode::emulate:
     case StereoMode::automatic:
     case StereoMode::mono:
     case StereoMode::side_by_side: return 0;
@@ -322,6 +322,10 @@ void StereoView::set_cull(bool cull) {
 }
 
 void StereoView::draw() {
+  if (window_->mode == StereoMode::emulate) {
+    Eye& eye = window_->eyes.front()->eye;
+    eye = eye == Eye::left ? Eye::right : Eye::left;
+  }
   window_->window->Render();
   window_->window->WaitForCompletion();
 }

@@ -24,6 +24,6 @@ int main(int argc, char** argv) {
   }
   testing::InitGoogleTest(&argc, argv);
   // Held while the tests open and close their own, so that a virtual display does not reset itself in between.
-  const auto display = hapton::DisplayConnection::open();
+  const auto connection = hapton::DisplayConnection::open();
   return RUN_ALL_TESTS();
 }
