@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <cstdio>
+
 #include "haptics_node/answer_loop.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
@@ -44,6 +46,9 @@ int run(const HapticsOptions& options) {
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   log_info("{}", realtime->to_text());
+
+  fmt::print("ready, hub {}\n", to_string(*hub));
+  std::fflush(stdout);
 
   loop.run(stop, options.seconds);
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times()));

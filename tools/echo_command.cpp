@@ -1,0 +1,50 @@
+#include "tools/echo_command.h"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "link/bare_echo_endpoint.h"
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
+
+namespace hapton {
+namespace {
+
+struct EchoOptions {
+  std::string bind;
+  double seconds = 0.0;
+};
+
+int run(const EchoOptions& options) {
+  auto echo = BareEchoEndpoint::open(options.bind);
+  if (!echo) {
+    fmt::print(stderr, "hapton echo: {}\n", echo.error().what);
+    return 1;
+  }
+  fmt::print("echo at {}\n", to_string(echo->local_address()));
+  std::fflush(stdout);
+  const StopSignal stop;
+  const SteadyClock clock;
+  const double end_ns = static_cast<double>(clock.now_ns()) + 1e9 * options.seconds;
+  while (!stop.stop_requested() && (options.seconds <= 0.0 || static_cast<double>(clock.now_ns()) < end_ns)) {
+    echo->serve_one();
+  }
+  fmt::print("{} datagrams returned\n", echo->served());
+  return 0;
+}
+
+}  // namespace
+
+void add_echo_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<EchoOptions>();
+  CLI::App* command = app.add_subcommand("echo", "Return every UDP datagram to its sender: the bare round trip of machine and network");
+  command->add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one")->required();
+  command->add_option("--seconds", options->seconds, "End after this long, 0: when stopped")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton

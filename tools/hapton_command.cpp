@@ -1,0 +1,70 @@
+#include "tools/hapton_command.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/near_miss.h"
+#include "tools/echo_command.h"
+#include "tools/info_command.h"
+#include "tools/latency_command.h"
+#include "tools/plot_command.h"
+#include "tools/replay_command.h"
+#include "tools/set_command.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kBadCommandLine = 2;
+
+// True when the first word is meant as a command but is none; says so, with what may have been meant.
+bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2 || argv[1][0] == '-') {
+    return false;
+  }
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    names.push_back(command->get_name());
+  }
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  if (std::find(known.begin(), known.end(), argv[1]) != known.end()) {
+    return false;
+  }
+  fmt::print(stderr, "hapton: unknown command '{}'{}\n", argv[1], near_miss_hint(argv[1], known));
+  return true;
+}
+
+}  // namespace
+
+int run_hapton_command(int argc, const char* const* argv) {
+  int exit_code = 0;
+  CLI::App app{"Hapton: replay, measure and change a haptic system from the command line.", "hapton"};
+  app.set_version_flag("--version", "hapton " HAPTON_VERSION);
+  app.require_subcommand(1);
+  add_echo_command(app, exit_code);
+  add_info_command(app, exit_code);
+  add_latency_command(app, exit_code);
+  add_plot_command(app, exit_code);
+  add_replay_command(app, exit_code);
+  add_set_command(app, exit_code);
+  if (argc < 2) {
+    fmt::print("{}", app.help());
+    return kBadCommandLine;
+  }
+  if (refuse_unknown(app, argc, argv)) {
+    return kBadCommandLine;
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadCommandLine;
+  }
+  return exit_code;
+}
+
+}  // namespace hapton

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// The durations of one hop, as counts in buckets [lower, upper), lowest first.
+struct HopCounts {
+  struct Bucket {
+    std::int64_t lower_ns = 0;
+    std::int64_t upper_ns = 0;
+    std::uint64_t count = 0;
+  };
+
+  std::string name;  // lower_snake
+  std::vector<Bucket> buckets;
+
+  std::uint64_t total() const;
+  // Upper end of the bucket in which that share (0 .. 1) of all durations is reached. Pre: total() > 0.
+  double quantile_us(double share) const;
+};
+
+// Reads latency.csv (header hop,lower_ns,upper_ns,count; the rows of a hop stand together, rising). Hops in the file's order; one without a
+// duration is left out.
+// Error: one line with the file and the line in it. RT: set-up only.
+Result<std::vector<HopCounts>> read_latency_csv(const std::filesystem::path& path);
+Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::string_view name);
+
+}  // namespace hapton

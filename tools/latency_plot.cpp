@@ -1,0 +1,112 @@
+#include "tools/latency_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <system_error>
+
+#include "tools/child_process.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::string_view kEcho = "bare_echo";
+constexpr double kDrawSeconds = 60.0;
+constexpr int kNotFound = 127;  // what posix_spawnp's child exits with when there is no such program
+
+std::string title_of(const HopCounts& hop) {
+  std::string words = hop.name;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return fmt::format("{}  (p50 {:.4g}, p99 {:.4g} us, n {})", words, hop.quantile_us(0.5), hop.quantile_us(0.99), hop.total());
+}
+
+// Points (us, share slower): at a bucket's upper end all that lie above it are slower.
+std::string data_of(const HopCounts& hop, std::size_t index) {
+  std::string text = fmt::format("$hop{} << EOD\n", index);
+  const double total = static_cast<double>(hop.total());
+  double slower = total;
+  fmt::format_to(std::back_inserter(text), "{} 1\n", std::max(1e-3, 1e-3 * static_cast<double>(hop.buckets.front().lower_ns)));
+  for (const HopCounts::Bucket& bucket : hop.buckets) {
+    const double before = slower;
+    slower -= static_cast<double>(bucket.count);
+    const double us = 1e-3 * static_cast<double>(bucket.upper_ns);
+    // The last sample has none above it, and nothing is not on a logarithmic axis: its curve ends at the share it is itself.
+    fmt::format_to(std::back_inserter(text), "{} {}\n", us, slower > 0 ? slower / total : before / total);
+  }
+  return text + "EOD\n";
+}
+
+struct Range {
+  double low_us;
+  double high_us;
+  double least_share;
+};
+
+// Whole decades around all curves.
+Range find_range(std::span<const HopCounts> hops) {
+  double low = 1e12;
+  double high = 1e-3;
+  std::uint64_t most = 10;
+  for (const HopCounts& hop : hops) {
+    low = std::min(low, 1e-3 * static_cast<double>(hop.buckets.front().lower_ns));
+    high = std::max(high, 1e-3 * static_cast<double>(hop.buckets.back().upper_ns));
+    most = std::max(most, hop.total());
+  }
+  return {std::pow(10.0, std::floor(std::log10(std::max(low, 1e-2)))), std::pow(10.0, std::ceil(std::log10(high))),
+          std::pow(10.0, -std::ceil(std::log10(static_cast<double>(most))))};
+}
+
+}  // namespace
+
+std::string make_latency_plot(std::span<const HopCounts> hops, const std::string& picture) {
+  static constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f"};
+  std::string script;
+  for (std::size_t i = 0; i < hops.size(); ++i) {
+    script += data_of(hops[i], i);
+  }
+  const Range range = find_range(hops);
+  script += fmt::format(
+      "set terminal pngcairo size 1280,{} font 'sans,12'\n"
+      "set output '{}'\n"
+      "set title 'Latency: how many samples take longer than that'\n"
+      "set xlabel 'latency, us'\nset ylabel 'share of samples that took longer'\n"
+      "set logscale xy\nset xrange [{}:{}]\nset yrange [{}:1]\n"
+      "set format x '%g'\nset format y '10^{{%T}}'\nset mytics 10\nset mxtics 10\n"
+      "set grid xtics ytics mxtics linetype 1 linecolor rgb '#c8c8c8', linetype 1 linecolor rgb '#ececec'\n"
+      "set key below left Left reverse samplen 3 maxcols 2\n"
+      "plot ",
+      660 + 12 * hops.size(), picture, range.low_us, range.high_us, range.least_share);
+  for (std::size_t i = 0; i < hops.size(); ++i) {
+    const bool echo = hops[i].name == kEcho;
+    script += fmt::format("{}$hop{} using 1:2 with lines linewidth 2.5 {} linecolor rgb '{}' title '{}'", i == 0 ? "" : ", ", i,
+                          echo ? "dashtype 2" : "dashtype 1", echo ? "#000000" : kColors[i % kColors.size()], title_of(hops[i]));
+  }
+  return script + "\n";
+}
+
+Result<std::filesystem::path> draw_latency_plot(const std::filesystem::path& folder) {
+  const auto hops = read_latency_csv(folder / "latency.csv");
+  if (!hops) {
+    return tl::unexpected(hops.error());
+  }
+  const std::string part = "latency.png.part";
+  auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {"-e", make_latency_plot(*hops, part)}, .folder = folder, .output = {}});
+  const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
+  if (code == kNotFound) {
+    return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
+  }
+  if (code != 0) {
+    return fail("gnuplot could not draw {}; what it said stands above", (folder / "latency.png").string());
+  }
+  std::error_code error;
+  std::filesystem::rename(folder / part, folder / "latency.png", error);
+  if (error) {
+    return fail("{}: cannot be written: {}", (folder / "latency.png").string(), error.message());
+  }
+  return folder / "latency.png";
+}
+
+}  // namespace hapton

@@ -1,0 +1,7 @@
+#include "runtime/cpu_check.h"
+#include "tools/hapton_command.h"
+
+int main(int argc, char** argv) {
+  hapton::check_cpu("hapton");
+  return hapton::run_hapton_command(argc, argv);
+}

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/force/touch_step.h"
+#include "runtime/clock.h"
+#include "runtime/trajectory_csv.h"
+
+namespace hapton {
+
+// One step of a replay. Frame W, SI.
+struct ReplayRow {
+  double t_s = 0.0;
+  Vec3 p_WD = Vec3::Zero();
+  Vec3 p_WP = Vec3::Zero();     // proxy
+  Vec3 force_n = Vec3::Zero();
+  bool contact = false;
+  std::int64_t step_ns = 0;     // least of all repetitions, what reading the clock costs taken off
+};
+
+struct ReplaySettings {
+  std::size_t reset_every = 0;  // 0: only before the first row
+  std::size_t repeat = 1;
+};
+
+struct Replay {
+  std::vector<ReplayRow> rows;
+  std::int64_t clock_cost_ns = 0;     // taken off every step
+  std::size_t rows_that_differ = 0;   // felt otherwise in a repetition than at first; 0 for a method that forgets all on reset
+};
+
+// Drives the step along the trajectory, row by row, as often as asked; every repetition begins with a reset.
+// RT: set-up only. Pre: repeat >= 1.
+Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
+
+// Writes t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns with all digits of every number.
+// Error: one line with the path.
+Result<void> write_replay_csv(const std::filesystem::path& path, std::span<const ReplayRow> rows);
+
+}  // namespace hapton

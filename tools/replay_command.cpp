@@ -1,0 +1,170 @@
+#include "tools/replay_command.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/collision/grid_division.h"
+#include "runtime/trajectory_csv.h"
+#include "scene/scene_file.h"
+#include "tools/replay.h"
+
+namespace hapton {
+namespace {
+
+struct ReplayOptions {
+  std::string mesh;
+  std::string scene;
+  std::string unit;
+  std::string trajectory;
+  std::string out;
+  std::string grid = "32";
+  MethodSettings method;
+  std::optional<double> stiffness_n_per_m;
+  std::optional<double> friction_static;
+  std::optional<double> friction_dynamic;
+  ReplaySettings replay;
+};
+
+Result<Scene> load(const ReplayOptions& options) {
+  if (!options.scene.empty()) {
+    if (!options.unit.empty()) {
+      return fail("--unit goes with --mesh; a scene file names the units of its meshes itself");
+    }
+    return load_scene(options.scene);
+  }
+  std::optional<Unit> unit;
+  if (!options.unit.empty()) {
+    const auto parsed = parse_unit(options.unit);
+    if (!parsed) {
+      return tl::unexpected(parsed.error());
+    }
+    unit = *parsed;
+  }
+  return load_scene(options.mesh, unit);
+}
+
+// What the command line says about the material holds for every object of the scene.
+Result<TouchScene> make_scene(const ReplayOptions& options, const Scene& scene) {
+  TouchScene touch = scene.touch_scene();
+  for (TouchObject& object : touch.objects) {
+    Material& material = object.material;
+    material.stiffness_n_per_m = options.stiffness_n_per_m.value_or(material.stiffness_n_per_m);
+    material.friction_static = options.friction_static.value_or(material.friction_static);
+    material.friction_dynamic = options.friction_dynamic.value_or(material.friction_dynamic);
+    if (material.friction_dynamic > material.friction_static) {
+      return fail("dynamic friction {} is above static friction {}; give --friction-static at least as much", material.friction_dynamic,
+                  material.friction_static);
+    }
+  }
+  return touch;
+}
+
+std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction) {
+  const auto nth = times.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(times.size() - 1));
+  std::nth_element(times.begin(), nth, times.end());
+  return *nth;
+}
+
+std::string step_times(std::vector<std::int64_t> times) {
+  if (times.empty()) {
+    return "none";
+  }
+  return fmt::format("p50 {} / p99 {} / worst {} ns", quantile_ns(times, 0.5), quantile_ns(times, 0.99), quantile_ns(times, 1.0));
+}
+
+void print_summary(const Replay& replay, const ReplaySettings& settings) {
+  std::vector<std::int64_t> all;
+  std::vector<std::int64_t> contact;
+  double max_force_n = 0.0;
+  for (const ReplayRow& row : replay.rows) {
+    all.push_back(row.step_ns);
+    if (row.contact) {
+      contact.push_back(row.step_ns);
+    }
+    max_force_n = std::max(max_force_n, row.force_n.norm());
+  }
+  fmt::print("replay: {} steps, {} in contact, force max {:.6g} N\n", all.size(), contact.size(), max_force_n);
+  fmt::print("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
+             step_times(all), step_times(contact));
+  if (replay.rows_that_differ > 0) {
+    fmt::print("note: {} steps felt otherwise in a repetition than at first\n", replay.rows_that_differ);
+  }
+}
+
+Result<void> replay(ReplayOptions& options) {
+  const auto division = parse_grid_division(options.grid);
+  if (!division) {
+    return tl::unexpected(division.error());
+  }
+  options.method.grid_division = *division;
+  const auto trajectory = read_trajectory_csv(options.trajectory);
+  if (!trajectory) {
+    return tl::unexpected(trajectory.error());
+  }
+  const auto scene = load(options);
+  if (!scene) {
+    return tl::unexpected(scene.error());
+  }
+  const auto touch_scene = make_scene(options, *scene);
+  if (!touch_scene) {
+    return tl::unexpected(touch_scene.error());
+  }
+  auto method = make_method(options.method, *touch_scene);
+  if (!method) {
+    return tl::unexpected(method.error());
+  }
+  for (const std::string& note : scene->notes) {
+    fmt::print("{}\n", note);
+  }
+  TouchStep touch(std::move(*method));
+  SteadyClock clock;
+  const Replay done = run_replay(touch, *trajectory, options.replay, clock);
+  fmt::print("{}", touch.method().describe());
+  print_summary(done, options.replay);
+  return write_replay_csv(options.out, done.rows);
+}
+
+int run(ReplayOptions& options) {
+  const auto done = replay(options);
+  if (!done) {
+    fmt::print(stderr, "hapton replay: {}\n", done.error().what);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand("replay", "Drive the haptic step along a trajectory and write what it felt");
+  auto* source = command->add_option_group("what is touched")->require_option(1);
+  source->add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
+  source->add_option("--scene", options->scene, "Scene file (TOML)");
+  command->add_option("--unit", options->unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
+  command->add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz], one row a step")->required();
+  command->add_option("--out", options->out, "CSV to write")->required();
+  command->add_option("--method", options->method.name, "Force method, one of: " + method_names())->capture_default_str();
+  command->add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)")->check(CLI::PositiveNumber);
+  command->add_option("--probe-radius", options->method.probe_radius_m, "Metres; 0 is a point (sweep knows no other)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one")->check(CLI::NonNegativeNumber);
+  command->add_option("--reset-every", options->replay.reset_every, "Forget all contact before rows 0, N, 2N ...; 0: before row 0 only")
+      ->capture_default_str();
+  command->add_option("--repeat", options->replay.repeat, "Run it so many times; step_ns is the least of all")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--grid", options->grid, "sweep: cells along each axis, N or NxNxN")->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton
