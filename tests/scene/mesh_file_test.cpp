@@ -207,18 +207,28 @@ TEST(MeshFile, StandsDamage) {
       for (unsigned k = 0; k < hits; ++k) {
         const std::size_t at = random() % damaged.size();
         switch (random() % 4) {
-          case 0: damaged[at] = static_cast<char>(random()); break;
-          case 1: damaged[at] = "0123456789-.eE[]{},:\"\n "[random() % 23]; break;
-          case 2: damaged.erase(at, 1 + random() % 8); break;
-          default: damaged.insert(at, damaged.substr(random() % damaged.size(), random() % 16)); break;
+          case 0:
+            damaged[at] = static_cast<char>(random());
+            break;
+          case 1:
+            damaged[at] = "0123456789-.eE[]{},:\"\n "[random() % 23];
+            break;
+          case 2:
+            damaged.erase(at, 1 + random() % 8);
+            break;
+          default:
+            damaged.insert(at, damaged.substr(random() % damaged.size(), random() % 16));
+            break;
         }
         if (damaged.empty()) damaged = "x";
       }
       const auto path = folder.write(sample.name, damaged);
       const auto file = load_mesh_file(path);
       ++(file ? read : refused);
-      if (file) expect_sound(file->mesh);
-      else expect_clear(file.error(), path);
+      if (file)
+        expect_sound(file->mesh);
+      else
+        expect_clear(file.error(), path);
     }
   }
   EXPECT_GT(read, 100);

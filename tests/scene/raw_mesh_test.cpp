@@ -27,8 +27,9 @@ std::vector<std::string> part_names(const RawMesh& raw) {
 }
 
 TEST(ReadObj, TakesAllWaysToWriteAFace) {
-  const auto raw = read_obj(kThree + "v 1 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2/1 3/1\nf 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 3//1\n"
-                                     "f -4 -3 -2 # a comment\nf 1 2 \\\n 3\r\n\tf +1 2 4 3\n");
+  const auto raw = read_obj(kThree +
+                            "v 1 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 3\nf 1/1 2/1 3/1\nf 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 3//1\n"
+                            "f -4 -3 -2 # a comment\nf 1 2 \\\n 3\r\n\tf +1 2 4 3\n");
   ASSERT_TRUE(raw) << raw.error().what;
   ASSERT_THAT(raw->mesh.triangles, SizeIs(8));
   for (int t = 0; t < 6; ++t) EXPECT_EQ(raw->mesh.triangles[t], (Triangle{0, 1, 2})) << t;
@@ -167,7 +168,8 @@ TEST(ReadGltf, TellsWhatIsWrong) {
   EXPECT_THAT(gltf_with("\"byteOffset\":48", "\"byteOffset\":480"), HasSubstr("cut short"));
   EXPECT_THAT(gltf_with("base64,", "base64,!"), HasSubstr("not base64"));
   EXPECT_THAT(gltf_with("data:application", "http://application"), HasSubstr("on the network"));
-  EXPECT_THAT(gltf_with("{\"asset\"", "{\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\""), HasSubstr("KHR_draco_mesh_compression"));
+  EXPECT_THAT(gltf_with("{\"asset\"", "{\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\""),
+              HasSubstr("KHR_draco_mesh_compression"));
   TriangleMesh mesh = sample::tetrahedron();
   mesh.triangles[1][2] = 4;
   EXPECT_THAT(error_of(read_gltf(sample::inline_gltf(mesh), ".")), AllOf(HasSubstr("index 5 is 4"), HasSubstr("4 vertices")));
@@ -192,9 +194,10 @@ TEST(ReadGltf, SurvivesDeepNesting) {
 TEST(ReadGltf, AppliesTransformsDownTheTreeToEveryInstance) {
   const TriangleMesh mesh = sample::tetrahedron();
   // Two instances: one turned 90 degrees about z, doubled and moved, under a moved parent; one mirrored in x by a matrix.
-  const std::string nodes = R"([{"translation":[10,0,0],"children":[1]},)"
-                            R"({"mesh":0,"name":"turned","translation":[0,5,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2]},)"
-                            R"({"mesh":0,"name":"mirrored","matrix":[-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,3,1]},{"mesh":0,"name":"in no scene"}])";
+  const std::string nodes =
+      R"([{"translation":[10,0,0],"children":[1]},)"
+      R"({"mesh":0,"name":"turned","translation":[0,5,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2]},)"
+      R"({"mesh":0,"name":"mirrored","matrix":[-1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,3,1]},{"mesh":0,"name":"in no scene"}])";
   const auto raw = read_glb(sample::glb(sample::gltf_json(mesh, "", nodes, "[0,2]"), sample::gltf_buffer(mesh)), ".");
   ASSERT_TRUE(raw) << raw.error().what;
   EXPECT_THAT(part_names(*raw), ElementsAre("turned", "mirrored"));

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <fmt/core.h>
 #include <string>
 
 #include "core/geometry/triangle_mesh.h"
@@ -36,7 +36,8 @@ inline std::string ascii_stl(const TriangleMesh& mesh) {
   std::string text = "solid body\n";
   for (const Triangle& t : mesh.triangles) {
     text += " facet normal 0 0 1\n  outer loop\n";
-    for (const std::uint32_t v : t) text += fmt::format("   vertex {} {} {}\n", mesh.vertices[v].x(), mesh.vertices[v].y(), mesh.vertices[v].z());
+    for (const std::uint32_t v : t)
+      text += fmt::format("   vertex {} {} {}\n", mesh.vertices[v].x(), mesh.vertices[v].y(), mesh.vertices[v].z());
     text += "  endloop\n endfacet\n";
   }
   return text + "endsolid body\n";
@@ -94,8 +95,8 @@ inline std::string gltf_buffer(const TriangleMesh& mesh) {
 }
 
 // buffer: the members of buffers[0] beside its length. nodes: the nodes array; the mesh is meshes[0].
-inline std::string gltf_json(const TriangleMesh& mesh, const std::string& buffer, const std::string& nodes = R"([{"mesh":0,"name":"body"}])",
-                             const std::string& roots = "[0]") {
+inline std::string gltf_json(const TriangleMesh& mesh, const std::string& buffer,
+                             const std::string& nodes = R"([{"mesh":0,"name":"body"}])", const std::string& roots = "[0]") {
   const std::size_t position_bytes = 12 * mesh.vertices.size();
   const std::size_t index_bytes = 6 * mesh.triangles.size();
   std::string text = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":ROOTS}],"nodes":NODES,)"

@@ -1,0 +1,34 @@
+#include "scene/file_bytes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scene/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(FileBytes, GivesAllOfAFile) {
+  const ScratchFolder folder;
+  const std::string bytes("a\0b\n", 4);
+  const auto read = read_file_bytes(folder.write("a", bytes), 4);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(*read, bytes);
+}
+
+TEST(FileBytes, RefusesWithTheReason) {
+  const ScratchFolder folder;
+  EXPECT_THAT(read_file_bytes(folder.write("a", "12345"), 4).error().what, HasSubstr("5 bytes, more than the 4"));
+  EXPECT_THAT(read_file_bytes(folder.write("b", ""), 4).error().what, HasSubstr("empty"));
+  EXPECT_THAT(read_file_bytes(folder.path(), 4).error().what, HasSubstr("is a folder"));
+  EXPECT_THAT(read_file_bytes(folder.path() / "c", 4).error().what, HasSubstr("no such file"));
+  EXPECT_THAT(read_file_bytes(folder.path() / "a" / "b", 4).error().what, HasSubstr("cannot open"));
+  EXPECT_THAT(read_file_bytes("/dev/zero", 4).error().what, HasSubstr("not a regular file"));
+  std::filesystem::create_symlink("loop", folder.path() / "loop");
+  EXPECT_THAT(read_file_bytes(folder.path() / "loop", 4).error().what, HasSubstr("cannot open"));
+}
+
+}  // namespace
+}  // namespace hapton

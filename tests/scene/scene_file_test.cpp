@@ -1,0 +1,242 @@
+#include "scene/scene_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scene/sample_files.h"
+#include "tests/scene/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::StartsWith;
+
+constexpr double kTiny = 1e-12;
+
+class SceneFile : public ::testing::Test {
+ protected:
+  SceneFile() { folder_.write("a.obj", sample::obj(sample::tetrahedron())); }
+
+  Result<Scene> load(const std::string& text) { return load_scene(folder_.write("a.toml", text)); }
+
+  std::string error_of(const std::string& text) {
+    const auto scene = load(text);
+    if (scene) return "it was read";
+    EXPECT_THAT(scene.error().what, StartsWith((folder_.path() / "a.toml").string() + ": "));
+    EXPECT_EQ(scene.error().what.find('\n'), std::string::npos) << scene.error().what;
+    return scene.error().what;
+  }
+
+  std::string material_error(const std::string& line) {
+    return error_of("[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\n[material.m]\n" + line + "\n");
+  }
+
+  std::string object_error(const std::string& line) { return error_of("[[object]]\nmesh = 'a.obj'\n" + line + "\n"); }
+
+  ScratchFolder folder_;
+};
+
+Eigen::AlignedBox3d box_of(const Scene& scene) {
+  Eigen::AlignedBox3d box;
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& v : object.mesh->vertices) box.extend(v);
+  }
+  return box;
+}
+
+TEST_F(SceneFile, ReadsEveryKey) {
+  const auto scene = load(R"(
+[[object]]
+mesh = "a.obj"
+name = "first"
+unit = "cm"
+scale = 2
+rotation_deg = [0, 0, 90]
+position_m = [1, 2.5, 3]
+material = "soft"
+color = [1, 0.5, 0]
+[[object]]
+mesh = "a.obj"
+[material.soft]
+stiffness_n_per_m = 300
+damping_ns_per_m = 1.5
+friction_static = 0.5
+friction_dynamic = 0.4
+two_sided = false
+)");
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_THAT(scene->objects, SizeIs(2));
+  const SceneObject& first = scene->objects[0];
+  EXPECT_EQ(first.name, "first");
+  EXPECT_EQ(first.color, (std::array<double, 3>{1, 0.5, 0}));
+  EXPECT_EQ(first.material.stiffness_n_per_m, 300);
+  EXPECT_EQ(first.material.damping_ns_per_m, 1.5);
+  EXPECT_EQ(first.material.friction_static, 0.5);
+  EXPECT_EQ(first.material.friction_dynamic, 0.4);
+  EXPECT_FALSE(first.material.two_sided);
+  EXPECT_LT((first.mesh->corner(0, 1) - Vec3(1, 2.5 + 0.03, 3)).norm(), kTiny);
+  EXPECT_EQ(scene->objects[1].name, "a");
+  EXPECT_EQ(scene->objects[1].material.stiffness_n_per_m, Material().stiffness_n_per_m);
+  EXPECT_EQ(scene->objects[1].mesh->corner(0, 1), Vec3(1.5, 0, 0));
+}
+
+TEST_F(SceneFile, TouchSceneSharesTheMeshes) {
+  const auto scene = load("[[object]]\nmesh = 'a.obj'\nmaterial = 'm'\n[material.m]\nstiffness_n_per_m = 42\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  const TouchScene touch = scene->touch_scene();
+  ASSERT_THAT(touch.objects, SizeIs(1));
+  EXPECT_EQ(touch.objects[0].mesh, scene->objects[0].mesh);
+  EXPECT_EQ(touch.objects[0].material.stiffness_n_per_m, 42);
+}
+
+TEST_F(SceneFile, TurnsAboutFixedAxesXThenYThenZ) {
+  // x by 90 takes (1.5, 0, 0) to itself, (0, 2.25, 0) to (0, 0, 2.25); then z by 90 takes those to (0, 1.5, 0) and (0, 0, 2.25).
+  const auto scene = load("[[object]]\nmesh = 'a.obj'\nrotation_deg = [90, 0, 90]\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_LT((scene->objects[0].mesh->corner(0, 1) - Vec3(0, 1.5, 0)).norm(), kTiny);
+  EXPECT_LT((scene->objects[0].mesh->corner(0, 2) - Vec3(0, 0, 2.25)).norm(), kTiny);
+}
+
+TEST_F(SceneFile, QuaternionIsWxyz) {
+  const auto by_degrees = load("[[object]]\nmesh = 'a.obj'\nrotation_deg = [0, 90, 0]\n");
+  const auto by_quaternion = load("[[object]]\nmesh = 'a.obj'\nrotation = [0.7071067811865476, 0, 0.7071067811865476, 0]\n");
+  ASSERT_TRUE(by_degrees && by_quaternion);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LT((by_degrees->objects[0].mesh->corner(1, k) - by_quaternion->objects[0].mesh->corner(1, k)).norm(), kTiny);
+  }
+}
+
+TEST_F(SceneFile, FitsAllObjectsTogetherAroundTheOrigin) {
+  const auto scene = load("fit_m = [0.3, 0.3, 0.3]\n[[object]]\nmesh = 'a.obj'\n[[object]]\nmesh = 'a.obj'\nposition_m = [4.5, 0, 0]\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  const auto box = box_of(*scene);
+  EXPECT_LT(box.center().norm(), kTiny);
+  EXPECT_NEAR(box.sizes().x(), 0.3, kTiny);
+  EXPECT_NEAR(box.sizes().y(), 0.3 * 2.25 / 6.0, kTiny);
+}
+
+TEST_F(SceneFile, TakesOnePartOfAFile) {
+  folder_.write("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 5\no one\nf 1 2 3\no two\nf 2 4 3\nf 2 3 4\n");
+  const auto scene = load("[[object]]\nmesh = 'two.obj'\npart = 'two'\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_EQ(scene->objects[0].name, "two");
+  EXPECT_THAT(scene->objects[0].mesh->triangles, SizeIs(2));
+  EXPECT_THAT(scene->objects[0].mesh->vertices, SizeIs(3));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'two.obj'\npart = 'three'\n"), AllOf(HasSubstr("line 1"), HasSubstr("no part 'three'")));
+}
+
+TEST_F(SceneFile, TakesAPlainMeshFile) {
+  const auto scene = load_scene(folder_.path() / "a.obj", Unit::mm);
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_THAT(scene->objects, SizeIs(1));
+  EXPECT_EQ(scene->objects[0].name, "a");
+  EXPECT_DOUBLE_EQ(scene->objects[0].mesh->corner(0, 1).x(), 0.0015);
+}
+
+TEST_F(SceneFile, HintsAtTheKeyThatWasMeant) {
+  EXPECT_THAT(material_error("stifness_n_per_m = 1"), AllOf(HasSubstr("line 5"), HasSubstr("did you mean 'stiffness_n_per_m'?")));
+  EXPECT_THAT(material_error("stiffness = 1"), HasSubstr("did you mean 'stiffness_n_per_m'?"));
+  EXPECT_THAT(object_error("colour = [1, 1, 1]"), AllOf(HasSubstr("line 3"), HasSubstr("did you mean 'color'?")));
+  EXPECT_THAT(object_error("wobble_m = 1"), HasSubstr("known are name, mesh"));
+  EXPECT_THAT(error_of("[[objects]]\nmesh = 'a.obj'\n"), AllOf(HasSubstr("line 1"), HasSubstr("did you mean 'object'?")));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'a.obj'\nmaterial = 'steal'\n[material.steel]\n"), HasSubstr("did you mean 'steel'?"));
+}
+
+TEST_F(SceneFile, RefusesAbsurdMaterials) {
+  EXPECT_THAT(material_error("stiffness_n_per_m = -1"), AllOf(HasSubstr("line 5"), HasSubstr("'stiffness_n_per_m'"), HasSubstr("-1")));
+  EXPECT_THAT(material_error("stiffness_n_per_m = 0"), HasSubstr("must be above 0"));
+  EXPECT_THAT(material_error("stiffness_n_per_m = inf"), HasSubstr("inf"));
+  EXPECT_THAT(material_error("stiffness_n_per_m = nan"), HasSubstr("nan"));
+  EXPECT_THAT(material_error("stiffness_n_per_m = '1'"), HasSubstr("must be a number"));
+  EXPECT_THAT(material_error("stiffness_n_per_m = true"), HasSubstr("must be a number"));
+  EXPECT_THAT(material_error("damping_ns_per_m = -0.1"), HasSubstr("at least 0"));
+  EXPECT_THAT(material_error("friction_static = 0.2\nfriction_dynamic = 0.3"), AllOf(HasSubstr("line 6"), HasSubstr("more than")));
+  EXPECT_THAT(material_error("two_sided = 1"), HasSubstr("true or false"));
+}
+
+TEST_F(SceneFile, RefusesAbsurdObjects) {
+  EXPECT_THAT(object_error("scale = 0"), AllOf(HasSubstr("line 3"), HasSubstr("above 0")));
+  EXPECT_THAT(object_error("scale = -1"), HasSubstr("above 0"));
+  EXPECT_THAT(object_error("unit = 'ft'"), HasSubstr("'ft'"));
+  EXPECT_THAT(object_error("position_m = [0, 0]"), HasSubstr("3 numbers"));
+  EXPECT_THAT(object_error("position_m = [0, 0, nan]"), HasSubstr("number 3"));
+  EXPECT_THAT(object_error("rotation = [0, 0, 0, 0]"), HasSubstr("length 0"));
+  EXPECT_THAT(object_error("rotation = [1, 0, 0, 0]\nrotation_deg = [0, 0, 0]"), HasSubstr("keep one"));
+  EXPECT_THAT(object_error("color = [0, 0, 2]"), HasSubstr("at most 1"));
+  EXPECT_THAT(object_error("material = 'none'"), HasSubstr("no [material.none]"));
+  EXPECT_THAT(error_of("[[object]]\nname = 'a'\n"), HasSubstr("has no 'mesh'"));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'none.obj'\n"), AllOf(HasSubstr("line 1"), HasSubstr("no such file")));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 3\n"), HasSubstr("text in quotes"));
+}
+
+TEST_F(SceneFile, RefusesWhatIsNoScene) {
+  EXPECT_THAT(error_of("# nothing\n"), HasSubstr("no [[object]]"));
+  EXPECT_THAT(error_of("object = []\n"), HasSubstr("no [[object]]"));
+  EXPECT_THAT(error_of("object = 1\n"), HasSubstr("no [[object]]"));
+  EXPECT_THAT(error_of("object = [1, {mesh = 'a.obj'}]\n"), HasSubstr("no [[object]]"));
+  EXPECT_THAT(error_of("material = 1\n"), HasSubstr("[material.steel]"));
+  EXPECT_THAT(error_of("[[object]\n"), HasSubstr("line 1"));
+  EXPECT_THAT(error_of("fit_m = [0, 1, 1]\n[[object]]\nmesh = 'a.obj'\n"), HasSubstr("number 1 of 'fit_m'"));
+  EXPECT_THAT(error_of(std::string(100000, '[')), HasSubstr("line 1"));
+  EXPECT_THAT(load_scene(folder_.path() / "none.toml").error().what, HasSubstr("no such file"));
+  EXPECT_THAT(load_scene(folder_.path()).error().what, HasSubstr("is a folder"));
+  EXPECT_THAT(load_scene(folder_.write("a.txt", "x")).error().what, HasSubstr("neither a scene"));
+  EXPECT_THAT(load_scene(folder_.write("b.toml", "[[object]]\nmesh = 'a.obj'\n"), Unit::mm).error().what, HasSubstr("leave the unit out"));
+}
+
+TEST_F(SceneFile, StandsBeingCutAnywhere) {
+  const std::string text =
+      "fit_m = [1, 1, 1]\n[[object]]\nmesh = 'a.obj'\nrotation_deg = [0, 90, 0]\nmaterial = 'm'\n[material.m]\nfriction_static = 0.5\n";
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const auto scene = load(text.substr(0, size));
+    if (scene)
+      EXPECT_THAT(scene->objects, SizeIs(1));
+    else
+      EXPECT_FALSE(scene.error().what.empty());
+  }
+}
+
+TEST(ShippedScenes, AllFitTheWorkspaceOfTheDevice) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(HAPTON_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto scene = load_scene(entry.path());
+    ASSERT_TRUE(scene) << scene.error().what;
+    const auto box = box_of(*scene);
+    // 10.5 x 7.5 x 15 in, docs/frames.md.
+    EXPECT_LT(box.sizes().x(), 0.2671) << entry.path();
+    EXPECT_LT(box.sizes().y(), 0.1906) << entry.path();
+    EXPECT_LT(box.sizes().z(), 0.3811) << entry.path();
+    EXPECT_LT(box.center().norm(), 1e-9) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 8);
+}
+
+TEST(ShippedScenes, TheCarFrontFacesTheHand) {
+  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/car_front.toml");
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_THAT(scene->objects, SizeIs(1));
+  const TriangleMesh& mesh = *scene->objects[0].mesh;
+  EXPECT_THAT(mesh.triangles, SizeIs(3300));
+  EXPECT_NEAR(box_of(*scene).sizes().x(), 0.267, 1e-9);
+  // It was cut off at the back, so the open borders lie at the least z, and the bonnet rises towards the back.
+  double top_front = -1;
+  double top_back = -1;
+  for (const Vec3& v : mesh.vertices) (v.z() > 0 ? top_front : top_back) = std::max(v.z() > 0 ? top_front : top_back, v.y());
+  EXPECT_GT(top_back, top_front);
+}
+
+TEST(ShippedScenes, TheAssemblyHasSixObjects) {
+  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/nist_assembly.toml");
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_THAT(scene->objects, SizeIs(6));
+  EXPECT_NE(scene->objects[0].material.stiffness_n_per_m, scene->objects[2].material.stiffness_n_per_m);
+}
+
+}  // namespace
+}  // namespace hapton
