@@ -12,10 +12,12 @@
 #include "scene/near_miss.h"
 #include "tools/echo_command.h"
 #include "tools/info_command.h"
+#include "tools/judge_command.h"
 #include "tools/latency_command.h"
 #include "tools/plot_command.h"
 #include "tools/replay_command.h"
 #include "tools/set_command.h"
+#include "tools/trajectory_command.h"
 
 namespace hapton {
 namespace {
@@ -48,10 +50,12 @@ int run_hapton_command(int argc, const char* const* argv) {
   app.require_subcommand(1);
   add_echo_command(app, exit_code);
   add_info_command(app, exit_code);
+  add_judge_command(app, exit_code);
   add_latency_command(app, exit_code);
   add_plot_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_set_command(app, exit_code);
+  add_trajectory_command(app, exit_code);
   if (argc < 2) {
     fmt::print("{}", app.help());
     return kBadCommandLine;

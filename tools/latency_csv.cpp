@@ -61,13 +61,11 @@ std::uint64_t HopCounts::total() const {
 double HopCounts::quantile_us(double share) const {
   const double wanted = share * static_cast<double>(total());
   double sum = 0.0;
-  for (const Bucket& bucket : buckets) {
+  const auto reached = std::find_if(buckets.begin(), buckets.end() - 1, [&](const Bucket& bucket) {
     sum += static_cast<double>(bucket.count);
-    if (sum >= wanted) {
-      return 1e-3 * static_cast<double>(bucket.upper_ns);
-    }
-  }
-  return 1e-3 * static_cast<double>(buckets.back().upper_ns);
+    return sum >= wanted;
+  });
+  return 0.5e-3 * static_cast<double>(reached->lower_ns + reached->upper_ns);
 }
 
 Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::string_view name) {

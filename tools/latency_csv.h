@@ -22,7 +22,7 @@ struct HopCounts {
   std::vector<Bucket> buckets;
 
   std::uint64_t total() const;
-  // Upper end of the bucket in which that share (0 .. 1) of all durations is reached. Pre: total() > 0.
+  // Middle of the bucket in which that share (0 .. 1) of all durations is reached. Pre: total() > 0.
   double quantile_us(double share) const;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <system_error>
 
@@ -14,8 +15,29 @@ namespace hapton {
 namespace {
 
 constexpr std::string_view kEcho = "bare_echo";
+constexpr std::string_view kRoundTrip = "round_trip";
 constexpr double kDrawSeconds = 60.0;
 constexpr int kNotFound = 127;  // what posix_spawnp's child exits with when there is no such program
+
+// What a person looks for lies on top of the others: the round trip and what it is measured by.
+std::vector<HopCounts> in_drawing_order(std::span<const HopCounts> hops) {
+  std::vector<HopCounts> ordered(hops.begin(), hops.end());
+  const auto height = [](const HopCounts& hop) { return hop.name == kRoundTrip ? 2 : hop.name == kEcho ? 1 : 0; };
+  std::stable_sort(ordered.begin(), ordered.end(), [&](const HopCounts& a, const HopCounts& b) { return height(a) < height(b); });
+  return ordered;
+}
+
+// Line of one curve.
+std::string style_of(const HopCounts& hop, std::size_t index) {
+  static constexpr std::array kColors = {"#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f"};
+  if (hop.name == kRoundTrip) {
+    return "linewidth 3.5 dashtype 1 linecolor rgb '#0050c8'";
+  }
+  if (hop.name == kEcho) {
+    return "linewidth 3 dashtype 2 linecolor rgb '#000000'";
+  }
+  return fmt::format("linewidth 2 dashtype 1 linecolor rgb '{}'", kColors[index % kColors.size()]);
+}
 
 std::string title_of(const HopCounts& hop) {
   std::string words = hop.name;
@@ -61,8 +83,8 @@ Range find_range(std::span<const HopCounts> hops) {
 
 }  // namespace
 
-std::string make_latency_plot(std::span<const HopCounts> hops, const std::string& picture) {
-  static constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f"};
+std::string make_latency_plot(std::span<const HopCounts> unordered, const std::string& picture) {
+  const std::vector<HopCounts> hops = in_drawing_order(unordered);
   std::string script;
   for (std::size_t i = 0; i < hops.size(); ++i) {
     script += data_of(hops[i], i);
@@ -72,17 +94,15 @@ std::string make_latency_plot(std::span<const HopCounts> hops, const std::string
       "set terminal pngcairo size 1280,{} font 'sans,12'\n"
       "set output '{}'\n"
       "set title 'Latency: how many samples take longer than that'\n"
-      "set xlabel 'latency, us'\nset ylabel 'share of samples that took longer'\n"
+      "set xlabel 'latency, us' offset 0,0.5\nset ylabel 'share of samples that took longer'\n"
       "set logscale xy\nset xrange [{}:{}]\nset yrange [{}:1]\n"
       "set format x '%g'\nset format y '10^{{%T}}'\nset mytics 10\nset mxtics 10\n"
       "set grid xtics ytics mxtics linetype 1 linecolor rgb '#c8c8c8', linetype 1 linecolor rgb '#ececec'\n"
-      "set key below left Left reverse samplen 3 maxcols 2\n"
+      "set key below left Left reverse samplen 3 maxcols 2 height 1\n"
       "plot ",
       660 + 12 * hops.size(), picture, range.low_us, range.high_us, range.least_share);
   for (std::size_t i = 0; i < hops.size(); ++i) {
-    const bool echo = hops[i].name == kEcho;
-    script += fmt::format("{}$hop{} using 1:2 with lines linewidth 2.5 {} linecolor rgb '{}' title '{}'", i == 0 ? "" : ", ", i,
-                          echo ? "dashtype 2" : "dashtype 1", echo ? "#000000" : kColors[i % kColors.size()], title_of(hops[i]));
+    script += fmt::format("{}$hop{} using 1:2 with lines {} title '{}'", i == 0 ? "" : ", ", i, style_of(hops[i], i), title_of(hops[i]));
   }
   return script + "\n";
 }
@@ -93,15 +113,21 @@ Result<std::filesystem::path> draw_latency_plot(const std::filesystem::path& fol
     return tl::unexpected(hops.error());
   }
   const std::string part = "latency.png.part";
-  auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {"-e", make_latency_plot(*hops, part)}, .folder = folder, .output = {}});
+  const std::string program = "latency.gnuplot.part";
+  // Data blocks are understood in a file only, not on the command line.
+  if (!(std::ofstream(folder / program) << make_latency_plot(*hops, part)).flush()) {
+    return fail("{}: cannot be written", (folder / program).string());
+  }
+  auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {program}, .folder = folder, .output = {}});
   const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
+  std::error_code error;
+  std::filesystem::remove(folder / program, error);
   if (code == kNotFound) {
     return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
   }
   if (code != 0) {
     return fail("gnuplot could not draw {}; what it said stands above", (folder / "latency.png").string());
   }
-  std::error_code error;
   std::filesystem::rename(folder / part, folder / "latency.png", error);
   if (error) {
     return fail("{}: cannot be written: {}", (folder / "latency.png").string(), error.message());
