@@ -75,6 +75,12 @@ void Servo::sample_device() noexcept {
   ledger_.take(sample_number_, sample_.time_ns, is_expected);
   stats_.states_sent += peers_.send_to_role(
       NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
+  if (!std::exchange(is_force_new_, false)) hold_force();
+}
+
+// Without news the guard may still have to let the force sink or rise. With news every cycle it must not be asked in between: it would
+// spend the cycle's share of the slew on nothing.
+void Servo::hold_force() noexcept {
   const Vec3 held_n = guard_.step(std::nullopt, clock_.now_ns());
   if (held_n != written_n_) write_force(held_n);
 }
@@ -141,6 +147,7 @@ void Servo::on_force(const ForceCommand& command) noexcept {
   const std::int64_t round_trip_ns = clock_.now_ns() - command.echo_sample_time_ns;
   if (is_newest) {
     write_force(force_n);
+    is_force_new_ = true;
     stats_.force_age.record(clock_.now_ns() - command.echo_sample_time_ns);
     last_force_ = command;
   }
@@ -248,11 +255,12 @@ void Servo::refresh_figures(std::int64_t now_ns) noexcept {
 
 void Servo::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
+  stats_.guard = guard_.counters();
+  is_finished_ = true;
   const std::int64_t end_ns = clock_.now_ns() + ForceGuard::kSilenceLimitNs + 2 * kStepNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     receive_until(now_ns + kStepNs);
-    const Vec3 held_n = guard_.step(std::nullopt, clock_.now_ns());
-    if (held_n != written_n_) write_force(held_n);
+    hold_force();
   }
   write_force(Vec3::Zero());
   ledger_.close(haptics_alive(sample_.time_ns));
@@ -260,7 +268,8 @@ void Servo::finish() noexcept {
 
 const ServoStats& Servo::collect_stats() noexcept {
   stats_.ledger = ledger_.counts();
-  stats_.guard = guard_.counters();
+  // The silence at the end is our own doing.
+  if (!is_finished_) stats_.guard = guard_.counters();
   stats_.hub = peers_.counts();
   stats_.events_dropped = events_.dropped();
   if (echo_ != nullptr) {

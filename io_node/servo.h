@@ -77,6 +77,7 @@ class Servo {
   void on_settings(const Settings& settings, NodeRole role) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
+  void hold_force() noexcept;
   void write_force(const Vec3& force_n) noexcept;
   void do_spare_work() noexcept;
   void send_probe() noexcept;
@@ -106,6 +107,8 @@ class Servo {
   DeviceSample sample_;
   std::uint64_t sample_number_ = 0;
   Vec3 written_n_ = Vec3::Zero();
+  bool is_force_new_ = false;         // since the last tick
+  bool is_finished_ = false;
   ForceCommand last_force_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;

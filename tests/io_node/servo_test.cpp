@@ -142,6 +142,20 @@ TEST_F(Servos, force_begins_with_a_ramp) {
   EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 0.1);
 }
 
+TEST_F(Servos, the_whole_slew_of_a_cycle_is_there_for_its_force) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  answer.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
+  servo->step();
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(stats().guard.slewed, 0U);
+  answer.force_n = Vec3(0, 0, 6.5);
+  servo->step();
+  EXPECT_NEAR(device.written.back().force_n.z(), 5.9, 1e-9);
+  EXPECT_EQ(stats().guard.slewed, 1U);
+}
+
 TEST_F(Servos, late_forces_are_counted_and_the_newest_wins) {
   make();
   join(kHaptics, NodeRole::haptics);
@@ -440,6 +454,7 @@ TEST_F(Servos, finish_lets_the_device_go) {
   servo->finish();
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
   EXPECT_EQ(stats().ledger.lost, 0U);
+  EXPECT_EQ(stats().guard.silences, 0U);
   EXPECT_NEAR(stats().seconds(), 0.3, 1e-12);
 }
 
