@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/force/force_error.h"
+#include "core/force/force_method.h"
+#include "core/geometry/touch_trajectory.h"
+
+namespace hapton {
+
+struct JudgeSettings {
+  MethodSettings method;
+  int substeps = 8;        // of the reference
+  int finer_substeps = 32;
+  unsigned threads = 1;
+};
+
+// What a method felt along a trajectory, and what the reference says to it.
+struct Judgement {
+  ForceError error;
+  std::vector<FeltStep> method, reference, finer_reference;
+};
+
+// Drives the method along the trajectory, contact forgotten where the trajectory says. Segments between those places are independent and
+// run on `threads` threads, each with a method of its own.
+Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory, unsigned threads);
+
+// Runs the method and both references. The scene's first material gives the stiffness, its extent all lengths.
+Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
+
+// For people.
+std::string to_text(const ForceError& error);
+
+// One JSON object.
+std::string to_json(const ForceError& error);
+
+}  // namespace hapton
