@@ -1,0 +1,162 @@
+#include "core/geometry/corner_normals.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "core/geometry/shared_edges.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFarthestTurn = 0.0872;  // cosine of 85 degrees
+
+class DisjointCorners {
+ public:
+  explicit DisjointCorners(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  std::uint32_t root(std::uint32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = root(a);
+    b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+template <class Mesh>
+Vec3 unit_face_normal(const Mesh& mesh, std::size_t t) {
+  const Vec3 ab = mesh.corner(t, 1) - mesh.corner(t, 0);
+  const Vec3 ac = mesh.corner(t, 2) - mesh.corner(t, 0);
+  const Vec3 n = ab.cross(ac);
+  const double length = n.norm();
+  const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+  // Flatter than this, the normal is rounding.
+  return length > 1e-12 * longest ? Vec3(n / length) : Vec3(Vec3::Zero());
+}
+
+template <class Mesh>
+double corner_angle(const Mesh& mesh, std::size_t t, int k) {
+  const Vec3 u = mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k);
+  const Vec3 v = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+// Normals from faces and angles, given who shares which. Normals that no face with area touches stay zero.
+void average_normals(ShadedMesh& mesh, std::size_t faces) {
+  for (Vec3& n : mesh.normals) n.setZero();
+  for (std::size_t t = 0; t < faces; ++t) {
+    const Vec3 face = unit_face_normal(mesh, t);
+    if (face.isZero(0.0)) continue;
+    for (int k = 0; k < 3; ++k) mesh.normals[mesh.corner_normals[t][k]] += corner_angle(mesh, t, k) * face;
+  }
+  for (Vec3& n : mesh.normals) {
+    const double length = n.norm();
+    if (length > 1e-9) n /= length;
+  }
+}
+
+}  // namespace
+
+ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle,
+                               CornerNormalReport& report) {
+  report = {};
+  ShadedMesh shaded;
+  shaded.vertices = mesh.vertices;
+  shaded.triangles = mesh.triangles;
+  shaded.source.assign(source.begin(), source.end());
+  const std::size_t count = mesh.triangles.size();
+
+  std::vector<Vec3> faces(count);
+  for (std::size_t t = 0; t < count; ++t) faces[t] = unit_face_normal(mesh, t);
+  const SharedEdges edges(mesh.triangles);
+  const double least_cosine = std::cos(crease_angle);
+  DisjointCorners corners(3 * count);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdge* other = edges.across(t, k);
+      if (other == nullptr || other->triangle < t) continue;
+      const std::uint32_t u = other->triangle;
+      const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
+      const bool flat = faces[t].isZero(0.0) || faces[u].isZero(0.0);
+      // Wound against each other: the two faces have no common outside.
+      const bool sharp = upward == other->upward || (!flat && faces[t].dot(faces[u]) < least_cosine);
+      report.sharp_edges += sharp ? 1 : 0;
+      if (sharp) continue;
+      const std::uint32_t start = 3 * t + static_cast<std::uint32_t>(k);
+      const std::uint32_t end = 3 * t + static_cast<std::uint32_t>((k + 1) % 3);
+      const std::uint32_t other_start = 3 * u + other->corner;
+      const std::uint32_t other_end = 3 * u + (other->corner + 1U) % 3U;
+      corners.join(start, other_end);
+      corners.join(end, other_start);
+    }
+  }
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> index(3 * count, kNone);
+  std::vector<std::uint32_t> first_of_vertex(mesh.vertices.size(), kNone);
+  std::vector<char> creased(mesh.vertices.size(), 0);
+  shaded.corner_normals.resize(count);
+  for (std::uint32_t c = 0; c < 3 * count; ++c) {
+    std::uint32_t& normal = index[corners.root(c)];
+    if (normal == kNone) {
+      normal = static_cast<std::uint32_t>(shaded.normals.size());
+      shaded.normals.emplace_back(Vec3::Zero());
+    }
+    shaded.corner_normals[c / 3][c % 3] = normal;
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+    if (first_of_vertex[v] == kNone) first_of_vertex[v] = normal;
+    if (first_of_vertex[v] != normal) creased[v] = 1;
+  }
+  average_normals(shaded, count);
+  report.filled = 3 * count;
+  report.normals = shaded.normals.size();
+  report.creased = static_cast<std::size_t>(std::count(creased.begin(), creased.end(), 1));
+  return shaded;
+}
+
+void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
+  average_normals(mesh, faces);
+  const std::size_t first_middle = mesh.normals.size() - mesh.middle_normals.size();
+  for (std::size_t i = 0; i < mesh.middle_normals.size(); ++i) mesh.normals[first_middle + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
+}
+
+Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between) {
+  const Vec3 sum = mesh.normals[between[0]] + mesh.normals[between[1]];
+  const double length = sum.norm();
+  return length > 1e-9 ? Vec3(sum / length) : mesh.normals[between[0]];
+}
+
+NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
+  NormalCheckReport report;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 face = t < faces ? unit_face_normal(mesh, t) : Vec3(Vec3::Zero());
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& n = mesh.normal(t, k);
+      const bool unit = n.allFinite() && std::fabs(n.squaredNorm() - 1.0) < 1e-9;
+      if (unit && (face.isZero(0.0) || n.dot(face) > kFarthestTurn)) continue;
+      ++(unit ? report.turned_away : report.not_unit);
+      // Without area any direction serves: such a triangle exerts no force of its own.
+      mesh.corner_normals[t][k] = static_cast<std::uint32_t>(mesh.normals.size());
+      mesh.normals.push_back(face.isZero(0.0) ? Vec3(Vec3::UnitZ()) : face);
+    }
+  }
+  return report;
+}
+
+std::string CornerNormalReport::describe() const {
+  return fmt::format("normals: filled {} corners with {} normals; {} sharp edges, {} vertices with several", filled, normals, sharp_edges, creased);
+}
+
+std::string NormalCheckReport::describe() const {
+  return fmt::format("validation: {} normals were not unit vectors, {} turned away from their face; both now the face's", not_unit, turned_away);
+}
+
+}  // namespace hapton

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/geometry/shaded_mesh.h"
+
+namespace hapton {
+
+struct CornerNormalReport {
+  std::size_t filled = 0;       // corners given a normal
+  std::size_t normals = 0;      // different ones
+  std::size_t sharp_edges = 0;  // of two triangles, whose faces turn by more than the crease angle
+  std::size_t creased = 0;      // vertices with more than one normal
+  std::string describe() const;
+};
+
+// Fills the normals of every corner: round a vertex, triangles joined over edges that are not sharp share one normal, the mean of
+// their face normals weighted by the angle each takes up at the vertex (Thuermer & Wuethrich 1998). Borders and edges of more than two
+// triangles are sharp. Triangles without area take no part; they get the normal of the fan that they lie in.
+// crease_angle: radians, 0..pi: the turn between two faces above which their edge is sharp.
+// Pre: welded vertices, consistent winding where there is one. RT: set-up only.
+// Source: fdh-rendering.txt, 4.1: "with respect to sharp edges fix or fill missing vertex normals".
+ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle, CornerNormalReport& report);
+
+// The same for vertices that have moved: which corners share a normal stays, the normals follow.
+// faces: the first so many triangles are the mesh's own (fans behind them have no say). Pre: mesh.vertices are the new ones.
+// RT: no (linear in the mesh), but no heap.
+void update_corner_normals(ShadedMesh& mesh, std::size_t faces);
+
+// Half-way between two normals; the first where they are opposite.
+Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between);
+
+struct NormalCheckReport {
+  std::size_t not_unit = 0;      // was not finite or not of length one: made the face's
+  std::size_t turned_away = 0;   // 85 degrees or more off its own face: the corner gets the face's normal instead
+  std::size_t repaired() const { return not_unit + turned_away; }
+  std::string describe() const;
+};
+
+// Last look at the normals: every corner's is finite, of length one and on its own face's side, or is replaced by the face's.
+// faces: only the first so many triangles have a face's side; fans behind them need unit normals only.
+// RT: set-up only. Source: fdh-rendering.txt, 4.1: "final validation of normal vectors".
+NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces = ~std::size_t{0});
+
+}  // namespace hapton

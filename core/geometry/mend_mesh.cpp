@@ -1,0 +1,178 @@
+#include "core/geometry/mend_mesh.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+#include <unordered_map>
+
+#include "core/geometry/shared_edges.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kNeedleHeight = 0.01;  // of the longest edge
+
+struct Bits {
+  std::array<std::uint64_t, 3> word;
+  bool operator==(const Bits&) const = default;
+};
+struct Hash {
+  template <class T>
+  std::size_t operator()(const T& bits) const {
+    std::uint64_t h = 0x9E3779B97F4A7C15ULL;
+    for (const auto word : bits.word) {
+      h ^= static_cast<std::uint64_t>(word);
+      h *= 0xFF51AFD7ED558CCDULL;
+      h ^= h >> 32;
+    }
+    return h;
+  }
+};
+
+Bits bits_of(const Vec3& v) {
+  // Adding zero makes -0 into 0.
+  return {{std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)}};
+}
+
+// The triangle starting at its lowest vertex, the same way round.
+Bits rotated(const Triangle& t) {
+  const auto k = std::min_element(t.begin(), t.end()) - t.begin();
+  return {{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}};
+}
+
+void weld(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& source) {
+  std::unordered_map<Bits, std::uint32_t, Hash> seen;
+  seen.reserve(2 * mesh.vertices.size());
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size());
+  std::uint32_t used = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const auto [at, is_new] = seen.try_emplace(bits_of(mesh.vertices[i]), used);
+    if (is_new) {
+      source.push_back(static_cast<std::uint32_t>(i));
+      mesh.vertices[used++] = mesh.vertices[i];
+    } else {
+      ++report.welded_vertices;
+    }
+    renumbered[i] = at->second;
+  }
+  mesh.vertices.resize(used);
+  if (report.welded_vertices == 0) return;
+  for (Triangle& t : mesh.triangles) {
+    for (std::uint32_t& v : t) v = renumbered[v];
+  }
+}
+
+void drop_useless(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& source) {
+  std::unordered_map<Bits, char, Hash> seen;
+  seen.reserve(2 * mesh.triangles.size());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = mesh.triangles[i];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      ++report.dropped_empty;
+      continue;
+    }
+    if (!seen.try_emplace(rotated(t), 0).second) {
+      ++report.dropped_duplicates;
+      continue;
+    }
+    if (seen.count(rotated({t[0], t[2], t[1]})) > 0) ++report.double_faces;
+    source[kept] = static_cast<std::uint32_t>(i);
+    mesh.triangles[kept++] = t;
+  }
+  mesh.triangles.resize(kept);
+  source.resize(kept);
+}
+
+void count_thin(const TriangleMesh& mesh, MendReport& report) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Vec3 ab = mesh.corner(i, 1) - mesh.corner(i, 0);
+    const Vec3 ac = mesh.corner(i, 2) - mesh.corner(i, 0);
+    const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+    const double area = ab.cross(ac).norm();
+    if (area <= 1e-14 * longest) {
+      ++report.empty_area;
+    } else if (area < kNeedleHeight * longest) {
+      ++report.needles;
+    }
+  }
+}
+
+// Winds every piece one way, where one way fits all of it.
+void wind(TriangleMesh& mesh, const SharedEdges& edges, MendReport& report) {
+  enum : std::uint8_t { kNew, kAsIs, kTurned };
+  std::vector<std::uint8_t> state(mesh.triangles.size(), kNew);
+  std::vector<std::uint32_t> piece;
+  for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
+    if (state[start] != kNew) continue;
+    ++report.pieces;
+    piece.assign(1, start);
+    state[start] = kAsIs;
+    bool fits = true;
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const std::uint32_t t = piece[i];
+      for (int k = 0; k < 3; ++k) {
+        const HalfEdge* other = edges.across(t, k);
+        if (other == nullptr) continue;
+        const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
+        const bool same_way = upward == other->upward;  // two triangles of one winding run along their edge in opposite ways
+        const std::uint8_t wanted = (state[t] == kTurned) != same_way ? kTurned : kAsIs;
+        if (state[other->triangle] == kNew) {
+          state[other->triangle] = wanted;
+          turned += wanted == kTurned ? 1 : 0;
+          piece.push_back(other->triangle);
+        } else if (state[other->triangle] != wanted) {
+          fits = false;
+        }
+      }
+    }
+    if (!fits) {
+      ++report.unorientable_pieces;
+      continue;
+    }
+    if (turned == 0) continue;
+    const std::uint8_t minority = 2 * turned > piece.size() ? kAsIs : kTurned;
+    for (const std::uint32_t t : piece) {
+      if (state[t] != minority) continue;
+      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+      ++report.turned;
+    }
+  }
+}
+
+}  // namespace
+
+TriangleMesh mend_mesh(const TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>* source,
+                       std::vector<std::uint32_t>* vertex_source) {
+  report = {};
+  TriangleMesh mended = mesh;
+  std::vector<std::uint32_t> from(mesh.triangles.size());
+  std::iota(from.begin(), from.end(), 0U);
+  std::vector<std::uint32_t> vertex_from;
+  weld(mended, report, vertex_from);
+  drop_useless(mended, report, from);
+  count_thin(mended, report);
+  const SharedEdges edges(mended.triangles);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    report.border_edges += edges[e].size() == 1 ? 1 : 0;
+    report.nonmanifold_edges += edges[e].size() > 2 ? 1 : 0;
+  }
+  wind(mended, edges, report);
+  if (source != nullptr) *source = std::move(from);
+  if (vertex_source != nullptr) *vertex_source = std::move(vertex_from);
+  return mended;
+}
+
+std::string MendReport::describe() const {
+  return fmt::format(
+      "mend: welded {} vertices, dropped {} empty and {} duplicate triangles, turned {} round; left: {} double faces, {} on a line, "
+      "{} needles, {} border edges, {} non-manifold edges, {} of {} pieces unorientable",
+      welded_vertices, dropped_empty, dropped_duplicates, turned, double_faces, empty_area, needles, border_edges, nonmanifold_edges,
+      unorientable_pieces, pieces);
+}
+
+}  // namespace hapton

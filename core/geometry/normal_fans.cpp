@@ -1,0 +1,100 @@
+#include "core/geometry/normal_fans.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/geometry/shared_edges.h"
+
+namespace hapton {
+namespace {
+
+// At a vertex, the normals turn from one to the other: a side of the gap that the edge fans leave there.
+struct Turn {
+  std::uint32_t vertex;
+  std::uint32_t from;
+  std::uint32_t to;
+  std::uint32_t source;
+};
+
+void add(ShadedMesh& mesh, const Triangle& vertices, const Triangle& normals, std::uint32_t source) {
+  mesh.triangles.push_back(vertices);
+  mesh.corner_normals.push_back(normals);
+  mesh.source.push_back(source);
+}
+
+// One vertex's turns, linked into rings; a fan of triangles over each ring of three and more.
+void fill_vertex(ShadedMesh& mesh, std::vector<Turn> turns, NormalFanReport& report) {
+  bool open = false;
+  while (!turns.empty()) {
+    std::vector<std::uint32_t> ring;
+    const Turn start = turns.back();
+    turns.pop_back();
+    ring.push_back(start.from);
+    std::uint32_t at = start.to;
+    while (at != start.from) {
+      const auto next = std::find_if(turns.begin(), turns.end(), [at](const Turn& turn) { return turn.from == at; });
+      if (next == turns.end()) break;
+      ring.push_back(at);
+      at = next->to;
+      turns.erase(next);
+    }
+    if (at != start.from) {
+      open = true;
+      continue;
+    }
+    for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+      add(mesh, {start.vertex, start.vertex, start.vertex}, {ring[0], ring[i], ring[i + 1]}, start.source);
+      ++report.corner_fans;
+    }
+  }
+  report.open_corners += open ? 1 : 0;
+}
+
+}  // namespace
+
+NormalFanReport add_normal_fans(ShadedMesh& mesh) {
+  NormalFanReport report;
+  const auto faces = static_cast<std::uint32_t>(mesh.triangles.size());
+  const SharedEdges edges(mesh.triangles);
+  std::vector<Turn> turns;
+  for (std::uint32_t t = 0; t < faces; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdge* other = edges.across(t, k);
+      if (other == nullptr || other->triangle < t) continue;
+      const std::uint32_t v0 = mesh.triangles[t][k];
+      const std::uint32_t v1 = mesh.triangles[t][(k + 1) % 3];
+      if ((v0 < v1) == other->upward) continue;  // wound against each other: the normals do not turn, they flip
+      const std::uint32_t a0 = mesh.corner_normals[t][k];
+      const std::uint32_t a1 = mesh.corner_normals[t][(k + 1) % 3];
+      const std::uint32_t b1 = mesh.corner_normals[other->triangle][other->corner];
+      const std::uint32_t b0 = mesh.corner_normals[other->triangle][(other->corner + 1) % 3];
+      // t runs along v0 v1, so the fan beside it runs v1 v0, and beside the other v0 v1.
+      if (a0 != b0) {
+        add(mesh, {v1, v0, v0}, {a1, a0, b0}, mesh.source[t]);
+        ++report.edge_fans;
+        turns.push_back({v0, b0, a0, mesh.source[t]});
+      }
+      if (a1 != b1) {
+        add(mesh, {v1, v0, v1}, {a1, b0, b1}, mesh.source[t]);
+        ++report.edge_fans;
+        turns.push_back({v1, a1, b1, mesh.source[t]});
+      }
+    }
+  }
+  std::sort(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.vertex != b.vertex ? a.vertex < b.vertex : a.from < b.from; });
+  for (std::size_t first = 0; first < turns.size();) {
+    std::size_t last = first;
+    while (last < turns.size() && turns[last].vertex == turns[first].vertex) ++last;
+    fill_vertex(mesh, {turns.begin() + static_cast<std::ptrdiff_t>(first), turns.begin() + static_cast<std::ptrdiff_t>(last)}, report);
+    first = last;
+  }
+  return report;
+}
+
+std::string NormalFanReport::describe() const {
+  return fmt::format("fans: {} fake triangles along edges, {} at corners; {} corners open", edge_fans, corner_fans, open_corners);
+}
+
+}  // namespace hapton

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// A mesh with a unit normal at every corner of every triangle. Triangles that meet smoothly at a vertex name the same normal there;
+// across a sharp edge they name different ones.
+struct ShadedMesh {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<Vec3> normals;
+  std::vector<Triangle> corner_normals;  // indices into normals, corner by corner
+  std::vector<std::uint32_t> source;     // the triangle of the mesh as it came that each one is (part of)
+
+  // The last so many vertices / normals lie midway between two earlier ones each.
+  std::vector<std::array<std::uint32_t, 2>> middle_vertices;
+  std::vector<std::array<std::uint32_t, 2>> middle_normals;
+
+  const Vec3& corner(std::size_t t, int k) const { return vertices[triangles[t][k]]; }
+  const Vec3& normal(std::size_t t, int k) const { return normals[corner_normals[t][k]]; }
+};
+
+}  // namespace hapton

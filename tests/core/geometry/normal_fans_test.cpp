@@ -1,0 +1,56 @@
+#include "core/geometry/normal_fans.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "core/geometry/smooth_surface.h"
+
+namespace hapton {
+namespace {
+
+// A box has three normals in a corner: two fakes along each edge piece, one in each corner.
+TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
+  SmoothSurfaceReport report;
+  const auto surface = make_smooth_surface(make_box(Vec3(1, 1, 1)), {.longest_edge = 0.0}, report);
+  ASSERT_TRUE(surface);
+  EXPECT_EQ(surface->face_count, 12U);
+  EXPECT_EQ(report.fans.edge_fans, 24U);
+  EXPECT_EQ(report.fans.corner_fans, 8U);
+  EXPECT_EQ(report.fans.open_corners, 0U);
+  for (std::size_t t = surface->face_count; t < surface->mesh.triangles.size(); ++t) {
+    const Triangle& f = surface->mesh.triangles[t];
+    const std::set<std::uint32_t> points(f.begin(), f.end());
+    EXPECT_EQ(points.size(), surface->kind(t) == SurfaceKind::kEdgeFan ? 2U : 1U);
+  }
+}
+
+// The fans close the surface of normals: at every side of every triangle, fake or not, another one runs the other way with the same
+// normals, so no direction is left out and none is covered twice.
+TEST(NormalFans, FansLeaveNoGapBetweenNormals) {
+  for (const TriangleMesh& mesh : {make_box(Vec3(1, 2, 3), 2), make_cylinder(1.0, 2.0, 12), make_prism({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}}, 1.0, 2),
+                                   make_staircase(1.0, 3, 2)}) {
+    SmoothSurfaceReport report;
+    const auto surface = make_smooth_surface(mesh, {}, report);
+    ASSERT_TRUE(surface);
+    EXPECT_EQ(report.fans.open_corners, 0U);
+    std::multiset<std::array<std::uint32_t, 4>> sides;
+    const ShadedMesh& s = surface->mesh;
+    const auto side = [&](std::size_t t, int k) {
+      const int j = (k + 1) % 3;
+      return std::array{s.triangles[t][k], s.corner_normals[t][k], s.triangles[t][j], s.corner_normals[t][j]};
+    };
+    for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) sides.insert(side(t, k));
+    }
+    for (const auto& [v0, n0, v1, n1] : sides) {
+      const std::array<std::uint32_t, 4> back = {v1, n1, v0, n0};
+      EXPECT_EQ(sides.count(back), sides.count({v0, n0, v1, n1})) << v0 << " " << v1;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,71 @@
+#include "core/geometry/smooth_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/obj_mesh.h"
+
+namespace hapton {
+namespace {
+
+TEST(SmoothSurface, EveryPassSaysWhatItDid) {
+  SmoothSurfaceReport report;
+  const auto surface = make_smooth_surface(make_box(Vec3(1, 1, 1)), {}, report);
+  ASSERT_TRUE(surface) << surface.error().what;
+  const auto lines = report.lines();
+  ASSERT_EQ(lines.size(), 7U);
+  for (const char* pass : {"mend:", "simplify:", "normals:", "validation:", "split:", "fans:", "final validation:"}) {
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.rfind(pass, 0) == 0; })) << pass;
+  }
+  EXPECT_EQ(report.final_check.repaired(), 0U);
+}
+
+TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
+  for (TriangleMesh mesh : {make_icosphere(0.05, 2), make_box(Vec3(1, 1, 1), 2)}) {
+    SmoothSurfaceReport report;
+    auto moved = make_smooth_surface(mesh, {.longest_edge = 0.1}, report);
+    ASSERT_TRUE(moved);
+    EXPECT_GT(report.split.edges, 0U);
+    const Pose motion = Eigen::Translation3d(0.1, 0.2, 0.3) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 2) / 3.0);
+    for (Vec3& v : mesh.vertices) v = motion * v;
+    moved->move_vertices(mesh.vertices);
+    // The box of a turned mesh is another; the same edges are split by the same length.
+    MeshBounds bounds = compute_bounds(mesh);
+    const auto anew = make_smooth_surface(mesh, {.longest_edge = report.split.longest_edge / bounds.diagonal()}, report);
+    ASSERT_TRUE(anew);
+    ASSERT_EQ(anew->mesh.triangles.size(), moved->mesh.triangles.size());
+    for (std::size_t t = 0; t < anew->mesh.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_LT((moved->mesh.corner(t, k) - anew->mesh.corner(t, k)).norm(), 1e-12);
+        EXPECT_LT((moved->mesh.normal(t, k) - anew->mesh.normal(t, k)).norm(), 1e-9);
+      }
+    }
+  }
+}
+
+TEST(SmoothSurface, RealDirtSurvivesEveryPass) {
+  for (const char* name : {"car_front_3300.obj", "nist_assembly_insert.obj", "demosthenes_17k_open.obj", "wingnut.obj"}) {
+    const TriangleMesh mesh = made::obj_mesh(name);
+    ASSERT_GT(mesh.triangles.size(), 1000U) << name;
+    SmoothSurfaceReport report;
+    const auto surface = make_smooth_surface(mesh, {}, report);
+    ASSERT_TRUE(surface) << name;
+    EXPECT_EQ(report.final_check.repaired(), 0U) << name;
+    for (const Vec3& v : surface->mesh.vertices) EXPECT_TRUE(v.allFinite());
+    for (const Triangle& t : surface->mesh.triangles) EXPECT_LT(std::max({t[0], t[1], t[2]}), surface->mesh.vertices.size());
+  }
+}
+
+TEST(SmoothSurface, RefusesWhatItCannotUse) {
+  SmoothSurfaceReport report;
+  EXPECT_FALSE(make_smooth_surface({{Vec3(1, 1, 1)}, {{0, 0, 0}}}, {}, report));
+  EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.crease_angle_rad = -1.0}, report));
+  EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.simplify_error = 2.0}, report));
+  EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.growth = 0.0}, report));
+}
+
+}  // namespace
+}  // namespace hapton

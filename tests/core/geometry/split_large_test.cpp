@@ -1,0 +1,48 @@
+#include "core/geometry/split_large.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "core/geometry/smooth_surface.h"
+#include "tests/support/obj_mesh.h"
+
+namespace hapton {
+namespace {
+
+TriangleMesh faces_of(const SmoothSurface& surface) {
+  TriangleMesh mesh;
+  mesh.vertices = surface.mesh.vertices;
+  mesh.triangles.assign(surface.mesh.triangles.begin(), surface.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(surface.face_count));
+  return mesh;
+}
+
+TEST(SplitLarge, SplittingKeepsTheSurfaceAndClosesNoCrack) {
+  for (const TriangleMesh& mesh : {make_box(Vec3(1, 1, 1)), make_cylinder(0.02, 1.0, 24), make_gutter(1.0, 0.5, 1.0, 1), made::obj_mesh("wingnut.obj")}) {
+    SmoothSurfaceReport report;
+    const auto surface = make_smooth_surface(mesh, {.longest_edge = 0.02, .growth = 1000.0}, report);
+    ASSERT_TRUE(surface);
+    const TriangleMesh split = faces_of(*surface);
+    EXPECT_GT(report.split.triangles, 0U);
+    EXPECT_TRUE(report.split.complete);
+    EXPECT_TRUE(count_edges(split).closed());
+    EXPECT_NEAR(compute_volume(split), compute_volume(mesh), 1e-9 * std::fabs(compute_volume(mesh)));
+    EXPECT_NEAR(compute_area(split), compute_area(mesh), 1e-9 * compute_area(mesh));
+    for (std::size_t t = 0; t < split.triangles.size(); ++t) {
+      for (int k = 0; k < 3; ++k) EXPECT_LE((split.corner(t, k) - split.corner(t, (k + 1) % 3)).norm(), report.split.longest_edge);
+      EXPECT_LT(surface->mesh.source[t], mesh.triangles.size());
+    }
+  }
+}
+
+TEST(SplitLarge, SplittingStopsAtItsLimitAndSaysSo) {
+  SmoothSurfaceReport report;
+  const auto surface = make_smooth_surface(make_icosphere(1.0, 6), {.longest_edge = 1e-4, .growth = 1.0}, report);
+  ASSERT_TRUE(surface);
+  EXPECT_FALSE(report.split.complete);
+  EXPECT_LE(surface->face_count, 81920U + 100000U);
+  EXPECT_NE(report.split.describe().find("limit"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton
