@@ -4,7 +4,9 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string_view>
@@ -155,6 +157,20 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
   return std::string(path.substr(path.rfind('/') + 1));
 }
 
+// "nan" and "inf" are numbers to CLI11, and no range refuses nan.
+void require_finite_numbers(CLI::App& app) {
+  const auto is_finite = [](const std::string& text) {
+    const bool finite = std::isfinite(std::strtod(text.c_str(), nullptr));
+    return finite ? std::string() : fmt::format("'{}' is not a finite number", text);
+  };
+  for (CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->get_type_name().starts_with("FLOAT"); })) {
+    option->check(is_finite);
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
+    require_finite_numbers(*command);
+  }
+}
+
 }  // namespace
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const* argv) {
@@ -180,6 +196,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     }
     arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), from_file->begin(), from_file->end());
   }
+  require_finite_numbers(app);
   try {
     std::reverse(arguments.begin(), arguments.end());  // the order CLI11 wants
     app.parse(arguments);
