@@ -1,0 +1,66 @@
+#include "io_node/io_options.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+std::variant<IoOptions, int> parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "io_node");
+  return parse_io_options(static_cast<int>(arguments.size()), arguments.data());
+}
+
+TEST(IoOptions, has_the_defaults_of_a_single_host) {
+  const auto options = std::get<IoOptions>(parse({}));
+  EXPECT_EQ(options.bind, "127.0.0.1:4950");
+  EXPECT_EQ(options.device, "simulated");
+  EXPECT_EQ(options.rate_hz, 1000.0);
+  EXPECT_EQ(options.vision_rate_hz, 240.0);
+  EXPECT_EQ(options.realtime.mode, RealtimeMode::attempt);
+}
+
+TEST(IoOptions, reads_flags) {
+  const auto options = std::get<IoOptions>(parse({"--rate", "4000", "--device", "replay", "--trajectory", "t.csv", "--loop", "--rt", "off", "--seed",
+                                                  "42", "--max-force", "2.5", "--echo-probe", "127.0.0.1:9", "--cpu", "1"}));
+  EXPECT_EQ(options.rate_hz, 4000.0);
+  EXPECT_EQ(options.device, "replay");
+  EXPECT_EQ(options.trajectory, "t.csv");
+  EXPECT_TRUE(options.loop);
+  EXPECT_EQ(options.realtime.mode, RealtimeMode::off);
+  EXPECT_EQ(options.realtime.cpu, 1);
+  EXPECT_EQ(options.seed, 42U);
+  EXPECT_EQ(options.max_force_n, 2.5);
+  EXPECT_EQ(options.echo_probe, "127.0.0.1:9");
+}
+
+TEST(IoOptions, refuses_what_makes_no_sense) {
+  for (const std::vector<const char*>& wrong : std::vector<std::vector<const char*>>{{"--rate", "249"},
+                                                                                    {"--rate", "10001"},
+                                                                                    {"--rate", "nan"},
+                                                                                    {"--rate", "fast"},
+                                                                                    {"--device", "sofa"},
+                                                                                    {"--rt", "maybe"},
+                                                                                    {"--max-force", "-1"},
+                                                                                    {"--seconds", "-3"},
+                                                                                    {"--unknown"},
+                                                                                    {"stray"}}) {
+    const auto parsed = parse(wrong);
+    ASSERT_TRUE(std::holds_alternative<int>(parsed)) << wrong.front();
+    EXPECT_NE(std::get<int>(parsed), 0) << wrong.front();
+  }
+  EXPECT_EQ(std::get<int>(parse({"--help"})), 0);
+}
+
+TEST(IoOptions, reads_a_config_file_that_the_command_line_overrides) {
+  const std::string path = testing::TempDir() + "io_options_test.toml";
+  std::ofstream(path) << "rate = 2000\nseed = 9\n";
+  const auto options = std::get<IoOptions>(parse({"--config", path.c_str(), "--seed", "3"}));
+  EXPECT_EQ(options.rate_hz, 2000.0);
+  EXPECT_EQ(options.seed, 3U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,69 @@
+#include "io_node/io_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::unique_ptr<ServoStats> two_seconds() {
+  auto stats = std::make_unique<ServoStats>();
+  stats->start_ns = 5'000'000'000;
+  stats->end_ns = 7'000'000'000;
+  stats->rate_hz = 1000.0;
+  stats->samples = 1990;
+  stats->forces = 1900;
+  stats->contact_samples = 700;
+  stats->missed_cycles = 10;
+  stats->ledger.lost = 3;
+  stats->hub.undecodable = 2;
+  stats->hub.strangers = 5;
+  for (int n = 0; n < 1000; ++n) {
+    stats->round_trip.record(n < 950 ? 30'000 : 90'000);
+    stats->bare_echo.record(n < 950 ? 20'000 : 30'000);
+  }
+  return stats;
+}
+
+TEST(IoReport, holds_hops_rates_counters_and_the_ratio_to_the_bare_echo) {
+  IoOptions options;
+  options.echo_probe = "127.0.0.1:9";
+  options.seed = 17;
+  const LatencyReport report = make_io_report(*two_seconds(), options, "real time: off");
+  EXPECT_EQ(report.program, "io_node");
+  EXPECT_EQ(report.seconds, 2.0);
+  EXPECT_EQ(report.rates_hz.at("samples"), 995.0);
+  EXPECT_EQ(report.counters.at("contact_samples"), 700);
+  EXPECT_EQ(report.counters.at("lost"), 3);
+  EXPECT_EQ(report.counters.at("datagrams_rejected"), 7);
+  EXPECT_EQ(report.notes.at("seed"), "17");
+  EXPECT_NEAR(report.ratios.at("round_trip_over_echo_p50"), 1.5, 0.05);
+  EXPECT_NEAR(report.ratios.at("round_trip_over_echo_p99"), 3.0, 0.1);
+  ASSERT_EQ(report.hops.size(), 8U);
+  EXPECT_EQ(report.hops.front().name, "round_trip");
+  EXPECT_EQ(report.hops.back().name, "bare_echo");
+}
+
+TEST(IoReport, claims_no_echo_that_was_not_measured) {
+  auto stats = two_seconds();
+  stats->bare_echo.clear();
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  EXPECT_TRUE(report.ratios.empty());
+  EXPECT_EQ(report.hops.size(), 7U);
+  EXPECT_THAT(describe_run(*stats), ::testing::Not(HasSubstr("echo")));
+}
+
+TEST(IoReport, tells_people_the_run_in_lines) {
+  const std::string text = describe_run(*two_seconds());
+  EXPECT_THAT(text, HasSubstr("1990 samples (995 Hz)"));
+  EXPECT_THAT(text, HasSubstr("lost 3"));
+  EXPECT_THAT(text, HasSubstr("missed cycles 10"));
+  EXPECT_THAT(describe_run(ServoStats{}), HasSubstr("0 samples"));
+}
+
+}  // namespace
+}  // namespace hapton

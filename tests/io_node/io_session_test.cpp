@@ -1,0 +1,128 @@
+// The servo in its own thread, over real sockets, with a haptics node in this one's stead.
+#include "io_node/io_session.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "io_node/devices/replay_device.h"
+#include "io_node/devices/simulated_phantom.h"
+#include "link/hub_client.h"
+#include "link/random_id.h"
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+// Answers every sample with 1 N until told to stop.
+class Answerer {
+ public:
+  explicit Answerer(const Address& hub) : thread_([this, hub] { run(hub); }) {}
+  ~Answerer() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  void run(const Address& hub) {
+    SteadyClock clock;
+    const auto endpoint = open_udp_endpoint("127.0.0.1:0");
+    HubClient client(**endpoint, clock, NodeRole::haptics, hub);
+    Datagram datagram;
+    while (!stop_) {
+      if (!client.receive(datagram, clock.now_ns() + 10'000'000)) continue;
+      const auto* state = std::get_if<DeviceState>(&datagram.message);
+      if (state == nullptr) continue;
+      ForceCommand force;
+      force.echo_sample = state->sample;
+      force.echo_sample_time_ns = state->sample_time_ns;
+      force.force_n = Vec3(0, 0, 1);
+      force.contact = true;
+      client.send(force);
+    }
+  }
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+struct Sessions : testing::Test {
+  void SetUp() override {
+    options.realtime.mode = RealtimeMode::off;
+    options.seconds = 0.5;
+    options.out = folder.string();
+    std::filesystem::remove_all(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  Result<void> run(Device& device) {
+    const auto endpoint = open_udp_endpoint("127.0.0.1:0");
+    HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
+    servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{});
+    Answerer haptics((*endpoint)->local_address());
+    IoSession session(*servo, clock, options);
+    return session.run(stop);
+  }
+  std::string report() {
+    std::stringstream text;
+    text << std::ifstream(folder / "report.json").rdbuf();
+    return text.str();
+  }
+
+  std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "io_session_test";
+  IoOptions options;
+  SteadyClock clock;
+  StopSignal stop;
+  std::unique_ptr<Servo> servo;
+};
+
+TEST_F(Sessions, runs_for_its_time_and_leaves_a_report) {
+  SimulatedPhantom device({});
+  const auto ended = run(device);
+  ASSERT_TRUE(ended) << ended.error().what;
+  EXPECT_GT(servo->collect_stats().forces, 10U);
+  EXPECT_NE(report().find("\"round_trip\""), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(folder / "latency.csv"));
+}
+
+TEST_F(Sessions, ends_with_its_recording) {
+  options.seconds = 0.0;
+  ReplayDevice device({{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3::UnitX(), Quat::Identity()}}, {});
+  EXPECT_TRUE(run(device));
+}
+
+TEST_F(Sessions, ends_when_told_and_reports_on_request) {
+  options.seconds = 0.0;
+  SimulatedPhantom device({});
+  std::atomic<bool> seen{false};
+  std::thread asker([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::raise(SIGUSR1);
+    for (int n = 0; n < 200 && !seen; ++n) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      seen = std::filesystem::exists(folder / "report.json");
+    }
+    stop.request_stop();
+  });
+  EXPECT_TRUE(run(device));
+  asker.join();
+  EXPECT_TRUE(seen);
+}
+
+TEST_F(Sessions, a_report_that_cannot_be_written_is_an_error) {
+  options.out = "/proc/nowhere";
+  options.seconds = 0.1;
+  SimulatedPhantom device({});
+  const auto ended = run(device);
+  ASSERT_FALSE(ended);
+  EXPECT_NE(ended.error().what.find("/proc/nowhere"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,114 @@
+// What the servo loop does every cycle takes nothing from the heap.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+
+#include "io_node/devices/replay_device.h"
+#include "io_node/devices/simulated_phantom.h"
+#include "io_node/servo.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+// A haptics, a vision and a tool node in fixed memory: a force 50 us after each sample, now and then one of everything else.
+class FixedEndpoint final : public Endpoint {
+ public:
+  explicit FixedEndpoint(SimulatedClock& clock) : clock_(clock) {}
+
+  bool send(const Address&, std::span<const std::byte> bytes) noexcept override {
+    if (codec_.decode(bytes, heard_) != DecodeStatus::ok) return true;
+    const auto* state = std::get_if<DeviceState>(&heard_.message);
+    if (state == nullptr) return true;
+    ForceCommand force;
+    force.echo_sample = state->sample;
+    force.echo_sample_time_ns = state->sample_time_ns;
+    force.force_n = Vec3(0, 0, 1);
+    force.contact = true;
+    say(1, force, clock_.now_ns() + 50'000);
+    return true;
+  }
+
+  Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
+    if (bytes_ == 0 || when_ns_ > deadline_ns) {
+      clock_.sleep_until_ns(deadline_ns);
+      return {};
+    }
+    clock_.sleep_until_ns(when_ns_);
+    std::copy_n(outgoing_.begin(), bytes_, into.begin());
+    return {std::exchange(bytes_, 0), Address{{}, from_}};
+  }
+
+  void say(std::uint16_t node, const Message& message, std::int64_t when_ns) noexcept {
+    said_.header = {5, 100ULL + node, ++sequence_, when_ns};
+    said_.message = message;
+    bytes_ = codec_.encode(said_, outgoing_);
+    when_ns_ = when_ns;
+    from_ = node;
+  }
+
+  Address local_address() const override { return {{}, 4950}; }
+
+ private:
+  SimulatedClock& clock_;
+  Codec codec_;
+  Datagram heard_;
+  Datagram said_;
+  std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};
+  std::size_t bytes_ = 0;
+  std::int64_t when_ns_ = 0;
+  std::uint16_t from_ = 0;
+  std::uint64_t sequence_ = 0;
+};
+
+std::uint64_t allocations_of_a_session(Device& device) {
+  SimulatedClock clock;
+  FixedEndpoint endpoint(clock);
+  HubPeers peers(endpoint, clock, 5, 1000.0);
+  const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{});
+  Settings settings{2000.0, {'p', 'r', 'o', 'x', 'y'}, true};
+  AllocationGuard guard;
+  for (int n = 0; n < 3000; ++n) {
+    const std::int64_t now = clock.now_ns();
+    switch (n % 50) {
+      case 0: endpoint.say(1, Hello{NodeRole::haptics}, now); break;
+      case 10: endpoint.say(2, Hello{NodeRole::vision}, now); break;
+      case 20: endpoint.say(2, ViewTransform{}, now); break;
+      case 30: endpoint.say(2, HandTarget{n % 100 == 30, Vec3(0, 0, 0.01)}, now); break;
+      case 40: endpoint.say(3, Hello{NodeRole::tool}, now); break;
+      case 45: endpoint.say(3, settings, now); break;
+      default: break;
+    }
+    if (n % 500 == 0) servo->ask_for_snapshot();
+    servo->step();
+  }
+  servo->finish();
+  const std::uint64_t taken = guard.count();
+  EXPECT_GT(servo->collect_stats().forces, 2000U);
+  EXPECT_EQ(servo->rate_hz(), 2000.0);
+  EXPECT_TRUE(servo->take_snapshot());
+  return taken;
+}
+
+TEST(ServoHeap, a_session_with_the_simulated_device_allocates_nothing) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  SimulatedPhantom device({});
+  EXPECT_EQ(allocations_of_a_session(device), 0U);
+}
+
+TEST(ServoHeap, a_session_with_a_replay_allocates_nothing) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  ReplayDevice device({{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3::UnitX(), Quat::Identity()}}, {.loop = true});
+  EXPECT_EQ(allocations_of_a_session(device), 0U);
+}
+
+TEST(ServoHeap, the_guard_sees_an_allocation) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  AllocationGuard guard;
+  ::operator delete(::operator new(100));
+  EXPECT_EQ(guard.count(), 1U);
+}
+
+}  // namespace
+}  // namespace hapton
