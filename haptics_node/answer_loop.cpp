@@ -14,32 +14,34 @@ constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 }  // namespace
 
 AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder)
-    : hub_(hub), clock_(clock), step_(step), builder_(builder) {}
+    : hub_(hub), clock_(clock), step_(step), builder_(builder), start_ns_(clock.now_ns()) {}
 
 void AnswerLoop::run(const StopSignal& stop, double seconds) {
-  start_ns_ = clock_.now_ns();
-  const std::int64_t end_ns = seconds > 0 ? start_ns_ + static_cast<std::int64_t>(seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
-  Datagram datagram;
+  const std::int64_t end_ns = seconds > 0 ? clock_.now_ns() + static_cast<std::int64_t>(seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
   while (!stop.stop_requested()) {
     const std::int64_t now_ns = clock_.now_ns();
     if (now_ns >= end_ns) {
       return;
     }
-    if (hub_.receive(datagram, std::min(end_ns, now_ns + kLookAroundNs))) {
-      drain(datagram);
-      if (step_.has_state()) {
-        answer();
-      }
-    }
-    change_method();
-    tell_of_hub();
+    turn(std::min(end_ns, now_ns + kLookAroundNs));
   }
 }
 
-void AnswerLoop::drain(Datagram& datagram) noexcept {
+void AnswerLoop::turn(std::int64_t deadline_ns) {
+  if (hub_.receive(datagram_, deadline_ns)) {
+    drain();
+    if (step_.has_state()) {
+      answer();
+    }
+  }
+  change_method();
+  tell_of_hub();
+}
+
+void AnswerLoop::drain() noexcept {
   do {
-    hear(datagram.message);
-  } while (hub_.receive(datagram, 0));
+    hear(datagram_.message);
+  } while (hub_.receive(datagram_, 0));
 }
 
 void AnswerLoop::hear(const Message& message) noexcept {

@@ -12,7 +12,7 @@
 namespace hapton {
 
 // The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
-// RT: run yes, apart from a line in the log when the hub comes or goes. Threads: one.
+// RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
 class AnswerLoop {
  public:
   AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder);
@@ -20,11 +20,14 @@ class AnswerLoop {
   // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
   void run(const StopSignal& stop, double seconds);
 
+  // One turn of it: waits for a message no longer than until deadline_ns, answers the newest state there is.
+  void turn(std::int64_t deadline_ns);
+
   // From a state's arrival to its answer's departure.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
 
  private:
-  void drain(Datagram& first) noexcept;
+  void drain() noexcept;
   void hear(const Message& message) noexcept;
   void answer() noexcept;
   void change_method() noexcept;
@@ -34,9 +37,10 @@ class AnswerLoop {
   const Clock& clock_;
   HapticsStep& step_;
   MethodBuilder& builder_;
+  Datagram datagram_;
   LatencyHistogram compute_times_;
   std::int64_t arrival_ns_ = 0;
-  std::int64_t start_ns_ = 0;
+  std::int64_t start_ns_;
   std::uint64_t session_ = 0;
   std::uint32_t view_revision_ = 0;
   JoinState told_ = JoinState::joining;

@@ -1,0 +1,61 @@
+#include "haptics_node/method_builder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+#include <thread>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+TouchScene one_sphere() { return {.objects = {{made::shared(made::sphere(0.05, 8)), {}}}}; }
+
+MethodBuilder::MethodName name_of(std::string_view text) {
+  MethodBuilder::MethodName name = {};
+  std::copy(text.begin(), text.end(), name.begin());
+  return name;
+}
+
+std::unique_ptr<TouchStep> wait_for_method(MethodBuilder& builder) {
+  for (int i = 0; i < 500; ++i) {
+    if (auto built = builder.take()) {
+      return built;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return nullptr;
+}
+
+TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
+  MethodBuilder builder({}, one_sphere());
+  EXPECT_EQ(builder.take(), nullptr);
+  for (int i = 0; i < 3; ++i) {
+    builder.request(name_of("sweep"));
+    auto built = wait_for_method(builder);
+    ASSERT_NE(built, nullptr);
+    EXPECT_NE(built->method().describe().find("sweep"), std::string::npos);
+    builder.retire(std::move(built));
+  }
+}
+
+TEST(MethodBuilder, AnUnknownNameBuildsNothing) {
+  MethodBuilder builder({}, one_sphere());
+  builder.request(name_of("sixteen letters!"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_EQ(builder.take(), nullptr);
+  builder.request(name_of("sweep"));
+  EXPECT_NE(wait_for_method(builder), nullptr);
+}
+
+TEST(MethodBuilder, WhatNobodyTookIsFreed) {
+  MethodBuilder builder({}, one_sphere());
+  builder.request(name_of("sweep"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+}
+
+}  // namespace
+}  // namespace hapton
