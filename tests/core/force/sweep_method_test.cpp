@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <limits>
 #include <random>
-#include <tuple>
 
+#include "tests/support/allocation_guard.h"
+#include "tests/support/brute_force_sweep.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -30,55 +31,6 @@ std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int,
 
 MethodOutput step(ForceMethod& method, const Vec3& p_SD) { return method.step({.p_SD = p_SD}); }
 
-// The same rule over all triangles of the scene, without a grid.
-class BruteForceSweep {
- public:
-  BruteForceSweep(const TouchScene& scene, double offset_m) : offset_m_(offset_m) {
-    for (const TouchObject& object : scene.objects) {
-      for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
-        if (const auto plane = compute_triangle_plane(object.mesh->corner(t, 0), object.mesh->corner(t, 1), object.mesh->corner(t, 2))) {
-          planes_.push_back(*plane);
-          stiffness_.push_back(object.material.stiffness_n_per_m);
-        }
-      }
-    }
-  }
-
-  void reset(const Vec3& p) { last_ = p; }
-
-  MethodOutput step(const Vec3& p) {
-    std::vector<std::tuple<double, double, std::size_t, SweepCollision>> found;
-    for (std::size_t t = 0; t < planes_.size(); ++t) {
-      SweepCollision hit;
-      if (compute_collision({last_, p}, planes_[t], hit) == SweepEnd::collision) {
-        found.emplace_back(hit.t, -hit.depth, t, hit);
-      }
-    }
-    collisions = found.size();
-    MethodOutput output;
-    output.p_SP = p;
-    last_ = p;
-    if (!found.empty()) {
-      const auto& [t, depth, id, hit] = *std::min_element(found.begin(), found.end(), [](const auto& a, const auto& b) {
-        return std::tie(std::get<0>(a), std::get<1>(a), std::get<2>(a)) < std::tie(std::get<0>(b), std::get<1>(b), std::get<2>(b));
-      });
-      last_ = hit.point + offset_m_ * hit.normal;
-      output.force_n = stiffness_[id] * hit.depth * hit.normal;
-      output.p_SP = hit.point;
-      output.contact = output.force_n != Vec3::Zero();
-    }
-    return output;
-  }
-
-  std::size_t collisions = 0;
-
- private:
-  double offset_m_;
-  std::vector<TrianglePlane> planes_;
-  std::vector<double> stiffness_;
-  Vec3 last_ = Vec3::Zero();
-};
-
 TEST(SweepMethod, FeelsLikeTheBruteForceTwinToTheBit) {
   constexpr std::uint64_t kSeed = 31;
   RecordProperty("seed", std::to_string(kSeed));
@@ -95,7 +47,7 @@ TEST(SweepMethod, FeelsLikeTheBruteForceTwinToTheBit) {
   for (const TouchScene& scene : scenes) {
     for (const auto& division : {std::array<int, 3>{32, 32, 32}, std::array<int, 3>{1, 1, 1}, std::array<int, 3>{5, 60, 13}}) {
       const auto method = make_sweep(scene, division);
-      BruteForceSweep twin(scene, kOffset);
+      made::BruteForceSweep twin(scene, kOffset);
       Vec3 p = 0.08 * vector().normalized();
       method->reset(p);
       twin.reset(p);
@@ -239,6 +191,23 @@ TEST(SweepMethod, RestingAndWildSamplesAreHarmless) {
   EXPECT_EQ(step(*method, {0.045, 0, 0.001}).contact, true);  // contact went on
   const MethodOutput far = step(*method, Vec3::Constant(1e300));
   EXPECT_TRUE(far.force_n.allFinite());
+}
+
+TEST(SweepMethod, StepsTakeNothingFromTheHeap) {
+  if (!AllocationGuard::is_available()) {
+    GTEST_SKIP() << "heap use cannot be counted in this build";
+  }
+  const auto method = make_sweep(scene_of(made::sphere(0.05, 24, 0.1)));
+  const AllocationGuard guard;
+  for (int round = 0; round < 3; ++round) {
+    method->reset({0.2, 0, 0});
+    for (int i = 0; i < 1000; ++i) {
+      const double angle = 0.3 * i;
+      step(*method, (0.05 + 0.04 * std::sin(0.7 * i)) * Vec3(std::cos(angle), std::sin(angle), std::cos(2.7 * angle)));
+    }
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(method->total_counters().collisions, 1000U);
 }
 
 TEST(SweepMethod, WithoutResetTheFirstSampleIsFree) {

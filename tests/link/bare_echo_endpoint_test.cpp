@@ -1,0 +1,65 @@
+#include "link/bare_echo_endpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+void expect_echo(const char* bind_address) {
+  auto echo = BareEchoEndpoint::open(bind_address);
+  ASSERT_TRUE(echo) << echo.error().what;
+  ASSERT_NE(echo->local_address().port, 0);
+  auto endpoint = open_udp_endpoint(bind_address);
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  std::atomic<bool> stop = false;
+  std::thread server([&] {
+    while (!stop) {
+      echo->serve_one();
+    }
+  });
+  const SteadyClock clock;
+  for (std::size_t bytes = 1; bytes <= kMaxDatagramBytes; bytes += 299) {
+    std::vector<std::byte> out(bytes);
+    for (std::size_t i = 0; i < bytes; ++i) {
+      out[i] = static_cast<std::byte>(i * 7 + bytes);
+    }
+    EXPECT_TRUE((*endpoint)->send(echo->local_address(), out));
+    std::vector<std::byte> in(kMaxDatagramBytes);
+    const Received got = (*endpoint)->receive(in, clock.now_ns() + 5 * kNanosecondsPerSecond);
+    in.resize(got.bytes);
+    EXPECT_EQ(in, out);
+    EXPECT_EQ(got.from, echo->local_address());
+  }
+  stop = true;
+  server.join();
+  EXPECT_EQ(echo->served(), 5U);
+}
+
+TEST(BareEchoEndpoint, ReturnsWhatItGets) { expect_echo("127.0.0.1:0"); }
+
+TEST(BareEchoEndpoint, SpeaksIpv6) {
+  if (!open_udp_endpoint("[::1]:0")) {
+    GTEST_SKIP() << "this host has no IPv6 loopback";
+  }
+  expect_echo("[::1]:0");
+}
+
+TEST(BareEchoEndpoint, APortInUseIsAnErrorThatNamesIt) {
+  const auto taken = BareEchoEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(taken);
+  const std::string address = to_string(taken->local_address());
+  const auto second = BareEchoEndpoint::open(address);
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().what.find(address), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton

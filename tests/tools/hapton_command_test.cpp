@@ -1,0 +1,137 @@
+#include "tools/hapton_command.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+// What a person sees of a command.
+struct Seen {
+  int code = -1;
+  std::string out;
+  std::string err;
+};
+
+Seen run(std::vector<std::string> words) {
+  words.insert(words.begin(), "hapton");
+  std::vector<const char*> argv;
+  for (const std::string& word : words) {
+    argv.push_back(word.c_str());
+  }
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Seen seen;
+  seen.code = run_hapton_command(static_cast<int>(argv.size()), argv.data());
+  std::fflush(stdout);
+  seen.out = testing::internal::GetCapturedStdout();
+  seen.err = testing::internal::GetCapturedStderr();
+  return seen;
+}
+
+class HaptonCommandTest : public ::testing::Test {
+ protected:
+  HaptonCommandTest() : folder_(std::filesystem::temp_directory_path() / ("hapton_command_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+    // A tetrahedron, and a probe that goes to its bottom face and presses.
+    std::ofstream(folder_ / "t.obj") << "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    std::ofstream(folder_ / "t.csv") << "# press\nt_s,x_m,y_m,z_m\n0,0.002,0.002,-0.001\n0.001,0.002,0.002,0.0005\n0.002,0.002,0.002,0.001\n";
+  }
+  ~HaptonCommandTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::vector<std::string> replay(const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"replay", "--trajectory", path("t.csv"), "--out", path("r.csv"), "--method", "sweep"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(HaptonCommandTest, HelpAndVersion) {
+  const Seen help = run({"--help"});
+  EXPECT_EQ(help.code, 0);
+  for (const char* command : {"replay", "echo", "latency", "plot", "set", "info"}) {
+    EXPECT_THAT(help.out, HasSubstr(command));
+    EXPECT_EQ(run({command, "--help"}).code, 0) << command;
+  }
+  const Seen version = run({"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_THAT(version.out, HasSubstr("hapton 0."));
+}
+
+TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
+  const Seen seen = run({"replya"});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_EQ(seen.err, "hapton: unknown command 'replya'; did you mean 'replay'?\n");
+  EXPECT_EQ(run({}).code, 2);
+  EXPECT_EQ(run({"--no-such-flag"}).code, 2);
+}
+
+TEST_F(HaptonCommandTest, ReplayWritesWhatWasFelt) {
+  const Seen seen = run(replay({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("4 x 3 x 2 cells"));
+  EXPECT_THAT(seen.out, HasSubstr("3 steps, 2 in contact, force max 2 N"));
+  std::ifstream file(path("r.csv"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(line);
+  }
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_THAT(lines[3], HasSubstr(",-2,1,"));
+}
+
+TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
+  const auto replaced = [&](const std::string& flag, const std::string& value) {
+    std::vector<std::string> words = replay({"--mesh", path("t.obj")});
+    *(std::find(words.begin(), words.end(), flag) + 1) = value;
+    return words;
+  };
+  EXPECT_THAT(run(replaced("--method", "swep")).err, HasSubstr("swep"));
+  EXPECT_THAT(run(replaced("--trajectory", path("gone.csv"))).err, HasSubstr("gone.csv"));
+  EXPECT_THAT(run(replaced("--out", path("gone/r.csv"))).err, HasSubstr("gone/r.csv"));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--mesh", path("gone.obj")}, "gone.obj"},
+      {{"--mesh", path("t.obj"), "--unit", "furlong"}, "furlong"},
+      {{"--mesh", path("t.obj"), "--grid", "0"}, "'0'"},
+      {{"--mesh", path("t.obj"), "--friction-dynamic", "0.5"}, "--friction-static"},
+      {{"--mesh", path("t.obj"), "--probe-radius", "0.001"}, "radius"},
+  };
+  for (const auto& [more, word] : cases) {
+    const Seen seen = run(replay(more));
+    EXPECT_NE(seen.code, 0) << word;
+    EXPECT_THAT(seen.err, HasSubstr(word));
+  }
+  EXPECT_EQ(run(replay({})).code, 2);  // neither mesh nor scene
+  EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--scene", path("t.toml")})).code, 2);
+  EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--stiffness", "-1"})).code, 2);
+  EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
+}
+
+TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
+  EXPECT_THAT(run({"set"}).err, HasSubstr("nothing to set"));
+  EXPECT_THAT(run({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
+  EXPECT_EQ(run({"set", "--rate", "100"}).code, 2);
+  EXPECT_THAT(run({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
+}
+
+TEST_F(HaptonCommandTest, EchoEndsWhenItsTimeIsOver) {
+  const Seen seen = run({"echo", "--bind", "127.0.0.1:0", "--seconds", "0.05"});
+  EXPECT_EQ(seen.code, 0);
+  EXPECT_THAT(seen.out, HasSubstr("echo at 127.0.0.1:"));
+  EXPECT_EQ(run({"echo", "--bind", "somewhere else"}).code, 1);
+}
+
+}  // namespace
+}  // namespace hapton
