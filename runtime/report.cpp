@@ -97,6 +97,7 @@ std::string to_json(const LatencyReport& report) {
   json["seconds"] = report.seconds;
   json["rates_hz"] = report.rates_hz;
   json["counters"] = report.counters;
+  json["ratios"] = report.ratios;
   json["notes"] = report.notes;
   json["hops"] = nlohmann::ordered_json::object();
   for (const LatencyHop& hop : report.hops) {
@@ -131,6 +132,9 @@ std::string to_text(const LatencyReport& report) {
   }
   for (const auto& [name, count] : report.counters) {
     text += fmt::format("  {:<28} {:>10}\n", name, count);
+  }
+  for (const auto& [name, ratio] : report.ratios) {
+    text += fmt::format("  {:<28} {:>10.2f}\n", name, ratio);
   }
   for (const auto& [name, note] : report.notes) {
     text += fmt::format("  {:<28} {}\n", name, note);

@@ -40,11 +40,12 @@ struct LatencyReport {
   double seconds = 0.0;                          // how long was measured
   std::map<std::string, double> rates_hz;
   std::map<std::string, std::int64_t> counters;
+  std::map<std::string, double> ratios;          // "round_trip_over_echo_p50"
   std::map<std::string, std::string> notes;      // seed, scene, method, real-time state ...
   std::vector<LatencyHop> hops;
 };
 
-// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, notes, and per hop n and p50, p90, p99, p99_9, max, mean in us.
+// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, ratios, notes, and per hop n and p50, p90, p99, p99_9, max, mean in us.
 std::string to_json(const LatencyReport& report);
 
 // Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.

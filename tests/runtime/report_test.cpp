@@ -21,6 +21,7 @@ LatencyReport sample_report() {
   report.seconds = 2.5;
   report.rates_hz = {{"servo", 999.5}};
   report.counters = {{"force_lost", 3}, {"samples", 2500}};
+  report.ratios = {{"round_trip_over_echo_p50", 1.25}};
   report.notes = {{"seed", "42"}, {"scene", "a \"quoted\" name"}};
   LatencyHistogram round_trip;
   for (int i = 1; i <= 1000; ++i) {
@@ -38,6 +39,7 @@ TEST(ReportTest, JsonHoldsEveryFigure) {
   EXPECT_EQ(json["seconds"], 2.5);
   EXPECT_EQ(json["rates_hz"]["servo"], 999.5);
   EXPECT_EQ(json["counters"]["force_lost"], 3);
+  EXPECT_EQ(json["ratios"]["round_trip_over_echo_p50"], 1.25);
   EXPECT_EQ(json["notes"]["scene"], "a \"quoted\" name");
   const nlohmann::json& hop = json["hops"]["force_round_trip"];
   EXPECT_EQ(hop["n"], 1000);
@@ -86,7 +88,7 @@ TEST(ReportTest, CsvRowsAddUpToTheRecords) {
 
 TEST(ReportTest, TextNamesEverything) {
   const std::string text = to_text(sample_report());
-  for (const char* part : {"io_node", "force_round_trip", "p99.9", "servo", "force_lost", "seed", "42"}) {
+  for (const char* part : {"io_node", "force_round_trip", "p99.9", "servo", "force_lost", "round_trip_over_echo_p50", "1.25", "seed", "42"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }
