@@ -108,7 +108,6 @@ const std::vector<BadCall> kHapticsNode = {
 };
 
 const std::vector<BadCall> kTools = {
-    {"NoCommand", "hapton", {}, "hapton"},
     {"UnknownCommand", "hapton", {"fly"}, "fly"},
     {"InfoMissing", "hapton", {"info", "FOLDER/gone.obj"}, "gone.obj"},
     {"InfoEmpty", "hapton", {"info", "FOLDER/empty.obj"}, "empty.obj"},
@@ -161,6 +160,15 @@ TEST_P(Help, IsThereAndSucceeds) {
   EXPECT_EQ(ended->exit_code, 0);
   EXPECT_THAT(ended->out, ::testing::HasSubstr("--help"));
   EXPECT_EQ(ended->err, "");
+}
+
+TEST(HaptonAlone, TellsItsCommandsAndFails) {
+  const TestFolder folder;
+  const auto ended = run("hapton", {}, folder.path());
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_NE(ended->exit_code, 0);
+  EXPECT_LT(ended->exit_code, 126);
+  EXPECT_THAT(ended->out + ended->err, ::testing::HasSubstr("replay"));
 }
 
 const std::vector<std::string> kPrograms = {
