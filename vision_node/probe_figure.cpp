@@ -42,26 +42,31 @@ void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& sc
 
 ProbeFigure::ProbeFigure(const ProbeSizes& sizes) : sizes_(sizes) {
   const double l = sizes.stylus_length_m;
-  const double r = 0.034 * l;
-  const auto pen = make_lathe({{0.0, 0.0}, {0.25 * r, 0.004 * l}, {0.8 * r, 0.13 * l}, {r, 0.2 * l}, {r, 0.42 * l}, {0.86 * r, 0.43 * l},
-                               {0.86 * r, 0.46 * l}, {r, 0.47 * l}, {r, 0.97 * l}, {0.6 * r, l}, {0.0, l}});
-  dress(stylus_, pen, {0.90, 0.91, 0.93}, 0.25, 0.4);
+  const double r = 0.038 * l;
+  const auto pen = make_lathe({{0.0, 0.0}, {0.16 * r, 0.005 * l}, {0.30 * r, 0.08 * l}, {0.86 * r, 0.17 * l}, {0.86 * r, 0.45 * l},
+                               {r, 0.46 * l}, {0.9 * r, 0.95 * l}, {0.6 * r, l}, {0.0, l}});
+  dress(stylus_, pen, {0.88, 0.89, 0.91}, 0.25, 0.45);
+  const auto sleeve = make_lathe({{0.86 * r, 0.19 * l}, {1.04 * r, 0.20 * l}, {1.04 * r, 0.26 * l}, {0.98 * r, 0.27 * l}, {0.98 * r, 0.28 * l},
+                                  {1.06 * r, 0.29 * l}, {1.06 * r, 0.42 * l}, {0.86 * r, 0.43 * l}});
+  dress(grip_, sleeve, {0.16, 0.17, 0.20}, 0.30, 0.25);
   dress(tip_, make_ball(sizes.tip_radius_m), {1.0, 0.78, 0.10}, 0.35, 0.5);
   const double s = sizes.arrow_radius_m;
   dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
   const double h = kHeadLengthInRadii * s;
   dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
-  for (vtkActor* actor : {stylus_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) actor->VisibilityOff();
+  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) actor->VisibilityOff();
 }
 
 void ProbeFigure::add_to(vtkRenderer* renderer) {
-  for (vtkActor* actor : {stylus_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) renderer->AddActor(actor);
+  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) renderer->AddActor(actor);
 }
 
 void ProbeFigure::set(const ProbeShown& probe) {
-  place(stylus_, probe.p_WP, probe.q_WT * turn_z_to(stylus_axis_T()), Vec3::Ones());
+  place(stylus_, probe.p_WP, probe.q_WT, Vec3::Ones());
+  place(grip_, probe.p_WP, probe.q_WT, Vec3::Ones());
   place(tip_, probe.p_WP, Quat::Identity(), Vec3::Ones());
   stylus_->VisibilityOn();
+  grip_->VisibilityOn();
   tip_->VisibilityOn();
   const Vec3 arrow = compute_arrow(probe, sizes_);
   const double length = arrow.norm();

@@ -20,6 +20,7 @@ class ProbeFigure {
  private:
   ProbeSizes sizes_;
   vtkNew<vtkActor> stylus_;
+  vtkNew<vtkActor> grip_;
   vtkNew<vtkActor> tip_;
   vtkNew<vtkActor> shaft_;
   vtkNew<vtkActor> head_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace hapton {
 namespace {
@@ -22,17 +23,22 @@ ProbeSizes scale_probe(const Framing& framing) {
   return sizes;
 }
 
-ProbeShown show_probe(const ProbeState& state) {
+ProbeShown show_probe(const ProbeState& state, const Quat& lean) {
   ProbeShown shown;
   shown.contact = state.contact;
   if (state.p_WD.allFinite()) shown.p_WP = state.p_WD;
   if (state.visual_offset_m.allFinite()) shown.p_WP += state.visual_offset_m;
   if (state.force_n.allFinite()) shown.force_n = state.force_n;
   if (state.q_WT.coeffs().allFinite() && state.q_WT.squaredNorm() > 0.25) shown.q_WT = state.q_WT.normalized();
+  shown.q_WT = lean * shown.q_WT;
   return shown;
 }
 
-Vec3 stylus_axis_T() { return Vec3(0.45, 0.75, 0.48).normalized(); }
+// About the axis at right angles to z and to the direction of the lean, 55 degrees up from the right.
+Quat make_lean(double angle_rad) {
+  constexpr double kTowards = 55.0 * std::numbers::pi / 180.0;
+  return Quat(Eigen::AngleAxisd(angle_rad, Vec3(-std::sin(kTowards), std::cos(kTowards), 0.0)));
+}
 
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes) {
   const double newtons = probe.force_n.norm();
@@ -42,7 +48,7 @@ Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes) {
 
 PictureWatch::Marks PictureWatch::compute_marks(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen,
                                                 PictureSize size) {
-  const Vec3 end = probe.p_WP + probe.q_WT * (sizes.stylus_length_m * stylus_axis_T());
+  const Vec3 end = probe.p_WP + probe.q_WT * (sizes.stylus_length_m * Vec3::UnitZ());
   const Vec3 head = probe.p_WP + compute_arrow(probe, sizes);
   Marks marks;
   std::size_t i = 0;

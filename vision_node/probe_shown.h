@@ -10,7 +10,7 @@ namespace hapton {
 // Sizes of what is drawn for the probe, metres. Scaled with the view, so that they look the same at every scale.
 struct ProbeSizes {
   double tip_radius_m = 0.0018;
-  double stylus_length_m = 0.12;
+  double stylus_length_m = 0.105;
   double arrow_m_per_n = 0.02;
   double arrow_max_m = 0.12;
   double arrow_radius_m = 0.0016;
@@ -22,17 +22,17 @@ ProbeSizes scale_probe(const Framing& framing);
 // beneath it (memo 4.2.2). Frame W, metres, newtons.
 struct ProbeShown {
   Vec3 p_WP = Vec3::Zero();
-  Quat q_WT = Quat::Identity();
+  Quat q_WT = Quat::Identity();  // lean included
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
 };
 
+// The stylus' body points from its tip along z of T: at the viewer, when the device reports no rotation, where it would hide the tip and
+// the force that pushes back at it. lean turns it out of the way, up and to the right; identity shows what the device reports.
 // Anything not finite is shown at the origin or left out: a picture must never fail for what came over the wire.
-ProbeShown show_probe(const ProbeState& state);
+ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
-// Direction of the stylus' body from its tip, frame T: a pen held in the right hand, leaning back to the viewer's right, so that a
-// device which reports no rotation still looks like a hand at work.
-Vec3 stylus_axis_T();
+Quat make_lean(double angle_rad);
 
 // Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);

@@ -197,7 +197,7 @@ void StereoView::Window::add_eye(Eye eye, double from, double to) {
   vtkNew<vtkLight> light;
   light->SetLightTypeToSceneLight();
   light->PositionalOff();
-  const Vec3 towards = compute_screen(settings.framing, {1, 1}).X_WV.linear() * Vec3(-0.45, 0.75, 0.65);
+  const Vec3 towards = compute_screen(settings.framing, {1, 1}).X_WV.linear() * Vec3(-0.40, 0.62, 0.85);
   light->SetFocalPoint(0.0, 0.0, 0.0);
   light->SetPosition(towards.x(), towards.y(), towards.z());
   renderer->AddLight(light);
@@ -283,8 +283,8 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
     if (settings.plain) {
       look->LightingOff();
     } else {
-      look->SetAmbient(0.22);
-      look->SetDiffuse(0.78);
+      look->SetAmbient(0.20);
+      look->SetDiffuse(0.88);
       look->SetSpecular(0.22);
       look->SetSpecularPower(18.0);
     }

@@ -67,8 +67,11 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")->check(between(0.0, 200.0))->capture_default_str();
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
       ->check(between(0.0, 1e9));
-  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right")->check(between(-180.0, 180.0))->capture_default_str();
+  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right; 0: screen and device are parallel")->check(between(-180.0, 180.0))->capture_default_str();
   app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(between(-89.0, 89.0))->capture_default_str();
+  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "The drawn stylus leans this much more to the upper right; 0: as the device says")
+      ->check(between(0.0, 90.0))
+      ->capture_default_str();
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
   app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(between(-360.0, 360.0));
   app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(between(-360.0, 360.0));

@@ -18,8 +18,10 @@ struct VisionOptions {
   std::filesystem::path scene = "scenes/car_front.toml";
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
-  double view_yaw_deg = 0.0;
-  double view_pitch_deg = 15.0;
+  // A three-quarter view shows depth and the force that points at the hand, and is little enough for the hand not to mind.
+  double view_yaw_deg = -25.0;
+  double view_pitch_deg = 20.0;
+  double stylus_lean_deg = 50.0;
   double view_mm = 0.0;       // 0: as the scene needs
   double ipd_mm = 63.0;
   double rate_limit_hz = -1;  // below 0: chosen by who draws

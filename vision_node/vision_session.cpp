@@ -19,6 +19,7 @@ constexpr double kMinRadius = 1e-6;
 VisionStepSettings make_step_settings(const StereoView& view, const VisionOptions& options) {
   VisionStepSettings settings;
   for (int axis = 0; axis < 3; ++axis) settings.dials.turn(axis, options.dials_degrees[axis]);
+  settings.stylus_lean = make_lean(options.stylus_lean_deg * std::numbers::pi / 180.0);
   settings.max_rate_hz = options.rate_limit_hz;
   settings.always_changing = view.mode() == StereoMode::emulate;
   settings.cull = options.view.cull;
@@ -76,8 +77,9 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     hear_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
-    if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+    // Before drawing: what was just heard is fresh, so what looks lost is lost, and nothing waits for a slow picture.
     speak();
+    if (auto drawn = draw_if_wanted(); !drawn) return drawn;
   }
   if (!options_.screenshot.empty() && !moment_.taken()) return take_screenshot(options_.screenshot);
   return {};
@@ -124,7 +126,7 @@ Result<void> VisionSession::draw_if_wanted() {
   view_.set_cull(shown.cull);
   view_.set_hud(shown.hud, shown.help);
   view_.draw();
-  step_.drew(begin_ns, clock_.now_ns(), where());
+  if (const auto drawn = step_.drew(begin_ns, clock_.now_ns(), where())) hub_.send(*drawn);
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? take_screenshot(options_.screenshot) : Result<void>{};
 }

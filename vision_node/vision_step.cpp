@@ -48,7 +48,6 @@ Wishes VisionStep::take_wishes() {
 std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
   if (const auto view = sender_.take_due(now_ns)) return *view;
   if (const auto hand = interaction_.take_hand(now_ns)) return *hand;
-  if (const auto drawn = std::exchange(drawn_, std::nullopt)) return *drawn;
   return std::nullopt;
 }
 
@@ -71,7 +70,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   }
   if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_) return true;
   if (std::exchange(moved_, false)) {
-    if (watch_.differs(show_probe(*state_), where.sizes, where.screen, where.picture)) return true;
+    if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;
     frames_.skipped();
   }
   return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud_now() != hud_shown_;
@@ -80,7 +79,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
 VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
   shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
-  if (state_) shown.probe = show_probe(*state_);
+  if (state_) shown.probe = probe_shown();
   if (now_ns - hud_ns_ >= kHudPeriodNs || hud_shown_.empty() || stale_) {
     hud_shown_ = compose_hud_now();
     hud_ns_ = now_ns;
@@ -92,14 +91,14 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   return shown;
 }
 
-void VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
+std::optional<Drawn> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
   frames_.drew(start_ns, end_ns);
   dials_shown_ = interaction_.dials().degrees;
   moved_ = false;
-  if (!state_) return;
-  watch_.drawn(show_probe(*state_), where.sizes, where.screen, where.picture);
-  drawn_ = Drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  if (!state_) return std::nullopt;
+  watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);
+  return Drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
 }
 
 }  // namespace hapton

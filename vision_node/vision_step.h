@@ -17,6 +17,7 @@ struct VisionStepSettings {
   Vec3 p_WC = Vec3::Zero();         // workspace centre: what the dials turn about
   Dials dials;                      // at the start
   double max_rate_hz = 60.0;        // pictures a second; 0: as many as can be drawn
+  Quat stylus_lean = Quat::Identity();
   bool always_changing = false;     // draw even when nothing moved: modes that alternate the eyes
   bool cull = true;
   bool help = true;
@@ -57,14 +58,14 @@ class VisionStep {
 
   Wishes take_wishes();
 
-  // What is to be sent now, one message a call until none is left: view transform, hand target, Drawn.
+  // What is to be sent now, one message a call until none is left: view transform, hand target.
   std::optional<Message> take_message(std::int64_t now_ns);
 
   // True when the picture there is no longer shows how things are, and the rate allows another one.
   bool wants_picture(std::int64_t now_ns, const Screen& where);
   Shown compose(std::int64_t now_ns);
-  // The picture of the last compose() is in the window.
-  void drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
+  // The picture of the last compose() is in the window. Returns what the hub is to be told of it.
+  std::optional<Drawn> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
 
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
@@ -73,6 +74,7 @@ class VisionStep {
 
  private:
   std::string compose_hud_now() const;
+  ProbeShown probe_shown() const { return show_probe(*state_, settings_.stylus_lean); }
 
   VisionStepSettings settings_;
   Interaction interaction_;
@@ -80,7 +82,6 @@ class VisionStep {
   PictureWatch watch_;
   FrameLog frames_;
   std::optional<ProbeState> state_;
-  std::optional<Drawn> drawn_;
   bool connected_ = false;
   bool stale_ = true;
   bool moved_ = false;       // a new state has come since the last picture

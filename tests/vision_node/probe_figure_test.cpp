@@ -52,7 +52,7 @@ TEST(ProbeFigure, TipIsDrawnAtDevicePositionPlusVisualOffsetInBothEyes) {
   const StereoScreen screen = view->screen();
   for (const Vec3& p_WD : {Vec3(0, 0, 0), Vec3(-0.05, 0.03, 0.07), Vec3(0.04, -0.06, -0.08)}) {
     const Vec3 offset(0.004, 0.011, -0.006);
-    view->set_probe(show_probe(state_at(p_WD, offset)));
+    view->set_probe(show_probe(state_at(p_WD, offset), make_lean(1.2)));
     view->draw();
     const Picture picture = view->read_picture();
     for (const auto& [eye, from] : {std::pair(Eye::left, 0), std::pair(Eye::right, 640)}) {
@@ -82,6 +82,7 @@ TEST(ProbeFigure, ArrowIsSeenWhateverItsDirectionAndGrowsWithForce) {
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {});
   ASSERT_TRUE(view);
   ProbeShown probe;
+  probe.q_WT = make_lean(0.9);
   view->set_probe(probe);
   view->draw();
   EXPECT_EQ(measure(view->read_picture(), is_arrow, 0, 640).count, 0);
@@ -105,10 +106,11 @@ TEST(ProbeFigure, OrientationTurnsTheStylus) {
   auto view = open_or_fail(plain_settings(StereoMode::mono, 360, 360), {});
   ASSERT_TRUE(view);
   ProbeShown probe;
+  probe.q_WT = make_lean(1.2);
   view->set_probe(probe);
   view->draw();
   const Picture upright = view->read_picture();
-  probe.q_WT = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ());
+  probe.q_WT = Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitZ()) * probe.q_WT;
   view->set_probe(probe);
   view->draw();
   const Picture hanging = view->read_picture();

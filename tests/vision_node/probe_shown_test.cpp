@@ -29,6 +29,18 @@ TEST(ShowProbe, SurvivesRubbish) {
   EXPECT_NEAR(show_probe(state).q_WT.norm(), 1.0, 1e-15);
 }
 
+TEST(ShowProbe, LeanTurnsTheBodyUpAndRightAndLeavesTheTip) {
+  ProbeState state;
+  state.p_WD = {0.1, 0.2, 0.3};
+  EXPECT_LT((show_probe(state).q_WT * Vec3::UnitZ() - Vec3::UnitZ()).norm(), 1e-15);
+  const ProbeShown leaning = show_probe(state, make_lean(0.7));
+  const Vec3 body = leaning.q_WT * Vec3::UnitZ();
+  EXPECT_NEAR(body.z(), std::cos(0.7), 1e-12);
+  EXPECT_GT(body.x(), 0.2);
+  EXPECT_GT(body.y(), 0.2);
+  EXPECT_EQ(leaning.p_WP, state.p_WD);
+}
+
 TEST(Arrow, IsAsLongAsTheForceUpToItsLimit) {
   const ProbeSizes sizes;
   ProbeShown probe;
@@ -76,7 +88,7 @@ TEST_F(Watch, SlowDriftAddsUp) {
 TEST_F(Watch, TurningTheStylusAndAGrowingForceAreSeen) {
   watch_.drawn(probe_, sizes_, screen_, kSize);
   ProbeShown turned = probe_;
-  turned.q_WT = Eigen::AngleAxisd(0.05, Vec3::UnitZ());
+  turned.q_WT = Eigen::AngleAxisd(0.05, Vec3::UnitX());
   EXPECT_TRUE(watch_.differs(turned, sizes_, screen_, kSize));
   ProbeShown pushed = probe_;
   pushed.force_n = {0.5, 0.0, 0.0};
