@@ -6,6 +6,7 @@
 #include <string>
 
 #include "scene/mesh_report.h"
+#include "scene/scene_report.h"
 
 namespace hapton {
 namespace {
@@ -16,7 +17,12 @@ struct InfoOptions {
   bool json = false;
 };
 
-Result<std::string> tell(const InfoOptions& options) {
+Result<std::string> tell_scene(const InfoOptions& options) {
+  if (!options.unit.empty()) return fail("{}: a scene file names its units itself: leave --unit out", options.file);
+  return make_scene_report(options.file).map([&](const SceneReport& report) { return options.json ? to_json(report) : to_text(report); });
+}
+
+Result<std::string> tell_mesh(const InfoOptions& options) {
   std::optional<Unit> unit;
   if (!options.unit.empty()) {
     const Result<Unit> parsed = parse_unit(options.unit);
@@ -29,7 +35,7 @@ Result<std::string> tell(const InfoOptions& options) {
 }
 
 int run(const InfoOptions& options) {
-  const Result<std::string> told = tell(options);
+  const Result<std::string> told = options.file.ends_with(".toml") ? tell_scene(options) : tell_mesh(options);
   if (!told) {
     std::fprintf(stderr, "hapton info: %s\n", told.error().what.c_str());
     return 1;
@@ -42,8 +48,8 @@ int run(const InfoOptions& options) {
 
 void add_info_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* info = app.add_subcommand("info", "Tell the size, counts and flaws of a mesh");
-  info->add_option("file", options->file, "OBJ, STL, PLY, glTF or GLB file")->required();
+  CLI::App* info = app.add_subcommand("info", "Tell the size, counts and flaws of a mesh, or the objects of a scene");
+  info->add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)")->required();
   info->add_option("--unit", options->unit, "What the file's numbers are in: m (default), cm, mm or in; glTF is always m");
   info->add_flag("--json", options->json, "As JSON");
   info->callback([options, &exit_code] { exit_code = run(*options); });

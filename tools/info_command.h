@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// hapton info FILE: counts, sizes and flaws of a mesh, or of every mesh of a scene.
+// hapton info FILE: counts, size and flaws of a mesh, or the objects of a scene.
 // Sets exit_code to 0 when all could be told, 1 otherwise.
 void add_info_command(CLI::App& app, int& exit_code);
 

@@ -1,0 +1,58 @@
+#include "scene/scene_report.h"
+
+#include <fmt/core.h>
+
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace hapton {
+
+Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
+  Result<Scene> scene = load_scene(path);
+  if (!scene) return tl::unexpected(scene.error());
+  SceneReport report{.path = path.string(), .scene = std::move(*scene), .topologies = {}};
+  for (const SceneObject& object : report.scene.objects) report.topologies.push_back(compute_mesh_topology(*object.mesh));
+  return report;
+}
+
+std::string to_text(const SceneReport& report) {
+  std::string text = fmt::format("scene {}, {} objects\n", report.path, report.scene.objects.size());
+  for (std::size_t i = 0; i < report.topologies.size(); ++i) {
+    const SceneObject& object = report.scene.objects[i];
+    const MeshTopology& t = report.topologies[i];
+    const Vec3 size = t.highest - t.lowest;
+    const Vec3 middle = 0.5 * (t.lowest + t.highest);
+    fmt::format_to(
+        std::back_inserter(text),
+        "{:<20} {:>8} triangles, {}, {:.4g} x {:.4g} x {:.4g} m around ({:.4g}, {:.4g}, {:.4g}), {:.6g} N/m, friction {:.3g} / {:.3g}\n",
+        object.name, t.triangles, t.is_closed() ? "closed" : "not closed", size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
+        object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic);
+  }
+  for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
+  return text;
+}
+
+std::string to_json(const SceneReport& report) {
+  using Json = nlohmann::ordered_json;
+  const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
+  Json objects = Json::array();
+  for (std::size_t i = 0; i < report.topologies.size(); ++i) {
+    const SceneObject& object = report.scene.objects[i];
+    const MeshTopology& t = report.topologies[i];
+    objects.push_back({{"name", object.name},
+                       {"triangles", t.triangles},
+                       {"vertices", t.vertices},
+                       {"closed", t.is_closed()},
+                       {"lowest_m", corner(t.lowest)},
+                       {"highest_m", corner(t.highest)},
+                       {"stiffness_n_per_m", object.material.stiffness_n_per_m},
+                       {"damping_ns_per_m", object.material.damping_ns_per_m},
+                       {"friction_static", object.material.friction_static},
+                       {"friction_dynamic", object.material.friction_dynamic},
+                       {"two_sided", object.material.two_sided}});
+  }
+  const Json json = {{"schema", "hapton-scene-info-1"}, {"file", report.path}, {"objects", objects}, {"notes", report.scene.notes}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hapton

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/mesh_topology.h"
+#include "scene/scene_file.h"
+
+namespace hapton {
+
+// What `hapton info` tells about a scene file: the meshes as posed, in metres, frame S.
+struct SceneReport {
+  std::string path;
+  Scene scene;
+  std::vector<MeshTopology> topologies;  // one an object
+};
+
+// Error: whatever load_scene refuses. RT: set-up only.
+Result<SceneReport> make_scene_report(const std::filesystem::path& path);
+
+// For people, a line an object.
+std::string to_text(const SceneReport& report);
+
+// One JSON object with a schema version.
+std::string to_json(const SceneReport& report);
+
+}  // namespace hapton

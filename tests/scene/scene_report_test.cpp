@@ -1,0 +1,36 @@
+#include "scene/scene_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(SceneReport, TellsOfEveryObject) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/nist_assembly.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  const std::string text = to_text(*report);
+  const auto json = nlohmann::json::parse(to_json(*report));
+  ASSERT_EQ(json["objects"].size(), 6U);
+  std::size_t triangles = 0;
+  for (const auto& object : json["objects"]) {
+    EXPECT_THAT(text, HasSubstr(object["name"].get<std::string>()));
+    triangles += object["triangles"].get<std::size_t>();
+  }
+  EXPECT_EQ(triangles, 7216U);
+  EXPECT_EQ(json["objects"][2]["name"], "pipe_1");
+  EXPECT_EQ(json["objects"][2]["stiffness_n_per_m"], 800.0);
+}
+
+TEST(SceneReport, PassesErrorsOn) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/none.toml");
+  ASSERT_FALSE(report);
+  EXPECT_THAT(report.error().what, HasSubstr("no such file"));
+}
+
+}  // namespace
+}  // namespace hapton
