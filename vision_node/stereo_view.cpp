@@ -29,6 +29,8 @@
 namespace hapton {
 namespace {
 
+constexpr int kScreenshotSamples = 8;
+
 int vtk_stereo_type(StereoMode mode) {
   switch (mode) {
     case StereoMode::crystal_eyes: return VTK_STEREO_CRYSTAL_EYES;
@@ -347,6 +349,9 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   if (!std::ofstream(file, std::ios::binary)) {
     return fail("cannot write the screenshot {}: does its folder exist, may it be written to?", file.string());
   }
+  // Once, for a picture that stays, smooth edges are worth their time.
+  window_->window->SetMultiSamples(std::max(kScreenshotSamples, window_->settings.msaa));
+  window_->window->Render();
   vtkNew<vtkWindowToImageFilter> grab;
   grab->SetInput(window_->window);
   grab->SetInputBufferTypeToRGB();
@@ -356,6 +361,7 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   writer->SetFileName(file.c_str());
   writer->SetInputConnection(grab->GetOutputPort());
   writer->Write();
+  window_->window->SetMultiSamples(window_->settings.msaa);
   if (writer->GetErrorCode() != 0) return fail("cannot write the screenshot {}: is the disk full?", file.string());
   return {};
 }

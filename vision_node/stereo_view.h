@@ -61,7 +61,7 @@ class StereoView {
 
   // The newest picture, as drawn.
   Picture read_picture();
-  // Error: a file that cannot be written.
+  // The same picture, drawn once more with its edges smoothed. Error: a file that cannot be written.
   Result<void> save_png(const std::filesystem::path& file);
 
   // What happened in the window since the last call.
