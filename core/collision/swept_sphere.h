@@ -7,8 +7,9 @@ namespace hapton {
 // The distance a probe keeps from surfaces, and how exactly.
 // A point probe is a sphere of radius `rest` = hover alone; a sphere probe adds its radius. All in metres.
 struct Clearance {
-  double rest = 0.0;   // a proxy in contact stands this far off
-  double slack = 0.0;  // it is never nearer than rest - slack; rest - slack > 0, so no surface is ever crossed
+  double rest = 0.0;       // a proxy in contact stands this far off
+  double slack = 0.0;      // it is never nearer than rest - slack; rest - slack > 0, so no surface is ever crossed
+  double tolerance = 0.0;  // how exactly a motion stops at rest; far above rounding, far below slack
 };
 
 // A time that never comes; motions last from 0 to 1.
@@ -50,15 +51,31 @@ inline double time_to_block(const TouchGeometry& geometry, std::uint32_t triangl
     const double cross = (end.distance - end_slope * until - start.distance) / (start_slope - end_slope);
     if (start.distance + start_slope * cross >= low) return kNever;
   }
-  const double tolerance = 0.25 * clearance.slack;
   double stop = 0.0;
-  if (start.distance > clearance.rest + tolerance) {
-    stop = time_to_reach(geometry, triangle, p, motion, (start.distance - clearance.rest) / -start_slope, clearance.rest, tolerance);
+  if (start.distance > clearance.rest + clearance.tolerance) {
+    stop = time_to_reach(geometry, triangle, p, motion, (start.distance - clearance.rest) / -start_slope, clearance.rest, clearance.tolerance);
     if (stop > until) return kNever;
   }
   if (start.distance <= low) return 0.0;
   if (end.distance < low) return stop;
-  return time_to_reach(geometry, triangle, p, motion, stop, low, tolerance) > 1.0 ? kNever : stop;
+  return time_to_reach(geometry, triangle, p, motion, stop, low, clearance.tolerance) > 1.0 ? kNever : stop;
+}
+
+// What a triangle that blocks `motion` at p is to be taken for: usually how it stands to p. But a point probe just before a shallow
+// fold first meets the rounding of the fold's edge, whose normal is neither face's; where going on would lead over the face,
+// the face is what blocks.
+inline Separation blocking_separation(const TouchGeometry& geometry, std::uint32_t triangle, const Vec3& p, const Vec3& motion,
+                                      const Clearance& clearance) {
+  const Separation here = geometry.separation(triangle, p);
+  if (here.feature == Feature::face) return here;
+  const double low = clearance.rest - clearance.slack;
+  const double t = here.distance > low ? time_to_reach(geometry, triangle, p, motion, 0.0, low, clearance.tolerance) : kNever;
+  if (t > 1.0) return here;
+  Separation ahead = geometry.separation(triangle, p + t * motion);
+  if (ahead.feature != Feature::face) return here;
+  ahead.distance -= t * ahead.normal.dot(motion);  // the plane's height under p
+  ahead.nearest = p - ahead.distance * ahead.normal;
+  return ahead;
 }
 
 }  // namespace hapton

@@ -28,8 +28,11 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   // hover: 2^21 times the rounding of local coordinates, so distances of this size keep six digits; and far below what is felt
   // (1e-10 m on a 100 mm scene).
   constexpr double kHover = 0x1p-30;
+  hover_ = kHover;
+  is_point_ = settings.probe_radius_m == 0.0;
   clearance_.rest = settings.probe_radius_m / geometry_.unit_m() + kHover;
-  clearance_.slack = 0.25 * kHover;
+  clearance_.slack = 0.5 * kHover;
+  clearance_.tolerance = 0x1p-10 * kHover;
 }
 
 const Material& ProxyMethod::touched_material() const noexcept {
@@ -74,7 +77,7 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_);
   empty_retry_ -= stride_;
 
-  solve(device);
+  follow(device - moved, device);
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;
@@ -94,10 +97,32 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
   return std::max(0.0, spring.norm() - drag) * direction;
 }
 
+// Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
+// moved, the way it takes depends on where the device was just then: such a step is done again in smaller parts.
+void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
+  const bool was_free = free_;
+  const Vec3 start = proxy_;
+  const auto touched = touching_;
+  const int touched_count = touching_count_;
+  const bool was_sliding = sliding_;
+  solve(device);
+  if (was_free || free_ || (proxy_ - start).norm() <= kCatchUp * stride_) return;
+  ++counters_.caught_up;
+  proxy_ = start;
+  free_ = false;
+  touching_ = touched;
+  touching_count_ = touched_count;
+  sliding_ = was_sliding;
+  for (int part = 1; part <= kParts; ++part) {
+    solve(last + (device - last) * (static_cast<double>(part) / kParts));
+  }
+}
+
 // Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
 void ProxyMethod::solve(const Vec3& device) noexcept {
-  const double rest_of_motion = 0.5 * clearance_.slack;  // shorter motions are below the clearance's own slack
+  const double rest_of_motion = clearance_.tolerance;  // shorter motions are below the clearance's own slack
   bool tipped = false;
+  int last_doubt = kMaxIterations;
   for (int i = 0; i < kMaxIterations; ++i) {
     const Vec3 wish = device - proxy_;
     if (touching_count_ == 0) {
@@ -112,19 +137,36 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
     const ConstrainedMotion constrained = next_motion(wish);
     const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
     if (motion.squaredNorm() <= rest_of_motion * rest_of_motion) {
-      if (constrained.active_count == 1) std::swap(touching_[0], touching_[constrained.active[0]]);
+      if (i < last_doubt && forget_doubtful(constrained)) {
+        last_doubt = 0;
+        continue;
+      }
+      if (constrained.active_count > 0) std::swap(touching_[0], touching_[constrained.active[0]]);
       if (constrained.active_count == 1 && !tipped && tip_over(device)) {
         tipped = true;
         continue;
       }
       return;
     }
-    if (!advance(motion) && constrained.active_count == 0) {
+    if (!advance(motion * part_on_faces(constrained, motion)) && constrained.active_count == 0) {
       settle_at(device);
       return;
     }
   }
   ++counters_.unconverged;
+}
+
+// A point probe held by an edge or vertex may only be held by its rounding: forgets such touches, so that the next sweep says
+// whether they really block. False when there are none.
+bool ProxyMethod::forget_doubtful(const ConstrainedMotion& held) noexcept {
+  if (!is_point_) return false;
+  bool any = false;
+  for (int i = 0; i < held.active_count; ++i) any |= touching_[held.active[i]].separation.feature != Feature::face;
+  if (!any) return false;
+  const auto end = std::remove_if(touching_.begin(), touching_.begin() + touching_count_,
+                                  [](const Touch& touch) { return touch.separation.feature != Feature::face; });
+  touching_count_ = static_cast<int>(end - touching_.begin());
+  return true;
 }
 
 ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) const noexcept {
@@ -134,6 +176,28 @@ ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) const noexcept {
     planes[i] = {s.normal, clearance_.rest - s.distance};
   }
   return constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_count_)));
+}
+
+// A face holds the proxy only as far as it reaches: the part of the motion after which the first of the faces that push is left
+// behind by the probe's hover, or 1. Past that point the remaining planes decide anew.
+double ProxyMethod::part_on_faces(const ConstrainedMotion& held, const Vec3& motion) const noexcept {
+  double part = 1.0;
+  for (int i = 0; i < held.active_count; ++i) {
+    const Touch& touch = touching_[held.active[i]];
+    if (touch.separation.feature != Feature::face) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = geometry_.corner(touch.triangle, k);
+      const Vec3 edge = geometry_.corner(touch.triangle, (k + 1) % 3) - corner;
+      const Vec3 turned = touch.separation.normal.cross(edge);  // in the plane, to one side of the edge
+      const double speed = turned.dot(motion);
+      const double way = turned.dot(corner - touch.separation.nearest);
+      const double other = turned.dot(geometry_.corner(touch.triangle, (k + 2) % 3) - corner);
+      if (speed * other >= 0.0) continue;  // towards the triangle's third corner: not out over this edge
+      const double extra = 4.0 * hover_ * turned.norm();
+      part = std::min(part, (std::fabs(way) + extra) / std::fabs(speed));
+    }
+  }
+  return part;
 }
 
 // Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.
@@ -169,7 +233,7 @@ bool ProxyMethod::advance(const Vec3& motion) noexcept {
   const double t = sweep(proxy_, motion);
   const bool blocked = t <= 1.0;
   proxy_ += (blocked ? t : 1.0) * motion;
-  keep_touching();
+  keep_touching(blocked ? Vec3((1.0 - t) * motion) : Vec3::Zero());
   return blocked;
 }
 
@@ -248,17 +312,17 @@ void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
 }
 
 // After a motion: keeps what is still touched, adds what stopped it.
-void ProxyMethod::keep_touching() noexcept {
-  const double reach = clearance_.rest + clearance_.slack;
+void ProxyMethod::keep_touching(const Vec3& blocked_motion) noexcept {
+  const double reach = clearance_.rest + 2.0 * clearance_.tolerance;
   int kept = 0;
   for (int i = 0; i < touching_count_; ++i) {
-    const Separation s = geometry_.separation(touching_[i].triangle, proxy_);
-    if (s.distance <= reach) touching_[kept++] = {touching_[i].triangle, s};
+    const std::uint32_t triangle = touching_[i].triangle;
+    if (std::find(blockers_.begin(), blockers_.begin() + blocker_count_, triangle) != blockers_.begin() + blocker_count_) continue;
+    const Separation s = geometry_.separation(triangle, proxy_);
+    if (s.distance <= reach) touching_[kept++] = {triangle, s};
   }
   for (int b = 0; b < blocker_count_ && kept < kMaxTouching; ++b) {
-    const auto known = std::find_if(touching_.begin(), touching_.begin() + kept, [&](const Touch& t) { return t.triangle == blockers_[b]; });
-    if (known != touching_.begin() + kept) continue;
-    const Separation s = geometry_.separation(blockers_[b], proxy_);
+    const Separation s = blocking_separation(geometry_, blockers_[b], proxy_, blocked_motion, clearance_);
     if (s.distance <= reach) touching_[kept++] = {blockers_[b], s};
   }
   touching_count_ = kept;
@@ -286,11 +350,11 @@ std::string ProxyMethod::describe() const {
   return fmt::format(
       "proxy: {} triangles, tree of {} nodes, depth {}, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} refills a step; "
-      "{} unconverged\n",
+      "{} caught up in parts, {} unconverged\n",
       geometry_.triangle_count(), geometry_.tree().node_count(), geometry_.tree().depth(), static_cast<double>(geometry_.bytes()) * 1e-6,
-      (clearance_.rest - 4.0 * clearance_.slack) * geometry_.unit_m(), 4.0 * clearance_.slack * geometry_.unit_m(), counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
+      (clearance_.rest - hover_) * geometry_.unit_m(), hover_ * geometry_.unit_m(), counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
       counters_.contact_steps, static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c,
-      static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.unconverged);
+      static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.unconverged);
 }
 
 }  // namespace hapton

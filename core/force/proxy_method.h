@@ -20,6 +20,7 @@ struct ProxyCounters {
   std::uint64_t sweeps = 0;         // continuous collision queries
   std::uint64_t refills = 0;        // neighbourhoods copied
   std::uint64_t tests = 0;          // triangle against moving sphere
+  std::uint64_t caught_up = 0;      // steps done again in parts
   std::uint64_t unconverged = 0;    // stopped by the iteration bound: a valid proxy, short of the minimum
 };
 
@@ -47,7 +48,9 @@ class ProxyMethod final : public ForceMethod {
 
  private:
   static constexpr int kMaxTouching = 32;
-  static constexpr int kMaxIterations = 64;
+  static constexpr int kMaxIterations = 256;
+  static constexpr double kCatchUp = 2.0;
+  static constexpr int kParts = 8;
   static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
   static constexpr int kManyNear = 48;  // one of more is shrunk
@@ -60,8 +63,10 @@ class ProxyMethod final : public ForceMethod {
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
 
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
+  void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) const noexcept;
+  double part_on_faces(const ConstrainedMotion& held, const Vec3& motion) const noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
   bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
@@ -69,7 +74,8 @@ class ProxyMethod final : public ForceMethod {
   bool stay_near(const Vec3& start, const Vec3& motion) noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
   void settle_at(const Vec3& p) noexcept;
-  void keep_touching() noexcept;
+  void keep_touching(const Vec3& blocked_motion) noexcept;
+  bool forget_doubtful(const ConstrainedMotion& held) noexcept;
   void find_empty_ball(const Vec3& device) noexcept;
   const Material& touched_material() const noexcept;
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
@@ -77,6 +83,8 @@ class ProxyMethod final : public ForceMethod {
   TouchGeometry geometry_;
   std::vector<Material> surfaces_;  // one an object
   Clearance clearance_;
+  double hover_ = 0.0;
+  bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
 

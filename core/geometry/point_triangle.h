@@ -25,6 +25,7 @@ namespace detail {
 
 struct NearestOnEdge {
   double distance_squared;
+  Vec3 off;  // from the nearest point to p
   Vec3 nearest;
   bool inner;  // not an end
 };
@@ -35,7 +36,7 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& e
   const double dot = ap.dot(edge);
   const double t = length_squared > 0.0 ? std::fmin(1.0, std::fmax(0.0, dot / length_squared)) : 0.0;
   const Vec3 off = ap - t * edge;
-  return {off.squaredNorm(), a + t * edge, t > 0.0 && t < 1.0};
+  return {off.squaredNorm(), off, a + t * edge, t > 0.0 && t < 1.0};
 }
 
 }  // namespace detail
@@ -63,7 +64,7 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
     const double distance = std::fabs(height);
     return {distance, unit, p - distance * unit, Vec3::Zero(), Feature::face};
   }
-  detail::NearestOnEdge best{std::numeric_limits<double>::infinity(), Vec3::Zero(), false};
+  detail::NearestOnEdge best{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero(), false};
   Vec3 along = ab;
   const auto consider = [&](const Vec3& from, const Vec3& edge) {
     const detail::NearestOnEdge on_edge = detail::nearest_on_edge(p, from, edge);
@@ -80,7 +81,7 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   result.feature = best.inner ? Feature::edge : Feature::vertex;
   if (best.inner) result.along = along;
   if (result.distance > 0.0) {
-    result.normal = (p - best.nearest) / result.distance;
+    result.normal = best.off / result.distance;  // unit even where p - nearest would be mostly rounding
   } else if (normal_squared > 0.0) {
     result.normal = normal / std::sqrt(normal_squared);
   } else {
