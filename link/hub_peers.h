@@ -74,7 +74,10 @@ class HubPeers {
   // Waits for one datagram until the clock has reached deadline_ns and handles it. none does not mean that the deadline has come.
   PeerEvent receive(Datagram& datagram, std::int64_t deadline_ns) noexcept;
 
-  // The same for bytes that came another way. Post: `datagram` is what they held, where they could be read.
+  // See Endpoint::prepare_wait.
+  void prepare_wait(std::int64_t deadline_ns) noexcept { endpoint_.prepare_wait(deadline_ns); }
+
+  // As receive, for bytes that came another way. Post: `datagram` is what they held, where they could be read.
   PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram) noexcept;
 
   // Drops one peer that has been silent too long; call until none. receive does it by itself.

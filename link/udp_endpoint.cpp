@@ -3,14 +3,17 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
+#include <cerrno>
 #include <charconv>
 #include <ctime>
+#include <limits>
 #include <optional>
 
 namespace hapton {
@@ -21,6 +24,12 @@ using asio::ip::udp;
 using boost::system::error_code;
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::int64_t kNothingPrepared = std::numeric_limits<std::int64_t>::min();
+// A receive blocks this long at most (and a scheduler tick or two more); further away than kFarNs a deadline cannot be missed by it.
+constexpr std::int64_t kBlockingNs = 8'000'000;
+constexpr std::int64_t kFarNs = 20'000'000;
+// What is no datagram of ours and yet passed over by one receive whose time is up, so that a flood cannot hold it.
+constexpr int kMostPassedOver = 64;
 constexpr int kReceiveBufferBytes = 1 << 20;  // a second of 10 kHz traffic to a node that is paused
 
 bool is_v4_mapped(const Address& address) {
@@ -55,25 +64,46 @@ std::int64_t monotonic_ns() {
 class UdpEndpoint final : public Endpoint {
  public:
   UdpEndpoint() : socket_(context_) {}
+  ~UdpEndpoint() override;
 
   error_code open(const udp::endpoint& local);
 
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
+  void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
 
  private:
+  enum class Attempt : std::uint8_t {
+    received,
+    passed_over,  // something came that is no datagram of ours: empty, too long, or the news that a peer is not there
+    nothing,
+  };
+
   std::optional<udp::endpoint> remote(const Address& to) const noexcept;
   bool wait_readable(std::int64_t deadline_ns) noexcept;
-  Received try_receive(std::span<std::byte> into, bool& empty) noexcept;
+  bool wait_readable_prepared() noexcept;
+  Attempt try_receive(std::span<std::byte> into, int flags, Received& received) noexcept;
 
   asio::io_context context_;
   udp::socket socket_;
   Address local_;
   bool is_v4_ = true;
+  int timer_ = -1;
+  std::int64_t prepared_ns_ = kNothingPrepared;
 };
 
+UdpEndpoint::~UdpEndpoint() {
+  if (timer_ >= 0) {
+    close(timer_);
+  }
+}
+
 error_code UdpEndpoint::open(const udp::endpoint& local) {
+  timer_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+  if (timer_ < 0) {
+    return {errno, boost::system::system_category()};
+  }
   error_code error;
   is_v4_ = local.address().is_v4();
   socket_.open(local.protocol(), error);
@@ -92,9 +122,9 @@ error_code UdpEndpoint::open(const udp::endpoint& local) {
   if (error) {
     return error;
   }
-  socket_.non_blocking(true, error);
-  if (error) {
-    return error;
+  constexpr timeval kLimit = {.tv_sec = 0, .tv_usec = kBlockingNs / 1000};
+  if (setsockopt(socket_.native_handle(), SOL_SOCKET, SO_RCVTIMEO, &kLimit, sizeof kLimit) != 0) {
+    return {errno, boost::system::system_category()};
   }
   const udp::endpoint bound = socket_.local_endpoint(error);
   if (!error) {
@@ -117,16 +147,38 @@ bool UdpEndpoint::send(const Address& to, std::span<const std::byte> datagram) n
   }
   // A refusal that an earlier datagram brought back is reported on the next call; it says nothing about this one: try again.
   for (int attempt = 0; attempt < 2; ++attempt) {
-    error_code error;
-    socket_.send_to(asio::buffer(datagram.data(), datagram.size()), *endpoint, 0, error);
-    if (error != asio::error::connection_refused) {
-      return !error;
+    if (sendto(socket_.native_handle(), datagram.data(), datagram.size(), MSG_DONTWAIT, endpoint->data(),
+               static_cast<socklen_t>(endpoint->size())) >= 0) {
+      return true;
+    }
+    if (errno != ECONNREFUSED) {
+      return false;
     }
   }
   return false;
 }
 
+void UdpEndpoint::prepare_wait(std::int64_t deadline_ns) noexcept {
+  if (deadline_ns <= 0) {
+    return;
+  }
+  const itimerspec once = {.it_interval = {}, .it_value = {.tv_sec = deadline_ns / kSecondNs, .tv_nsec = deadline_ns % kSecondNs}};
+  // On failure receive sets its own timer, as it does for a deadline that was not prepared.
+  prepared_ns_ = timerfd_settime(timer_, TFD_TIMER_ABSTIME, &once, nullptr) == 0 ? deadline_ns : kNothingPrepared;
+}
+
+bool UdpEndpoint::wait_readable_prepared() noexcept {
+  std::array<pollfd, 2> either = {{{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0},
+                                   {.fd = timer_, .events = POLLIN, .revents = 0}}};
+  while (ppoll(either.data(), either.size(), nullptr, nullptr) <= 0) {
+  }
+  return either[0].revents != 0;
+}
+
 bool UdpEndpoint::wait_readable(std::int64_t deadline_ns) noexcept {
+  if (deadline_ns == prepared_ns_) {
+    return wait_readable_prepared();
+  }
   pollfd readable = {.fd = socket_.native_handle(), .events = POLLIN, .revents = 0};
   while (true) {
     const std::int64_t left_ns = deadline_ns - monotonic_ns();
@@ -145,35 +197,36 @@ bool UdpEndpoint::wait_readable(std::int64_t deadline_ns) noexcept {
   }
 }
 
-Received UdpEndpoint::try_receive(std::span<std::byte> into, bool& empty) noexcept {
+UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int flags, Received& received) noexcept {
   udp::endpoint from;
-  error_code error;
-  const std::size_t bytes = socket_.receive_from(asio::buffer(into.data(), into.size()), from, MSG_TRUNC, error);
-  empty = error == asio::error::would_block || error == asio::error::try_again;
-  // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
-  if (error || bytes > into.size()) {
-    return {};
+  auto from_size = static_cast<socklen_t>(from.capacity());
+  const ssize_t bytes = recvfrom(socket_.native_handle(), into.data(), into.size(), flags | MSG_TRUNC, from.data(), &from_size);
+  if (bytes < 0) {
+    return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
-  return {.bytes = bytes, .from = address_of(from)};
+  // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
+  if (bytes == 0 || static_cast<std::size_t>(bytes) > into.size()) {
+    return Attempt::passed_over;
+  }
+  received = {.bytes = static_cast<std::size_t>(bytes), .from = address_of(from)};
+  return Attempt::received;
 }
 
 Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
-  // Poll before receiving when there is time to wait: two system calls in the common case instead of three.
-  bool may_wait = monotonic_ns() < deadline_ns;
-  while (true) {
-    if (may_wait && !wait_readable(deadline_ns)) {
-      may_wait = false;  // one last look
-    }
-    bool empty = false;
-    const Received received = try_receive(into, empty);
-    if (received.bytes > 0) {
+  // Three ways to wait, the cheapest that will do: within recvfrom while the deadline is far, which sets no precise timer and is one system
+  // call; by ppoll when it is near; not at all when it has passed.
+  std::int64_t now_ns = monotonic_ns();
+  for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
+    const bool is_far = now_ns + kFarNs < deadline_ns && deadline_ns != prepared_ns_;
+    const bool is_past = deadline_ns <= now_ns || (!is_far && !wait_readable(deadline_ns));
+    Received received;
+    const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);
+    if (attempt == Attempt::received || (attempt == Attempt::nothing && is_past)) {
       return received;
     }
-    // Empty datagrams, oversized ones and ICMP refusals are passed over.
-    if (empty && !may_wait) {
-      return {};
-    }
+    passed_over += is_past ? 1 : 0;
   }
+  return {};
 }
 
 Result<std::uint16_t> parse_port(std::string_view text, std::string_view whole) {

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/time.h>
+
 #include <array>
+#include <csignal>
 #include <cstring>
 #include <vector>
 
@@ -108,9 +111,31 @@ TEST_F(UdpEndpointTest, AnIpv4SocketRefusesIpv6Addresses) {
 
 TEST_F(UdpEndpointTest, WaitsUntilTheDeadlineAndNotBeyondReason) {
   const auto a = open("127.0.0.1:0");
-  const std::int64_t start_ns = clock_.now_ns();
-  EXPECT_EQ(receive(*a, 20 * kMs), "");
-  EXPECT_GE(clock_.now_ns() - start_ns, 20 * kMs);
+  for (const std::int64_t wait_ns : {kMs / 2, 20 * kMs, 75 * kMs}) {
+    const std::int64_t start_ns = clock_.now_ns();
+    EXPECT_EQ(receive(*a, wait_ns), "");
+    EXPECT_GE(clock_.now_ns() - start_ns, wait_ns);
+    EXPECT_LT(clock_.now_ns() - start_ns, 10 * kNanosecondsPerSecond);
+  }
+}
+
+TEST_F(UdpEndpointTest, APreparedWaitEndsWithADatagramOrAtItsDeadline) {
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    const std::int64_t deadline_ns = clock_.now_ns() + 20 * kMs;
+    b->prepare_wait(deadline_ns);
+    a->send(b->local_address(), bytes_of("early"));
+    EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 5U);
+    EXPECT_EQ(b->receive(buffer_, deadline_ns - 15 * kMs).bytes, 0U);  // another deadline than the prepared one
+    EXPECT_LT(clock_.now_ns(), deadline_ns + kNanosecondsPerSecond);
+    EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);
+    EXPECT_GE(clock_.now_ns(), deadline_ns);
+    EXPECT_EQ(b->receive(buffer_, deadline_ns).bytes, 0U);  // past by now
+  }
+  b->prepare_wait(1);
+  b->prepare_wait(-5);
+  EXPECT_EQ(receive(*b, kMs), "");
 }
 
 TEST_F(UdpEndpointTest, APastDeadlineOnlyTakesWhatIsThere) {
@@ -148,6 +173,36 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   EXPECT_EQ(received.bytes, 4U);
   EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
   EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
+}
+
+TEST_F(UdpEndpointTest, AFloodOfOverlongDatagramsCannotHoldAPoll) {
+  const auto a = open("127.0.0.1:0");
+  const auto b = open("127.0.0.1:0");
+  std::array<std::byte, 4> small = {};
+  for (int i = 0; i < 100; ++i) {
+    a->send(b->local_address(), bytes_of("too long"));
+  }
+  a->send(b->local_address(), bytes_of("fits"));
+  EXPECT_EQ(b->receive(small, 0).bytes, 0U);
+  EXPECT_EQ(b->receive(small, 0).bytes, 4U);
+}
+
+TEST_F(UdpEndpointTest, ASignalDoesNotCutAWaitShort) {
+  struct sigaction action = {};
+  action.sa_handler = [](int) {};
+  struct sigaction before = {};
+  sigaction(SIGALRM, &action, &before);
+  const auto a = open("127.0.0.1:0");
+  for (const std::int64_t wait_ns : {20 * kMs, 60 * kMs}) {
+    const itimerval every_ms = {.it_interval = {0, 1000}, .it_value = {0, 1000}};
+    setitimer(ITIMER_REAL, &every_ms, nullptr);
+    const std::int64_t start_ns = clock_.now_ns();
+    EXPECT_EQ(receive(*a, wait_ns), "");
+    EXPECT_GE(clock_.now_ns() - start_ns, wait_ns);
+  }
+  const itimerval off = {};
+  setitimer(ITIMER_REAL, &off, nullptr);
+  sigaction(SIGALRM, &before, nullptr);
 }
 
 TEST_F(UdpEndpointTest, SaysInOneLineWhyItCannotListen) {
