@@ -108,17 +108,25 @@ Result<Eigen::Affine3d> transform_of(const Json& node, const std::string& where)
   return X_parent_node;
 }
 
+constexpr std::array<std::int8_t, 256> make_base64_values() {
+  std::array<std::int8_t, 256> values = {};
+  for (std::int8_t& value : values) value = -1;
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (std::size_t i = 0; i < kDigits.size(); ++i) values[static_cast<unsigned char>(kDigits[i])] = static_cast<std::int8_t>(i);
+  return values;
+}
+
 Result<std::string> decode_base64(std::string_view text, const std::string& where) {
+  static constexpr std::array<std::int8_t, 256> kValues = make_base64_values();
   std::string bytes;
-  bytes.reserve(text.size() / 4 * 3);
+  bytes.reserve(text.size() / 4 * 3 + 3);
   std::uint32_t bits = 0;
   int held = 0;
   while (text.ends_with('=')) text.remove_suffix(1);
-  static constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   for (const char c : text) {
-    const std::size_t digit = kDigits.find(c);
-    if (digit == std::string_view::npos) return fail("{} is not base64: {}", where, kExportAgain);
-    bits = bits << 6 | static_cast<std::uint32_t>(digit);
+    const std::int8_t value = kValues[static_cast<unsigned char>(c)];
+    if (value < 0) return fail("{} is not base64: {}", where, kExportAgain);
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
     held += 6;
     if (held >= 8) {
       held -= 8;
