@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace hapton {
 
@@ -121,10 +122,17 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
 // Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
 void ProxyMethod::solve(const Vec3& device) noexcept {
   const double rest_of_motion = clearance_.tolerance;  // shorter motions are below the clearance's own slack
+  constexpr double kRounding = 0x1p-48;  // of a distance within the scene
+  double nearest = std::numeric_limits<double>::infinity();
+  int idle = 0;
   bool tipped = false;
   int last_doubt = kMaxIterations;
   for (int i = 0; i < kMaxIterations; ++i) {
     const Vec3 wish = device - proxy_;
+    const double distance = wish.norm();
+    idle = distance < nearest - kRounding ? 0 : idle + 1;
+    nearest = std::min(nearest, distance);
+    if (idle > kMaxIdle) return;  // caged: moves back and forth within the clearance's slack
     if (touching_count_ == 0) {
       if (!advance(wish)) {
         settle_at(device);

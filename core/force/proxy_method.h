@@ -49,6 +49,7 @@ class ProxyMethod final : public ForceMethod {
  private:
   static constexpr int kMaxTouching = 32;
   static constexpr int kMaxIterations = 256;
+  static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 2.0;
   static constexpr int kParts = 8;
   static constexpr int kNearPieces = 4;
