@@ -262,16 +262,18 @@ Result<TriangleMesh> make_mesh(const ObjectSpec& object, const std::filesystem::
 }
 
 // Scales and shifts all meshes together so that their box just fits into one of that size around the origin.
-void fit(std::vector<TriangleMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
+Result<void> fit(std::vector<TriangleMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
   Eigen::AlignedBox3d box;
   for (const TriangleMesh& mesh : meshes) {
     for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
   }
+  if (!(box.sizes().maxCoeff() > 0.0)) return fail("fit_m: all vertices are one point, which no scale makes larger: leave fit_m out");
   const double scale = (size_m.array() / box.sizes().array()).minCoeff();
   for (TriangleMesh& mesh : meshes) {
     for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - box.center());
   }
   notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
+  return {};
 }
 
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder) {
@@ -283,7 +285,9 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     if (!mesh) return fail("line {}: {}", object.line, mesh.error().what);
     meshes.push_back(std::move(*mesh));
   }
-  if (spec.fit_m) fit(meshes, *spec.fit_m, scene.notes);
+  if (spec.fit_m) {
+    if (const auto fitted = fit(meshes, *spec.fit_m, scene.notes); !fitted) return tl::unexpected(fitted.error());
+  }
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSpec& object = spec.objects[i];
     const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;

@@ -119,6 +119,15 @@ TEST_F(SceneFile, FitsAllObjectsTogetherAroundTheOrigin) {
   EXPECT_NEAR(box.sizes().y(), 0.3 * 2.25 / 6.0, kTiny);
 }
 
+TEST_F(SceneFile, RefusesToFitAPoint) {
+  folder_.write("point.obj", "v 1 1 1\nf 1 1 1\n");
+  EXPECT_THAT(error_of("fit_m = [1, 1, 1]\n[[object]]\nmesh = 'point.obj'\n"), HasSubstr("one point"));
+  folder_.write("line.obj", "v 1 1 1\nv 3 1 1\nf 1 2 2\n");
+  const auto line = load("fit_m = [1, 1, 1]\n[[object]]\nmesh = 'line.obj'\n");
+  ASSERT_TRUE(line) << line.error().what;
+  EXPECT_DOUBLE_EQ(box_of(*line).sizes().x(), 1.0);
+}
+
 TEST_F(SceneFile, TakesOnePartOfAFile) {
   folder_.write("two.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 5\no one\nf 1 2 3\no two\nf 2 4 3\nf 2 3 4\n");
   const auto scene = load("[[object]]\nmesh = 'two.obj'\npart = 'two'\n");
