@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include <vtkMapper.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
+#include <vtkShaderProperty.h>
 
 #include "vision_node/vtk_shapes.h"
 
@@ -24,6 +26,26 @@ void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambie
   look->SetDiffuse(1.0 - ambient);
   look->SetSpecular(specular);
   look->SetSpecularPower(30.0);
+}
+
+// Moves what is drawn to the front thousandth of the depth range, its own order kept, and leaves out every other 2 x 2 block of pixels:
+// blocks, because patterns of single pixels are what some stereo modes tell the eyes apart by.
+void make_ghost(vtkActor* ghost, vtkActor* original) {
+  // A mapper of its own: one mapper keeps one shader.
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputDataObject(original->GetMapper()->GetInputDataObject(0, 0));
+  mapper->ScalarVisibilityOff();
+  ghost->SetMapper(mapper);
+  ghost->SetProperty(original->GetProperty());
+  vtkShaderProperty* shaders = ghost->GetShaderProperty();
+  shaders->AddVertexShaderReplacement("//VTK::PositionVC::Impl", true,
+                                      "//VTK::PositionVC::Impl\n"
+                                      "  gl_Position.z = 0.001 * gl_Position.z - 0.999 * gl_Position.w;\n",
+                                      false);
+  shaders->AddFragmentShaderReplacement("//VTK::Light::Impl", true,
+                                        "//VTK::Light::Impl\n"
+                                        "  if (((int(gl_FragCoord.x) / 2 + int(gl_FragCoord.y) / 2) & 1) == 1) discard;\n",
+                                        false);
 }
 
 // Unit quaternion that turns the z axis to the direction.
@@ -54,11 +76,13 @@ ProbeFigure::ProbeFigure(const ProbeSizes& sizes) : sizes_(sizes) {
   dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
   const double h = kHeadLengthInRadii * s;
   dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
-  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) actor->VisibilityOff();
+  make_ghost(ghost_shaft_, shaft_);
+  make_ghost(ghost_head_, head_);
+  for (vtkActor* actor : actors()) actor->VisibilityOff();
 }
 
 void ProbeFigure::add_to(vtkRenderer* renderer) {
-  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), shaft_.Get(), head_.Get()}) renderer->AddActor(actor);
+  for (vtkActor* actor : actors()) renderer->AddActor(actor);
 }
 
 void ProbeFigure::set(const ProbeShown& probe) {
@@ -71,14 +95,13 @@ void ProbeFigure::set(const ProbeShown& probe) {
   const Vec3 arrow = compute_arrow(probe, sizes_);
   const double length = arrow.norm();
   const bool shown = length > sizes_.arrow_radius_m;
-  shaft_->SetVisibility(shown);
-  head_->SetVisibility(shown);
+  for (vtkActor* actor : {shaft_.Get(), head_.Get(), ghost_shaft_.Get(), ghost_head_.Get()}) actor->SetVisibility(shown);
   if (!shown) return;
   const Quat along = turn_z_to(arrow);
   const double head = std::min(1.0, 0.6 * length / (kHeadLengthInRadii * sizes_.arrow_radius_m));
   const double shaft = length - 0.99 * head * kHeadLengthInRadii * sizes_.arrow_radius_m;
-  place(shaft_, probe.p_WP, along, {1.0, 1.0, shaft});
-  place(head_, probe.p_WP + arrow, along, Vec3::Constant(head));
+  for (vtkActor* actor : {shaft_.Get(), ghost_shaft_.Get()}) place(actor, probe.p_WP, along, {1.0, 1.0, shaft});
+  for (vtkActor* actor : {head_.Get(), ghost_head_.Get()}) place(actor, probe.p_WP + arrow, along, Vec3::Constant(head));
 }
 
 }  // namespace hapton

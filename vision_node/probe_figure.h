@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include <vtkActor.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
@@ -9,7 +11,8 @@
 
 namespace hapton {
 
-// The stylus with its ball tip, and the force arrow, as VTK actors. Hidden until first set.
+// The stylus with its ball tip, and the force arrow, as VTK actors. Hidden until first set. The arrow is seen from every side,
+// also where it points into an object.
 class ProbeFigure {
  public:
   explicit ProbeFigure(const ProbeSizes& sizes);
@@ -24,6 +27,11 @@ class ProbeFigure {
   vtkNew<vtkActor> tip_;
   vtkNew<vtkActor> shaft_;
   vtkNew<vtkActor> head_;
+  // The arrow once more, over everything and with every other block of pixels left out: seen where it points into an object.
+  vtkNew<vtkActor> ghost_shaft_;
+  vtkNew<vtkActor> ghost_head_;
+
+  std::array<vtkActor*, 7> actors() { return {stylus_, grip_, tip_, shaft_, head_, ghost_shaft_, ghost_head_}; }
 };
 
 }  // namespace hapton

@@ -102,6 +102,23 @@ TEST(ProbeFigure, ArrowIsSeenWhateverItsDirectionAndGrowsWithForce) {
   }
 }
 
+TEST(ProbeFigure, ArrowIsSeenThroughTheObjectItPointsInto) {
+  auto wall = std::make_shared<TriangleMesh>();
+  wall->vertices = {{-1, -1, 0.05}, {1, -1, 0.05}, {0, 1, 0.05}};
+  wall->triangles = {{0, 1, 2}};
+  auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {{wall, {0.5, 0.1, 0.1}}});
+  ASSERT_TRUE(view);
+  ProbeShown probe;
+  probe.q_WT = make_lean(0.9);
+  probe.force_n = {1.5, 0.5, -1.0};
+  view->set_probe(probe);
+  view->draw();
+  const Picture picture = view->read_picture();
+  EXPECT_GT(measure(picture, is_arrow, 0, 640).count, 100);
+  EXPECT_GT(measure(picture, is_arrow, 640, 1280).count, 100);
+  EXPECT_EQ(measure(picture, is_tip, 0, 1280).count, 0) << "the wall hides the probe itself";
+}
+
 TEST(ProbeFigure, OrientationTurnsTheStylus) {
   auto view = open_or_fail(plain_settings(StereoMode::mono, 360, 360), {});
   ASSERT_TRUE(view);
