@@ -84,7 +84,11 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   ++counters_.contact_steps;
   const Vec3 p_SP = geometry_.to_scene(proxy_);
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
-  return {.force_n = force_of((proxy_ - device) * geometry_.unit_m(), moved * speed_m_per_s), .p_SP = p_SP, .contact = true};
+  // The surface itself is one hover nearer to the device than the proxy.
+  const Vec3 stretch = proxy_ - device;
+  const double length = stretch.norm();
+  const Vec3 felt = length > hover_ ? Vec3(stretch * ((length - hover_) / length * geometry_.unit_m())) : Vec3::Zero();
+  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > hover_};
 }
 
 // Hooke's law, less damping along the stretch; damping never pulls in.
@@ -156,7 +160,7 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
       }
       return;
     }
-    if (!advance(motion * part_on_faces(constrained, motion)) && constrained.active_count == 0) {
+    if (!advance(motion) && constrained.active_count == 0) {
       settle_at(device);
       return;
     }
@@ -184,28 +188,6 @@ ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) const noexcept {
     planes[i] = {s.normal, clearance_.rest - s.distance};
   }
   return constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_count_)));
-}
-
-// A face holds the proxy only as far as it reaches: the part of the motion after which the first of the faces that push is left
-// behind by the probe's hover, or 1. Past that point the remaining planes decide anew.
-double ProxyMethod::part_on_faces(const ConstrainedMotion& held, const Vec3& motion) const noexcept {
-  double part = 1.0;
-  for (int i = 0; i < held.active_count; ++i) {
-    const Touch& touch = touching_[held.active[i]];
-    if (touch.separation.feature != Feature::face) continue;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3& corner = geometry_.corner(touch.triangle, k);
-      const Vec3 edge = geometry_.corner(touch.triangle, (k + 1) % 3) - corner;
-      const Vec3 turned = touch.separation.normal.cross(edge);  // in the plane, to one side of the edge
-      const double speed = turned.dot(motion);
-      const double way = turned.dot(corner - touch.separation.nearest);
-      const double other = turned.dot(geometry_.corner(touch.triangle, (k + 2) % 3) - corner);
-      if (speed * other >= 0.0) continue;  // towards the triangle's third corner: not out over this edge
-      const double extra = 4.0 * hover_ * turned.norm();
-      part = std::min(part, (std::fabs(way) + extra) / std::fabs(speed));
-    }
-  }
-  return part;
 }
 
 // Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.

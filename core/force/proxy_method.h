@@ -67,7 +67,6 @@ class ProxyMethod final : public ForceMethod {
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) const noexcept;
-  double part_on_faces(const ConstrainedMotion& held, const Vec3& motion) const noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
   bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
