@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// Measures the bare echo of the same machine in the same run: sends a datagram as long as a DeviceState's to a responder that sends back what
-// it gets, and waits for it as the servo waits for its force. The ratio of the force round trip to it is what the system itself costs.
+// Measures the bare echo of the same machine in the same run: sends a datagram as long as a DeviceState's to a responder that sends back
+// what it gets, and waits for it as the servo waits for its force. The ratio of the force round trip to it is what the system itself costs.
 // RT: probe yes; making one is set-up only. Threads: the servo's.
 class EchoProbe {
  public:

@@ -16,8 +16,8 @@ struct ServoEvent {
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;               // of rate_changed
-  std::array<char, 16> method = {};   // of method_asked
+  double rate_hz = 0.0;              // of rate_changed
+  std::array<char, 16> method = {};  // of method_asked
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

@@ -10,26 +10,39 @@ namespace hapton {
 std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv) {
   IoOptions options;
   std::string realtime = "try";
-  CLI::App app{"Owns the force-feedback device, keeps its servo loop, guards every force, and is the hub that the other nodes join.", "io_node"};
-  app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")->capture_default_str();
+  CLI::App app{"Owns the force-feedback device, keeps its servo loop, guards every force, and is the hub that the other nodes join.",
+               "io_node"};
+  app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
+      ->capture_default_str();
   app.add_option("--device", options.device, "simulated: a PHANToM Model A with a scripted hand; replay: a recorded trajectory")
       ->check(CLI::IsMember({"simulated", "replay"}))
       ->capture_default_str();
   app.add_option("--trajectory", options.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
   app.add_flag("--loop", options.loop, "Begin the replay again at its end, else the program ends with it");
-  app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(CLI::Range(Servo::kLowestRateHz, Servo::kHighestRateHz))->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "Servo rate, Hz")
+      ->check(CLI::Range(Servo::kLowestRateHz, Servo::kHighestRateHz))
+      ->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz, "Probe positions a second to each vision node, at most; 0: none")
       ->check(CLI::Range(0.0, Servo::kHighestRateHz))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks");
   app.add_option("--seed", options.seed, "Of the simulated hand's script")->capture_default_str();
   app.add_option("--max-force", options.max_force_n, "Tighter limit on the force, N (0: the device's own)")->check(CLI::Range(0.0, 1e3));
-  app.add_option("--max-slew", options.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--max-slew", options.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
+      ->check(CLI::Range(0.0, 1e6));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
-  app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")->check(CLI::IsMember({"try", "require", "off"}))->capture_default_str();
-  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority, 0: ordinary thread")->check(CLI::Range(0, 99))->capture_default_str();
-  app.add_option("--cpu", options.realtime.cpu, "Pin the servo loop to this CPU, -1: any")->check(CLI::Range(-1, 4095))->capture_default_str();
+  app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
+      ->check(CLI::IsMember({"try", "require", "off"}))
+      ->capture_default_str();
+  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority, 0: ordinary thread")
+      ->check(CLI::Range(0, 99))
+      ->capture_default_str();
+  app.add_option("--cpu", options.realtime.cpu, "Pin the servo loop to this CPU, -1: any")
+      ->check(CLI::Range(-1, 4095))
+      ->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   options.realtime.mode = *parse_realtime_mode(realtime);

@@ -15,12 +15,12 @@ struct IoOptions {
   bool loop = false;                 // the replay begins again
   double rate_hz = 1000.0;
   double vision_rate_hz = 240.0;
-  double seconds = 0.0;              // 0: until stopped
-  std::string out;                   // folder for reports; empty: none
+  double seconds = 0.0;  // 0: until stopped
+  std::string out;       // folder for reports; empty: none
   std::uint64_t seed = 1;
-  double max_force_n = 0.0;          // 0: the device's
+  double max_force_n = 0.0;  // 0: the device's
   double max_slew_n_per_s = 0.0;
-  std::string echo_probe;            // responder of the bare echo; empty: not measured
+  std::string echo_probe;  // responder of the bare echo; empty: not measured
   RealtimeSettings realtime;
 };
 

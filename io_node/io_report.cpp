@@ -74,9 +74,12 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                   {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
   if (!options.trajectory.empty()) report.notes["trajectory"] = options.trajectory;
   if (!options.echo_probe.empty()) report.notes["echo_probe"] = options.echo_probe;
-  report.hops = {{"round_trip", stats.round_trip},       {"haptics_compute", stats.haptics_compute},
-                 {"wire", stats.wire},                   {"force_age", stats.force_age},
-                 {"wake_lateness", stats.wake_lateness}, {"device_read", stats.device_read},
+  report.hops = {{"round_trip", stats.round_trip},
+                 {"haptics_compute", stats.haptics_compute},
+                 {"wire", stats.wire},
+                 {"force_age", stats.force_age},
+                 {"wake_lateness", stats.wake_lateness},
+                 {"device_read", stats.device_read},
                  {"device_to_drawn", stats.device_to_drawn}};
   if (!options.echo_probe.empty()) report.hops.push_back({"bare_echo", stats.bare_echo});
   return report;
@@ -86,9 +89,9 @@ std::string describe_run(const ServoStats& s) {
   const auto us = [](const LatencyHistogram& h, double fraction) { return 1e-3 * h.quantile_ns(fraction); };
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, strongest {:.2f} N\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
-  text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n", s.ledger.late,
-                      s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.guard.silences, s.guard.clamped,
-                      s.guard.slewed);
+  text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
+                      s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.guard.silences,
+                      s.guard.clamped, s.guard.slewed);
   text += fmt::format("round trip p50 {:.1f} us, p99 {:.1f} us, p99.9 {:.1f} us\n", us(s.round_trip, 0.5), us(s.round_trip, 0.99),
                       us(s.round_trip, 0.999));
   if (s.bare_echo.count() > 0 && s.round_trip.count() > 0) {

@@ -18,21 +18,30 @@ constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
 const char* name_of(NodeRole role) {
   switch (role) {
-    case NodeRole::io: return "io";
-    case NodeRole::haptics: return "haptics";
-    case NodeRole::vision: return "vision";
-    case NodeRole::tool: return "tool";
+    case NodeRole::io:
+      return "io";
+    case NodeRole::haptics:
+      return "haptics";
+    case NodeRole::vision:
+      return "vision";
+    case NodeRole::tool:
+      return "tool";
   }
   return "unknown";
 }
 
 std::string describe(const ServoEvent& event) {
   switch (event.kind) {
-    case ServoEvent::Kind::joined: return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
-    case ServoEvent::Kind::left: return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
-    case ServoEvent::Kind::refused: return fmt::format("a {} node was refused: its place is taken", name_of(event.role));
-    case ServoEvent::Kind::rate_changed: return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
-    case ServoEvent::Kind::method_asked: return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
+    case ServoEvent::Kind::joined:
+      return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
+    case ServoEvent::Kind::left:
+      return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
+    case ServoEvent::Kind::refused:
+      return fmt::format("a {} node was refused: its place is taken", name_of(event.role));
+    case ServoEvent::Kind::rate_changed:
+      return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
+    case ServoEvent::Kind::method_asked:
+      return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
   }
   return {};
 }
@@ -43,8 +52,10 @@ IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
 
 void IoSession::servo_thread() {
   const auto realtime = enter_realtime(options_.realtime);
-  if (realtime) realtime_ = realtime->to_text();
-  else started_ = tl::unexpected(realtime.error());
+  if (realtime)
+    realtime_ = realtime->to_text();
+  else
+    started_ = tl::unexpected(realtime.error());
   if (realtime) servo_.start();
   is_started_.store(true, std::memory_order_release);
   if (realtime) {
@@ -61,7 +72,8 @@ bool IoSession::is_over(const StopSignal& stop) const {
 Result<void> IoSession::run(StopSignal& stop) {
   std::thread servo([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds) : std::numeric_limits<std::int64_t>::max();
+  end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
+                                   : std::numeric_limits<std::int64_t>::max();
   Result<void> reported = started_ ? look_after(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
   servo.join();

@@ -70,9 +70,9 @@ class SampleLedger {
   void settle_until(std::uint64_t end, State state) noexcept;
 
   std::array<Entry, kCapacity> entries_ = {};
-  std::uint64_t newest_ = 0;           // 0: none taken; samples count from 1
+  std::uint64_t newest_ = 0;  // 0: none taken; samples count from 1
   std::uint64_t newest_answered_ = 0;
-  std::uint64_t settled_ = 0;          // all up to here are settled
+  std::uint64_t settled_ = 0;  // all up to here are settled
   Counts counts_;
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
-constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
+constexpr int kMostPolls = 32;                                            // datagrams taken in a cycle that is late already
 
 }  // namespace
 
@@ -70,11 +70,11 @@ void Servo::sample_device() noexcept {
   stats_.device_read.record(sample_.time_ns - begin_ns);
   ++sample_number_;
   ++stats_.samples;
-  const bool is_expected = haptics_alive(sample_.time_ns) &&
-                           sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
+  const bool is_expected =
+      haptics_alive(sample_.time_ns) && sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
   ledger_.take(sample_number_, sample_.time_ns, is_expected);
-  stats_.states_sent += peers_.send_to_role(
-      NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
+  stats_.states_sent +=
+      peers_.send_to_role(NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
   if (!std::exchange(is_force_new_, false)) hold_force();
 }
 
@@ -120,11 +120,16 @@ void Servo::await_force(std::int64_t deadline_ns) noexcept {
 
 void Servo::hear(const PeerEvent& event, const Datagram& datagram) noexcept {
   switch (event.kind) {
-    case PeerEvent::Kind::none: return;
-    case PeerEvent::Kind::message: return hear_message(event, datagram);
-    case PeerEvent::Kind::joined: return on_joined(event);
-    case PeerEvent::Kind::left: return on_left(event);
-    case PeerEvent::Kind::refused: return tell(ServoEvent::Kind::refused, event.role, {});
+    case PeerEvent::Kind::none:
+      return;
+    case PeerEvent::Kind::message:
+      return hear_message(event, datagram);
+    case PeerEvent::Kind::joined:
+      return on_joined(event);
+    case PeerEvent::Kind::left:
+      return on_left(event);
+    case PeerEvent::Kind::refused:
+      return tell(ServoEvent::Kind::refused, event.role, {});
   }
 }
 
@@ -166,8 +171,8 @@ void Servo::on_view(const ViewTransform& view) noexcept {
 
 void Servo::on_drawn(const Drawn& drawn) noexcept {
   const std::int64_t age_ns = clock_.now_ns() - drawn.echo_sample_time_ns;
-  const bool is_ours = drawn.echo_sample != 0 && drawn.echo_sample <= sample_number_ && age_ns >= 0 &&
-                       drawn.echo_sample_time_ns >= stats_.start_ns;
+  const bool is_ours =
+      drawn.echo_sample != 0 && drawn.echo_sample <= sample_number_ && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);

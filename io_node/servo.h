@@ -32,8 +32,8 @@ class Servo {
 
   struct Options {
     double rate_hz = 1000.0;
-    double vision_rate_hz = 240.0;      // ProbeStates a second to each vision node, at most; 0: none
-    double max_force_n = 0.0;           // tighter than the device's own limit; 0: the device's
+    double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most; 0: none
+    double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
     double max_slew_n_per_s = 0.0;
   };
 
@@ -107,7 +107,7 @@ class Servo {
   DeviceSample sample_;
   std::uint64_t sample_number_ = 0;
   Vec3 written_n_ = Vec3::Zero();
-  bool is_force_new_ = false;         // since the last tick
+  bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
   ForceCommand last_force_;
   std::optional<ViewTransform> view_;

@@ -12,30 +12,30 @@ namespace hapton {
 
 // All that a servo loop has measured since its start; times in ns on its own clock. A plain value: share it by copy.
 struct ServoStats {
-  std::int64_t start_ns = 0;           // first tick
-  std::int64_t end_ns = 0;             // end of the newest cycle: the time between is whole cycles
-  double rate_hz = 0.0;                // asked for, at present
+  std::int64_t start_ns = 0;  // first tick
+  std::int64_t end_ns = 0;    // end of the newest cycle: the time between is whole cycles
+  double rate_hz = 0.0;       // asked for, at present
 
-  LatencyHistogram round_trip;         // sample taken -> matching force ready to write
-  LatencyHistogram haptics_compute;    // the part of it that the haptics node spent on it
-  LatencyHistogram wire;               // the rest
-  LatencyHistogram force_age;          // sample taken -> its force written to the device
-  LatencyHistogram wake_lateness;      // start of a cycle after its tick
-  LatencyHistogram device_read;        // how long reading the device takes
-  LatencyHistogram device_to_drawn;    // sample taken -> a vision node tells that it has drawn it
+  LatencyHistogram round_trip;       // sample taken -> matching force ready to write
+  LatencyHistogram haptics_compute;  // the part of it that the haptics node spent on it
+  LatencyHistogram wire;             // the rest
+  LatencyHistogram force_age;        // sample taken -> its force written to the device
+  LatencyHistogram wake_lateness;    // start of a cycle after its tick
+  LatencyHistogram device_read;      // how long reading the device takes
+  LatencyHistogram device_to_drawn;  // sample taken -> a vision node tells that it has drawn it
   LatencyHistogram bare_echo;
 
   std::uint64_t samples = 0;
-  std::uint64_t forces = 0;            // valid ForceCommands, each sample's first
-  std::uint64_t contact_samples = 0;   // of these, in contact
-  std::uint64_t missed_cycles = 0;     // ticks skipped because the loop came too late for them
+  std::uint64_t forces = 0;           // valid ForceCommands, each sample's first
+  std::uint64_t contact_samples = 0;  // of these, in contact
+  std::uint64_t missed_cycles = 0;    // ticks skipped because the loop came too late for them
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
-  double frame_rate_hz = 0.0;          // as the vision node heard last says
-  double max_force_n = 0.0;            // written to the device
+  double frame_rate_hz = 0.0;  // as the vision node heard last says
+  double max_force_n = 0.0;    // written to the device
 
   SampleLedger::Counts ledger;
   ForceGuard::Counters guard;

@@ -88,7 +88,8 @@ class Parser {
     const std::string_view digits = text.starts_with('+') ? text.substr(1) : text;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty() || !std::isfinite(value))
-      return fail("{}:{}: {} in column {} is not a finite number; write one like 0.0125", name_, line_number_, quoted(text), kColumns[column]);
+      return fail("{}:{}: {} in column {} is not a finite number; write one like 0.0125", name_, line_number_, quoted(text),
+                  kColumns[column]);
     return {};
   }
 

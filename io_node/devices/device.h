@@ -10,10 +10,10 @@ namespace hapton {
 
 // What the hardware bears, whatever the others ask of it. SI units, frame W.
 struct DeviceLimits {
-  double max_force_n = 0.0;              // norm of the force the motors can hold
-  double max_slew_n_per_s = 0.0;         // fastest change of force that the mechanics can pass on
-  double max_stiffness_n_per_m = 0.0;    // a hint: stiffer walls buzz
-  Vec3 workspace_min_m = Vec3::Zero();   // axis-aligned box the device point stays in
+  double max_force_n = 0.0;             // norm of the force the motors can hold
+  double max_slew_n_per_s = 0.0;        // fastest change of force that the mechanics can pass on
+  double max_stiffness_n_per_m = 0.0;   // a hint: stiffer walls buzz
+  Vec3 workspace_min_m = Vec3::Zero();  // axis-aligned box the device point stays in
   Vec3 workspace_max_m = Vec3::Zero();
 };
 

@@ -8,17 +8,17 @@ namespace hapton {
 namespace {
 
 constexpr double kStepS = 1e-9 * static_cast<double>(HandScript::kStepNs);
-constexpr double kFeelS = 0.02;             // time constant of the felt force and normal
-constexpr double kTouchN = 0.15;            // felt above this: contact
-constexpr double kLostN = 0.03;             // below this for kLostS: contact lost
+constexpr double kFeelS = 0.02;   // time constant of the felt force and normal
+constexpr double kTouchN = 0.15;  // felt above this: contact
+constexpr double kLostN = 0.03;   // below this for kLostS: contact lost
 constexpr double kLostS = 0.25;
-constexpr double kTravelSpeed = 0.25;       // m/s
+constexpr double kTravelSpeed = 0.25;  // m/s
 constexpr double kApproachSpeed = 0.10;
 constexpr double kStrikeSpeed = 0.25;
-constexpr double kLiftM = 0.006;            // between taps
-constexpr double kStrikeDepthM = 0.02;      // a strike that met nothing so deep under the last contact has missed
-constexpr double kGripGain = 0.02;          // m/s of intention per N of missing force; slow against the hand's own 6 Hz
-constexpr double kMaxPullM = 0.015;         // the intention never runs farther from the device than this in contact
+constexpr double kLiftM = 0.006;        // between taps
+constexpr double kStrikeDepthM = 0.02;  // a strike that met nothing so deep under the last contact has missed
+constexpr double kGripGain = 0.02;      // m/s of intention per N of missing force; slow against the hand's own 6 Hz
+constexpr double kMaxPullM = 0.015;     // the intention never runs farther from the device than this in contact
 constexpr double kLeadSpeed = 0.6;
 
 }  // namespace
@@ -28,9 +28,7 @@ HandScript::HandScript(const Options& options) : options_(options), random_(opti
 }
 
 // The generator's bits, not a distribution's: the same on every standard library.
-double HandScript::uniform(double low, double high) noexcept {
-  return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
-}
+double HandScript::uniform(double low, double high) noexcept { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
 
 void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
   if (p_WH && !p_WH->allFinite()) return;
@@ -67,8 +65,12 @@ void HandScript::enter(Phase phase) noexcept {
   phase_ = phase;
   phase_s_ = 0.0;
   switch (phase) {
-    case Phase::travel: choose_aim(); break;
-    case Phase::approach: touched_ = false; break;
+    case Phase::travel:
+      choose_aim();
+      break;
+    case Phase::approach:
+      touched_ = false;
+      break;
     case Phase::press:
       press_n_ = uniform(0.8, 2.5);
       phase_end_s_ = uniform(0.4, 0.9);
@@ -91,8 +93,11 @@ void HandScript::enter(Phase phase) noexcept {
       phase_end_s_ = 2.0 * std::numbers::pi / turn_rad_per_s_ * uniform(1.0, 2.0);
       break;
     }
-    case Phase::leave: aim_m_ = hand_m_ + 0.03 * normal_; break;
-    case Phase::led: break;
+    case Phase::leave:
+      aim_m_ = hand_m_ + 0.03 * normal_;
+      break;
+    case Phase::led:
+      break;
   }
 }
 

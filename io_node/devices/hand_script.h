@@ -11,8 +11,8 @@ namespace hapton {
 
 // Where the hand wants the stylus to be at the end of this step of its script, and how it tilts it.
 struct HandIntention {
-  Vec3 p_WH = Vec3::Zero();            // m, frame W
-  Vec3 gimbal_rad = Vec3::Zero();      // yaw about y, pitch about x, roll about the stylus
+  Vec3 p_WH = Vec3::Zero();        // m, frame W
+  Vec3 gimbal_rad = Vec3::Zero();  // yaw about y, pitch about x, roll about the stylus
 };
 
 // A blind person's exploration: travel in front of the scene, approach along -z until something pushes back, press, slide, tap,
@@ -58,21 +58,21 @@ class HandScript {
   double phase_s_ = 0.0;
   double phase_end_s_ = 0.0;
   double total_s_ = 0.0;
-  Vec3 hand_m_;                          // the intention, moved on step by step
-  Vec3 aim_m_ = Vec3::Zero();            // where approach began or leave ends
-  Vec3 normal_ = Vec3::UnitZ();          // of the surface felt last
+  Vec3 hand_m_;                  // the intention, moved on step by step
+  Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
+  Vec3 normal_ = Vec3::UnitZ();  // of the surface felt last
   Vec3 tangent_ = Vec3::UnitX();
-  Vec3 felt_n_ = Vec3::Zero();           // force, low-passed as a hand does
-  Vec3 contact_m_ = Vec3::Zero();        // device point when last in contact
+  Vec3 felt_n_ = Vec3::Zero();     // force, low-passed as a hand does
+  Vec3 contact_m_ = Vec3::Zero();  // device point when last in contact
   std::optional<Vec3> lead_m_;
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;
-  double lost_s_ = 0.0;                  // since something was felt
-  double reach_m_ = 0.3;                 // how far from the middle it looks, share of the workspace
+  double lost_s_ = 0.0;   // since something was felt
+  double reach_m_ = 0.3;  // how far from the middle it looks, share of the workspace
   int taps_left_ = 0;
   bool striking_ = false;
-  bool touched_ = false;                 // anything in this round
+  bool touched_ = false;  // anything in this round
 };
 
 }  // namespace hapton

@@ -39,8 +39,8 @@ class ReplayDevice final : public Device {
   Options options_;
   DeviceLimits limits_;
   DeviceStatus status_ = DeviceStatus::ready;
-  double turn_s_ = 0.0;         // length of one round of a loop
-  std::size_t row_ = 0;         // rows_[row_].t_s <= time, as far as known
+  double turn_s_ = 0.0;  // length of one round of a loop
+  std::size_t row_ = 0;  // rows_[row_].t_s <= time, as far as known
   std::int64_t zero_ns_ = -1;
 };
 

@@ -45,11 +45,11 @@ class SimulatedPhantom final : public Device {
   HandScript script_;
   std::array<AxisState, 3> axes_;
   Vec3 force_n_ = Vec3::Zero();
-  Vec3 hand_m_;                        // intention at device_ns_
+  Vec3 hand_m_;  // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
-  std::int64_t zero_ns_ = 0;           // host time of device time 0
-  std::int64_t device_ns_ = -1;        // device time reached; below 0: not begun
+  std::int64_t zero_ns_ = 0;     // host time of device time 0
+  std::int64_t device_ns_ = -1;  // device time reached; below 0: not begun
 };
 
 }  // namespace hapton

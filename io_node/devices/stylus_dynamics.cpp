@@ -108,9 +108,8 @@ void StylusDynamics::cross_grid_cell(Eigen::Vector4d& state, Input& input, const
     const double direction = std::copysign(1.0, at_rest ? net_n : state[kV]);
     const double stop_m = direction > 0.0 ? stops.high_m : stops.low_m;
     input[2] = force_n - direction * friction_n;
-    const bool stopped = run(sliding_, state, input, left_ns, [&](const Eigen::Vector4d& s) {
-      return direction * s[kV] < 0.0 || direction * (s[kX] - stop_m) > 0.0;
-    });
+    const bool stopped = run(sliding_, state, input, left_ns,
+                             [&](const Eigen::Vector4d& s) { return direction * s[kV] < 0.0 || direction * (s[kX] - stop_m) > 0.0; });
     input[2] = force_n;
     if (!stopped) return;
     if (direction * (state[kX] - stop_m) >= 0.0) state[kX] = stop_m;

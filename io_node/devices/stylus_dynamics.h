@@ -64,7 +64,8 @@ class StylusDynamics {
 
   // Moves state on by duration_ns from start_ns (both >= 0; start_ns places the interval on a fixed grid on which events are looked
   // for, 65 us apart, a hundredth of the fastest period).
-  void advance(AxisState& state, const AxisInput& input, const AxisStops& stops, std::int64_t start_ns, std::int64_t duration_ns) const noexcept;
+  void advance(AxisState& state, const AxisInput& input, const AxisStops& stops, std::int64_t start_ns,
+               std::int64_t duration_ns) const noexcept;
 
   // Kinetic and elastic energy (J) with the hand's intention at hand_m.
   double energy_j(const AxisState& state, double hand_m) const noexcept;
@@ -73,8 +74,8 @@ class StylusDynamics {
 
  private:
   static constexpr int kGridBits = 16;
-  using Input = Eigen::Vector3d;                // hand position, hand speed, force on the device mass
-  using Step = Eigen::Matrix<double, 4, 7>;     // [state transition | input response]
+  using Input = Eigen::Vector3d;                  // hand position, hand speed, force on the device mass
+  using Step = Eigen::Matrix<double, 4, 7>;       // [state transition | input response]
   using Steps = std::array<Step, kGridBits + 1>;  // over 2^k ns
 
   Steps make_steps(bool pinned) const;

@@ -44,7 +44,7 @@ class ForceGuard {
     std::uint64_t refused_future = 0;  // answers a sample that has not been taken
     std::uint64_t silences = 0;        // times it went quiet after a force had been accepted
     std::uint64_t clamped = 0;
-    std::uint64_t slewed = 0;          // accepted forces that the slew limit cut
+    std::uint64_t slewed = 0;  // accepted forces that the slew limit cut
   };
 
   // Limits that are not finite and positive give a guard that puts out zero.
@@ -67,17 +67,17 @@ class ForceGuard {
   Vec3 target() noexcept;
 
   ForceLimits limits_;
-  double release_n_per_s_ = 0.0;       // the device's own slew: letting go is never slowed down by tighter limits
+  double release_n_per_s_ = 0.0;  // the device's own slew: letting go is never slowed down by tighter limits
   Counters counters_;
-  Vec3 wanted_n_ = Vec3::Zero();       // accepted last, within the clamp
+  Vec3 wanted_n_ = Vec3::Zero();  // accepted last, within the clamp
   Vec3 out_n_ = Vec3::Zero();
   std::int64_t now_ns_ = 0;
-  std::int64_t accepted_ns_ = 0;       // when
-  std::int64_t answered_ns_ = 0;       // sample_time_ns of the force accepted last
+  std::int64_t accepted_ns_ = 0;  // when
+  std::int64_t answered_ns_ = 0;  // sample_time_ns of the force accepted last
   std::int64_t ramp_begin_ns_ = 0;
   bool began_ = false;
   bool answered_ = false;
-  bool live_ = false;                  // a force is accepted and not older than the silence limit
+  bool live_ = false;  // a force is accepted and not older than the silence limit
 };
 
 }  // namespace hapton

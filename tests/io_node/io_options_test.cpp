@@ -23,8 +23,8 @@ TEST(IoOptions, has_the_defaults_of_a_single_host) {
 }
 
 TEST(IoOptions, reads_flags) {
-  const auto options = std::get<IoOptions>(parse({"--rate", "4000", "--device", "replay", "--trajectory", "t.csv", "--loop", "--rt", "off", "--seed",
-                                                  "42", "--max-force", "2.5", "--echo-probe", "127.0.0.1:9", "--cpu", "1"}));
+  const auto options = std::get<IoOptions>(parse({"--rate", "4000", "--device", "replay", "--trajectory", "t.csv", "--loop", "--rt", "off",
+                                                  "--seed", "42", "--max-force", "2.5", "--echo-probe", "127.0.0.1:9", "--cpu", "1"}));
   EXPECT_EQ(options.rate_hz, 4000.0);
   EXPECT_EQ(options.device, "replay");
   EXPECT_EQ(options.trajectory, "t.csv");
@@ -38,15 +38,15 @@ TEST(IoOptions, reads_flags) {
 
 TEST(IoOptions, refuses_what_makes_no_sense) {
   for (const std::vector<const char*>& wrong : std::vector<std::vector<const char*>>{{"--rate", "249"},
-                                                                                    {"--rate", "10001"},
-                                                                                    {"--rate", "nan"},
-                                                                                    {"--rate", "fast"},
-                                                                                    {"--device", "sofa"},
-                                                                                    {"--rt", "maybe"},
-                                                                                    {"--max-force", "-1"},
-                                                                                    {"--seconds", "-3"},
-                                                                                    {"--unknown"},
-                                                                                    {"stray"}}) {
+                                                                                     {"--rate", "10001"},
+                                                                                     {"--rate", "nan"},
+                                                                                     {"--rate", "fast"},
+                                                                                     {"--device", "sofa"},
+                                                                                     {"--rt", "maybe"},
+                                                                                     {"--max-force", "-1"},
+                                                                                     {"--seconds", "-3"},
+                                                                                     {"--unknown"},
+                                                                                     {"stray"}}) {
     const auto parsed = parse(wrong);
     ASSERT_TRUE(std::holds_alternative<int>(parsed)) << wrong.front();
     EXPECT_NE(std::get<int>(parsed), 0) << wrong.front();

@@ -61,7 +61,7 @@ TEST_F(Ledger, skipped_is_superseded_not_lost) {
   ledger->answer(to(9, 4));
   EXPECT_EQ(ledger->counts().superseded, 4U);  // 5 to 8
   ledger->close(true);
-  EXPECT_EQ(ledger->counts().lost, 4U);        // 1, 3, 4 and 10
+  EXPECT_EQ(ledger->counts().lost, 4U);  // 1, 3, 4 and 10
 }
 
 TEST_F(Ledger, a_lie_about_skipping_excuses_no_more_than_there_is) {
@@ -77,7 +77,7 @@ TEST_F(Ledger, nobody_there_is_excused) {
   take(11, 20);
   ledger->answer(to(12));
   ledger->excuse_waiting();
-  EXPECT_EQ(ledger->counts().lost, 1U);        // 11: overtaken
+  EXPECT_EQ(ledger->counts().lost, 1U);  // 11: overtaken
   EXPECT_EQ(ledger->counts().excused, 18U);
   EXPECT_EQ(ledger->answer(to(5)), Verdict::reordered);
   EXPECT_EQ(ledger->counts().excused, 17U);
@@ -91,11 +91,16 @@ TEST_F(Ledger, counts_always_add_up) {
     std::uint64_t newest = 0;
     for (int n = 0; n < 60'000; ++n) {
       const auto what = random() % 100;
-      if (what < 60) take(newest + 1, newest + 1, random() % 10 != 0), ++newest;
-      else if (what < 97) ledger->answer(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
-      else if (what < 98) ledger->answer(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
-      else if (what < 99) ledger->settle(static_cast<std::int64_t>(newest) * kMs);
-      else if (random() % 50 == 0) ledger->excuse_waiting();
+      if (what < 60)
+        take(newest + 1, newest + 1, random() % 10 != 0), ++newest;
+      else if (what < 97)
+        ledger->answer(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
+      else if (what < 98)
+        ledger->answer(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
+      else if (what < 99)
+        ledger->settle(static_cast<std::int64_t>(newest) * kMs);
+      else if (random() % 50 == 0)
+        ledger->excuse_waiting();
     }
     ledger->close(seed % 2 == 0);
     const auto& c = ledger->counts();

@@ -28,9 +28,8 @@ class ScriptedEndpoint final : public Endpoint {
   }
   void arrive_raw(std::int64_t when_ns, const Address& from, std::span<const std::byte> bytes) {
     agenda_.push_back({when_ns, count_++, from, {bytes.begin(), bytes.end()}});
-    std::sort(agenda_.begin(), agenda_.end(), [](const Item& a, const Item& b) {
-      return a.when_ns != b.when_ns ? a.when_ns > b.when_ns : a.order > b.order;
-    });
+    std::sort(agenda_.begin(), agenda_.end(),
+              [](const Item& a, const Item& b) { return a.when_ns != b.when_ns ? a.when_ns > b.when_ns : a.order > b.order; });
   }
 
   bool send(const Address& to, std::span<const std::byte> bytes) noexcept override {

@@ -72,13 +72,26 @@ std::uint64_t allocations_of_a_session(Device& device) {
   for (int n = 0; n < 3000; ++n) {
     const std::int64_t now = clock.now_ns();
     switch (n % 50) {
-      case 0: endpoint.say(1, Hello{NodeRole::haptics}, now); break;
-      case 10: endpoint.say(2, Hello{NodeRole::vision}, now); break;
-      case 20: endpoint.say(2, ViewTransform{}, now); break;
-      case 30: endpoint.say(2, HandTarget{n % 100 == 30, Vec3(0, 0, 0.01)}, now); break;
-      case 40: endpoint.say(3, Hello{NodeRole::tool}, now); break;
-      case 45: endpoint.say(3, settings, now); break;
-      default: break;
+      case 0:
+        endpoint.say(1, Hello{NodeRole::haptics}, now);
+        break;
+      case 10:
+        endpoint.say(2, Hello{NodeRole::vision}, now);
+        break;
+      case 20:
+        endpoint.say(2, ViewTransform{}, now);
+        break;
+      case 30:
+        endpoint.say(2, HandTarget{n % 100 == 30, Vec3(0, 0, 0.01)}, now);
+        break;
+      case 40:
+        endpoint.say(3, Hello{NodeRole::tool}, now);
+        break;
+      case 45:
+        endpoint.say(3, settings, now);
+        break;
+      default:
+        break;
     }
     if (n % 500 == 0) servo->ask_for_snapshot();
     servo->step();

@@ -76,7 +76,9 @@ struct Servos : testing::Test {
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) { hear(to, datagram); };
   }
 
-  void make(Servo::Options options = {}, EchoProbe* echo = nullptr) { servo = std::make_unique<Servo>(device, peers, clock, options, echo); }
+  void make(Servo::Options options = {}, EchoProbe* echo = nullptr) {
+    servo = std::make_unique<Servo>(device, peers, clock, options, echo);
+  }
 
   void hear(const Address&, const Datagram& datagram) {
     if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {

@@ -67,8 +67,8 @@ std::complex<double> response(const StylusModel& model, double omega) {
   const std::complex<double> s(0.0, omega);
   const double k_s = model.structure_stiffness_n_per_m(), b_s = model.structure_damping_n_s_per_m();
   const std::complex<double> bridge = b_s * s + k_s;
-  const std::complex<double> hand = (model.stylus_mass_kg + model.hand_mass_kg) * s * s + model.hand_damping_n_s_per_m * s +
-                                    model.hand_stiffness_n_per_m;
+  const std::complex<double> hand =
+      (model.stylus_mass_kg + model.hand_mass_kg) * s * s + model.hand_damping_n_s_per_m * s + model.hand_stiffness_n_per_m;
   const std::complex<double> device = model.device_mass_kg * s * s + model.device_damping_n_s_per_m * s;
   return 1.0 / (device + bridge * hand / (bridge + hand));
 }
@@ -215,8 +215,8 @@ TEST(StylusDynamics, agrees_with_brute_force_integration) {
       if (before * speed < 0.0) speed = 0.0;
       rough.device_m += h * speed;
       rough.device_m_per_s = speed;
-      const double pull = -bridge + model.hand_stiffness_n_per_m * (input.hand_m - rough.stylus_m) -
-                          model.hand_damping_n_s_per_m * rough.stylus_m_per_s;
+      const double pull =
+          -bridge + model.hand_stiffness_n_per_m * (input.hand_m - rough.stylus_m) - model.hand_damping_n_s_per_m * rough.stylus_m_per_s;
       rough.stylus_m_per_s += h * pull / mass;
       rough.stylus_m += h * rough.stylus_m_per_s;
     }

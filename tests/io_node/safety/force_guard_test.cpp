@@ -165,9 +165,14 @@ TEST(ForceGuard, holds_against_hostile_streams) {
     for (int n = 0; n < 2000; ++n) {
       const bool silent_spell = (n / 100) % 5 == 4;
       switch (pick(8)) {
-        case 0: break;
-        case 1: now += 30 * kMs; break;
-        default: now += static_cast<std::int64_t>(share() * 2e6); break;
+        case 0:
+          break;
+        case 1:
+          now += 30 * kMs;
+          break;
+        default:
+          now += static_cast<std::int64_t>(share() * 2e6);
+          break;
       }
       std::optional<WantedForce> wanted;
       if (!silent_spell && pick(4) != 0) {
