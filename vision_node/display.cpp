@@ -17,7 +17,8 @@ constexpr std::chrono::milliseconds kBetweenTries{50};
 
 Result<DisplayConnection> DisplayConnection::open() {
   constexpr const char* kRemedy =
-      "start it from a desktop, or on a virtual display: xvfb-run -a -s '-screen 0 1280x1024x24' vision_node ... (deploy/run --headless does so)";
+      "start it from a desktop, or on a virtual display: xvfb-run -a -s '-screen 0 1280x1024x24' vision_node ... (deploy/run --headless "
+      "does so)";
   const char* name = std::getenv("DISPLAY");
   if (name == nullptr || *name == '\0') return fail("no display: DISPLAY is not set; {}", kRemedy);
   Display* display = XOpenDisplay(nullptr);

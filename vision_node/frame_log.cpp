@@ -35,8 +35,9 @@ double FrameLog::rate_hz() const {
 }
 
 std::string FrameLog::describe() const {
-  return fmt::format("pictures drawn {}, states that looked the same {}, {:.1f} pictures/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms",
-                     drawn_, skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6);
+  return fmt::format(
+      "pictures drawn {}, states that looked the same {}, {:.1f} pictures/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms", drawn_,
+      skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6);
 }
 
 }  // namespace hapton

@@ -8,14 +8,15 @@ std::string compose_hud(const HudFacts& facts) {
   const ProbeState& s = facts.state;
   std::string text;
   if (facts.connected) {
-    text += fmt::format("servo {:.0f} Hz   round trip p50 {:.0f}  p99 {:.0f} us\n", s.servo_rate_hz, s.round_trip_p50_us, s.round_trip_p99_us);
+    text +=
+        fmt::format("servo {:.0f} Hz   round trip p50 {:.0f}  p99 {:.0f} us\n", s.servo_rate_hz, s.round_trip_p50_us, s.round_trip_p99_us);
     text += fmt::format("force {:4.2f} N   {}{}\n", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
                         facts.hand_held ? ", hand on the mouse" : "");
   } else {
     text += "waiting for the hub ...\n\n";
   }
-  text += fmt::format("{:.0f} pictures/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo, facts.cull ? "" : ", no cull",
-                      facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
+  text += fmt::format("{:.0f} pictures/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
+                      facts.cull ? "" : ", no cull", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
   return text;
 }
 

@@ -18,8 +18,12 @@ constexpr int kFarewells = 4;
 void Interaction::handle(const WindowEvent& event, const View& view) {
   using Kind = WindowEvent::Kind;
   switch (event.kind) {
-    case Kind::close: wishes_.quit = true; break;
-    case Kind::key: press_key(event.key, view); break;
+    case Kind::close:
+      wishes_.quit = true;
+      break;
+    case Kind::key:
+      press_key(event.key, view);
+      break;
     case Kind::press:
       held_ = event.button;
       if (held_ == WindowEvent::Button::left) take_hold(view);
@@ -28,7 +32,9 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       if (event.button == WindowEvent::Button::left && !latched_) let_go();
       if (event.button == held_) held_ = WindowEvent::Button::none;
       break;
-    case Kind::move: drag(event, view); break;
+    case Kind::move:
+      drag(event, view);
+      break;
     case Kind::wheel:
       if (!hand_.active) break;
       hand_.p_WH -= view.screen.X_WV.linear().col(2) * (event.wheel * kWheelShare * std::min(view.screen.width_m, view.screen.height_m));
@@ -43,23 +49,48 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
 
 void Interaction::press_key(char key, const View& view) {
   switch (key) {
-    case 'x': dials_.turn(0, kDialKeyDegrees); break;
-    case 'X': dials_.turn(0, -kDialKeyDegrees); break;
-    case 'y': dials_.turn(1, kDialKeyDegrees); break;
-    case 'Y': dials_.turn(1, -kDialKeyDegrees); break;
-    case 'z': dials_.turn(2, kDialKeyDegrees); break;
-    case 'Z': dials_.turn(2, -kDialKeyDegrees); break;
-    case '0': dials_ = {}; break;
-    case 'b': wishes_.toggle_cull = true; break;
-    case 's': wishes_.screenshot = true; break;
-    case 'k': wishes_.toggle_help = true; break;
-    case 'q': wishes_.quit = true; break;
+    case 'x':
+      dials_.turn(0, kDialKeyDegrees);
+      break;
+    case 'X':
+      dials_.turn(0, -kDialKeyDegrees);
+      break;
+    case 'y':
+      dials_.turn(1, kDialKeyDegrees);
+      break;
+    case 'Y':
+      dials_.turn(1, -kDialKeyDegrees);
+      break;
+    case 'z':
+      dials_.turn(2, kDialKeyDegrees);
+      break;
+    case 'Z':
+      dials_.turn(2, -kDialKeyDegrees);
+      break;
+    case '0':
+      dials_ = {};
+      break;
+    case 'b':
+      wishes_.toggle_cull = true;
+      break;
+    case 's':
+      wishes_.screenshot = true;
+      break;
+    case 'k':
+      wishes_.toggle_help = true;
+      break;
+    case 'q':
+      wishes_.quit = true;
+      break;
     case 'h':
       latched_ = !latched_;
-      if (latched_) take_hold(view);
-      else let_go();
+      if (latched_)
+        take_hold(view);
+      else
+        let_go();
       break;
-    default: break;
+    default:
+      break;
   }
 }
 

@@ -38,8 +38,8 @@ class Interaction {
  public:
   struct View {
     StereoScreen screen;
-    PictureSize picture;          // one eye's
-    Vec3 p_WD = Vec3::Zero();     // where the device is now
+    PictureSize picture;       // one eye's
+    Vec3 p_WD = Vec3::Zero();  // where the device is now
   };
 
   void handle(const WindowEvent& event, const View& view);

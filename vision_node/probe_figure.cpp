@@ -65,11 +65,24 @@ void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& sc
 ProbeFigure::ProbeFigure(const ProbeSizes& sizes) : sizes_(sizes) {
   const double l = sizes.stylus_length_m;
   const double r = 0.038 * l;
-  const auto pen = make_lathe({{0.0, 0.0}, {0.16 * r, 0.005 * l}, {0.30 * r, 0.08 * l}, {0.86 * r, 0.17 * l}, {0.86 * r, 0.45 * l},
-                               {r, 0.46 * l}, {0.9 * r, 0.95 * l}, {0.6 * r, l}, {0.0, l}});
+  const auto pen = make_lathe({{0.0, 0.0},
+                               {0.16 * r, 0.005 * l},
+                               {0.30 * r, 0.08 * l},
+                               {0.86 * r, 0.17 * l},
+                               {0.86 * r, 0.45 * l},
+                               {r, 0.46 * l},
+                               {0.9 * r, 0.95 * l},
+                               {0.6 * r, l},
+                               {0.0, l}});
   dress(stylus_, pen, {0.88, 0.89, 0.91}, 0.25, 0.45);
-  const auto sleeve = make_lathe({{0.86 * r, 0.19 * l}, {1.04 * r, 0.20 * l}, {1.04 * r, 0.26 * l}, {0.98 * r, 0.27 * l}, {0.98 * r, 0.28 * l},
-                                  {1.06 * r, 0.29 * l}, {1.06 * r, 0.42 * l}, {0.86 * r, 0.43 * l}});
+  const auto sleeve = make_lathe({{0.86 * r, 0.19 * l},
+                                  {1.04 * r, 0.20 * l},
+                                  {1.04 * r, 0.26 * l},
+                                  {0.98 * r, 0.27 * l},
+                                  {0.98 * r, 0.28 * l},
+                                  {1.06 * r, 0.29 * l},
+                                  {1.06 * r, 0.42 * l},
+                                  {0.86 * r, 0.43 * l}});
   dress(grip_, sleeve, {0.16, 0.17, 0.20}, 0.30, 0.25);
   dress(tip_, make_ball(sizes.tip_radius_m), {1.0, 0.78, 0.10}, 0.35, 0.5);
   const double s = sizes.arrow_radius_m;

@@ -29,12 +29,19 @@ Result<ScreenshotMoment> ScreenshotMoment::parse(std::string_view text) {
 
 bool ScreenshotMoment::is_now(std::int64_t since_start_ns, bool contact) {
   if (taken_) return false;
-  if (!contact) contact_since_ns_ = -1;
-  else if (contact_since_ns_ < 0) contact_since_ns_ = since_start_ns;
+  if (!contact)
+    contact_since_ns_ = -1;
+  else if (contact_since_ns_ < 0)
+    contact_since_ns_ = since_start_ns;
   switch (kind_) {
-    case Kind::contact: taken_ = contact && since_start_ns - contact_since_ns_ >= kSettledNs; break;
-    case Kind::time: taken_ = since_start_ns >= at_ns_; break;
-    case Kind::exit: break;
+    case Kind::contact:
+      taken_ = contact && since_start_ns - contact_since_ns_ >= kSettledNs;
+      break;
+    case Kind::time:
+      taken_ = since_start_ns >= at_ns_;
+      break;
+    case Kind::exit:
+      break;
   }
   return taken_;
 }

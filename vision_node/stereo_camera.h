@@ -12,7 +12,7 @@ enum class Eye { left, right, centre };
 // A window into the world: the picture is the rectangle width_m x height_m in the plane z = 0 of the view frame V, and each eye
 // looks through that same rectangle. What lies in the plane is seen without parallax; what lies nearer leaves the screen.
 // Frames: V has its origin in the rectangle's centre, x right, y up, z out of the screen towards the viewer. Units: metres.
-// Pre: every length positive, near_m < far_m; both are measured from the eye along -z of V.
+// Pre: every length positive (ipd_m may be 0: no depth), near_m < far_m; both are measured from the eye along -z of V.
 struct StereoScreen {
   Pose X_WV = Pose::Identity();
   double width_m = 0.52;
@@ -32,13 +32,13 @@ struct PictureSize {
 
 // What shall be seen, before it is known how large the window is.
 struct Framing {
-  Vec3 p_WC = Vec3::Zero();   // workspace centre: centre of the screen, on the zero-parallax plane
-  double yaw_rad = 0.0;       // the viewer stands this far to the right ...
-  double pitch_rad = 0.0;     // ... and this far above the centre's z axis
-  double view_m = 0.3;        // the picture's smaller side, on the zero-parallax plane
-  double distance_m = 0.6;    // from the eyes to the zero-parallax plane
-  double ipd_m = 0.063;       // between the eyes: mean of adults (Dodgson 2004)
-  double depth_m = 0.5;       // everything drawn lies within this distance of p_WC
+  Vec3 p_WC = Vec3::Zero();  // workspace centre: centre of the screen, on the zero-parallax plane
+  double yaw_rad = 0.0;      // the viewer stands this far to the right ...
+  double pitch_rad = 0.0;    // ... and this far above the centre's z axis
+  double view_m = 0.3;       // the picture's smaller side, on the zero-parallax plane
+  double distance_m = 0.6;   // from the eyes to the zero-parallax plane
+  double ipd_m = 0.063;      // between the eyes: mean of adults (Dodgson 2004)
+  double depth_m = 0.5;      // everything drawn lies within this distance of p_WC
 };
 
 // The framing that shows a sphere of radius_m around p_WC whole. Scenes larger than a desk are seen by a proportionally larger

@@ -33,20 +33,31 @@ constexpr int kScreenshotSamples = 8;
 
 int vtk_stereo_type(StereoMode mode) {
   switch (mode) {
-    case StereoMode::crystal_eyes: return VTK_STEREO_CRYSTAL_EYES;
-    case StereoMode::red_blue: return VTK_STEREO_RED_BLUE;
-    case StereoMode::interlaced: return VTK_STEREO_INTERLACED;
-    case StereoMode::left: return VTK_STEREO_LEFT;
-    case StereoMode::right: return VTK_STEREO_RIGHT;
-    case StereoMode::dresden: return VTK_STEREO_DRESDEN;
-    case StereoMode::anaglyph: return VTK_STEREO_ANAGLYPH;
-    case StereoMode::checkerboard: return VTK_STEREO_CHECKERBOARD;
-    case StereoMode::split_viewport: return VTK_STEREO_SPLITVIEWPORT_HORIZONTAL;
-    case StereoMode::fake: return VTK_STEREO_FAKE;
+    case StereoMode::crystal_eyes:
+      return VTK_STEREO_CRYSTAL_EYES;
+    case StereoMode::red_blue:
+      return VTK_STEREO_RED_BLUE;
+    case StereoMode::interlaced:
+      return VTK_STEREO_INTERLACED;
+    case StereoMode::left:
+      return VTK_STEREO_LEFT;
+    case StereoMode::right:
+      return VTK_STEREO_RIGHT;
+    case StereoMode::dresden:
+      return VTK_STEREO_DRESDEN;
+    case StereoMode::anaglyph:
+      return VTK_STEREO_ANAGLYPH;
+    case StereoMode::checkerboard:
+      return VTK_STEREO_CHECKERBOARD;
+    case StereoMode::split_viewport:
+      return VTK_STEREO_SPLITVIEWPORT_HORIZONTAL;
+    case StereoMode::fake:
+      return VTK_STEREO_FAKE;
     case StereoMode::emulate:
     case StereoMode::automatic:
     case StereoMode::mono:
-    case StereoMode::side_by_side: return 0;
+    case StereoMode::side_by_side:
+      return 0;
   }
   return 0;
 }
@@ -165,11 +176,13 @@ Result<void> StereoView::Window::open() {
   if (opengl == nullptr) return fail("this build of VTK has no OpenGL window: install libvtk9-dev of Debian 12");
   opengl->Initialize();
   if (opengl->SupportsOpenGL() == 0) {
-    return fail("this display cannot do OpenGL 3.2 ({}): install a newer graphics driver or Mesa's software one", opengl->GetOpenGLSupportMessage());
+    return fail("this display cannot do OpenGL 3.2 ({}): install a newer graphics driver or Mesa's software one",
+                opengl->GetOpenGLSupportMessage());
   }
   const bool has_quad = wants_quad && window->GetStereoCapableWindow() != 0;
   if (settings.stereo == StereoMode::crystal_eyes && !has_quad) {
-    return fail("stereo mode crystal_eyes needs a quad-buffered OpenGL visual and this display has none: use --stereo side_by_side or auto");
+    return fail(
+        "stereo mode crystal_eyes needs a quad-buffered OpenGL visual and this display has none: use --stereo side_by_side or auto");
   }
   mode = settings.stereo;
   if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::side_by_side;
@@ -244,18 +257,51 @@ void StereoView::Window::hear(unsigned long event) {
   heard.y_px = at[1];
   heard.shift = interactor->GetShiftKey() != 0;
   switch (event) {
-    case vtkCommand::KeyPressEvent: heard.kind = Kind::key; heard.key = interactor->GetKeyCode(); break;
-    case vtkCommand::LeftButtonPressEvent: heard.kind = Kind::press; heard.button = Button::left; break;
-    case vtkCommand::LeftButtonReleaseEvent: heard.kind = Kind::release; heard.button = Button::left; break;
-    case vtkCommand::MiddleButtonPressEvent: heard.kind = Kind::press; heard.button = Button::middle; break;
-    case vtkCommand::MiddleButtonReleaseEvent: heard.kind = Kind::release; heard.button = Button::middle; break;
-    case vtkCommand::RightButtonPressEvent: heard.kind = Kind::press; heard.button = Button::right; break;
-    case vtkCommand::RightButtonReleaseEvent: heard.kind = Kind::release; heard.button = Button::right; break;
-    case vtkCommand::MouseMoveEvent: heard.kind = Kind::move; break;
-    case vtkCommand::MouseWheelForwardEvent: heard.kind = Kind::wheel; heard.wheel = 1; break;
-    case vtkCommand::MouseWheelBackwardEvent: heard.kind = Kind::wheel; heard.wheel = -1; break;
-    case vtkCommand::ExitEvent: heard.kind = Kind::close; break;
-    default: stale = true; return;
+    case vtkCommand::KeyPressEvent:
+      heard.kind = Kind::key;
+      heard.key = interactor->GetKeyCode();
+      break;
+    case vtkCommand::LeftButtonPressEvent:
+      heard.kind = Kind::press;
+      heard.button = Button::left;
+      break;
+    case vtkCommand::LeftButtonReleaseEvent:
+      heard.kind = Kind::release;
+      heard.button = Button::left;
+      break;
+    case vtkCommand::MiddleButtonPressEvent:
+      heard.kind = Kind::press;
+      heard.button = Button::middle;
+      break;
+    case vtkCommand::MiddleButtonReleaseEvent:
+      heard.kind = Kind::release;
+      heard.button = Button::middle;
+      break;
+    case vtkCommand::RightButtonPressEvent:
+      heard.kind = Kind::press;
+      heard.button = Button::right;
+      break;
+    case vtkCommand::RightButtonReleaseEvent:
+      heard.kind = Kind::release;
+      heard.button = Button::right;
+      break;
+    case vtkCommand::MouseMoveEvent:
+      heard.kind = Kind::move;
+      break;
+    case vtkCommand::MouseWheelForwardEvent:
+      heard.kind = Kind::wheel;
+      heard.wheel = 1;
+      break;
+    case vtkCommand::MouseWheelBackwardEvent:
+      heard.kind = Kind::wheel;
+      heard.wheel = -1;
+      break;
+    case vtkCommand::ExitEvent:
+      heard.kind = Kind::close;
+      break;
+    default:
+      stale = true;
+      return;
   }
   events.push_back(heard);
 }

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <CLI/CLI.hpp>
 
 #include "runtime/config.h"
 #include "vision_node/hud_text.h"
@@ -14,7 +14,12 @@ namespace {
 // A check for CLI11 out of one of our parsers: empty when the text is fine.
 template <class Parse>
 CLI::Validator accepts(Parse parse) {
-  return CLI::Validator([parse](std::string& text) { auto read = parse(text); return read ? std::string() : read.error().what; }, "");
+  return CLI::Validator(
+      [parse](std::string& text) {
+        auto read = parse(text);
+        return read ? std::string() : read.error().what;
+      },
+      "");
 }
 
 // CLI11's own range lets nan pass, which lies in no range.
@@ -50,26 +55,34 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   bool no_cull = false;
   bool no_help = false;
 
-  CLI::App app{"Draws the scene and the probe in stereo, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn the window:\n" +
-                   std::string(keys_help()),
-               "vision_node"};
+  CLI::App app{
+      "Draws the scene and the probe in stereo, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn the window:\n" +
+          std::string(keys_help()),
+      "vision_node"};
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--scene", options.scene, "Scene file (TOML)")->capture_default_str();
-  app.add_option("--stereo", stereo, fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side", [] {
-                   std::string all;
-                   for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
-                   return all;
-                 }()))
+  app.add_option("--stereo", stereo,
+                 fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side",
+                             [] {
+                               std::string all;
+                               for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
+                               return all;
+                             }()))
       ->check(accepts(find_stereo_mode))
       ->capture_default_str();
   app.add_option("--size", size, "Window, WIDTHxHEIGHT in pixels")->check(accepts(parse_size))->capture_default_str();
-  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")->check(between(0.0, 200.0))->capture_default_str();
+  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")
+      ->check(between(0.0, 200.0))
+      ->capture_default_str();
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
       ->check(between(0.0, 1e9));
-  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right; 0: screen and device are parallel")->check(between(-180.0, 180.0))->capture_default_str();
+  app.add_option("--view-yaw-deg", options.view_yaw_deg, "The viewer stands this far to the right; 0: screen and device are parallel")
+      ->check(between(-180.0, 180.0))
+      ->capture_default_str();
   app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(between(-89.0, 89.0))->capture_default_str();
-  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "The drawn stylus leans this much more to the upper right; 0: as the device says")
+  app.add_option("--stylus-lean-deg", options.stylus_lean_deg,
+                 "The drawn stylus leans this much more to the upper right; 0: as the device says")
       ->check(between(0.0, 90.0))
       ->capture_default_str();
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
@@ -81,12 +94,15 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
   app.add_flag("--offscreen", options.view.offscreen, "No window; an X display is needed all the same");
-  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")->check(between(0.0, 1e9))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
+      ->check(between(0.0, 1e9))
+      ->capture_default_str();
   app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
   app.add_option("--screenshot-when", when, "contact, exit or SECONDS after the start; at the exit at the latest")
       ->check(accepts(ScreenshotMoment::parse))
       ->capture_default_str();
-  app.add_option("--bench-frames", options.bench_frames, "Draw so many pictures as fast as possible with turning dials, print the rate, end")
+  app.add_option("--bench-frames", options.bench_frames,
+                 "Draw so many pictures as fast as possible with turning dials, print the rate, end")
       ->check(CLI::Range(0, 1'000'000));
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;

@@ -64,8 +64,7 @@ std::string VisionStep::compose_hud_now() const {
 }
 
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
-  if (settings_.max_rate_hz > 0.0 && frames_.drawn() > 0 &&
-      static_cast<double>(now_ns - last_start_ns_) < 1e9 / settings_.max_rate_hz) {
+  if (settings_.max_rate_hz > 0.0 && frames_.drawn() > 0 && static_cast<double>(now_ns - last_start_ns_) < 1e9 / settings_.max_rate_hz) {
     return false;
   }
   if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_) return true;

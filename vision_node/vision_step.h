@@ -14,15 +14,15 @@
 namespace hapton {
 
 struct VisionStepSettings {
-  Vec3 p_WC = Vec3::Zero();         // workspace centre: what the dials turn about
-  Dials dials;                      // at the start
-  double max_rate_hz = 60.0;        // pictures a second; 0: as many as can be drawn
+  Vec3 p_WC = Vec3::Zero();   // workspace centre: what the dials turn about
+  Dials dials;                // at the start
+  double max_rate_hz = 60.0;  // pictures a second; 0: as many as can be drawn
   Quat stylus_lean = Quat::Identity();
-  bool always_changing = false;     // draw even when nothing moved: modes that alternate the eyes
+  bool always_changing = false;  // draw even when nothing moved: modes that alternate the eyes
   bool cull = true;
   bool help = true;
-  std::string stereo;               // the mode's name, for the HUD
-  double threshold_px = 0.5;        // motion below this is not worth a picture
+  std::string stereo;         // the mode's name, for the HUD
+  double threshold_px = 0.5;  // motion below this is not worth a picture
 };
 
 // All that the vision node decides, without a window, socket or clock: what the hub said and the person did go in; when to draw, what
@@ -84,7 +84,7 @@ class VisionStep {
   std::optional<ProbeState> state_;
   bool connected_ = false;
   bool stale_ = true;
-  bool moved_ = false;       // a new state has come since the last picture
+  bool moved_ = false;  // a new state has come since the last picture
   bool cull_;
   bool help_;
   Vec3 dials_shown_ = Vec3::Zero();

@@ -19,7 +19,8 @@ inline std::shared_ptr<const TriangleMesh> make_marker(const Vec3& centre, doubl
     for (std::uint32_t j = 0; j < kSides; ++j) {
       const double polar = std::numbers::pi * i / kSides;
       const double round = 2.0 * std::numbers::pi * j / kSides;
-      mesh->vertices.push_back(centre + radius_m * Vec3(std::sin(polar) * std::sin(round), std::cos(polar), std::sin(polar) * std::cos(round)));
+      mesh->vertices.push_back(centre +
+                               radius_m * Vec3(std::sin(polar) * std::sin(round), std::cos(polar), std::sin(polar) * std::cos(round)));
     }
   }
   for (std::uint32_t i = 0; i < kSides; ++i) {

@@ -119,9 +119,12 @@ void expect_pattern(StereoMode mode, int (*pattern)(int x, int y)) {
         continue;
       }
       const bool first = pattern(x, y) % 2 == 0;
-      if (same(w, first ? l : r)) ++as_is;
-      else if (same(w, first ? r : l)) ++swapped;
-      else ++neither;
+      if (same(w, first ? l : r))
+        ++as_is;
+      else if (same(w, first ? r : l))
+        ++swapped;
+      else
+        ++neither;
     }
   }
   EXPECT_EQ(neither, 0);
@@ -183,7 +186,11 @@ TEST(StereoView, EmulateShowsTheEyesInTurn) {
   const Picture left = picture_of(StereoMode::left, 640, 480, three_markers());
   const Picture right = picture_of(StereoMode::right, 640, 480, three_markers());
   const bool left_first = shown[0].rgb == left.rgb;
-  for (int i = 0; i < 4; ++i) EXPECT_TRUE(shown[i].rgb == ((i % 2 == 0) == left_first ? left : right).rgb) << i << (shown[i].rgb == left.rgb ? " is left" : shown[i].rgb == right.rgb ? " is right" : " is neither");
+  for (int i = 0; i < 4; ++i)
+    EXPECT_TRUE(shown[i].rgb == ((i % 2 == 0) == left_first ? left : right).rgb) << i
+                                                                                 << (shown[i].rgb == left.rgb    ? " is left"
+                                                                                     : shown[i].rgb == right.rgb ? " is right"
+                                                                                                                 : " is neither");
 }
 
 TEST(StereoView, EveryModeDrawsSomethingOrSaysWhyNot) {
