@@ -17,7 +17,8 @@ AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, Me
     : hub_(hub), clock_(clock), step_(step), builder_(builder), start_ns_(clock.now_ns()) {}
 
 void AnswerLoop::run(const StopSignal& stop, double seconds) {
-  const std::int64_t end_ns = seconds > 0 ? clock_.now_ns() + static_cast<std::int64_t>(seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
+  const std::int64_t end_ns =
+      seconds > 0 ? clock_.now_ns() + static_cast<std::int64_t>(seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
   while (!stop.stop_requested()) {
     const std::int64_t now_ns = clock_.now_ns();
     if (now_ns >= end_ns) {
@@ -92,9 +93,15 @@ void AnswerLoop::tell_of_hub() {
   }
   told_ = state;
   switch (state) {
-    case JoinState::joined: log_info("joined the hub, {} samples a second", hub_.servo_rate_hz()); break;
-    case JoinState::refused: log_warning("the hub has another haptics node; waiting for its place"); break;
-    case JoinState::joining: log_warning("the hub has gone silent; trying on"); break;
+    case JoinState::joined:
+      log_info("joined the hub, {} samples a second", hub_.servo_rate_hz());
+      break;
+    case JoinState::refused:
+      log_warning("the hub has another haptics node; waiting for its place");
+      break;
+    case JoinState::joining:
+      log_warning("the hub has gone silent; trying on");
+      break;
   }
 }
 

@@ -13,7 +13,12 @@ constexpr double kMetresPerInch = 0.0254;
 // A check for CLI11 out of one of our parsers: empty when the text is fine.
 template <class Parse>
 CLI::Validator accepts(Parse parse) {
-  return CLI::Validator([parse](std::string& text) { auto read = parse(text); return read ? std::string() : read.error().what; }, "");
+  return CLI::Validator(
+      [parse](std::string& text) {
+        auto read = parse(text);
+        return read ? std::string() : read.error().what;
+      },
+      "");
 }
 
 }  // namespace
@@ -37,8 +42,12 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
-  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: an ordinary thread")->check(CLI::Range(0, 99))->capture_default_str();
-  app.add_option("--cpu", options.realtime.cpu, "Stay on this CPU; -1: where the scheduler likes")->check(CLI::Range(-1, 1023))->capture_default_str();
+  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: an ordinary thread")
+      ->check(CLI::Range(0, 99))
+      ->capture_default_str();
+  app.add_option("--cpu", options.realtime.cpu, "Stay on this CPU; -1: where the scheduler likes")
+      ->check(CLI::Range(-1, 1023))
+      ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(CLI::Range(0.0, 1e9))->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;

@@ -12,10 +12,10 @@ namespace hapton {
 struct HapticsCounts {
   std::uint64_t answered = 0;
   std::uint64_t contact_steps = 0;
-  std::uint64_t skipped = 0;          // states superseded before they could be answered
+  std::uint64_t skipped = 0;  // states superseded before they could be answered
   std::uint64_t views_taken = 0;
-  std::uint64_t views_rejected = 0;   // no rotation and translation
-  std::uint64_t methods_taken = 0;    // put in place while running
+  std::uint64_t views_rejected = 0;  // no rotation and translation
+  std::uint64_t methods_taken = 0;   // put in place while running
   double max_force_n = 0.0;
 };
 
@@ -51,8 +51,8 @@ class HapticsStep {
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
   DeviceState state_;
-  TouchInput input_;    // last answered
-  TouchOutput felt_;    // last answered
+  TouchInput input_;  // last answered
+  TouchOutput felt_;  // last answered
   std::int64_t last_time_ns_ = 0;
   std::uint32_t skipped_ = 0;
   bool has_state_ = false;

@@ -13,10 +13,10 @@ namespace hapton {
 
 // How to start a program. Arguments reach it as they are: no shell has a say.
 struct ChildCommand {
-  std::filesystem::path program;        // a path with a slash, or a name looked for in PATH
+  std::filesystem::path program;  // a path with a slash, or a name looked for in PATH
   std::vector<std::string> arguments;
-  std::filesystem::path folder;         // it runs there; empty: here
-  std::filesystem::path output;         // its stdout and stderr go to this file; empty: to ours
+  std::filesystem::path folder;  // it runs there; empty: here
+  std::filesystem::path output;  // its stdout and stderr go to this file; empty: to ours
 };
 
 // A program running beside ours. It ends with this object at the latest.

@@ -43,7 +43,9 @@ void add_echo_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<EchoOptions>();
   CLI::App* command = app.add_subcommand("echo", "Return every UDP datagram to its sender: the bare round trip of machine and network");
   command->add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one")->required();
-  command->add_option("--seconds", options->seconds, "End after this long, 0: when stopped")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  command->add_option("--seconds", options->seconds, "End after this long, 0: when stopped")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -17,6 +17,7 @@
 #include "tools/plot_command.h"
 #include "tools/replay_command.h"
 #include "tools/set_command.h"
+#include "tools/stress_command.h"
 #include "tools/trajectory_command.h"
 
 namespace hapton {
@@ -55,6 +56,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_plot_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_set_command(app, exit_code);
+  add_stress_command(app, exit_code);
   add_trajectory_command(app, exit_code);
   if (argc < 2) {
     fmt::print("{}", app.help());

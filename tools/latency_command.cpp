@@ -28,7 +28,9 @@ void add_latency_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LatencyRunOptions>();
   CLI::App* command = app.add_subcommand("latency", "Measure the force round trip on this machine, beside a bare UDP echo");
   command->add_option("--seconds", options->seconds, "How long")->check(CLI::Range(0.5, 1e6))->capture_default_str();
-  command->add_option("--rate", options->rate_hz, "Servo rate, Hz")->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
+  command->add_option("--rate", options->rate_hz, "Servo rate, Hz")
+      ->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz))
+      ->capture_default_str();
   command->add_option("--out", options->out, "Folder for report.json, latency.csv, latency.png and the nodes' logs")->capture_default_str();
   command->add_option("--scene", options->scene, "What is touched")->capture_default_str();
   command->add_option("--method", options->method, "Force method, one of: " + method_names() + " (default: the haptics node's)");

@@ -47,7 +47,8 @@ class Node {
   static Result<Node> start(const LatencyRunOptions& options, const std::string& name, const std::string& program,
                             std::vector<std::string> arguments) {
     const auto log = options.out / (name + ".log");
-    auto process = ChildProcess::start({.program = find_own_folder() / program, .arguments = std::move(arguments), .folder = {}, .output = log});
+    auto process =
+        ChildProcess::start({.program = find_own_folder() / program, .arguments = std::move(arguments), .folder = {}, .output = log});
     if (!process) {
       return tl::unexpected(process.error());
     }

@@ -12,8 +12,8 @@ struct LatencyRunOptions {
   double rate_hz = 1000.0;
   std::filesystem::path out = "out/latency";
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::string method;              // empty: the haptics node's default
-  std::string realtime = "try";    // off, try or require
+  std::string method;            // empty: the haptics node's default
+  std::string realtime = "try";  // off, try or require
 };
 
 // Runs io_node, haptics_node and a bare echo as processes of their own on free loopback ports, each writing to options.out/NAME.log, and

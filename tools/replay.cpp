@@ -51,8 +51,12 @@ Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, c
       const std::int64_t step_ns = std::max<std::int64_t>(0, clock.now_ns() - before_ns - replay.clock_cost_ns);
       ReplayRow& row = replay.rows[i];
       if (repetition == 0) {
-        row = {.t_s = trajectory[i].t_s, .p_WD = inputs[i].p_WD, .p_WP = inputs[i].p_WD + felt.visual_offset_m, .force_n = felt.force_n,
-               .contact = felt.contact, .step_ns = step_ns};
+        row = {.t_s = trajectory[i].t_s,
+               .p_WD = inputs[i].p_WD,
+               .p_WP = inputs[i].p_WD + felt.visual_offset_m,
+               .force_n = felt.force_n,
+               .contact = felt.contact,
+               .step_ns = step_ns};
       } else {
         replay.rows_that_differ += same(row, inputs[i], felt) ? 0 : 1;
         row.step_ns = std::min(row.step_ns, step_ns);

@@ -17,10 +17,10 @@ namespace hapton {
 struct ReplayRow {
   double t_s = 0.0;
   Vec3 p_WD = Vec3::Zero();
-  Vec3 p_WP = Vec3::Zero();     // proxy
+  Vec3 p_WP = Vec3::Zero();  // proxy
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
-  std::int64_t step_ns = 0;     // least of all repetitions, what reading the clock costs taken off
+  std::int64_t step_ns = 0;  // least of all repetitions, what reading the clock costs taken off
 };
 
 struct ReplaySettings {
@@ -30,8 +30,8 @@ struct ReplaySettings {
 
 struct Replay {
   std::vector<ReplayRow> rows;
-  std::int64_t clock_cost_ns = 0;     // taken off every step
-  std::size_t rows_that_differ = 0;   // felt otherwise in a repetition than at first; 0 for a method that forgets all on reset
+  std::int64_t clock_cost_ns = 0;    // taken off every step
+  std::size_t rows_that_differ = 0;  // felt otherwise in a repetition than at first; 0 for a method that forgets all on reset
 };
 
 // Drives the step along the trajectory, row by row, as often as asked; every repetition begins with a reset.

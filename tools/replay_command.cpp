@@ -157,7 +157,8 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one")->check(CLI::NonNegativeNumber);
+  command->add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--reset-every", options->replay.reset_every, "Forget all contact before rows 0, N, 2N ...; 0: before row 0 only")
       ->capture_default_str();
   command->add_option("--repeat", options->replay.repeat, "Run it so many times; step_ns is the least of all")

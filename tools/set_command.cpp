@@ -77,9 +77,12 @@ Result<std::string> set(const SetOptions& options) {
   if (!client.send(*settings)) {
     return fail("the settings could not be sent to {}", to_string(*hub));
   }
-  const auto rate_holds = [&] { return options.rate_hz == 0.0 || std::abs(client.servo_rate_hz() - options.rate_hz) <= 1e-3 * options.rate_hz; };
+  const auto rate_holds = [&] {
+    return options.rate_hz == 0.0 || std::abs(client.servo_rate_hz() - options.rate_hz) <= 1e-3 * options.rate_hz;
+  };
   if (!wait_until(client, clock, rate_holds)) {
-    return fail("the hub at {} stays at {} Hz; ask for {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz, kMaxServoRateHz);
+    return fail("the hub at {} stays at {} Hz; ask for {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
+                kMaxServoRateHz);
   }
   std::string told = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
   if (!options.method.empty()) {

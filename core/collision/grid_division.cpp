@@ -30,7 +30,8 @@ Result<std::array<int, 3>> parse_grid_division(std::string_view text) {
     }
   }
   if (!rest.empty() || division[0] < 1 || division[1] < 1 || division[2] < 1) {
-    return fail("grid division '{}' is not understood; give cells along each axis, 1 to {}, as N or as NxNxN", text, UniformGrid::kMaxDivision);
+    return fail("grid division '{}' is not understood; give cells along each axis, 1 to {}, as N or as NxNxN", text,
+                UniformGrid::kMaxDivision);
   }
   return division;
 }

@@ -15,19 +15,19 @@ struct SweepLine {
 
 // How far the test of one triangle got (steps of the memo's figure 3).
 enum class SweepEnd : std::uint8_t {
-  parallel,          // step 2: the line never meets the plane
-  out_of_length,     // step 3: it meets the plane before its start or beyond its end
-  out_of_triangle,   // step 4: it meets the plane beside the triangle
-  collision          // step 5: a valid collision point
+  parallel,         // step 2: the line never meets the plane
+  out_of_length,    // step 3: it meets the plane before its start or beyond its end
+  out_of_triangle,  // step 4: it meets the plane beside the triangle
+  collision         // step 5: a valid collision point
 };
 
 // Where a sweep line meets a triangle.
 struct SweepCollision {
-  double t = 0.0;                // along the line: 0 at last, 1 at current
-  Vec3 point = Vec3::Zero();     // the collision point
-  Vec3 normal = Vec3::Zero();    // unit, towards the side the line comes from
-  double depth = 0.0;            // of current below the plane, along the normal; >= 0
-  bool from_behind = false;      // the line comes from the side that the triangle's own normal points away from
+  double t = 0.0;              // along the line: 0 at last, 1 at current
+  Vec3 point = Vec3::Zero();   // the collision point
+  Vec3 normal = Vec3::Zero();  // unit, towards the side the line comes from
+  double depth = 0.0;          // of current below the plane, along the normal; >= 0
+  bool from_behind = false;    // the line comes from the side that the triangle's own normal points away from
 };
 
 // Tests one triangle, steps 2 to 4. A point with height >= 0 is above the plane, any other below it: a line collides when its ends lie on

@@ -57,7 +57,8 @@ template <class Visit>
 void UniformGrid::for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit) const {
   // Relative to the grid's corner, where the cells' limits are simple products.
   const std::array<Vec3, 3> local = {triangle[0] - low_, triangle[1] - low_, triangle[2] - low_};
-  const CellBox box = find_cells(triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]), triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]));
+  const CellBox box =
+      find_cells(triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]), triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]));
   // How far a point may lie outside of its cell's nominal limits because cell_along rounds.
   const Vec3 rounding = 8.0 * kEpsilon * (high_ - low_);
   for (int z = box.begin[2]; z < box.end[2]; ++z) {

@@ -21,7 +21,7 @@ struct CellBox {
 struct GridOccupancy {
   std::size_t cells = 0;
   std::size_t occupied_cells = 0;
-  std::size_t entries = 0;               // triangle listings, all cells together
+  std::size_t entries = 0;  // triangle listings, all cells together
   std::size_t max_triangles_a_cell = 0;
 
   double occupied_share() const { return cells == 0 ? 0.0 : static_cast<double>(occupied_cells) / static_cast<double>(cells); }
@@ -60,9 +60,7 @@ class UniformGrid {
   const GridOccupancy& occupancy() const { return occupancy_; }
 
  private:
-  std::size_t index_of(int x, int y, int z) const noexcept {
-    return (static_cast<std::size_t>(z) * division_[1] + y) * division_[0] + x;
-  }
+  std::size_t index_of(int x, int y, int z) const noexcept { return (static_cast<std::size_t>(z) * division_[1] + y) * division_[0] + x; }
   int cell_along(int axis, double x) const noexcept;
   template <class Visit>
   void for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit) const;

@@ -71,7 +71,8 @@ SweepCounters& SweepCounters::operator+=(const SweepCounters& other) noexcept {
 
 Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& settings, const TouchScene& scene) {
   if (settings.probe_radius_m != 0.0) {
-    return fail("sweep: its probe is a point and cannot have a radius of {} m; leave the radius at 0 or choose another method", settings.probe_radius_m);
+    return fail("sweep: its probe is a point and cannot have a radius of {} m; leave the radius at 0 or choose another method",
+                settings.probe_radius_m);
   }
   Triangles all = gather(scene);
   if (all.planes.empty()) {
@@ -165,10 +166,17 @@ void SweepMethod::handle_triangle(const SweepLine& line, std::uint32_t triangle,
   ++step_.triangles_tested;
   SweepCollision collision;
   switch (compute_collision(line, planes_[triangle], collision)) {
-    case SweepEnd::parallel: ++step_.parallel; return;
-    case SweepEnd::out_of_length: ++step_.out_of_length; return;
-    case SweepEnd::out_of_triangle: ++step_.out_of_triangle; return;
-    case SweepEnd::collision: break;
+    case SweepEnd::parallel:
+      ++step_.parallel;
+      return;
+    case SweepEnd::out_of_length:
+      ++step_.out_of_length;
+      return;
+    case SweepEnd::out_of_triangle:
+      ++step_.out_of_triangle;
+      return;
+    case SweepEnd::collision:
+      break;
   }
   if (collision.from_behind && !materials_[object_of_[triangle]].two_sided) {
     ++step_.out_of_length;
@@ -187,7 +195,8 @@ std::string SweepMethod::describe() const {
   const GridOccupancy& full = grid_.occupancy();
   std::string text = fmt::format(
       "sweep: {} triangles of {} objects, {} degenerate left out, offset {:.4g} m\n"
-      "grid: {} x {} x {} cells of {:.4g} x {:.4g} x {:.4g} m, {:.2f} % occupied, {:.2f} triangles an occupied cell on average, {} at most\n",
+      "grid: {} x {} x {} cells of {:.4g} x {:.4g} x {:.4g} m, {:.2f} % occupied, {:.2f} triangles an occupied cell on average, {} at "
+      "most\n",
       planes_.size(), materials_.size(), degenerate_, offset_m_, grid_.division()[0], grid_.division()[1], grid_.division()[2],
       (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0], (grid_.high()[1] - grid_.low()[1]) / grid_.division()[1],
       (grid_.high()[2] - grid_.low()[2]) / grid_.division()[2], 100.0 * full.occupied_share(), full.mean_triangles_a_cell(),
@@ -197,7 +206,8 @@ std::string SweepMethod::describe() const {
     text += fmt::format("steps: {}, {:.2f} cells and {:.2f} triangles tested a step\n", steps_,
                         static_cast<double>(total_.cells_visited) / n, static_cast<double>(total_.triangles_tested) / n);
     text += fmt::format(
-        "early ends: step 1 {:.1f} % of cells empty; of triangles tested: step 2 {:.1f} % parallel, step 3 {:.1f} % out of the line's length, "
+        "early ends: step 1 {:.1f} % of cells empty; of triangles tested: step 2 {:.1f} % parallel, step 3 {:.1f} % out of the line's "
+        "length, "
         "step 4 {:.1f} % out of the triangle, step 5 {} collisions\n",
         percent_of(total_.empty_cells, total_.cells_visited), percent_of(total_.parallel, total_.triangles_tested),
         percent_of(total_.out_of_length, total_.triangles_tested), percent_of(total_.out_of_triangle, total_.triangles_tested),

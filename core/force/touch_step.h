@@ -8,8 +8,8 @@ namespace hapton {
 
 // One device sample, in the world frame, and where the static scene stands.
 struct TouchInput {
-  Vec3 p_WD = Vec3::Zero();        // device point, m
-  Pose X_WS = Pose::Identity();    // static scene in world (the view transform)
+  Vec3 p_WD = Vec3::Zero();      // device point, m
+  Pose X_WS = Pose::Identity();  // static scene in world (the view transform)
   double dt_s = 1e-3;
 };
 

@@ -22,10 +22,10 @@ struct TrianglePlane {
     double inward_u, inward_v;    // unit vector across the side, into the triangle
   };
 
-  Vec3 origin;                // corner 0
-  Vec3 normal;                // unit; the corners turn counter-clockwise seen from its head
-  double reach;               // largest coordinate of the corners from the origin
-  int u_axis, v_axis;         // the two axes of the shadow
+  Vec3 origin;         // corner 0
+  Vec3 normal;         // unit; the corners turn counter-clockwise seen from its head
+  double reach;        // largest coordinate of the corners from the origin
+  int u_axis, v_axis;  // the two axes of the shadow
   std::array<Side, 3> sides;
 
   // Signed distance of p above the plane.

@@ -34,7 +34,8 @@ TEST(ChildProcess, GivesTheExitCode) {
 
 TEST(ChildProcess, ArgumentsArriveAsTheyAre) {
   const auto out = scratch("out");
-  auto child = ChildProcess::start({.program = "printf", .arguments = {"%s|", "a b", "$HOME", "'; exit 3", "*"}, .folder = "/", .output = out});
+  auto child =
+      ChildProcess::start({.program = "printf", .arguments = {"%s|", "a b", "$HOME", "'; exit 3", "*"}, .folder = "/", .output = out});
   ASSERT_TRUE(child);
   EXPECT_EQ(child->wait(10.0), 0);
   EXPECT_EQ(take_text(out), "a b|$HOME|'; exit 3|*|");
@@ -57,7 +58,8 @@ TEST(ChildProcess, StopsWhatWouldGoOn) {
 
 TEST(ChildProcess, KillsWhatWillNotStop) {
   const auto out = scratch("deaf");
-  auto child = ChildProcess::start({.program = "sh", .arguments = {"-c", "trap '' TERM; echo on; while :; do sleep 0.05; done"}, .folder = {}, .output = out});
+  auto child = ChildProcess::start(
+      {.program = "sh", .arguments = {"-c", "trap '' TERM; echo on; while :; do sleep 0.05; done"}, .folder = {}, .output = out});
   ASSERT_TRUE(child);
   while (!std::filesystem::exists(out) || std::filesystem::file_size(out) == 0) {
     ASSERT_EQ(child->wait(0.01), std::nullopt);

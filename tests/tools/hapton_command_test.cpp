@@ -44,7 +44,8 @@ class HaptonCommandTest : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     // A tetrahedron, and a probe that goes to its bottom face and presses.
     std::ofstream(folder_ / "t.obj") << "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-    std::ofstream(folder_ / "t.csv") << "# press\nt_s,x_m,y_m,z_m\n0,0.002,0.002,-0.001\n0.001,0.002,0.002,0.0005\n0.002,0.002,0.002,0.001\n";
+    std::ofstream(folder_ / "t.csv")
+        << "# press\nt_s,x_m,y_m,z_m\n0,0.002,0.002,-0.001\n0.001,0.002,0.002,0.0005\n0.002,0.002,0.002,0.001\n";
   }
   ~HaptonCommandTest() override { std::filesystem::remove_all(folder_); }
 

@@ -13,9 +13,7 @@
 namespace hapton {
 namespace {
 
-TouchStep make_touch() {
-  return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}}));
-}
+TouchStep make_touch() { return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}})); }
 
 std::vector<TrajectoryRow> press(const std::vector<double>& heights) {
   std::vector<TrajectoryRow> rows;
@@ -74,8 +72,12 @@ TEST(Replay, TheClocksOwnCostIsTakenOff) {
 
 TEST(Replay, CsvKeepsEveryBit) {
   const auto path = std::filesystem::temp_directory_path() / ("hapton_replay_" + std::to_string(::getpid()) + ".csv");
-  const ReplayRow row = {.t_s = 0.1, .p_WD = Vec3(1.0 / 3, -1e-17, 2e300), .p_WP = Vec3(0.1, 0.2, 0.3), .force_n = Vec3(-1.0 / 7, 0, 5e-324),
-                         .contact = true, .step_ns = 42};
+  const ReplayRow row = {.t_s = 0.1,
+                         .p_WD = Vec3(1.0 / 3, -1e-17, 2e300),
+                         .p_WP = Vec3(0.1, 0.2, 0.3),
+                         .force_n = Vec3(-1.0 / 7, 0, 5e-324),
+                         .contact = true,
+                         .step_ns = 42};
   ASSERT_TRUE(write_replay_csv(path, std::vector<ReplayRow>{row}));
   std::ifstream file(path);
   std::string header;

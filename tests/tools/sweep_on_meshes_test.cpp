@@ -80,7 +80,8 @@ TEST_P(SweepOnMeshes, FeelsLikeTheTwinToTheBit) {
 
 INSTANTIATE_TEST_SUITE_P(Meshes, SweepOnMeshes, ::testing::ValuesIn(mesh_names()), [](const auto& test) {
   std::string name = test.param;
-  std::replace_if(name.begin(), name.end(), [](char c) { return c == '.' || c == '-'; }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '.' || c == '-'; }, '_');
   return name;
 });
 

@@ -115,7 +115,8 @@ TEST(SweepLine, AgreesWithSignedVolumes) {
     const Wide c = mesh.corner(t, 2).cast<long double>();
     const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
     for (int i = 0; i < 200; ++i) {
-      const SweepLine line = {middle + Vec3(unit(random), unit(random), unit(random)), middle + Vec3(unit(random), unit(random), unit(random))};
+      const SweepLine line = {middle + Vec3(unit(random), unit(random), unit(random)),
+                              middle + Vec3(unit(random), unit(random), unit(random))};
       const Wide p = line.last.cast<long double>();
       const Wide q = line.current.cast<long double>();
       const std::array<long double, 5> volumes = {volume(a, b, c, p), volume(a, b, c, q), volume(p, q, a, b), volume(p, q, b, c),

@@ -9,9 +9,7 @@
 namespace hapton {
 namespace {
 
-TouchStep make_step() {
-  return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 4)), {}}}}));
-}
+TouchStep make_step() { return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 4)), {}}}})); }
 
 TEST(TouchStep, ForceAndOffsetComeBackInTheWorldFrame) {
   // The sheet's normal +z turned to +x and moved to x = 0.5.
