@@ -4,6 +4,7 @@
 #include "core/force/force_method.h"
 #include "core/force/proxy_method.h"
 #include "core/force/reference_method.h"
+#include "core/force/smooth_method.h"
 #include "core/force/sweep_method.h"
 
 namespace hapton {
@@ -17,6 +18,7 @@ struct Entry {
 constexpr std::array kMethods = {
     Entry{"proxy", &ProxyMethod::make},
     Entry{"reference", &ReferenceMethod::make},
+    Entry{"smooth", &SmoothMethod::make},
     Entry{"sweep", &SweepMethod::make},
 };
 

@@ -26,7 +26,7 @@ TEST(SmoothSurface, EveryPassSaysWhatItDid) {
 TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
   for (TriangleMesh mesh : {make_icosphere(0.05, 2), make_box(Vec3(1, 1, 1), 2)}) {
     SmoothSurfaceReport report;
-    auto moved = make_smooth_surface(mesh, {.longest_edge = 0.1}, report);
+    auto moved = make_smooth_surface(mesh, {.longest_edge = 0.05}, report);
     ASSERT_TRUE(moved);
     EXPECT_GT(report.split.edges, 0U);
     const Pose motion = Eigen::Translation3d(0.1, 0.2, 0.3) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 2) / 3.0);
