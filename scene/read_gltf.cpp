@@ -80,32 +80,32 @@ Result<std::array<double, N>> numbers_of(const Json& value, const std::string& w
 
 // A node's own transform: a matrix, column by column, or T R S [3.5.2].
 Result<Eigen::Affine3d> transform_of(const Json& node, const std::string& where) {
-  Eigen::Affine3d X_parent_node = Eigen::Affine3d::Identity();
+  Eigen::Affine3d X_PN = Eigen::Affine3d::Identity();
   if (!member(node, "matrix").is_null()) {
     const auto m = numbers_of<16>(member(node, "matrix"), where + ".matrix");
     if (!m) return tl::unexpected(m.error());
-    X_parent_node.matrix() = Eigen::Map<const Eigen::Matrix4d>(m->data());
-    if (X_parent_node.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return fail("{}.matrix is not affine: {}", where, kExportAgain);
-    return X_parent_node;
+    X_PN.matrix() = Eigen::Map<const Eigen::Matrix4d>(m->data());
+    if (X_PN.matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1)) return fail("{}.matrix is not affine: {}", where, kExportAgain);
+    return X_PN;
   }
   if (!member(node, "translation").is_null()) {
     const auto t = numbers_of<3>(member(node, "translation"), where + ".translation");
     if (!t) return tl::unexpected(t.error());
-    X_parent_node.translate(Vec3((*t)[0], (*t)[1], (*t)[2]));
+    X_PN.translate(Vec3((*t)[0], (*t)[1], (*t)[2]));
   }
   if (!member(node, "rotation").is_null()) {
     const auto q = numbers_of<4>(member(node, "rotation"), where + ".rotation");
     if (!q) return tl::unexpected(q.error());
     const Quat rotation((*q)[3], (*q)[0], (*q)[1], (*q)[2]);
     if (!(rotation.norm() > 0)) return fail("{}.rotation is zero: {}", where, kExportAgain);
-    X_parent_node.rotate(rotation.normalized());
+    X_PN.rotate(rotation.normalized());
   }
   if (!member(node, "scale").is_null()) {
     const auto s = numbers_of<3>(member(node, "scale"), where + ".scale");
     if (!s) return tl::unexpected(s.error());
-    X_parent_node.scale(Vec3((*s)[0], (*s)[1], (*s)[2]));
+    X_PN.scale(Vec3((*s)[0], (*s)[1], (*s)[2]));
   }
-  return X_parent_node;
+  return X_PN;
 }
 
 constexpr std::array<std::int8_t, 256> make_base64_values() {
@@ -458,7 +458,7 @@ class GltfReader {
     if (!length) return tl::unexpected(length.error());
     if (!offset) return tl::unexpected(offset.error());
     if (!step) return tl::unexpected(step.error());
-    const Result<std::string_view> bytes = buffer(member(json, "buffer"), name + ".buffer");
+    Result<std::string_view> bytes = buffer(member(json, "buffer"), name + ".buffer");
     if (!bytes) return bytes;
     if (*offset + *length > bytes->size()) {
       return fail("{} ends at byte {} but its buffer has {}: cut short; copy or export it again", name, *offset + *length, bytes->size());
