@@ -196,8 +196,8 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.round_trip_p99_us = from.round_trip_p99_us();
   to.view_revision = from.view_revision();
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
-         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) &&
-         is_rate(to.servo_rate_hz) && is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
+         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) && is_rate(to.servo_rate_hz) &&
+         is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
 }
 
 bool read(const wire::Drawn& from, Drawn& to) {
@@ -216,8 +216,7 @@ bool read(const wire::Settings& from, Settings& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.report_now = from.report_now();
   const std::string& method = from.method();
-  if (method.size() > to.method.size() ||
-      !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
+  if (method.size() > to.method.size() || !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
     return false;
   }
   to.method = {};
@@ -231,17 +230,15 @@ DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Da
   if (!read(from, message)) {
     return DecodeStatus::bad_value;
   }
-  datagram.header = {.session = envelope.session(),
-                     .sender = envelope.sender(),
-                     .sequence = envelope.sequence(),
-                     .send_time_ns = envelope.send_time_ns()};
+  datagram.header = {
+      .session = envelope.session(), .sender = envelope.sender(), .sequence = envelope.sequence(), .send_time_ns = envelope.send_time_ns()};
   datagram.message = message;
   return DecodeStatus::ok;
 }
 
 DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
-  const int kinds = e.has_hello() + e.has_welcome() + e.has_bye() + e.has_device_state() + e.has_force_command() +
-                    e.has_view_transform() + e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings();
+  const int kinds = e.has_hello() + e.has_welcome() + e.has_bye() + e.has_device_state() + e.has_force_command() + e.has_view_transform() +
+                    e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings();
   if (kinds != 1) {
     return kinds == 0 ? DecodeStatus::unknown_message : DecodeStatus::bad_value;
   }
@@ -343,11 +340,16 @@ struct Codec::Wire {
 
 std::string_view to_string(DecodeStatus status) noexcept {
   switch (status) {
-    case DecodeStatus::ok: return "ok";
-    case DecodeStatus::truncated: return "truncated";
-    case DecodeStatus::wrong_version: return "wrong version";
-    case DecodeStatus::unknown_message: return "unknown message";
-    case DecodeStatus::bad_value: return "bad value";
+    case DecodeStatus::ok:
+      return "ok";
+    case DecodeStatus::truncated:
+      return "truncated";
+    case DecodeStatus::wrong_version:
+      return "wrong version";
+    case DecodeStatus::unknown_message:
+      return "unknown message";
+    case DecodeStatus::bad_value:
+      return "bad value";
   }
   return "?";
 }
@@ -365,17 +367,15 @@ std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) n
   e.set_sender(datagram.header.sender);
   e.set_sequence(datagram.header.sequence);
   e.set_send_time_ns(datagram.header.send_time_ns);
-  std::visit(Overloaded{[&](const Hello& m) { write(m, *e.mutable_hello()); },
-                        [&](const Welcome& m) { write(m, *e.mutable_welcome()); },
-                        [&](const Bye& m) { write(m, *e.mutable_bye()); },
-                        [&](const DeviceState& m) { write(m, *e.mutable_device_state()); },
-                        [&](const ForceCommand& m) { write(m, *e.mutable_force_command()); },
-                        [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
-                        [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); },
-                        [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
-                        [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); },
-                        [&](const Settings& m) { write(m, *e.mutable_settings()); }},
-             datagram.message);
+  std::visit(
+      Overloaded{[&](const Hello& m) { write(m, *e.mutable_hello()); }, [&](const Welcome& m) { write(m, *e.mutable_welcome()); },
+                 [&](const Bye& m) { write(m, *e.mutable_bye()); }, [&](const DeviceState& m) { write(m, *e.mutable_device_state()); },
+                 [&](const ForceCommand& m) { write(m, *e.mutable_force_command()); },
+                 [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
+                 [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); }, [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
+                 [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); },
+                 [&](const Settings& m) { write(m, *e.mutable_settings()); }},
+      datagram.message);
   const std::size_t bytes = e.ByteSizeLong();
   if (bytes > into.size() || bytes > kMaxDatagramBytes) {
     return 0;

@@ -19,18 +19,18 @@ enum class JoinState : std::uint8_t {
 
 struct ClientCounts {
   std::uint64_t sent = 0;
-  std::uint64_t send_failures = 0;   // the system refused, or we have not joined
-  std::uint64_t received = 0;        // messages handed to the caller
-  std::uint64_t undecodable = 0;     // see Codec
-  std::uint64_t wrong_version = 0;   // of these, those of another protocol version: the hub is another build
-  std::uint64_t foreign = 0;         // not from the hub's address
-  std::uint64_t other_session = 0;   // from an earlier life of the hub, or before we joined
-  std::uint64_t joins = 0;           // 2 or more: the hub came back, or we were refused for a while
+  std::uint64_t send_failures = 0;  // the system refused, or we have not joined
+  std::uint64_t received = 0;       // messages handed to the caller
+  std::uint64_t undecodable = 0;    // see Codec
+  std::uint64_t wrong_version = 0;  // of these, those of another protocol version: the hub is another build
+  std::uint64_t foreign = 0;        // not from the hub's address
+  std::uint64_t other_session = 0;  // from an earlier life of the hub, or before we joined
+  std::uint64_t joins = 0;          // 2 or more: the hub came back, or we were refused for a while
 };
 
-// What a node (haptics, vision, tool) uses to speak with the hub. It joins by itself, says Hello every 100 ms for ever, joins again when the
-// hub restarts, and says Bye when it goes. All of this happens within send and receive: call one of them at least every 100 ms.
-// RT: send and receive yes; construction and destruction set-up only. Threads: one.
+// What a node (haptics, vision, tool) uses to speak with the hub. It joins by itself, says Hello every 100 ms for ever, joins again when
+// the hub restarts, and says Bye when it goes. All of this happens within send and receive: call one of them at least every 100 ms. RT:
+// send and receive yes; construction and destruction set-up only. Threads: one.
 class HubClient {
  public:
   static constexpr std::int64_t kHelloPeriodNs = 100 * kNanosecondsPerMillisecond;

@@ -109,8 +109,7 @@ PeerEvent HubPeers::refuse(const Address& to, NodeRole role, std::int64_t now_ns
   return {.kind = PeerEvent::Kind::refused, .role = role, .peer = kNowhere, .receive_time_ns = now_ns};
 }
 
-PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from,
-                         std::int64_t now_ns) noexcept {
+PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
   Peer& peer = peers_[place];
   const bool replaced = peer.present;
   peer = Peer();
@@ -193,8 +192,7 @@ bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message
 }
 
 std::size_t HubPeers::count(NodeRole role) const noexcept {
-  return static_cast<std::size_t>(
-      std::count_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.present && p.role == role; }));
+  return static_cast<std::size_t>(std::count_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.present && p.role == role; }));
 }
 
 }  // namespace hapton

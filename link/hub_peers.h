@@ -18,12 +18,12 @@ struct Peer {
   bool present = false;
   NodeRole role = NodeRole::tool;
   Address address;
-  std::uint64_t sender = 0;          // its Header::sender
+  std::uint64_t sender = 0;  // its Header::sender
   std::int64_t joined_ns = 0;
-  std::int64_t last_heard_ns = 0;    // hub's clock
-  std::uint64_t sent = 0;            // datagrams to it: the last sequence number used
+  std::int64_t last_heard_ns = 0;  // hub's clock
+  std::uint64_t sent = 0;          // datagrams to it: the last sequence number used
   std::uint64_t send_failures = 0;
-  SequenceTracker tracker;           // of what comes from it
+  SequenceTracker tracker;  // of what comes from it
 };
 
 struct PeerEvent {
@@ -36,21 +36,21 @@ struct PeerEvent {
   };
   Kind kind = Kind::none;
   NodeRole role = NodeRole::tool;
-  std::size_t peer = 0;               // place in the table
+  std::size_t peer = 0;  // place in the table
   bool replaced = false;
   Arrival arrival = Arrival::newest;  // of a message: newest or reordered; duplicates are dropped here
   std::int64_t receive_time_ns = 0;
 };
 
 struct HubCounts {
-  std::uint64_t received = 0;       // datagrams of any kind
+  std::uint64_t received = 0;  // datagrams of any kind
   std::uint64_t undecodable = 0;
   std::uint64_t wrong_version = 0;  // of these, those of another protocol version
   std::uint64_t other_session = 0;  // a message for another life of the hub
   std::uint64_t strangers = 0;      // a message from someone who has not joined, or under another address than it joined with
   std::uint64_t misplaced = 0;      // a message that this role does not send (a vision node's ForceCommand)
   std::uint64_t refusals = 0;
-  std::uint64_t timeouts = 0;       // peers that fell silent
+  std::uint64_t timeouts = 0;  // peers that fell silent
 };
 
 // The hub's side of the star: who has joined, and exchanging messages with them. Any number of vision and tool nodes up to the capacity,

@@ -34,8 +34,7 @@ struct MemoryNetwork::State {
   std::map<Key, std::vector<InFlight>> inboxes;
   std::uint64_t order = 0;
 
-  State(Clock& clock_in, const Impairments& impairments_in)
-      : clock(clock_in), impairments(impairments_in), random(impairments_in.seed) {}
+  State(Clock& clock_in, const Impairments& impairments_in) : clock(clock_in), impairments(impairments_in), random(impairments_in.seed) {}
 
   bool happens(double probability) { return std::uniform_real_distribution<double>(0.0, 1.0)(random) < probability; }
 
@@ -104,8 +103,7 @@ class MemoryEndpoint final : public Endpoint {
 
 }  // namespace
 
-MemoryNetwork::MemoryNetwork(Clock& clock, const Impairments& impairments)
-    : state_(std::make_shared<State>(clock, impairments)) {}
+MemoryNetwork::MemoryNetwork(Clock& clock, const Impairments& impairments) : state_(std::make_shared<State>(clock, impairments)) {}
 
 Result<std::unique_ptr<Endpoint>> MemoryNetwork::open(const Address& address) {
   Address local = address;

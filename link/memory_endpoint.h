@@ -14,10 +14,10 @@ struct Impairments {
   std::uint64_t seed = 1;
   double loss = 0.0;
   double duplicate = 0.0;
-  double reorder = 0.0;               // share that is held back by reorder_by_ns, so that later ones overtake it
+  double reorder = 0.0;  // share that is held back by reorder_by_ns, so that later ones overtake it
   std::int64_t reorder_by_ns = 2'000'000;
-  std::int64_t delay_ns = 0;          // of every datagram
-  std::int64_t jitter_ns = 0;         // and up to this much more
+  std::int64_t delay_ns = 0;   // of every datagram
+  std::int64_t jitter_ns = 0;  // and up to this much more
 };
 
 // A network inside one process, for tests: any number of endpoints that exchange datagrams through memory, on an injected clock. Waiting

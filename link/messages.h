@@ -43,8 +43,8 @@ struct ForceCommand {
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();
   bool contact = false;
-  std::uint32_t compute_ns = 0;          // time spent between receiving and sending, haptics' clock
-  std::uint32_t skipped_samples = 0;     // states that were superseded before they could be answered, since the last command
+  std::uint32_t compute_ns = 0;       // time spent between receiving and sending, haptics' clock
+  std::uint32_t skipped_samples = 0;  // states that were superseded before they could be answered, since the last command
 };
 
 // vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
@@ -63,10 +63,10 @@ struct ProbeState {
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
   std::uint32_t buttons = 0;
-  float servo_rate_hz = 0.0F;         // measured, for the HUD
+  float servo_rate_hz = 0.0F;  // measured, for the HUD
   float round_trip_p50_us = 0.0F;
   float round_trip_p99_us = 0.0F;
-  std::uint32_t view_revision = 0;    // newest ViewTransform the hub has forwarded
+  std::uint32_t view_revision = 0;  // newest ViewTransform the hub has forwarded
 };
 
 // vision -> hub, after a picture was drawn: which sample it shows.
@@ -89,17 +89,17 @@ constexpr double kMaxServoRateHz = 10'000.0;
 struct Settings {
   double servo_rate_hz = 0.0;        // kMinServoRateHz .. kMaxServoRateHz
   std::array<char, 16> method = {};  // NUL-padded name of a force method
-  bool report_now = false;          // write the latency report
+  bool report_now = false;           // write the latency report
 };
 
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings>;
 
 // In front of every message.
 struct Header {
-  std::uint64_t session = 0;       // chosen by the hub at start; 0 from a node that has not been welcomed yet
-  std::uint64_t sender = 0;        // random per process start, so that a restart is told from a reorder
-  std::uint64_t sequence = 0;      // counts this sender's datagrams to this receiver, from 1
-  std::int64_t send_time_ns = 0;   // sender's CLOCK_MONOTONIC
+  std::uint64_t session = 0;      // chosen by the hub at start; 0 from a node that has not been welcomed yet
+  std::uint64_t sender = 0;       // random per process start, so that a restart is told from a reorder
+  std::uint64_t sequence = 0;     // counts this sender's datagrams to this receiver, from 1
+  std::int64_t send_time_ns = 0;  // sender's CLOCK_MONOTONIC
 };
 
 struct Datagram {

@@ -13,13 +13,13 @@ enum class Arrival : std::uint8_t {
 };
 
 struct SequenceCounts {
-  std::uint64_t received = 0;   // every datagram shown to the tracker
-  std::uint64_t lost = 0;       // gaps that nothing has filled so far
+  std::uint64_t received = 0;  // every datagram shown to the tracker
+  std::uint64_t lost = 0;      // gaps that nothing has filled so far
   std::uint64_t reordered = 0;
   std::uint64_t duplicate = 0;
   std::uint64_t stale = 0;
-  std::uint64_t restarts = 0;   // new sender ids after the first
-  std::uint64_t jumps = 0;      // leaps too far to be loss; counting starts again behind them
+  std::uint64_t restarts = 0;  // new sender ids after the first
+  std::uint64_t jumps = 0;     // leaps too far to be loss; counting starts again behind them
 };
 
 // Follows the sequence numbers of one sender's datagrams to us. Numbers are compared modulo 2^64.

@@ -168,8 +168,8 @@ void UdpEndpoint::prepare_wait(std::int64_t deadline_ns) noexcept {
 }
 
 bool UdpEndpoint::wait_readable_prepared() noexcept {
-  std::array<pollfd, 2> either = {{{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0},
-                                   {.fd = timer_, .events = POLLIN, .revents = 0}}};
+  std::array<pollfd, 2> either = {
+      {{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0}, {.fd = timer_, .events = POLLIN, .revents = 0}}};
   while (ppoll(either.data(), either.size(), nullptr, nullptr) <= 0) {
   }
   return either[0].revents != 0;
@@ -294,8 +294,7 @@ Result<Address> parse_address(std::string_view text, std::uint16_t default_port)
   udp::resolver resolver(context);
   const auto found = resolver.resolve(parts->host, "", error);
   if (error || found.empty()) {
-    return fail("address '{}': host '{}' is not known ({}); check the spelling or give its IP address", text, parts->host,
-                error.message());
+    return fail("address '{}': host '{}' is not known ({}); check the spelling or give its IP address", text, parts->host, error.message());
   }
   const auto v4 = std::find_if(found.begin(), found.end(), [](const auto& e) { return e.endpoint().address().is_v4(); });
   const auto best = v4 != found.end() ? v4 : found.begin();
@@ -314,16 +313,15 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   if (!local) {
     return tl::unexpected(local.error());
   }
-  const udp::endpoint wanted = is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port)
-                                                    : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
+  const udp::endpoint wanted =
+      is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
   auto endpoint = std::make_unique<UdpEndpoint>();
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*local));
   }
   if (error == boost::system::errc::address_not_available) {
-    return fail("cannot listen on UDP {}: this host has no such address; use one of its own, or 0.0.0.0 for all",
-                to_string(*local));
+    return fail("cannot listen on UDP {}: this host has no such address; use one of its own, or 0.0.0.0 for all", to_string(*local));
   }
   if (error) {
     return fail("cannot listen on UDP {}: {}", to_string(*local), error.message());

@@ -1,7 +1,7 @@
 #include "runtime/config.h"
 
-#include <CLI/CLI.hpp>
 #include <toml++/toml.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +40,7 @@ Result<std::string> scalar_text(const toml::node& node) {
 // The file's keys as they would stand on the command line, those that `given` overrides left out.
 class ConfigFile {
  public:
-  ConfigFile(std::string path, CLI::App& app, const std::vector<std::string>& given)
-      : path_(std::move(path)), app_(app), given_(given) {}
+  ConfigFile(std::string path, CLI::App& app, const std::vector<std::string>& given) : path_(std::move(path)), app_(app), given_(given) {}
 
   Result<std::vector<std::string>> arguments();
 

@@ -27,8 +27,8 @@ const char* find_missing(CpuNeeds needed, CpuNeeds available) {
 
 void exit_unless_cpu_has(CpuNeeds needs, const char* program) {
   if (const char* missing = find_missing(needs, read_cpu())) {
-    std::fprintf(stderr, "%s: this CPU has no %s, which this build needs; build with -DHAPTON_MARCH= for a plain x86-64 program\n",
-                 program, missing);
+    std::fprintf(stderr, "%s: this CPU has no %s, which this build needs; build with -DHAPTON_MARCH= for a plain x86-64 program\n", program,
+                 missing);
     std::exit(1);
   }
 }

@@ -32,16 +32,17 @@ RealtimeItem set_timer_slack() {
 }
 
 RealtimeItem set_priority(int priority) {
-  RealtimeItem item{
-      .name = "priority", .asked = fmt::format("SCHED_FIFO {}", priority), .obtained = false, .reason = {}, .remedy = {}};
+  RealtimeItem item{.name = "priority", .asked = fmt::format("SCHED_FIFO {}", priority), .obtained = false, .reason = {}, .remedy = {}};
   sched_param parameters = {};
   parameters.sched_priority = priority;
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error == 0) {
     item.obtained = true;
   } else {
     item.reason = describe(error);
-    item.remedy = fmt::format("allow it with 'ulimit -r {0}' (rtprio {0} in /etc/security/limits.d), LimitRTPRIO={0} in the unit, "
-                              "or setcap cap_sys_nice+ep", priority);
+    item.remedy = fmt::format(
+        "allow it with 'ulimit -r {0}' (rtprio {0} in /etc/security/limits.d), LimitRTPRIO={0} in the unit, "
+        "or setcap cap_sys_nice+ep",
+        priority);
   }
   return item;
 }
@@ -74,11 +75,8 @@ int memory_lock_flags() {
 
 RealtimeItem lock_memory() {
   const int flags = memory_lock_flags();
-  RealtimeItem item{.name = "memory lock",
-                    .asked = (flags & MCL_FUTURE) != 0 ? "all" : "present",
-                    .obtained = false,
-                    .reason = {},
-                    .remedy = {}};
+  RealtimeItem item{
+      .name = "memory lock", .asked = (flags & MCL_FUTURE) != 0 ? "all" : "present", .obtained = false, .reason = {}, .remedy = {}};
   if (mlockall(flags) == 0) {
     item.obtained = true;
   } else {
@@ -153,8 +151,7 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
     if (settings.priority > 0) report.items.push_back(set_priority(settings.priority));
   }
   if (settings.mode == RealtimeMode::require && !report.complete()) {
-    const auto refused =
-        std::find_if(report.items.begin(), report.items.end(), [](const RealtimeItem& item) { return !item.obtained; });
+    const auto refused = std::find_if(report.items.begin(), report.items.end(), [](const RealtimeItem& item) { return !item.obtained; });
     return fail("real time was required, but the system refuses {}; or start with --realtime try", item_text(*refused));
   }
   return report;

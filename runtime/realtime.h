@@ -20,19 +20,19 @@ Result<RealtimeMode> parse_realtime_mode(std::string_view text);
 
 struct RealtimeSettings {
   RealtimeMode mode = RealtimeMode::attempt;
-  int priority = 80;          // SCHED_FIFO, 1 .. 99; 0: stay an ordinary thread
-  int cpu = -1;               // pin the thread to this CPU; -1: leave it to the scheduler
-  bool lock_memory = true;    // no page faults later: mlockall
+  int priority = 80;            // SCHED_FIFO, 1 .. 99; 0: stay an ordinary thread
+  int cpu = -1;                 // pin the thread to this CPU; -1: leave it to the scheduler
+  bool lock_memory = true;      // no page faults later: mlockall
   bool low_dma_latency = true;  // keep CPUs out of deep sleep: /dev/cpu_dma_latency, held open by the process until it ends
 };
 
 // One thing asked of the system.
 struct RealtimeItem {
-  std::string name;      // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
-  std::string asked;     // "SCHED_FIFO 80"
+  std::string name;   // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
+  std::string asked;  // "SCHED_FIFO 80"
   bool obtained = false;
-  std::string reason;    // of a refusal, the system's words
-  std::string remedy;    // what a person can do about it, one line
+  std::string reason;  // of a refusal, the system's words
+  std::string remedy;  // what a person can do about it, one line
 };
 
 struct RealtimeReport {

@@ -67,8 +67,8 @@ nlohmann::ordered_json hop_json(const LatencyHistogram& histogram) {
 std::string hop_row(const LatencyHop& hop) {
   const LatencyHistogram& h = hop.histogram;
   return fmt::format("  {:<28} {:>10} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f}\n", hop.name, h.count(),
-                     in_us(h.quantile_ns(0.5)), in_us(h.quantile_ns(0.9)), in_us(h.quantile_ns(0.99)),
-                     in_us(h.quantile_ns(0.999)), in_us(static_cast<double>(h.max_ns())), in_us(h.mean_ns()));
+                     in_us(h.quantile_ns(0.5)), in_us(h.quantile_ns(0.9)), in_us(h.quantile_ns(0.99)), in_us(h.quantile_ns(0.999)),
+                     in_us(static_cast<double>(h.max_ns())), in_us(h.mean_ns()));
 }
 
 }  // namespace
@@ -91,9 +91,8 @@ std::string to_json(const LatencyReport& report) {
   nlohmann::ordered_json json;
   json["schema"] = kReportSchema;
   json["program"] = report.program;
-  json["machine"] = {{"host", report.machine.host},     {"cpu", report.machine.cpu},
-                     {"cpu_count", report.machine.cpu_count}, {"kernel", report.machine.kernel},
-                     {"compiler", report.machine.compiler},   {"build", report.machine.build}};
+  json["machine"] = {{"host", report.machine.host},     {"cpu", report.machine.cpu},           {"cpu_count", report.machine.cpu_count},
+                     {"kernel", report.machine.kernel}, {"compiler", report.machine.compiler}, {"build", report.machine.build}};
   json["seconds"] = report.seconds;
   json["rates_hz"] = report.rates_hz;
   json["counters"] = report.counters;
@@ -121,8 +120,8 @@ std::string to_text(const LatencyReport& report) {
   std::string text = fmt::format("{}: {:.1f} s on {} ({} CPUs, {}, {})\n", report.program, report.seconds, report.machine.cpu,
                                  report.machine.cpu_count, report.machine.kernel, report.machine.build);
   if (!report.hops.empty()) {
-    text += fmt::format("  {:<28} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}\n", "latency, us", "n", "p50", "p90", "p99",
-                        "p99.9", "max", "mean");
+    text += fmt::format("  {:<28} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}\n", "latency, us", "n", "p50", "p90", "p99", "p99.9",
+                        "max", "mean");
   }
   for (const LatencyHop& hop : report.hops) {
     text += hop_row(hop);

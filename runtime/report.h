@@ -37,15 +37,16 @@ struct LatencyHop {
 struct LatencyReport {
   std::string program;
   MachineInfo machine;
-  double seconds = 0.0;                          // how long was measured
+  double seconds = 0.0;  // how long was measured
   std::map<std::string, double> rates_hz;
   std::map<std::string, std::int64_t> counters;
-  std::map<std::string, double> ratios;          // "round_trip_over_echo_p50"
-  std::map<std::string, std::string> notes;      // seed, scene, method, real-time state ...
+  std::map<std::string, double> ratios;      // "round_trip_over_echo_p50"
+  std::map<std::string, std::string> notes;  // seed, scene, method, real-time state ...
   std::vector<LatencyHop> hops;
 };
 
-// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, ratios, notes, and per hop n and p50, p90, p99, p99_9, max, mean in us.
+// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, ratios, notes, and per hop n and p50, p90, p99, p99_9, max,
+// mean in us.
 std::string to_json(const LatencyReport& report);
 
 // Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.
@@ -54,8 +55,8 @@ std::string to_csv(const LatencyReport& report);
 // A table for people.
 std::string to_text(const LatencyReport& report);
 
-// Writes report.json and latency.csv into `folder`, made if need be. Each file appears whole or not at all: it is written beside and renamed.
-// RT: no. Error: one line naming the file and the reason.
+// Writes report.json and latency.csv into `folder`, made if need be. Each file appears whole or not at all: it is written beside and
+// renamed. RT: no. Error: one line naming the file and the reason.
 Result<void> write_report(const LatencyReport& report, const std::filesystem::path& folder);
 
 }  // namespace hapton

@@ -2,9 +2,9 @@
 
 namespace hapton {
 
-// Turns SIGINT and SIGTERM into a flag to look at, and SIGUSR1 into a wish for a report. Interrupted system calls start again, so a loop sees
-// the flag at its next turn; a second SIGINT or SIGTERM ends the process the hard way.
-// One per process: the handlers stay until it is destroyed. RT: the readers yes. Threads: any.
+// Turns SIGINT and SIGTERM into a flag to look at, and SIGUSR1 into a wish for a report. Interrupted system calls start again, so a loop
+// sees the flag at its next turn; a second SIGINT or SIGTERM ends the process the hard way. One per process: the handlers stay until it is
+// destroyed. RT: the readers yes. Threads: any.
 class StopSignal {
  public:
   StopSignal();

@@ -45,16 +45,26 @@ class RandomDatagrams {
   Message draw_message(std::size_t kind) {
     const auto time = static_cast<std::int64_t>(bits());
     switch (kind) {
-      case 0: return Hello{static_cast<NodeRole>(1 + bits() % 4)};
-      case 1: return Welcome{flag(), number(250, 1e4)};
-      case 2: return Bye{};
-      case 3: return DeviceState{bits(), time, vector(), rotation(), bits32()};
-      case 4: return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32()};
-      case 5: return draw_view();
-      case 6: return ProbeState{bits(), time, vector(), rotation(), vector(), vector(), flag(), bits32(), rate(), rate(), rate(), bits32()};
-      case 7: return Drawn{bits(), time, rate()};
-      case 8: return HandTarget{flag(), vector()};
-      default: return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag()};
+      case 0:
+        return Hello{static_cast<NodeRole>(1 + bits() % 4)};
+      case 1:
+        return Welcome{flag(), number(250, 1e4)};
+      case 2:
+        return Bye{};
+      case 3:
+        return DeviceState{bits(), time, vector(), rotation(), bits32()};
+      case 4:
+        return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32()};
+      case 5:
+        return draw_view();
+      case 6:
+        return ProbeState{bits(), time, vector(), rotation(), vector(), vector(), flag(), bits32(), rate(), rate(), rate(), bits32()};
+      case 7:
+        return Drawn{bits(), time, rate()};
+      case 8:
+        return HandTarget{flag(), vector()};
+      default:
+        return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag()};
     }
   }
 
@@ -286,9 +296,14 @@ TEST_F(CodecTest, MutatedDatagramsNeverCrash) {
     for (std::uint64_t mutation = 0; mutation < 1 + random_.bits() % 4; ++mutation) {
       const std::size_t place = 2 + random_.bits() % (bytes.size() - 2);
       switch (random_.bits() % 3) {
-        case 0: bytes[place] = static_cast<std::byte>(random_.bits()); break;
-        case 1: bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(place)); break;
-        default: bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(place), static_cast<std::byte>(random_.bits()));
+        case 0:
+          bytes[place] = static_cast<std::byte>(random_.bits());
+          break;
+        case 1:
+          bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(place));
+          break;
+        default:
+          bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(place), static_cast<std::byte>(random_.bits()));
       }
     }
     if (decode(bytes) == DecodeStatus::ok) {
@@ -413,9 +428,14 @@ TEST_F(CodecTest, AFalseLengthReservesNothing) {
     GTEST_SKIP() << "heap use cannot be counted in this build";
   }
   // A ProbeState that claims 200 MB, and in it an unknown field that claims 100 MB.
-  const Bytes bytes = {std::byte{0x08}, std::byte{kProtocolVersion}, std::byte{0xB2}, std::byte{0x01}, std::byte{0x80},
-                       std::byte{0x84}, std::byte{0xAF}, std::byte{0x5F}, std::byte{0xA2}, std::byte{0x06}, std::byte{0x80},
-                       std::byte{0xC2}, std::byte{0xD7}, std::byte{0x2F}, std::byte{0x00}, std::byte{0x00}};
+  const Bytes bytes = {std::byte{0x08}, std::byte{kProtocolVersion},
+                       std::byte{0xB2}, std::byte{0x01},
+                       std::byte{0x80}, std::byte{0x84},
+                       std::byte{0xAF}, std::byte{0x5F},
+                       std::byte{0xA2}, std::byte{0x06},
+                       std::byte{0x80}, std::byte{0xC2},
+                       std::byte{0xD7}, std::byte{0x2F},
+                       std::byte{0x00}, std::byte{0x00}};
   const AllocationGuard guard;
   EXPECT_EQ(decode(bytes), DecodeStatus::truncated);
   EXPECT_EQ(guard.count(), 0U);

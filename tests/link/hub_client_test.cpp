@@ -51,9 +51,7 @@ class HubClientTest : public testing::Test {
     }
   }
 
-  void start_client(NodeRole role = NodeRole::haptics) {
-    client_.emplace(*client_endpoint_, clock_, role, hub_endpoint_->local_address());
-  }
+  void start_client(NodeRole role = NodeRole::haptics) { client_.emplace(*client_endpoint_, clock_, role, hub_endpoint_->local_address()); }
 
   Impairments impairments_;
   SimulatedClock clock_;

@@ -58,7 +58,8 @@ TEST(SequenceTrackerTest, ARestartedSenderStartsAfreshAndItsOldWordsAreStale) {
 }
 
 TEST(SequenceTrackerTest, HugeLeapsAreNoLoss) {
-  for (const std::uint64_t leap : {SequenceTracker::kMaxGap + 1, std::uint64_t{1} << 63, std::numeric_limits<std::uint64_t>::max() - 5'000'000}) {
+  for (const std::uint64_t leap :
+       {SequenceTracker::kMaxGap + 1, std::uint64_t{1} << 63, std::numeric_limits<std::uint64_t>::max() - 5'000'000}) {
     SequenceTracker tracker;
     tracker.track(kSender, 1000);
     EXPECT_EQ(tracker.track(kSender, 1000 + leap), Arrival::newest);

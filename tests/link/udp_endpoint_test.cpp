@@ -62,8 +62,8 @@ TEST(ParseAddressTest, ResolvesNames) {
 }
 
 TEST(ParseAddressTest, SaysWhatIsWrongInOneLine) {
-  for (const char* text : {"", ":5", "1.2.3.4:", "1.2.3.4:x", "1.2.3.4:65536", "1.2.3.4:-1", "[::1", "[::1]5", "no such host:1", "fe80::1%eth0",
-                           "1.2.3.4:80:90"}) {
+  for (const char* text : {"", ":5", "1.2.3.4:", "1.2.3.4:x", "1.2.3.4:65536", "1.2.3.4:-1", "[::1", "[::1]5", "no such host:1",
+                           "fe80::1%eth0", "1.2.3.4:80:90"}) {
     const Result<Address> address = parse_address(text);
     ASSERT_FALSE(address) << text;
     EXPECT_THAT(address.error().what, HasSubstr(fmt::format("address '{}'", text)));

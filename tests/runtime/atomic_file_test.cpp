@@ -36,7 +36,8 @@ TEST_F(AtomicFileTest, WritesReplacesAndLeavesNothingBeside) {
 TEST_F(AtomicFileTest, SaysInOneLineWhyItCannotWrite) {
   ASSERT_TRUE(write_file_atomically(folder_ / "file", "x"));
   std::filesystem::create_directories(folder_ / "taken" / "by_a_folder");
-  for (const std::filesystem::path& path : {folder_ / "file" / "below_a_file", folder_ / "taken", std::filesystem::path("/proc/hapton/x")}) {
+  for (const std::filesystem::path& path :
+       {folder_ / "file" / "below_a_file", folder_ / "taken", std::filesystem::path("/proc/hapton/x")}) {
     const Result<void> written = write_file_atomically(path, "text");
     ASSERT_FALSE(written) << path;
     EXPECT_THAT(written.error().what, testing::StartsWith("cannot write " + path.string()));

@@ -19,7 +19,12 @@ TEST(LogTest, ALineHasTimeProgramLevelAndText) {
 }
 
 TEST(LogTest, LevelsBelowTheLowestAreLeftOut) {
-  EXPECT_EQ(lines_of(LogLevel::warning, [] { log_info("no"); log_debug("no"); }), "");
+  EXPECT_EQ(lines_of(LogLevel::warning,
+                     [] {
+                       log_info("no");
+                       log_debug("no");
+                     }),
+            "");
   EXPECT_THAT(lines_of(LogLevel::debug, [] { log_debug("fine"); }), testing::HasSubstr("debug  fine"));
   EXPECT_THAT(lines_of(LogLevel::error, [] { log_error("bad"); }), testing::HasSubstr("error  bad"));
 }

@@ -88,7 +88,8 @@ TEST(ReportTest, CsvRowsAddUpToTheRecords) {
 
 TEST(ReportTest, TextNamesEverything) {
   const std::string text = to_text(sample_report());
-  for (const char* part : {"io_node", "force_round_trip", "p99.9", "servo", "force_lost", "round_trip_over_echo_p50", "1.25", "seed", "42"}) {
+  for (const char* part :
+       {"io_node", "force_round_trip", "p99.9", "servo", "force_lost", "round_trip_over_echo_p50", "1.25", "seed", "42"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }
