@@ -36,6 +36,10 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
   app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--set-size", options.method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
+  app.add_option("--radius", options.method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data")->capture_default_str();
+  app.add_option("--layer", options.method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")->capture_default_str();
+  app.add_option("--directions", options.method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26")->capture_default_str();
   app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0 is a point (sweep knows no other)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

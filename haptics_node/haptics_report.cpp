@@ -1,5 +1,9 @@
 #include "haptics_node/haptics_report.h"
 
+#include <sstream>
+
+#include "runtime/log.h"
+
 namespace hapton {
 
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times) {
@@ -19,6 +23,13 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
     text += fmt::format("methods changed while running: {}\n", counts.methods_taken);
   }
   return text + step.touch().method().describe();
+}
+
+void log_method(const ForceMethod& method) {
+  std::istringstream text(method.describe());
+  for (std::string line; std::getline(text, line);) {
+    log_info("{}", line);
+  }
 }
 
 }  // namespace hapton

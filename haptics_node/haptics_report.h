@@ -12,4 +12,7 @@ namespace hapton {
 // RT: set-up only.
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times);
 
+// What the method says of itself, line by line to the log. RT: no.
+void log_method(const ForceMethod& method);
+
 }  // namespace hapton

@@ -33,7 +33,7 @@ int run(const HapticsOptions& options) {
   for (const auto& note : scene->notes) log_info("{}", note);
   auto method = make_method(options.method, scene->touch_scene());
   if (!method) return give_up(method.error());
-  log_info("{}", (*method)->describe());
+  log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "haptics_node/haptics_report.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -47,7 +48,8 @@ void MethodBuilder::build(const MethodName& name) {
     log_warning("{}; the method in use stays", method.error().what);
     return;
   }
-  log_info("built for use from now on:\n{}", (*method)->describe());
+  log_info("built, in use from now on:");
+  log_method(**method);
   delete built_.exchange(new TouchStep(std::move(*method)), std::memory_order_acq_rel);
 }
 
