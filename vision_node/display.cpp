@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <map>
+#include <string>
 #include <thread>
 
 #include <X11/Xlib.h>
@@ -13,6 +15,15 @@ namespace {
 constexpr int kTries = 4;
 constexpr std::chrono::milliseconds kBetweenTries{50};
 
+Display* connect() {
+  Display* display = XOpenDisplay(nullptr);
+  for (int tries = 0; display == nullptr && tries < kTries; ++tries) {
+    std::this_thread::sleep_for(kBetweenTries);
+    display = XOpenDisplay(nullptr);
+  }
+  return display;
+}
+
 }  // namespace
 
 Result<DisplayConnection> DisplayConnection::open() {
@@ -21,20 +32,19 @@ Result<DisplayConnection> DisplayConnection::open() {
       "does so)";
   const char* name = std::getenv("DISPLAY");
   if (name == nullptr || *name == '\0') return fail("no display: DISPLAY is not set; {}", kRemedy);
-  Display* display = XOpenDisplay(nullptr);
-  for (int tries = 0; display == nullptr && tries < kTries; ++tries) {
-    std::this_thread::sleep_for(kBetweenTries);
-    display = XOpenDisplay(nullptr);
-  }
+  static std::map<std::string, Display*>* const connections = new std::map<std::string, Display*>;
+  if (const auto known = connections->find(name); known != connections->end()) return DisplayConnection(known->second);
+  Display* display = connect();
   if (display == nullptr) return fail("no display: cannot connect to DISPLAY={}; {}", name, kRemedy);
-  DisplayConnection connection(std::shared_ptr<void>(display, [](void* opened) { XCloseDisplay(static_cast<Display*>(opened)); }));
   int major = 0;
   int event = 0;
   int error = 0;
   if (XQueryExtension(display, "GLX", &major, &event, &error) == 0) {
+    XCloseDisplay(display);
     return fail("display {} has no OpenGL (GLX): use one that has; {}", name, kRemedy);
   }
-  return connection;
+  connections->emplace(name, display);
+  return DisplayConnection(display);
 }
 
 }  // namespace hapton

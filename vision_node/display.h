@@ -1,21 +1,23 @@
 #pragma once
 
-#include <memory>
-
 #include "core/base/result.h"
 
 namespace hapton {
 
-// A connection to the X display, kept open for as long as anything is drawn: VTK aborts the whole process when it cannot connect, and
-// a virtual display resets itself whenever its last client leaves, refusing those who come meanwhile.
+// A connection to the X display that all windows share. Once made it is kept until the process ends: VTK aborts the whole process when it
+// cannot connect, a virtual display resets itself whenever its last client leaves, refusing those who come meanwhile, and OpenGL's
+// driver would be unloaded with the last connection and loaded again with the next.
 class DisplayConnection {
  public:
   // Error: no DISPLAY, one that cannot be reached, or one without OpenGL (GLX); the line says how to get a virtual one.
   static Result<DisplayConnection> open();
 
+  // Xlib's Display*, which VTK takes as it is.
+  void* id() const { return display_; }
+
  private:
-  explicit DisplayConnection(std::shared_ptr<void> display) : display_(std::move(display)) {}
-  std::shared_ptr<void> display_;
+  explicit DisplayConnection(void* display) : display_(display) {}
+  void* display_;
 };
 
 }  // namespace hapton

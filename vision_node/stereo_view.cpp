@@ -142,7 +142,7 @@ void aim_before_drawing(vtkObject*, unsigned long, void* view, void*) { static_c
 }  // namespace
 
 struct StereoView::Window {
-  explicit Window(DisplayConnection opened) : display(std::move(opened)) {}
+  explicit Window(DisplayConnection opened) : display(opened) {}
 
   DisplayConnection display;
   ViewSettings settings;
@@ -163,6 +163,7 @@ struct StereoView::Window {
 };
 
 Result<void> StereoView::Window::open() {
+  window->SetDisplayId(display.id());
   window->SetMultiSamples(settings.msaa);
   window->SetSize(settings.width_px, settings.height_px);
   window->SetWindowName("Hapton");
@@ -316,7 +317,7 @@ StereoView::~StereoView() {
 Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& settings, const std::vector<ShownObject>& objects) {
   auto display = DisplayConnection::open();
   if (!display) return tl::unexpected(display.error());
-  auto window = std::make_unique<Window>(std::move(*display));
+  auto window = std::make_unique<Window>(*display);
   window->settings = settings;
   if (auto opened = window->open(); !opened) return tl::unexpected(opened.error());
   for (const ShownObject& object : objects) {

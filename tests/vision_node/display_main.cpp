@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include "vision_node/display.h"
-
 // Runs the tests where there is a display; starts itself again under Xvfb where there is none; is skipped (77) only where there is neither.
 int main(int argc, char** argv) {
   const char* display = std::getenv("DISPLAY");
@@ -23,7 +21,5 @@ int main(int argc, char** argv) {
     return 77;
   }
   testing::InitGoogleTest(&argc, argv);
-  // Held while the tests open and close their own, so that a virtual display does not reset itself in between.
-  const auto connection = hapton::DisplayConnection::open();
   return RUN_ALL_TESTS();
 }
