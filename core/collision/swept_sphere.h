@@ -22,10 +22,11 @@ constexpr double kNever = 2.0;
 inline double time_to_reach(const TouchGeometry& geometry, std::uint32_t triangle, const Vec3& p, const Vec3& motion, double from, double level,
                             double tolerance) {
   constexpr int kMaxIterations = 48;  // quadratic convergence needs under ten; the bound only limits time
+  const double length = motion.norm();
   double t = from;
   for (int i = 0; i < kMaxIterations; ++i) {
     const Separation now = geometry.separation(triangle, p + t * motion);
-    const double slope = now.normal.dot(motion);
+    const double slope = now.normal.dot(motion) - normal_error(now) * length;  // at its steepest: never oversteps for rounding
     const double gap = now.distance - level;
     if (gap <= tolerance) return slope < 0.0 ? t : kNever;
     if (slope >= 0.0) return kNever;
@@ -42,22 +43,28 @@ inline double time_to_block(const TouchGeometry& geometry, std::uint32_t triangl
                             const Clearance& clearance) {
   const double low = clearance.rest - clearance.slack;
   const Separation start = geometry.separation(triangle, p);
-  const double start_slope = start.normal.dot(motion);
+  const double length = motion.norm();
+  const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
   if (start_slope >= 0.0 || start.distance + start_slope * until >= low) return kNever;
   const Separation end = geometry.separation(triangle, p + until * motion);
-  const double end_slope = end.normal.dot(motion);
+  const double end_slope = end.normal.dot(motion) + normal_error(end) * length;
   if (end.distance >= low) {
     if (end_slope <= 0.0) return kNever;
     const double cross = (end.distance - end_slope * until - start.distance) / (start_slope - end_slope);
     if (start.distance + start_slope * cross >= low) return kNever;
   }
+  // From afar the motion stops at rest. From rest it may sink to half the slack, so that a long slide whose direction is off by
+  // rounding gets on; the contact planes lift it again.
+  const double half = clearance.rest - 0.5 * clearance.slack;
   double stop = 0.0;
   if (start.distance > clearance.rest + clearance.tolerance) {
-    stop = time_to_reach(geometry, triangle, p, motion, (start.distance - clearance.rest) / -start_slope, clearance.rest, clearance.tolerance);
-    if (stop > until) return kNever;
+    const double earliest = (start.distance - clearance.rest) / -start_slope;
+    stop = time_to_reach(geometry, triangle, p, motion, earliest, clearance.rest, clearance.tolerance);
+  } else if (start.distance > half + clearance.tolerance) {
+    stop = time_to_reach(geometry, triangle, p, motion, 0.0, half, clearance.tolerance);
   }
-  if (start.distance <= low) return 0.0;
-  if (end.distance < low) return stop;
+  if (stop > until) return kNever;
+  if (start.distance <= low || end.distance < low) return stop;
   return time_to_reach(geometry, triangle, p, motion, stop, low, clearance.tolerance) > 1.0 ? kNever : stop;
 }
 

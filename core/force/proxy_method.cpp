@@ -126,7 +126,8 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
 // Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
 void ProxyMethod::solve(const Vec3& device) noexcept {
   const double rest_of_motion = clearance_.tolerance;  // shorter motions are below the clearance's own slack
-  constexpr double kRounding = 0x1p-48;  // of a distance within the scene
+  constexpr double kRounding = 0x1p-48;     // of a distance within the scene
+  constexpr double kNormalError = 0x1p-24;  // of the goal: what an edge's normal at hover distance may be off (point_triangle.h)
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   bool tipped = false;
@@ -148,7 +149,7 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
     ++counters_.iterations;
     const ConstrainedMotion constrained = next_motion(wish);
     const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
-    if (motion.squaredNorm() <= rest_of_motion * rest_of_motion) {
+    if (motion.norm() <= rest_of_motion + kNormalError * distance) {
       if (i < last_doubt && forget_doubtful(constrained)) {
         last_doubt = 0;
         continue;

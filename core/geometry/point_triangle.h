@@ -21,6 +21,14 @@ struct Separation {
   Feature feature = Feature::face;
 };
 
+// How far the computed normal may be off the true one (rad), in TouchGeometry's local units: a face's normal comes from exact edges, an
+// edge's or vertex's from the short way between two rounded points.
+inline double normal_error(const Separation& s) {
+  constexpr double kFaceError = 0x1p-48;
+  constexpr double kPlaceError = 0x1p-50;
+  return s.feature == Feature::face ? kFaceError : s.distance > kPlaceError ? kPlaceError / s.distance : 1.0;
+}
+
 namespace detail {
 
 struct NearestOnEdge {

@@ -1,0 +1,27 @@
+#include "core/collision/box.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+TEST(Box, StartsEmptyAndGrows) {
+  Box box;
+  EXPECT_FALSE(box.overlaps(Box::around({-9, -9, -9}, {9, 9, 9})));
+  box.grow({1, 2, 3});
+  box.grow({-1, 0, 5});
+  EXPECT_EQ(box.low, Vec3(-1, 0, 3));
+  EXPECT_EQ(box.high, Vec3(1, 2, 5));
+  EXPECT_EQ(box.center(), Vec3(0, 1, 4));
+  EXPECT_DOUBLE_EQ(box.diagonal(), std::sqrt(12.0));
+}
+
+TEST(Box, TouchingBoxesOverlapAndPartedOnesDoNot) {
+  const Box box = Box::around({0, 0, 0}, {1, 1, 1});
+  EXPECT_TRUE(box.overlaps(Box::around({1, 1, 1}, {2, 2, 2})));
+  EXPECT_FALSE(box.overlaps(Box::around({1.001, 0, 0}, {2, 1, 1})));
+  EXPECT_TRUE(box.inflated(0.01).overlaps(Box::around({1.001, 0, 0}, {2, 1, 1})));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,109 @@
+#include "core/collision/swept_sphere.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton {
+namespace {
+
+TriangleMesh one_triangle(const Vec3& a, const Vec3& b, const Vec3& c) { return {{a, b, c}, {{0, 1, 2}}}; }
+
+// The least distance and the first time at or below `level`, by walking the motion in many small steps.
+struct Walked {
+  double first = kNever;
+  double least = std::numeric_limits<double>::infinity();
+};
+Walked walk(const TouchGeometry& geometry, const Vec3& p, const Vec3& motion, double level) {
+  Walked walked;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = static_cast<double>(i) / kSteps;
+    const double d = geometry.separation(0, p + t * motion).distance;
+    walked.least = std::min(walked.least, d);
+    if (d <= level && walked.first > 1.0) walked.first = t;
+  }
+  return walked;
+}
+
+class SweptSphere : public testing::TestWithParam<double> {};
+
+TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
+  const Clearance clearance{.rest = GetParam(), .slack = 0.5 * GetParam(), .tolerance = 1e-3 * GetParam()};
+  constexpr unsigned kSeed = 77;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> coordinate(-0.5, 0.5);
+  const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
+  int blocked = 0;
+  for (int i = 0; i < 200; ++i) {
+    const TriangleMesh mesh = one_triangle(point(), point(), point());
+    const TouchGeometry geometry({&mesh});
+    const Vec3 p = 2.0 * point();
+    const Vec3 aim = i % 2 == 0 ? geometry.corner(0, i % 3) : Vec3(0.4 * geometry.corner(0, 0) + 0.6 * geometry.corner(0, 1));
+    const Vec3 motion = 1.5 * (aim + 0.2 * point() - p);
+    if (geometry.separation(0, p).distance <= clearance.rest) continue;
+    const double t = time_to_block(geometry, 0, p, motion, 1.0, clearance);
+    const Walked walked = walk(geometry, p, motion, clearance.rest);
+    const double grain = motion.norm() / 20000;
+    if (walked.least < clearance.rest - clearance.slack) {
+      EXPECT_LE(t, 1.0) << "case " << i << " went through";
+    }
+    if (walked.least > clearance.rest + grain) {
+      EXPECT_GT(t, 1.0) << "case " << i << " was blocked by nothing";
+    }
+    if (t > 1.0) continue;
+    ++blocked;
+    EXPECT_LE(t, walked.first + 1e-9) << "case " << i << " stopped too late";
+    EXPECT_NEAR(geometry.separation(0, p + t * motion).distance, clearance.rest, 2.0 * clearance.tolerance);
+  }
+  EXPECT_GT(blocked, 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Radii, SweptSphere, testing::Values(1e-2, 0.1, 0.3));
+
+TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
+  const double hover = 0x1p-30;
+  const Clearance clearance{.rest = hover, .slack = 0.5 * hover, .tolerance = 0x1p-10 * hover};
+  const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
+  const TouchGeometry geometry({&mesh});
+  const auto through = [&](const Vec3& at) {
+    const Vec3 target = geometry.to_local(at);
+    return time_to_block(geometry, 0, target + Vec3(0, 0, 0.25), Vec3(0, 0, -0.5), 1.0, clearance);
+  };
+  EXPECT_LE(through({0, 0, 0}), 0.5);
+  EXPECT_LE(through({0, -0.5, 0}), 0.5);
+  EXPECT_LE(through({0.5, -0.5, 0}), 0.5);
+  EXPECT_GT(through({0, -0.5 - 1e-6, 0}), 1.0);
+}
+
+TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
+  const double hover = 0x1p-30;
+  const Clearance clearance{.rest = hover, .slack = 0.5 * hover, .tolerance = 0x1p-10 * hover};
+  const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
+  const TouchGeometry geometry({&mesh});
+  const Vec3 resting = geometry.to_local({0, 0, 0}) + Vec3(0, 0, hover);
+  EXPECT_GT(time_to_block(geometry, 0, resting, Vec3(0.1, 0.05, 0), 1.0, clearance), 1.0);
+  EXPECT_GT(time_to_block(geometry, 0, resting, Vec3(0.1, 0, 0.2), 1.0, clearance), 1.0);
+  EXPECT_EQ(time_to_block(geometry, 0, resting, Vec3(0.1, 0, -0.2), 1.0, clearance), 0.0);
+}
+
+TEST(SweptSpherePoint, AShallowFoldBlocksByItsFace) {
+  // Standing on the first face, moving over the shared edge onto a second one that rises by 0.1 degree.
+  const double rise = 0.5 * 0.00175;
+  const TriangleMesh second = one_triangle({0, -0.5, 0}, {0.5, 0, rise}, {0, 0.5, 0});
+  const TouchGeometry geometry({&second});
+  const double hover = 0x1p-30;
+  const Clearance clearance{.rest = hover, .slack = 0.5 * hover, .tolerance = 0x1p-10 * hover};
+  const Vec3 edge = geometry.to_local({0, 0, 0});
+  const Vec3 start = edge + Vec3(-0.1, 0, hover);
+  const Vec3 motion(0.2, 0, 0);
+  const double t = time_to_block(geometry, 0, start, motion, 1.0, clearance);
+  ASSERT_LE(t, 1.0);
+  const Separation blocks = blocking_separation(geometry, 0, start + t * motion, (1.0 - t) * motion, clearance);
+  EXPECT_EQ(blocks.feature, Feature::face);
+  EXPECT_LT(blocks.normal.dot(motion), 0.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,137 @@
+#include "core/collision/wide_bvh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+std::vector<Box> random_boxes(std::size_t count, double largest, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  std::uniform_real_distribution<double> size(0.0, largest);
+  std::vector<Box> boxes;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 low(place(random), place(random), place(random));
+    boxes.push_back({low, low + Vec3(size(random), size(random), size(random))});
+  }
+  return boxes;
+}
+
+std::vector<std::uint32_t> found_by(const WideBvh& tree, const Box& query) {
+  std::vector<std::uint32_t> found;
+  tree.for_each_overlapping(query, [&](std::uint32_t item) { found.push_back(item); });
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// Everything that overlaps is found, once; what is found besides overlaps the query grown by single precision's rounding.
+void expect_same_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, const Box& query) {
+  const std::vector<std::uint32_t> found = found_by(tree, query);
+  EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";
+  const double grain = 4e-6 * (query.high.cwiseAbs().maxCoeff() + query.low.cwiseAbs().maxCoeff() + 4.0);
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    const bool here = std::binary_search(found.begin(), found.end(), i);
+    if (boxes[i].overlaps(query)) {
+      EXPECT_TRUE(here) << "item " << i << " was missed";
+    }
+    if (here) {
+      EXPECT_TRUE(boxes[i].overlaps(query.inflated(grain))) << "item " << i << " is far from the query";
+    }
+  }
+}
+
+TEST(WideBvh, OverlapQueriesAgreeWithBruteForce) {
+  constexpr unsigned kSeed = 1996;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  for (const std::size_t count : {1U, 7U, 8U, 9U, 64U, 65U, 1000U, 20000U}) {
+    const std::vector<Box> boxes = random_boxes(count, 0.1, random);
+    const WideBvh tree(boxes);
+    for (const Box& query : random_boxes(60, 0.3, random)) expect_same_as_brute_force(boxes, tree, query);
+  }
+}
+
+TEST(WideBvh, NearestAgreesWithBruteForce) {
+  constexpr unsigned kSeed = 12;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  const std::vector<Box> boxes = random_boxes(5000, 0.02, random);
+  const WideBvh tree(boxes);
+  const auto squared = [&](const Vec3& p, std::uint32_t i) {
+    return (boxes[i].low - p).cwiseMax(p - boxes[i].high).cwiseMax(0.0).squaredNorm();
+  };
+  std::uniform_real_distribution<double> place(-2.0, 2.0);
+  for (int q = 0; q < 500; ++q) {
+    const Vec3 p(place(random), place(random), place(random));
+    double best = std::numeric_limits<double>::infinity();
+    std::size_t visits = 0;
+    tree.visit_nearest(p, best, [&](std::uint32_t item, double bound) {
+      ++visits;
+      best = std::min(bound, squared(p, item));
+      return best;
+    });
+    double brute = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) brute = std::min(brute, squared(p, i));
+    EXPECT_EQ(best, brute);
+    EXPECT_LT(visits, boxes.size() / 4) << "the search did not skip";
+  }
+}
+
+TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
+  std::vector<Box> same(100000, Box::around({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}));
+  const WideBvh all_the_same(same);
+  EXPECT_LE(all_the_same.depth(), WideBvh::kMaxDepth);
+  EXPECT_EQ(found_by(all_the_same, same[0]).size(), same.size());
+
+  // Each box half as far as the one before: every fair split takes off one box.
+  std::vector<Box> shrinking;
+  for (int i = 0; i < 4000; ++i) {
+    const double x = std::ldexp(1.0, -(i % 120));
+    shrinking.push_back(Box::around({x, 0, 0}, {1.01 * x, x, x}));
+  }
+  const WideBvh skewed(shrinking);
+  EXPECT_LE(skewed.depth(), WideBvh::kMaxDepth);
+  expect_same_as_brute_force(shrinking, skewed, Box::around({0, 0, 0}, {0.3, 0.1, 0.1}));
+
+  const WideBvh none(std::span<const Box>{});
+  EXPECT_TRUE(found_by(none, Box::around({-1, -1, -1}, {1, 1, 1})).empty());
+}
+
+TEST(WideBvh, TreeOrderListsEveryItemOnceAndRenumberingFollows) {
+  constexpr unsigned kSeed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::vector<Box> boxes = random_boxes(777, 0.1, random);
+  WideBvh tree(boxes);
+  const std::vector<std::uint32_t> order = tree.items_in_tree_order();
+  ASSERT_EQ(std::set<std::uint32_t>(order.begin(), order.end()).size(), boxes.size());
+  std::vector<std::uint32_t> new_number(boxes.size());
+  std::vector<Box> reordered;
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    new_number[order[i]] = i;
+    reordered.push_back(boxes[order[i]]);
+  }
+  tree.renumber_items(new_number);
+  for (const Box& query : random_boxes(50, 0.3, random)) expect_same_as_brute_force(reordered, tree, query);
+}
+
+TEST(WideBvh, QueriesTakeNothingFromTheHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  std::mt19937_64 random(3);
+  const std::vector<Box> boxes = random_boxes(3000, 0.1, random);
+  const WideBvh tree(boxes);
+  std::size_t seen = 0;
+  const AllocationGuard guard;
+  tree.for_each_overlapping(Box::around({-1, -1, -1}, {1, 1, 1}), [&](std::uint32_t) { ++seen; });
+  tree.visit_nearest({3, 0, 0}, 1e9, [&](std::uint32_t, double bound) { ++seen; return bound; });
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(seen, boxes.size() / 2);
+}
+
+}  // namespace
+}  // namespace hapton

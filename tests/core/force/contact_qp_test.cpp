@@ -1,0 +1,107 @@
+#include "core/force/contact_qp.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+// The optimum by trying every set of up to three planes: feasible, and nearest to the wish.
+Vec3 by_enumeration(const Vec3& wish, const std::vector<ContactPlane>& planes, double tolerance) {
+  Vec3 best = Vec3::Zero();
+  double best_distance = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const Vec3& y) {
+    if (!y.allFinite()) return;
+    for (const ContactPlane& plane : planes) {
+      if (plane.normal.dot(y) < plane.height - tolerance) return;
+    }
+    if ((y - wish).norm() < best_distance) {
+      best_distance = (y - wish).norm();
+      best = y;
+    }
+  };
+  const auto n = static_cast<int>(planes.size());
+  consider(wish);
+  for (int i = 0; i < n; ++i) {
+    consider(wish + (planes[i].height - planes[i].normal.dot(wish)) * planes[i].normal);
+    for (int j = i + 1; j < n; ++j) {
+      Eigen::Matrix<double, 2, 3> two;
+      two << planes[i].normal.transpose(), planes[j].normal.transpose();
+      const Eigen::Vector2d missing(planes[i].height - planes[i].normal.dot(wish), planes[j].height - planes[j].normal.dot(wish));
+      consider(wish + two.transpose() * (two * two.transpose()).fullPivLu().solve(missing));
+      for (int k = j + 1; k < n; ++k) {
+        Mat3 three;
+        three << planes[i].normal.transpose(), planes[j].normal.transpose(), planes[k].normal.transpose();
+        consider(three.fullPivLu().solve(Vec3(planes[i].height, planes[j].height, planes[k].height)));
+      }
+    }
+  }
+  return best;
+}
+
+TEST(ContactQp, AgreesWithEnumerationOfAllActiveSets) {
+  constexpr unsigned kSeed = 1995;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal;
+  int three_active = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 wish(normal(random), normal(random), normal(random));
+    std::vector<ContactPlane> planes(1 + random() % 7);
+    for (ContactPlane& plane : planes) {
+      // Half-spaces that hold zero, as planes at the proxy do, leaning against the wish.
+      plane.normal = (Vec3(normal(random), normal(random), normal(random)) - 0.7 * wish).normalized();
+      plane.height = -0.05 * std::abs(normal(random));
+    }
+    const ConstrainedMotion found = constrain_motion(wish, planes);
+    ASSERT_TRUE(found.solved) << "case " << i;
+    EXPECT_LE((found.motion - by_enumeration(wish, planes, 1e-12)).norm(), 1e-9) << "case " << i;
+    three_active += found.active_count == 3 ? 1 : 0;
+  }
+  EXPECT_GT(three_active, 100);
+}
+
+TEST(ContactQp, OrderOfThePlanesDoesNotMatter) {
+  constexpr unsigned kSeed = 8;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 wish(normal(random), normal(random), normal(random));
+    std::vector<ContactPlane> planes(2 + random() % 5);
+    for (ContactPlane& plane : planes) plane.normal = (Vec3(normal(random), normal(random), normal(random)) - wish).normalized();
+    const Vec3 one = constrain_motion(wish, planes).motion;
+    std::reverse(planes.begin(), planes.end());
+    EXPECT_LE((constrain_motion(wish, planes).motion - one).norm(), 1e-12);
+  }
+}
+
+TEST(ContactQp, NearlyParallelPlanesLeaveTheirCommonDirectionExact) {
+  for (const double tilt : {1e-3, 1e-6, 1e-9, 1e-12}) {
+    const std::vector<ContactPlane> valley = {{Vec3(tilt, 0, 1).normalized(), 0.0}, {Vec3(-tilt, 0, 1).normalized(), 0.0}};
+    const ConstrainedMotion found = constrain_motion(Vec3(0, 0.5, -1), valley);
+    EXPECT_LE((found.motion - Vec3(0, 0.5, 0)).norm(), 1e-9) << "tilt " << tilt;
+  }
+}
+
+TEST(ContactQp, NothingInTheWayLeavesTheWish) {
+  const Vec3 wish(0.1, -0.2, 0.3);
+  EXPECT_EQ(constrain_motion(wish, {}).motion, wish);
+  const std::vector<ContactPlane> behind = {{Vec3(0, 0, 1), 0.0}};
+  const ConstrainedMotion found = constrain_motion(wish, behind);
+  EXPECT_EQ(found.motion, wish);
+  EXPECT_EQ(found.active_count, 0);
+}
+
+TEST(ContactQp, ThreePlanesThatCloseLeaveNoMotion) {
+  const std::vector<ContactPlane> pit = {{Vec3(1, 0, 1).normalized(), 0.0}, {Vec3(-1, 1, 1).normalized(), 0.0}, {Vec3(0, -1, 1).normalized(), 0.0}};
+  const ConstrainedMotion found = constrain_motion(Vec3(0.01, 0.02, -1), pit);
+  EXPECT_TRUE(found.solved);
+  EXPECT_EQ(found.active_count, 3);
+  EXPECT_LE(found.motion.norm(), 1e-15);
+}
+
+}  // namespace
+}  // namespace hapton

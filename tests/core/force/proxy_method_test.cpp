@@ -1,0 +1,340 @@
+#include "core/force/proxy_method.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/force/reference_method.h"
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
+  return scene;
+}
+
+std::unique_ptr<ProxyMethod> proxy_over(const TouchScene& scene, double radius_m = 0.0) {
+  MethodSettings settings;
+  settings.probe_radius_m = radius_m;
+  auto made = ProxyMethod::make(settings, scene);
+  return std::unique_ptr<ProxyMethod>(static_cast<ProxyMethod*>(made.value().release()));
+}
+
+MethodOutput press(ForceMethod& method, const Vec3& from, const Vec3& to, int steps = 1) {
+  method.reset(from);
+  MethodOutput felt;
+  for (int i = 1; i <= steps; ++i) felt = method.step({.p_SD = from + (to - from) * (static_cast<double>(i) / steps)});
+  return felt;
+}
+
+TEST(Proxy, APlaneAnswersWithHookesLawFromEitherSide) {
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 8)));
+  for (const double side : {1.0, -1.0}) {
+    const MethodOutput felt = press(*proxy, {0.011, 0.007, side * 0.01}, {0.013, 0.008, -side * 0.002}, 5);
+    EXPECT_TRUE(felt.contact);
+    EXPECT_NEAR((felt.force_n - Vec3(0, 0, side * 2.0)).norm(), 0.0, 1e-9);
+    EXPECT_NEAR((felt.p_SP - Vec3(0.013, 0.008, 0)).norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(Proxy, ASphereProbeStandsOffByItsRadius) {
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 8)), 0.003);
+  const MethodOutput felt = press(*proxy, {0.011, 0.007, 0.01}, {0.013, 0.008, 0.001}, 5);
+  EXPECT_NEAR((felt.force_n - Vec3(0, 0, 2.0)).norm(), 0.0, 1e-8);
+  EXPECT_FALSE(press(*proxy, {0.011, 0.007, 0.01}, {0.013, 0.008, 0.0031}, 5).contact);
+}
+
+TEST(Proxy, ACornerOfThreePlanesNeedsOneStep) {
+  const auto proxy = proxy_over(scene_of(make_pit(0.1, 0.02)));
+  const auto reference = ReferenceMethod::make(MethodSettings(), scene_of(make_pit(0.1, 0.02)));
+  const Vec3 from(0.001, 0.002, 0.06);
+  const Vec3 to(0.002, 0.001, 0.027);
+  const MethodOutput felt = press(*proxy, from, to, 1);
+  const MethodOutput again = proxy->step({.p_SD = to});
+  ASSERT_GT(felt.force_n.norm(), 1.0);
+  EXPECT_LE((felt.force_n - again.force_n).norm(), 1e-9 * felt.force_n.norm()) << "one step was not enough";
+  const MethodOutput expected = press(**reference, from, to, 1);
+  EXPECT_LE((felt.force_n - expected.force_n).norm(), 1e-5 * expected.force_n.norm());
+}
+
+TEST(Proxy, NoEdgeOrVertexLetsItThrough) {
+  const TriangleMesh mesh = make_icosphere(0.05, 3);
+  const auto proxy = proxy_over(scene_of(mesh));
+  const auto tap = [&](const Vec3& at) {
+    const Vec3 outward = at.normalized();
+    const MethodOutput felt = press(*proxy, at + 0.005 * outward, at - 0.001 * outward, 3);
+    EXPECT_TRUE(felt.contact);
+    double highest = -1.0;  // above the plane of one face at least: outside the convex body
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3 normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]).normalized();
+      highest = std::max(highest, normal.dot(felt.p_SP - mesh.vertices[t[0]]));
+    }
+    EXPECT_GT(highest, 0.0);
+  };
+  for (const Vec3& vertex : mesh.vertices) tap(vertex);
+  for (const Triangle& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) tap(0.5 * (mesh.vertices[t[k]] + mesh.vertices[t[(k + 1) % 3]]));
+  }
+}
+
+TEST(Proxy, OnAConvexShapeTheProxyMovesNoFartherThanTheDevice) {
+  constexpr unsigned kSeed = 404;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  // From outside, the nearest point of a convex set is a contraction; a device that stays so shallow that no other side is
+  // nearer keeps the property for the god-object on the faces of a cube.
+  for (const double radius : {0.0, 0.004}) {
+    const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 12)), radius);
+    std::mt19937_64 random(kSeed);
+    std::normal_distribution<double> normal;
+    Vec3 device(0, 0, 0.005);
+    proxy->reset(device);
+    MethodOutput last = proxy->step({.p_SD = device});
+    for (int i = 0; i < 20000; ++i) {
+      Vec3 next = device + 2e-4 * Vec3(normal(random), normal(random), normal(random));
+      next = next.cwiseMax(Vec3(-0.04, -0.04, -0.003)).cwiseMin(Vec3(0.04, 0.04, 0.01));
+      const MethodOutput felt = proxy->step({.p_SD = next});
+      EXPECT_LE((felt.p_SP - last.p_SP).norm(), (next - device).norm() + 1e-9);
+      EXPECT_LE((felt.force_n - last.force_n).norm(), 1000.0 * (next - device).norm() + 1e-6);
+      device = next;
+      last = felt;
+    }
+  }
+}
+
+std::vector<Vec3> walk_round(double radius_m, double depth_m, int steps) {
+  std::vector<Vec3> way;
+  for (int i = 0; i < steps; ++i) {
+    const double a = 2.0 * std::numbers::pi * i / steps;
+    const Vec3 out(std::cos(a), std::sin(a), 0.3 * std::sin(3.0 * a));
+    way.push_back(out.normalized() * (radius_m + (i < 20 ? 0.001 * (20 - i) : -depth_m)));
+  }
+  return way;
+}
+
+TEST(Proxy, ScaleDoesNotMatter) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 5000, 9);
+  const std::vector<Vec3> way = walk_round(0.05, 0.002, 2000);
+  std::vector<Vec3> expected;
+  for (const double scale : {1.0, 0x1p-20, 0x1p20}) {
+    const auto proxy = proxy_over(scene_of(scaled_and_moved(mesh, scale, Vec3::Zero())));
+    proxy->reset(scale * way[0]);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const Vec3 stretch = proxy->step({.p_SD = scale * way[i]}).force_n / (1000.0 * scale);
+      if (scale == 1.0) {
+        expected.push_back(stretch);
+      } else {
+        EXPECT_EQ(stretch, expected[i]) << "scale " << scale << " step " << i;  // powers of two: to the bit
+      }
+    }
+  }
+}
+
+TEST(Proxy, TurningAndMovingTheWorldTurnsTheForce) {
+  const TriangleMesh mesh = make_icosphere(0.05, 4);
+  const std::vector<Vec3> way = walk_round(0.05, 0.002, 1000);
+  Pose pose = Pose::Identity();
+  pose.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  pose.translation() = Vec3(3, -2, 1);
+  TriangleMesh moved = mesh;
+  for (Vec3& v : moved.vertices) v = pose * v;
+  const auto here = proxy_over(scene_of(mesh));
+  const auto there = proxy_over(scene_of(moved));
+  here->reset(way[0]);
+  there->reset(pose * way[0]);
+  for (const Vec3& p : way) {
+    const Vec3 f = here->step({.p_SD = p}).force_n;
+    const Vec3 g = there->step({.p_SD = pose * p}).force_n;
+    EXPECT_LE((pose.linear() * f - g).norm(), 1e-6);
+  }
+}
+
+TEST(Proxy, FarFromTheOriginItFeelsTheSame) {
+  const TriangleMesh mesh = make_icosphere(0.05, 4);
+  const Vec3 far(1e6, -1e6, 5e5);
+  const auto here = proxy_over(scene_of(mesh));
+  const auto there = proxy_over(scene_of(scaled_and_moved(mesh, 1.0, far)));
+  const std::vector<Vec3> way = walk_round(0.05, 0.002, 1000);
+  here->reset(way[0]);
+  there->reset(far + way[0]);
+  for (const Vec3& p : way) {
+    const MethodOutput a = here->step({.p_SD = p});
+    const MethodOutput b = there->step({.p_SD = far + p});
+    EXPECT_EQ(a.contact, b.contact);
+    EXPECT_LE((a.force_n - b.force_n).norm(), 1e-3) << "positions there are known to 1e-10 m, facets tilt that little";
+  }
+}
+
+TEST(Proxy, FrictionlessWorkRoundAClosedPathIsZero) {
+  // On a plane and in a fold, where no ridge lets the proxy snap. Along straight pieces of the path the force is linear.
+  Pose top_to_z = Pose::Identity();  // the gutter's top faces +y; its fold lies at 0.03
+  top_to_z.linear() = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()).toRotationMatrix();
+  top_to_z.translation() = Vec3(0, 0, -0.05);
+  TriangleMesh gutter = make_gutter(0.1, 0.02, 1.5, 20);
+  for (Vec3& v : gutter.vertices) v = top_to_z * v;
+  for (const TriangleMesh& mesh : {make_plane_grid(0.1, 16), gutter}) {
+    const auto proxy = proxy_over(scene_of(mesh));
+    const int n = 3000;
+    double work = 0.0;
+    double effort = 0.0;
+    Vec3 last = Vec3::Zero();
+    MethodOutput before;
+    proxy->reset({0, 0, 0.03});
+    for (int i = 0; i <= 2 * n; ++i) {
+      const double a = 2.0 * std::numbers::pi * i / n;
+      const Vec3 p(0.01 * std::cos(a), 0.0004 * std::sin(a), -0.0225 + 0.0015 * std::sin(2.0 * a));
+      const MethodOutput felt = proxy->step({.p_SD = p});
+      if (i > n) {
+        const double piece = 0.5 * (felt.force_n + before.force_n).dot(p - last);
+        work += piece;
+        effort += std::fabs(piece);
+      }
+      last = p;
+      before = felt;
+    }
+    EXPECT_GT(effort, 1e-3);
+    EXPECT_LE(std::fabs(work), 1e-6 * effort);
+  }
+}
+
+TEST(Proxy, FrictionStaysInsideItsCone) {
+  Material rough;
+  rough.friction_static = 0.5;
+  rough.friction_dynamic = 0.3;
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.2, 10), rough));
+  proxy->reset({0, 0, 0.001});
+  Vec3 device(0, 0, -0.002);
+  proxy->step({.p_SD = device});
+  double stuck_most = 0.0;
+  bool slid = false;
+  for (int i = 0; i < 400; ++i) {
+    device.x() += 2e-5;
+    const MethodOutput felt = proxy->step({.p_SD = device});
+    const double normal = felt.force_n.z();
+    const double tangential = felt.force_n.head<2>().norm();
+    EXPECT_NEAR(normal, 2.0, 1e-6);
+    EXPECT_LE(tangential, rough.friction_static * normal * (1.0 + 1e-6));
+    EXPECT_LE(felt.force_n.x(), 1e-9) << "friction pushes along the motion";
+    if (!slid) stuck_most = std::max(stuck_most, tangential);
+    if (tangential < stuck_most - 0.1) slid = true;
+    if (slid) {
+      EXPECT_NEAR(tangential, rough.friction_dynamic * normal, 1e-3);
+    }
+  }
+  EXPECT_TRUE(slid);
+  EXPECT_NEAR(stuck_most, rough.friction_static * 2.0, 0.03);
+}
+
+TEST(Proxy, DampingIsUsedAndNeverPullsIn) {
+  Material damped;
+  damped.damping_ns_per_m = 5.0;
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4), damped));
+  proxy->reset({0, 0, 0.001});
+  proxy->step({.p_SD = Vec3(0, 0, -0.001)});
+  const MethodOutput in = proxy->step({.p_SD = Vec3(0, 0, -0.0012)});   // 0.2 m/s inward
+  EXPECT_NEAR(in.force_n.z(), 1.2 + 1.0, 1e-6);
+  const MethodOutput out = proxy->step({.p_SD = Vec3(0, 0, -0.0002)});  // 1 m/s outward: damping alone would pull
+  EXPECT_GE(out.force_n.z(), 0.0);
+  EXPECT_LE(out.force_n.z(), 1e-9);
+}
+
+TEST(Proxy, OneSidedSurfacesLetTheBackThrough) {
+  Material front_only;
+  front_only.two_sided = false;
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4), front_only));
+  EXPECT_TRUE(press(*proxy, {0.011, 0.007, 0.01}, {0.011, 0.007, -0.002}, 3).contact);
+  EXPECT_FALSE(press(*proxy, {0.011, 0.007, -0.01}, {0.011, 0.007, 0.002}, 3).contact);
+}
+
+TEST(Proxy, AFoldLetsGoAgain) {
+  // Press into a gutter, slide along it and lift out: the force never exceeds what the device's depth explains.
+  for (const double opening : {0.2, 1.0, 2.0}) {
+    const auto proxy = proxy_over(scene_of(make_gutter(0.1, 0.02, opening, 40)));
+    proxy->reset({0, 0.06, -0.03});
+    MethodOutput felt;
+    for (int i = 0; i <= 200; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.06 - 0.0002 * i, -0.03)});
+    ASSERT_GT(felt.force_n.y(), 1.0) << "not pressed into the fold, opening " << opening;
+    for (int i = 0; i < 600; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02, -0.03 + 1e-4 * i)});
+    EXPECT_LE(std::fabs(felt.force_n.z()), 1e-3) << "it sticks along the fold, opening " << opening;
+    EXPECT_NEAR(felt.p_SP.y(), 0.03, 1e-6);
+    for (int i = 0; i < 400; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02 + 2e-4 * i, 0.03)});
+    EXPECT_FALSE(felt.contact);
+  }
+}
+
+TEST(Proxy, LongSlidesOnSharedEdgesStayOutside) {
+  // A slide of centimetres in one step, exactly along edges: the contact normal's rounding alone would carry the proxy through.
+  TriangleMesh wedge = make_gutter(0.1, 0.02, 1.5, 20);
+  const auto proxy = proxy_over(scene_of(wedge));
+  for (const double turn : {0.0, 1e-17, 1e-16, -1e-16}) {
+    for (int i = 0; i < 100; ++i) {
+      proxy->reset({0.0004 * i * turn, 0.08, turn});
+      const MethodOutput felt = proxy->step({.p_SD = Vec3(0.0002 * i, 0.0275, turn)});
+      ASSERT_TRUE(felt.contact) << i;
+      const MethodOutput again = proxy->step({.p_SD = Vec3(0.0002 * i, 0.0275, turn)});
+      EXPECT_LE((felt.force_n - again.force_n).norm(), 1e-5 * felt.force_n.norm());
+      EXPECT_LE(felt.force_n.norm(), 1000.0 * 0.02);
+    }
+  }
+}
+
+TEST(Proxy, BadInputGivesNoForceAndIsForgotten) {
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4)));
+  proxy->reset({0, 0, 0.001});
+  const MethodOutput before = proxy->step({.p_SD = Vec3(0, 0, -0.001)});
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    const MethodOutput felt = proxy->step({.p_SD = Vec3(bad, 0, 0)});
+    EXPECT_EQ(felt.force_n, Vec3(Vec3::Zero()));
+    EXPECT_FALSE(felt.contact);
+  }
+  EXPECT_EQ(proxy->step({.p_SD = Vec3(0, 0, -0.001)}).force_n, before.force_n);
+}
+
+TEST(Proxy, FreeStepsAreSkipped) {
+  const auto proxy = proxy_over(scene_of(make_icosphere(0.05, 5)));
+  proxy->reset({0, 0, 0.08});
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(proxy->step({.p_SD = Vec3(0, 0, 0.08 - 1e-5 * i)}).contact);
+  EXPECT_GT(proxy->counters().skipped, 700U);
+}
+
+TEST(Proxy, StepsTakeNothingFromTheHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  const auto proxy = proxy_over(scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 4)));
+  const std::vector<Vec3> way = walk_round(0.05, 0.002, 3000);
+  proxy->reset(way[0]);
+  double sum = 0.0;
+  const AllocationGuard guard;
+  for (const Vec3& p : way) sum += proxy->step({.p_SD = p}).force_n.norm();
+  proxy->reset(way[0]);
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(sum, 0.0);
+}
+
+// The measure that counts: the method against the reference, on a walk over a rough closed mesh.
+TEST(Proxy, FollowsTheReferenceOverAMesh) {
+  const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.05, 8000, 21));
+  const auto proxy = proxy_over(scene);
+  const auto reference = ReferenceMethod::make(MethodSettings(), scene).value();
+  const std::vector<Vec3> way = walk_round(0.05, 0.0025, 3000);
+  proxy->reset(way[0]);
+  reference->reset(way[0]);
+  std::vector<double> errors;
+  for (const Vec3& p : way) {
+    const MethodOutput felt = proxy->step({.p_SD = p});
+    const MethodOutput expected = reference->step({.p_SD = p});
+    if (!expected.contact || expected.force_n.norm() < 1e-6) continue;
+    errors.push_back((felt.force_n - expected.force_n).norm() / expected.force_n.norm());
+  }
+  ASSERT_GT(errors.size(), 1000U);
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LE(errors[errors.size() / 2], 1e-5);
+  EXPECT_LE(errors[errors.size() * 98 / 100], 1e-3);
+}
+
+}  // namespace
+}  // namespace hapton
