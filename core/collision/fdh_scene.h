@@ -210,7 +210,7 @@ FdhVisits FdhScene<K>::for_each_overlapping(const Query& query, Visit&& visit) c
 
 template <int K>
 FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
-  FdhNear best;
+  FdhNear best = kNothingNear;
   if (!p.allFinite() || !(max_distance >= 0.0)) return best;
   double bound = max_distance;
   FdhHull<K> point;

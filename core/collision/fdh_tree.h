@@ -30,12 +30,13 @@ struct FdhSweep {
   double radius = 0.0;
 };
 
-// One triangle and how far it is.
+// One triangle and how far it is. Not initialized: queries keep hundreds of them on the stack.
 struct FdhNear {
-  double distance_squared = std::numeric_limits<double>::infinity();
-  std::uint32_t triangle = 0;
-  std::uint32_t object = 0;
+  double distance_squared;
+  std::uint32_t triangle;
+  std::uint32_t object;
 };
+constexpr FdhNear kNothingNear = {std::numeric_limits<double>::infinity(), 0, 0};
 
 // The nearest triangles met so far, at most as many as asked for plus one: the first left out tells how far the rest is complete.
 // Candidates collect in a buffer and are cut back by selection when it is full, so each costs a constant time on average.
@@ -75,7 +76,8 @@ class FdhNearest {
     if (a.distance_squared != b.distance_squared) return a.distance_squared < b.distance_squared;
     return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
   }
-  std::size_t limit() const { return 2 * keep_ < found_.size() ? 2 * keep_ : found_.size(); }
+  // Cut back when half as many again have come: sooner costs selections, later looks at triangles too far away (bench/fdh_bench.cpp).
+  std::size_t limit() const { return keep_ + keep_ / 2 + 1; }
   // Keeps the nearest keep_; the farthest of them is last and is the new bound.
   void cut() {
     std::nth_element(found_.begin(), found_.begin() + (keep_ - 1), found_.begin() + count_, nearer);
@@ -89,7 +91,7 @@ class FdhNearest {
   double max_distance_;
   double complete_radius_ = 0.0;
   double rounding_ = 0.0;
-  std::array<FdhNear, 2 * (kMaxCount + 1)> found_;
+  std::array<FdhNear, 2 * (kMaxCount + 1)> found_;  // the first count_ are meant
 };
 
 // What a tree is.
@@ -272,21 +274,19 @@ FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_poin
 
 template <int K>
 void FdhTree<K>::load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const {
-  for (std::uint32_t lane = 0; lane < 4; ++lane) {
-    const Triangle& t = corners_[first + std::min(lane, count - 1)];
-    const Vec3& va = vertices_[t[0]];
-    const Vec3& vb = vertices_[t[1]];
-    const Vec3& vc = vertices_[t[2]];
-    a.x[lane] = va.x();
-    a.y[lane] = va.y();
-    a.z[lane] = va.z();
-    b.x[lane] = vb.x();
-    b.y[lane] = vb.y();
-    b.z[lane] = vb.z();
-    c.x[lane] = vc.x();
-    c.y[lane] = vc.y();
-    c.z[lane] = vc.z();
-  }
+  // All lanes at once: stores lane by lane would have to reach memory before the vector could be read back.
+  const std::array<const Triangle*, 4> t = {&corners_[first], &corners_[first + std::min(1U, count - 1)],
+                                            &corners_[first + std::min(2U, count - 1)], &corners_[first + count - 1]};
+  const auto gather = [&](std::size_t k) {
+    const double* p0 = vertices_[(*t[0])[k]].data();
+    const double* p1 = vertices_[(*t[1])[k]].data();
+    const double* p2 = vertices_[(*t[2])[k]].data();
+    const double* p3 = vertices_[(*t[3])[k]].data();
+    return Three{Lanes4{p0[0], p1[0], p2[0], p3[0]}, Lanes4{p0[1], p1[1], p2[1], p3[1]}, Lanes4{p0[2], p1[2], p2[2], p3[2]}};
+  };
+  a = gather(0);
+  b = gather(1);
+  c = gather(2);
 }
 
 namespace detail {
@@ -372,7 +372,7 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit)
 
 template <int K>
 FdhNear FdhTree<K>::find_nearest(const Vec3& p, double max_distance) const {
-  FdhNear best;
+  FdhNear best = kNothingNear;
   if (!p.allFinite() || !(max_distance >= 0.0)) return best;
   double bound = max_distance * max_distance;
   bool found = false;

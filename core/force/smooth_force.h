@@ -10,7 +10,7 @@ namespace hapton {
 
 // Algorithm 1 of fdh-rendering.txt: the force that a set of triangles exerts on a probe near it, with smooth normals. In the paper's symbols:
 // P the probe, T a triangle, B the nearest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i the
-// distance from it, D the virtual contact point (VCP), f the force law. Decisions where the paper leaves a choice: docs/decisions/0002-fdh-smooth.md.
+// distance from it, D the virtual contact point (VCP), f the force law. Decisions where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
 // Frame S, metres, newtons. RT: all of it.
 
 // Where a triangle pushes from.

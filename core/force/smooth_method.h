@@ -36,7 +36,7 @@ struct SmoothCounters {
 // one itself, and where none is large enough it asks the tree; both are counted.
 // f: outside the surface a spring over `layer` (0: contact begins at the surface, as in every other method); inside, that spring's full
 // force and the spring between probe and VCP. Material: stiffness and two_sided; friction and damping are not this method's.
-// Decisions where the paper leaves a choice: docs/decisions/0002-fdh-smooth.md.
+// Decisions where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
 // Frame S. Threads: one, except that scene() may be read by a slow task while no vertices move.
 // RT: step, reset, wish, offer yes; bounded time while counters().overflows stands still.
 class SmoothMethod final : public ForceMethod {

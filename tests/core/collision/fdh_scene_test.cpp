@@ -50,7 +50,7 @@ void check_queries(const Objects& objects, const FdhScene<K>& scene, Objects& dr
     const double radius = 0.02 * (i % 5);
     std::set<std::pair<std::uint32_t, std::uint32_t>> visited;
     scene.for_each_overlapping(FdhBall{p, radius}, [&](std::uint32_t o, std::uint32_t t) { visited.insert({o, t}); });
-    FdhNear best;
+    FdhNear best = kNothingNear;
     objects.for_each([&](std::uint32_t o, std::uint32_t t) {
       const double d = objects.distance_squared(o, t, p);
       if (d < best.distance_squared) best = {d, t, o};

@@ -178,7 +178,7 @@ TYPED_TEST(FdhTreeOf, NearestIsTheNearest) {
     Points points(mesh);
     for (int i = 0; i < 100; ++i) {
       const Vec3 p = points.make(i);
-      FdhNear best;
+      FdhNear best = kNothingNear;
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const double d = distance_squared(mesh, t, p);
         if (d < best.distance_squared) best = {d, t, 0};
