@@ -164,17 +164,12 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
 }
 
 bool is_rigid(const std::array<float, 12>& X) {
-  Mat3 R;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      R(row, column) = X[static_cast<std::size_t>(4 * row + column)];
-    }
-    if (!(std::abs(X[static_cast<std::size_t>(4 * row + 3)]) <= kMaxWireMagnitude)) {
-      return false;
-    }
-  }
+  const Eigen::Matrix<double, 3, 4> pose = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(X.data()).cast<double>();
+  const Mat3 R = pose.leftCols<3>();
+  const Vec3 t = pose.col(3);
   // Written so that NaN fails.
-  return (R * R.transpose() - Mat3::Identity()).cwiseAbs().sum() <= kUnitTolerance && R.determinant() > 0.0;
+  return t.allFinite() && t.cwiseAbs().maxCoeff() <= kMaxWireMagnitude &&
+         (R * R.transpose() - Mat3::Identity()).cwiseAbs().sum() <= kUnitTolerance && R.determinant() > 0.0;
 }
 
 bool read(const wire::ViewTransform& from, ViewTransform& to) {

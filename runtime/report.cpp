@@ -142,7 +142,7 @@ std::string to_text(const LatencyReport& report) {
 }
 
 Result<void> write_report(const LatencyReport& report, const std::filesystem::path& folder) {
-  if (const Result<void> written = write_file_atomically(folder / "report.json", to_json(report)); !written) {
+  if (Result<void> written = write_file_atomically(folder / "report.json", to_json(report)); !written) {
     return written;
   }
   return write_file_atomically(folder / "latency.csv", to_csv(report));
