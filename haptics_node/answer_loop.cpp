@@ -92,6 +92,7 @@ void AnswerLoop::tell_of_hub() {
     return;
   }
   told_ = state;
+  told_absent_ = true;
   switch (state) {
     case JoinState::joined:
       log_info("joined the hub, {} samples a second", hub_.servo_rate_hz());

@@ -9,6 +9,7 @@
 #include "link/bare_echo_endpoint.h"
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
+#include "runtime/realtime.h"
 #include "runtime/stop_signal.h"
 
 namespace hapton {
@@ -17,6 +18,7 @@ namespace {
 struct EchoOptions {
   std::string bind;
   double seconds = 0.0;
+  std::string realtime = "off";
 };
 
 int run(const EchoOptions& options) {
@@ -25,7 +27,12 @@ int run(const EchoOptions& options) {
     fmt::print(stderr, "hapton echo: {}\n", echo.error().what);
     return 1;
   }
-  fmt::print("echo at {}\n", to_string(echo->local_address()));
+  const auto realtime = enter_realtime({.mode = *parse_realtime_mode(options.realtime)});
+  if (!realtime) {
+    fmt::print(stderr, "hapton echo: {}\n", realtime.error().what);
+    return 1;
+  }
+  fmt::print("echo at {}; {}\n", to_string(echo->local_address()), realtime->to_text());
   std::fflush(stdout);
   const StopSignal stop;
   const SteadyClock clock;
@@ -45,6 +52,9 @@ void add_echo_command(CLI::App& app, int& exit_code) {
   command->add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one")->required();
   command->add_option("--seconds", options->seconds, "End after this long, 0: when stopped")
       ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  command->add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")
+      ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

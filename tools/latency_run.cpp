@@ -101,7 +101,8 @@ Result<void> measure(const LatencyRunOptions& options) {
   if (!echo_at || !hub_at) {
     return tl::unexpected(echo_at ? hub_at.error() : echo_at.error());
   }
-  auto echo = Node::start(options, "echo", "hapton", {"echo", "--bind", *echo_at});
+  // Scheduled as the nodes are: else their ratio would tell of the scheduler.
+  auto echo = Node::start(options, "echo", "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime});
   if (!echo) {
     return tl::unexpected(echo.error());
   }
