@@ -9,6 +9,8 @@ namespace {
 
 // Numbers that change faster than this cannot be read, and must not cause pictures.
 constexpr std::int64_t kHudPeriodNs = 400'000'000;
+// A picture that is drawn anyway brings newer figures along, at a pace that can still be read.
+constexpr std::int64_t kHudRefreshNs = 100'000'000;
 
 }  // namespace
 
@@ -79,8 +81,9 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
   shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
   if (state_) shown.probe = probe_shown();
-  if (now_ns - hud_ns_ >= kHudPeriodNs || hud_shown_.empty() || stale_) {
+  if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_) {
     hud_shown_ = compose_hud_now();
+    hud_contact_ = contact();
     hud_ns_ = now_ns;
   }
   shown.hud = hud_shown_;

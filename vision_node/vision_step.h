@@ -89,6 +89,7 @@ class VisionStep {
   bool help_;
   Vec3 dials_shown_ = Vec3::Zero();
   std::string hud_shown_;
+  bool hud_contact_ = false;
   std::int64_t hud_ns_ = 0;
   std::int64_t last_start_ns_ = 0;
 };

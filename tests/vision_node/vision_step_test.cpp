@@ -160,6 +160,20 @@ TEST_F(VisionStepTest, ATransformThatGotLostIsSentAgain) {
   EXPECT_TRUE(take_all<ViewTransform>(step, 1000 * kMs).empty());
 }
 
+TEST_F(VisionStepTest, HudNeverContradictsThePictureAboutContact) {
+  VisionStep step(settings());
+  ProbeState state = state_at(0.01, 1);
+  step.hear(state);
+  ASSERT_TRUE(turn(step, 0));
+  state.contact = true;
+  state.force_n = {0.0, 0.0, 1.25};
+  step.hear(state);
+  ASSERT_TRUE(step.wants_picture(11 * kMs, where_));
+  const std::string hud = step.compose(11 * kMs).hud;
+  EXPECT_NE(hud.find("touching"), std::string::npos) << hud;
+  EXPECT_NE(hud.find("1.25 N"), std::string::npos) << hud;
+}
+
 TEST_F(VisionStepTest, HudFollowsButSlowly) {
   VisionStep step(settings());
   ProbeState state = state_at(0.01, 1);
