@@ -34,6 +34,9 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
   if (settings.set_size < 16 || settings.set_size > static_cast<int>(LocalSet::kCapacity)) {
     return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
   }
+  if (settings.probe_radius_m != 0.0) {
+    return fail("smooth: the probe is a point, not a sphere of {:g} m; set its radius to 0 or choose proxy", settings.probe_radius_m);
+  }
   own.set_size = static_cast<std::uint32_t>(settings.set_size);
   own.radius_m = settings.smooth_radius_m;
   own.layer = settings.smooth_layer;
@@ -55,6 +58,10 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
   if (!prepared) return fail("smooth: {}", prepared.error().what);
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
+  for (const TouchObject& object : scene.objects) {
+    const Material& m = object.material;
+    method->leaves_out_ |= m.friction_static != 0.0 || m.friction_dynamic != 0.0 || m.damping_ns_per_m != 0.0;
+  }
   method->set_size_ = settings.set_size;
   method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
   method->layer_ = settings.layer * method->radius_;
@@ -468,6 +475,7 @@ void SmoothMethod::use_all_triangles() {
 std::string SmoothMethod::describe() const {
   const SmoothCounters& c = counters_;
   std::string text = fmt::format("smooth: RADIUS {:g} m, layer {:g} m, sets of {} triangles\n", radius_, layer_, set_size_);
+  if (leaves_out_) text += "friction and damping of the materials are left out: not this method's\n";
   text += scene_->describe();
   text += fmt::format(
       "steps {}: {} skipped in free space, {} entries, {} releases, {} astray; {} hidden VCPs\n"

@@ -121,6 +121,7 @@ class SmoothMethod final : public ForceMethod {
   bool all_triangles_ = false;
   std::vector<SetTriangle> all_;  // with all_triangles_
   bool has_slow_task_ = false;
+  bool leaves_out_ = false;  // materials ask for friction or damping
 
   LocalSet set_;
   Vec3 P_ = Vec3::Zero();         // the last sample

@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <numeric>
-#include <unordered_map>
 
 #include "core/geometry/shared_edges.h"
 
@@ -19,17 +18,43 @@ struct Bits {
   std::array<std::uint64_t, 3> word;
   bool operator==(const Bits&) const = default;
 };
-struct Hash {
-  template <class T>
-  std::size_t operator()(const T& bits) const {
-    std::uint64_t h = 0x9E3779B97F4A7C15ULL;
-    for (const auto word : bits.word) {
-      h ^= static_cast<std::uint64_t>(word);
-      h *= 0xFF51AFD7ED558CCDULL;
-      h ^= h >> 32;
-    }
-    return h;
+std::uint64_t hash_of(const Bits& bits) {
+  std::uint64_t h = 0x9E3779B97F4A7C15ULL;
+  for (const std::uint64_t word : bits.word) {
+    h ^= word;
+    h *= 0xFF51AFD7ED558CCDULL;
+    h ^= h >> 32;
   }
+  return h;
+}
+
+// Keys with numbers, in one flat table (open addressing, at most half full).
+class KeyTable {
+ public:
+  explicit KeyTable(std::size_t count) : keys_(std::bit_ceil(2 * count + 2)), numbers_(keys_.size(), kNone) {}
+
+  // The key's number: the one it got first, or this one.
+  std::uint32_t find_or_add(const Bits& key, std::uint32_t number) {
+    const std::size_t at = place_of(key);
+    if (numbers_[at] == kNone) {
+      keys_[at] = key;
+      numbers_[at] = number;
+    }
+    return numbers_[at];
+  }
+  bool contains(const Bits& key) const { return numbers_[place_of(key)] != kNone; }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+  std::size_t place_of(const Bits& key) const {
+    std::size_t at = hash_of(key) & (keys_.size() - 1);
+    while (numbers_[at] != kNone && keys_[at] != key) at = (at + 1) & (keys_.size() - 1);
+    return at;
+  }
+
+  std::vector<Bits> keys_;
+  std::vector<std::uint32_t> numbers_;
 };
 
 Bits bits_of(const Vec3& v) {
@@ -44,19 +69,17 @@ Bits rotated(const Triangle& t) {
 }
 
 void weld(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& source) {
-  std::unordered_map<Bits, std::uint32_t, Hash> seen;
-  seen.reserve(2 * mesh.vertices.size());
+  KeyTable seen(mesh.vertices.size());
   std::vector<std::uint32_t> renumbered(mesh.vertices.size());
   std::uint32_t used = 0;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const auto [at, is_new] = seen.try_emplace(bits_of(mesh.vertices[i]), used);
-    if (is_new) {
+    renumbered[i] = seen.find_or_add(bits_of(mesh.vertices[i]), used);
+    if (renumbered[i] == used) {
       source.push_back(static_cast<std::uint32_t>(i));
       mesh.vertices[used++] = mesh.vertices[i];
     } else {
       ++report.welded_vertices;
     }
-    renumbered[i] = at->second;
   }
   mesh.vertices.resize(used);
   if (report.welded_vertices == 0) return;
@@ -66,8 +89,7 @@ void weld(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& so
 }
 
 void drop_useless(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& source) {
-  std::unordered_map<Bits, char, Hash> seen;
-  seen.reserve(2 * mesh.triangles.size());
+  KeyTable seen(mesh.triangles.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle t = mesh.triangles[i];
@@ -75,11 +97,12 @@ void drop_useless(TriangleMesh& mesh, MendReport& report, std::vector<std::uint3
       ++report.dropped_empty;
       continue;
     }
-    if (!seen.try_emplace(rotated(t), 0).second) {
+    const auto number = static_cast<std::uint32_t>(i);
+    if (seen.find_or_add(rotated(t), number) != number) {
       ++report.dropped_duplicates;
       continue;
     }
-    if (seen.count(rotated({t[0], t[2], t[1]})) > 0) ++report.double_faces;
+    if (seen.contains(rotated({t[0], t[2], t[1]}))) ++report.double_faces;
     source[kept] = static_cast<std::uint32_t>(i);
     mesh.triangles[kept++] = t;
   }

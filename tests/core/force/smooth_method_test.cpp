@@ -475,6 +475,7 @@ TEST(SmoothMethod, SettingsAreChecked) {
   EXPECT_TRUE(refused([](MethodSettings& s) { s.smooth_radius_m = std::nan(""); }));
   EXPECT_TRUE(refused([](MethodSettings& s) { s.smooth_layer = 1.5; }));
   EXPECT_TRUE(refused([](MethodSettings& s) { s.hull_directions = 8; }));
+  EXPECT_TRUE(refused([](MethodSettings& s) { s.probe_radius_m = 0.001; }));
 }
 
 TEST(SmoothMethod, DescribesWhatItDid) {
@@ -483,6 +484,13 @@ TEST(SmoothMethod, DescribesWhatItDid) {
   method->step({.p_SD = Vec3(0.049, 0, 0)});
   const std::string text = method->describe();
   for (const char* word : {"RADIUS", "mend:", "hulls of 14", "1 entries", "selected here"}) EXPECT_NE(text.find(word), std::string::npos) << word;
+}
+
+TEST(SmoothMethod, SaysThatItLeavesOutFriction) {
+  const auto with = make(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
+  const auto without = make(scene_of(make_icosphere(0.05, 1)));
+  EXPECT_NE(with->describe().find("friction"), std::string::npos);
+  EXPECT_EQ(without->describe().find("friction"), std::string::npos);
 }
 
 }  // namespace
