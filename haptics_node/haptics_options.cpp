@@ -27,6 +27,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   HapticsOptions options;
   std::string grid = "32";
   std::string realtime = "try";
+  options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
 
   CLI::App app{"Answers every device sample of the hub with the force that the scene gives it.", "haptics_node"};
@@ -43,6 +44,9 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0 is a point (sweep knows no other)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_flag("--build-on-approach,!--build-at-once", options.method.build_on_approach,
+               "proxy: build an object's structures when the probe first comes near it, beside the running loop")
+      ->default_str("true");
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();

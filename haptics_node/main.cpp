@@ -41,7 +41,7 @@ int run(const HapticsOptions& options) {
   SteadyClock clock;
   HubClient client(**endpoint, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
-  MethodBuilder builder(options.method, scene->touch_scene());
+  MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   AnswerLoop loop(client, clock, step, builder);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());

@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene)
-    : settings_(std::move(settings)), scene_(std::move(scene)), thread_([this] { run(); }) {}
+MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use)
+    : settings_(std::move(settings)), scene_(std::move(scene)), in_use_(std::move(in_use)), thread_([this] { run(); }) {}
 
 MethodBuilder::~MethodBuilder() {
   stop_.store(true);
@@ -36,8 +36,15 @@ void MethodBuilder::run() {
     if (requests_.take()) {
       build(requests_.value());
     }
-    std::this_thread::sleep_for(kPeriod);
+    if (!prepare()) {
+      std::this_thread::sleep_for(kPeriod);
+    }
   }
+}
+
+bool MethodBuilder::prepare() {
+  const std::shared_ptr<ForceMethod> method = in_use_.lock();
+  return method != nullptr && method->prepare();
 }
 
 void MethodBuilder::build(const MethodName& name) {
@@ -50,7 +57,9 @@ void MethodBuilder::build(const MethodName& name) {
   }
   log_info("built, in use from now on:");
   log_method(**method);
-  delete built_.exchange(new TouchStep(std::move(*method)), std::memory_order_acq_rel);
+  auto step = std::make_unique<TouchStep>(std::move(*method));
+  in_use_ = step->share_method();
+  delete built_.exchange(step.release(), std::memory_order_acq_rel);
 }
 
 }  // namespace hapton

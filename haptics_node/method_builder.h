@@ -13,13 +13,14 @@
 namespace hapton {
 
 // Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
-// device neither builds nor frees anything. A name that cannot be built is logged, and the method in use stays.
+// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared here.
+// A name that cannot be built is logged, and the method in use stays.
 // RT: request, take and retire yes; the rest set-up only. Threads: one caller.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
 
-  MethodBuilder(MethodSettings settings, TouchScene scene);
+  MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use = {});
   ~MethodBuilder();
   MethodBuilder(const MethodBuilder&) = delete;
   MethodBuilder& operator=(const MethodBuilder&) = delete;
@@ -36,11 +37,13 @@ class MethodBuilder {
  private:
   void run();
   void build(const MethodName& name);
+  bool prepare();
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
   MethodSettings settings_;
   TouchScene scene_;
   Mailbox<MethodName> requests_;
+  std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
   std::atomic<TouchStep*> built_ = nullptr;
   std::atomic<TouchStep*> retired_ = nullptr;
   std::atomic<bool> stop_ = false;

@@ -143,7 +143,7 @@ bool Neighbourhood::fill(const TouchGeometry& geometry, const Box& region) noexc
   std::array<std::uint32_t, kCapacity> found;
   int n = 0;
   bool fits = true;
-  geometry.tree().for_each_overlapping(region, [&](std::uint32_t triangle) {
+  geometry.for_each_overlapping(region, [&](std::uint32_t triangle) {
     if (n < kCapacity) {
       geometry.prefetch_indices(triangle);
       found[n++] = triangle;

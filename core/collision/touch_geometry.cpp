@@ -1,87 +1,128 @@
 #include "core/collision/touch_geometry.h"
 
+#include <bit>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 namespace hapton {
 namespace {
 
-Box bounds_of(const std::vector<const TriangleMesh*>& meshes) {
+std::vector<std::shared_ptr<const TriangleMesh>> borrowed(const std::vector<const TriangleMesh*>& meshes) {
+  std::vector<std::shared_ptr<const TriangleMesh>> shared;
+  for (const TriangleMesh* mesh : meshes) shared.emplace_back(std::shared_ptr<void>(), mesh);
+  return shared;
+}
+
+Box bounds_of(const TriangleMesh& mesh) {
   Box box;
-  for (const TriangleMesh* mesh : meshes) {
-    for (const Vec3& v : mesh->vertices) box.grow(v);
-  }
+  for (const Vec3& v : mesh.vertices) box.grow(v);
   return box;
 }
 
-std::vector<Box> triangle_boxes(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
-  std::vector<Box> boxes;
-  boxes.reserve(triangles.size());
-  for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[t[0]];
-    const Vec3& b = vertices[t[1]];
-    const Vec3& c = vertices[t[2]];
-    boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
-  }
-  return boxes;
+LocalFrame frame_of(const Box& bounds) {
+  LocalFrame frame;
+  if (!(bounds.low.array() <= bounds.high.array()).all()) return frame;
+  frame.origin = bounds.center();
+  const double diagonal = bounds.diagonal();
+  if (diagonal > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(diagonal));
+  return frame;
 }
 
 }  // namespace
 
-TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : tree_(std::span<const Box>{}) {
-  const Box bounds = bounds_of(meshes);
-  if (!(bounds.low.array() <= bounds.high.array()).all()) return;
-  origin_ = bounds.center();
-  const double diagonal = bounds.diagonal();
-  if (diagonal > 0.0) unit_m_ = std::ldexp(1.0, std::ilogb(diagonal));
-  constexpr double kGrid = 0x1p-51;
+TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : TouchGeometry(borrowed(meshes)) {}
 
-  std::size_t vertex_count = 0;
-  std::size_t count = 0;
-  for (const TriangleMesh* mesh : meshes) {
-    vertex_count += mesh->vertices.size();
-    count += mesh->triangles.size();
-  }
-  std::vector<Vec3> vertices;
-  std::vector<Triangle> triangles;
-  vertices.reserve(vertex_count);
-  triangles.reserve(count);
-  std::vector<std::uint16_t> owner;
-  for (std::size_t m = 0; m < meshes.size(); ++m) {
-    const auto first = static_cast<std::uint32_t>(vertices.size());
-    for (const Vec3& v : meshes[m]->vertices) vertices.push_back((to_local(v) / kGrid).array().round() * kGrid);
-    for (const Triangle& t : meshes[m]->triangles) triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-    if (meshes.size() > 1) owner.resize(triangles.size(), static_cast<std::uint16_t>(m));
-  }
-  tree_ = WideBvh(triangle_boxes(vertices, triangles));
-
-  // Tree order for triangles, first-use order for vertices: what is near in space is near in memory.
-  const std::vector<std::uint32_t> order = tree_.items_in_tree_order();
-  constexpr std::uint32_t kUnset = 0xFFFFFFFFU;
-  std::vector<std::uint32_t> new_vertex(vertices.size(), kUnset);
-  std::vector<std::uint32_t> new_triangle(triangles.size());
-  vertices_.reserve(vertices.size());
-  triangles_.reserve(triangles.size());
-  for (const std::uint32_t old : order) {
-    new_triangle[old] = static_cast<std::uint32_t>(triangles_.size());
-    Triangle t = triangles[old];
-    for (std::uint32_t& v : t) {
-      if (new_vertex[v] == kUnset) {
-        new_vertex[v] = static_cast<std::uint32_t>(vertices_.size());
-        vertices_.push_back(vertices[v]);
-      }
-      v = new_vertex[v];
+TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy) : slots_(meshes.size()) {
+  Box scene;
+  std::size_t most_triangles = 1;
+  for (const auto& mesh : meshes) {
+    const Box bounds = bounds_of(*mesh);
+    if ((bounds.low.array() <= bounds.high.array()).all()) {
+      scene.grow(bounds.low);
+      scene.grow(bounds.high);
     }
-    triangles_.push_back(t);
-    if (!owner.empty()) mesh_of_.push_back(owner[old]);
+    most_triangles = std::max(most_triangles, mesh->triangles.size());
   }
-  tree_.renumber_items(new_triangle);
+  frame_ = frame_of(scene);
+  triangle_bits_ = static_cast<int>(std::bit_width(most_triangles));
+  triangle_mask_ = (1U << triangle_bits_) - 1U;
+  waiting_ = slots_.size();
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    slot.mesh = std::move(meshes[i]);
+    slot.first_id = static_cast<std::uint32_t>(i) << triangle_bits_;
+    const Box bounds = bounds_of(*slot.mesh);
+    slot.bounds = Box{frame_.to_local(bounds.low), frame_.to_local(bounds.high)}.inflated(0x1p-48);
+    if (policy == BuildPolicy::on_approach) continue;
+    slot.wanted = true;
+    build_wanted();
+    slot.active = slot.ready;
+    --waiting_;
+  }
 }
 
-std::uint32_t TouchGeometry::mesh_of(std::uint32_t triangle) const { return mesh_of_.empty() ? 0 : mesh_of_[triangle]; }
+void TouchGeometry::place(const Vec3& p) noexcept {
+  if (waiting_ == 0) return;
+  for (Slot& slot : slots_) {
+    slot.encloses_start = distance_squared(slot.bounds, p) == 0.0;
+    if (slot.encloses_start) slot.wanted.store(true, std::memory_order_relaxed);
+  }
+}
+
+double TouchGeometry::look_ahead(const Vec3& p, double reach) noexcept {
+  double may_go = std::numeric_limits<double>::infinity();
+  if (waiting_ == 0) return may_go;
+  for (Slot& slot : slots_) {
+    if (slot.active != nullptr) continue;
+    const double distance = std::sqrt(distance_squared(slot.bounds, p));
+    const double near = std::max(reach, slot.bounds.diagonal());
+    if (distance > near) {
+      may_go = std::min(may_go, distance - near);
+      continue;
+    }
+    slot.wanted.store(true, std::memory_order_relaxed);
+    const ObjectGeometry* ready = slot.ready.load(std::memory_order_acquire);
+    if (ready != nullptr && (distance > 0.0 || slot.encloses_start)) {
+      slot.active = ready;
+      --waiting_;
+    } else {
+      may_go = 0.0;
+    }
+  }
+  return may_go;
+}
+
+bool TouchGeometry::build_wanted() {
+  for (Slot& slot : slots_) {
+    if (slot.built != nullptr || !slot.wanted.load(std::memory_order_relaxed)) continue;
+    slot.built = std::make_unique<const ObjectGeometry>(*slot.mesh, frame_);
+    slot.mesh.reset();
+    slot.ready.store(slot.built.get(), std::memory_order_release);
+    return true;
+  }
+  return false;
+}
+
+std::size_t TouchGeometry::built_count() const {
+  std::size_t count = 0;
+  for (const Slot& slot : slots_) count += slot.ready.load(std::memory_order_acquire) != nullptr ? 1 : 0;
+  return count;
+}
+
+std::size_t TouchGeometry::triangle_count() const {
+  std::size_t count = 0;
+  for (const Slot& slot : slots_) {
+    if (const ObjectGeometry* ready = slot.ready.load(std::memory_order_acquire)) count += ready->triangle_count();
+  }
+  return count;
+}
 
 std::size_t TouchGeometry::bytes() const {
-  return tree_.bytes() + vertices_.size() * sizeof(Vec3) + triangles_.size() * sizeof(Triangle) + mesh_of_.size() * sizeof(std::uint16_t);
+  std::size_t bytes = 0;
+  for (const Slot& slot : slots_) {
+    if (const ObjectGeometry* ready = slot.ready.load(std::memory_order_acquire)) bytes += ready->bytes();
+  }
+  return bytes;
 }
 
 }  // namespace hapton

@@ -1,55 +1,95 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "core/collision/wide_bvh.h"
-#include "core/geometry/point_triangle.h"
-#include "core/geometry/triangle_mesh.h"
+#include "core/collision/object_geometry.h"
 
 namespace hapton {
 
-// The triangles of a scene made ready for contact: recentred, in tree order, with a bounding volume tree over them.
+// When the structures of an object are built: all at once, or each when the probe first comes near.
+enum class BuildPolicy : std::uint8_t { at_once, on_approach };
+
+// All triangles of a scene for contact queries, object by object, in one local frame.
 //
-// Local coordinates are relative to origin() in units of unit_m(), the power of two that puts the scene's diagonal into [1, 2), and
-// rounded to a grid of 2^-51. Two such coordinates subtract exactly, so edges are exact and the normals of the thinnest slivers keep
-// their direction (point_triangle.h). A mesh of a micrometre and one of a thousand kilometres, here or far from the origin, have
-// the same local coordinates, so every tolerance can be a plain number.
-// Threads: immutable after construction. RT: queries yes, construction set-up only.
+// Triangles are numbered across objects: the object in the high bits, its triangle in the low ones.
+// With BuildPolicy::on_approach an object costs its bounding box until the probe comes near: look_ahead (RT) asks for it, build_wanted (a
+// slow task, any thread) builds it, and from the next look_ahead with the probe outside its bounds it can be touched. An object that
+// appeared round the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
+// RT: queries and look_ahead yes; construction and build_wanted set-up only.
+// Threads: one for the RT side, one for build_wanted.
 class TouchGeometry {
  public:
-  // One mesh a span entry; triangles remember which mesh they came from.
-  explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);
+  explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once);
+  explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes may go afterwards
 
-  const Vec3& origin() const { return origin_; }
-  double unit_m() const { return unit_m_; }
-  Vec3 to_local(const Vec3& p_S) const { return (p_S - origin_) / unit_m_; }
-  Vec3 to_scene(const Vec3& local) const { return local * unit_m_ + origin_; }
-  std::size_t triangle_count() const { return triangles_.size(); }
-  std::size_t bytes() const;
-  const WideBvh& tree() const { return tree_; }
+  const LocalFrame& frame() const { return frame_; }
+  const Vec3& origin() const { return frame_.origin; }
+  double unit_m() const { return frame_.unit_m; }
+  Vec3 to_local(const Vec3& p_S) const { return frame_.to_local(p_S); }
+  Vec3 to_scene(const Vec3& local) const { return frame_.to_scene(local); }
 
-  const Vec3& corner(std::uint32_t triangle, int k) const { return vertices_[triangles_[triangle][k]]; }
-  Separation separation(std::uint32_t triangle, const Vec3& p) const {
-    const Triangle& t = triangles_[triangle];
-    return separation_from_triangle(p, vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]);
+  std::size_t object_count() const { return slots_.size(); }
+  std::size_t built_count() const;
+  std::size_t triangle_count() const;  // of the objects built
+  std::size_t bytes() const;           // of the objects built
+
+  const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
+  Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
+  std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
+  void prefetch_indices(std::uint32_t id) const { object(id).prefetch_indices(id & triangle_mask_); }
+  void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
+
+  // Calls visit(id) for every triangle whose box overlaps the query, and some that only nearly do.
+  template <class Visit>
+  void for_each_overlapping(const Box& query, Visit&& visit) const {
+    for (const Slot& slot : slots_) {
+      if (slot.active == nullptr || !slot.bounds.overlaps(query)) continue;
+      slot.active->tree().for_each_overlapping(query, [&](std::uint32_t t) { visit(slot.first_id | t); });
+    }
   }
-  // Start moving a triangle's memory towards the processor: first its indices, later its corners.
-  void prefetch_indices(std::uint32_t triangle) const { _mm_prefetch(reinterpret_cast<const char*>(&triangles_[triangle]), _MM_HINT_T0); }
-  void prefetch_corners(std::uint32_t triangle) const {
-    for (const std::uint32_t v : triangles_[triangle]) _mm_prefetch(reinterpret_cast<const char*>(&vertices_[v]), _MM_HINT_T0);
+
+  // Calls bound_squared = visit(id, bound_squared) for triangles whose boxes may lie nearer to p than sqrt(bound_squared).
+  template <class Visit>
+  void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
+    for (const Slot& slot : slots_) {
+      if (slot.active == nullptr || distance_squared(slot.bounds, p) >= bound_squared) continue;
+      slot.active->tree().visit_nearest(p, bound_squared, [&](std::uint32_t t, double) { return bound_squared = visit(slot.first_id | t, bound_squared); });
+    }
   }
 
-  // Which of the meshes given to the constructor the triangle belongs to.
-  std::uint32_t mesh_of(std::uint32_t triangle) const;
+  // The probe is put at p: objects whose bounds enclose it are asked for and come in as soon as they are built, as if they had always been.
+  void place(const Vec3& p) noexcept;
+
+  // Before the probe at p moves: asks for objects that are not built and lie nearer than their own size or `reach`, and lets those in
+  // that have been built and do not enclose p. Returns how far p may go before this must be called again; infinity when all are in.
+  double look_ahead(const Vec3& p, double reach) noexcept;
+
+  // Builds one object that was asked for. False when there is none.
+  bool build_wanted();
 
  private:
-  Vec3 origin_ = Vec3::Zero();
-  double unit_m_ = 1.0;
-  std::vector<Vec3> vertices_;
-  std::vector<Triangle> triangles_;
-  std::vector<std::uint16_t> mesh_of_;  // empty for a single mesh
-  WideBvh tree_;
+  struct Slot {
+    std::shared_ptr<const TriangleMesh> mesh;
+    Box bounds;  // local, with a margin for rounding
+    std::uint32_t first_id = 0;
+    std::unique_ptr<const ObjectGeometry> built;  // written by the builder, before ready
+    std::atomic<bool> wanted = false;
+    std::atomic<const ObjectGeometry*> ready = nullptr;
+    const ObjectGeometry* active = nullptr;  // RT side only, like the next
+    bool encloses_start = false;
+  };
+
+  static double distance_squared(const Box& box, const Vec3& p) { return (box.low - p).cwiseMax(p - box.high).cwiseMax(0.0).squaredNorm(); }
+  const ObjectGeometry& object(std::uint32_t id) const { return *slots_[id >> triangle_bits_].active; }
+
+  LocalFrame frame_;
+  std::vector<Slot> slots_;
+  int triangle_bits_ = 31;
+  std::uint32_t triangle_mask_ = 0x7FFFFFFFU;
+  std::size_t waiting_ = 0;  // objects not active yet
 };
 
 }  // namespace hapton

@@ -12,15 +12,15 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
 
 namespace {
 
-std::vector<const TriangleMesh*> meshes_of(const TouchScene& scene) {
-  std::vector<const TriangleMesh*> meshes;
-  for (const TouchObject& object : scene.objects) meshes.push_back(object.mesh.get());
+std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& scene) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TouchObject& object : scene.objects) meshes.push_back(object.mesh);
   return meshes;
 }
 
 }  // namespace
 
-ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene)) {
+ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once) {
   for (const TouchObject& object : scene.objects) {
     surfaces_.push_back(object.material);
     has_one_sided_ |= !object.material.two_sided;
@@ -49,6 +49,7 @@ bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcep
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   placed_ = p_SD.allFinite();
   settle_at(geometry_.to_local(p_SD));
+  geometry_.place(proxy_);
   last_device_ = proxy_;
   empty_radius_squared_ = 0.0;
   empty_retry_ = 0.0;
@@ -75,7 +76,8 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   const Vec3 moved = device - last_device_;
   stride_ = moved.norm();
   last_device_ = device;
-  if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_);
+  const double may_go = geometry_.look_ahead(proxy_, kLookAheadSteps * stride_);
+  if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_, may_go);
   empty_retry_ -= stride_;
 
   follow(device - moved, device);
@@ -263,7 +265,7 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
         if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first) test(meetings_[i].triangle);
       }
     } else {
-      geometry_.tree().for_each_overlapping(way, test);
+      geometry_.for_each_overlapping(way, test);
     }
     if (first <= end) return first;
     blocker_count_ = 0;
@@ -321,28 +323,30 @@ void ProxyMethod::keep_touching(const Vec3& blocked_motion) noexcept {
 
 // A ball round the device with no triangle in it: while the device stays inside, a step is one comparison. The search is no
 // wider than 64 strides, and is not repeated before a part of what it found has been travelled.
-void ProxyMethod::find_empty_ball(const Vec3& device) noexcept {
+void ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
   const double widest = 64.0 * stride_ + 4.0 * clearance_.rest;
   double nearest_squared = widest * widest;
-  geometry_.tree().visit_nearest(device, nearest_squared, [&](std::uint32_t triangle, double bound) {
+  geometry_.visit_nearest(device, nearest_squared, [&](std::uint32_t triangle, double bound) {
     const double d = geometry_.separation(triangle, device).distance;
     nearest_squared = std::min(bound, d * d);
     return nearest_squared;
   });
-  const double radius = std::sqrt(nearest_squared) * (1.0 - 0x1p-40) - clearance_.rest;
+  const double radius = std::min(std::sqrt(nearest_squared) * (1.0 - 0x1p-40) - clearance_.rest, may_go);
   empty_center_ = device;
   empty_radius_squared_ = radius > 0.0 ? radius * radius : 0.0;
   empty_retry_ = std::max(0.25 * std::sqrt(empty_radius_squared_), 4.0 * stride_);
 }
 
+bool ProxyMethod::prepare() { return geometry_.build_wanted(); }
+
 std::string ProxyMethod::describe() const {
   const auto n = static_cast<double>(std::max<std::uint64_t>(counters_.steps, 1));
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
   return fmt::format(
-      "proxy: {} triangles, tree of {} nodes, depth {}, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
+      "proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} refills a step; "
       "{} caught up in parts, {} unconverged\n",
-      geometry_.triangle_count(), geometry_.tree().node_count(), geometry_.tree().depth(), static_cast<double>(geometry_.bytes()) * 1e-6,
+      geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(), static_cast<double>(geometry_.bytes()) * 1e-6,
       (clearance_.rest - hover_) * geometry_.unit_m(), hover_ * geometry_.unit_m(), counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
       counters_.contact_steps, static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c,
       static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.unconverged);

@@ -40,6 +40,7 @@ class ProxyMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  bool prepare() override;
   std::string describe() const override;
 
   const ProxyCounters& counters() const { return counters_; }
@@ -49,6 +50,7 @@ class ProxyMethod final : public ForceMethod {
  private:
   static constexpr int kMaxTouching = 32;
   static constexpr int kMaxIterations = 256;
+  static constexpr double kLookAheadSteps = 500.0;  // an object is asked for half a second before the probe can be there, at 1 kHz
   static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 2.0;
   static constexpr int kParts = 8;
@@ -76,7 +78,7 @@ class ProxyMethod final : public ForceMethod {
   void settle_at(const Vec3& p) noexcept;
   void keep_touching(const Vec3& blocked_motion) noexcept;
   bool forget_doubtful(const ConstrainedMotion& held) noexcept;
-  void find_empty_ball(const Vec3& device) noexcept;
+  void find_empty_ball(const Vec3& device, double may_go) noexcept;
   const Material& touched_material() const noexcept;
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
 

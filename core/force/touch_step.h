@@ -23,14 +23,16 @@ struct TouchOutput {
 // The live node, replay, tests and benches all call this. RT: step yes.
 class TouchStep {
  public:
-  explicit TouchStep(std::unique_ptr<ForceMethod> method) : method_(std::move(method)) {}
+  explicit TouchStep(std::shared_ptr<ForceMethod> method) : method_(std::move(method)) {}
 
   TouchOutput step(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
   const ForceMethod& method() const { return *method_; }
+  // For the slow task, which calls prepare() beside step().
+  std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:
-  std::unique_ptr<ForceMethod> method_;
+  std::shared_ptr<ForceMethod> method_;
 };
 
 }  // namespace hapton

@@ -60,7 +60,7 @@ TEST(Neighbourhood, HoldsExactlyWhatOverlapsItsRegion) {
   const Vec3 top = geometry.to_local({0, 0, 0.05});
   ASSERT_TRUE(near.fill(geometry, Box{top.array() - 0.05, top.array() + 0.05}));
   std::size_t expected = 0;
-  geometry.tree().for_each_overlapping(Box{top.array() - 0.05, top.array() + 0.05}, [&](std::uint32_t) { ++expected; });
+  geometry.for_each_overlapping(Box{top.array() - 0.05, top.array() + 0.05}, [&](std::uint32_t) { ++expected; });
   EXPECT_EQ(static_cast<std::size_t>(near.count()), expected);
   EXPECT_GT(expected, 4U);
 }

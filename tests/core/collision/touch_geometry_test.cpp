@@ -43,7 +43,7 @@ TEST(TouchGeometry, EdgesAreExact) {
 TEST(TouchGeometry, KeepsEveryTriangleAndWhoseItIs) {
   const TriangleMesh ball = make_icosphere(0.05, 2);
   const TriangleMesh box = scaled_and_moved(make_box({0.02, 0.02, 0.02}), 1.0, Vec3(0.2, 0, 0));
-  const TouchGeometry geometry({&ball, &box});
+  const TouchGeometry geometry(std::vector<const TriangleMesh*>{&ball, &box});
   ASSERT_EQ(geometry.triangle_count(), ball.triangles.size() + box.triangles.size());
   std::size_t of_box = 0;
   for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
@@ -60,6 +60,30 @@ TEST(TouchGeometry, ThereAndBackAgainIsTheSamePlace) {
   const TouchGeometry geometry({&mesh});
   const Vec3 p(0.013, -0.4, 0.02);
   EXPECT_LE((geometry.to_scene(geometry.to_local(p)) - p).norm(), 1e-16);
+}
+
+TEST(TouchGeometry, BuildsOnApproachAndLetsNoObjectCloseRoundTheProbe) {
+  const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
+  const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));
+  TouchGeometry geometry({near, far}, BuildPolicy::on_approach);
+  const auto seen = [&] {
+    int count = 0;
+    geometry.for_each_overlapping(Box{Vec3::Constant(-9), Vec3::Constant(9)}, [&](std::uint32_t) { ++count; });
+    return count;
+  };
+  EXPECT_EQ(geometry.built_count(), 0U);
+  EXPECT_FALSE(geometry.build_wanted()) << "nothing was asked for";
+  EXPECT_GT(geometry.look_ahead(geometry.to_local({0, 1.5, 0}), 0.0), 0.0);
+  EXPECT_FALSE(geometry.build_wanted());
+  EXPECT_EQ(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
+  EXPECT_EQ(seen(), 0);
+  EXPECT_TRUE(geometry.build_wanted());
+  EXPECT_FALSE(geometry.build_wanted()) << "the far one was built, too";
+  EXPECT_EQ(geometry.look_ahead(geometry.to_local({0, 0, 0}), 0.0), 0.0);
+  EXPECT_EQ(seen(), 0) << "it closed round the probe";
+  EXPECT_GT(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
+  EXPECT_EQ(seen(), static_cast<int>(near->triangles.size()));
+  EXPECT_EQ(geometry.built_count(), 1U);
 }
 
 }  // namespace

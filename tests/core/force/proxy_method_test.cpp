@@ -336,5 +336,47 @@ TEST(Proxy, FollowsTheReferenceOverAMesh) {
   EXPECT_LE(errors[errors.size() * 98 / 100], 1e-3);
 }
 
+TEST(Proxy, ObjectsNeverApproachedAreNeverBuilt) {
+  TouchScene scene = scene_of(make_icosphere(0.05, 3));
+  scene.objects.push_back({std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 3), 1.0, Vec3(5, 0, 0))), {}});
+  MethodSettings settings;
+  settings.build_on_approach = true;
+  const auto lazy = ProxyMethod::make(settings, scene).value();
+  const auto eager = proxy_over(scene);
+  lazy->reset({0, 0, 0.3});
+  eager->reset({0, 0, 0.3});
+  bool touched = false;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 p(0, 0, 0.3 - 1e-4 * i);
+    const MethodOutput felt = lazy->step({.p_SD = p});
+    EXPECT_EQ(felt.force_n, eager->step({.p_SD = p}).force_n);
+    touched |= felt.contact;
+    lazy->prepare();
+  }
+  EXPECT_TRUE(touched);
+  EXPECT_EQ(static_cast<const ProxyMethod&>(*lazy).geometry().built_count(), 1U);
+}
+
+TEST(Proxy, ForceIsTheSameWhateverTheOrderOfTrianglesAndCorners) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 3000, 2);
+  TriangleMesh shuffled = mesh;
+  constexpr unsigned kSeed = 99;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::shuffle(shuffled.triangles.begin(), shuffled.triangles.end(), random);
+  for (Triangle& t : shuffled.triangles) std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
+  const auto one = proxy_over(scene_of(mesh));
+  const auto other = proxy_over(scene_of(shuffled));
+  const std::vector<Vec3> way = walk_round(0.05, 0.002, 2000);
+  one->reset(way[0]);
+  other->reset(way[0]);
+  std::size_t apart = 0;
+  for (const Vec3& p : way) {
+    const Vec3 f = one->step({.p_SD = p}).force_n;
+    apart += (f - other->step({.p_SD = p}).force_n).norm() > 1e-5 * f.norm() + 1e-9 ? 1 : 0;
+  }
+  EXPECT_LE(apart, 4U) << "steps on the very edge of letting go may fall either way; others may not";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/collision/wide_bvh.h"
+#include "core/geometry/point_triangle.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// The coordinates that contact is worked out in: p_local = (p_S - origin) / unit_m, where unit_m is the power of two that puts the scene's
+// diagonal into [1, 2). A mesh of a micrometre and one of a thousand kilometres, here or far from the origin, have the same local
+// coordinates, so every tolerance can be a plain number.
+struct LocalFrame {
+  Vec3 origin = Vec3::Zero();
+  double unit_m = 1.0;
+
+  Vec3 to_local(const Vec3& p_S) const { return (p_S - origin) / unit_m; }
+  Vec3 to_scene(const Vec3& local) const { return local * unit_m + origin; }
+};
+
+// One mesh made ready for contact: in local coordinates, triangles in tree order, a bounding volume tree over them.
+//
+// Coordinates are rounded to a grid of 2^-51. Two such coordinates subtract exactly, so edges are exact and the normals of the thinnest
+// slivers keep their direction (point_triangle.h).
+// Threads: immutable after construction. RT: queries yes, construction set-up only.
+class ObjectGeometry {
+ public:
+  ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame);
+
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
+  std::size_t bytes() const;
+  const WideBvh& tree() const { return tree_; }
+  const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
+  const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
+  Separation separation(std::uint32_t t, const Vec3& p) const {
+    const Triangle& corners = triangles_[t];
+    return separation_from_triangle(p, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);
+  }
+
+  // Start moving a triangle's memory towards the processor: first its indices, later its corners.
+  void prefetch_indices(std::uint32_t t) const { _mm_prefetch(reinterpret_cast<const char*>(&triangles_[t]), _MM_HINT_T0); }
+  void prefetch_corners(std::uint32_t t) const {
+    for (const std::uint32_t v : triangles_[t]) _mm_prefetch(reinterpret_cast<const char*>(&vertices_[v]), _MM_HINT_T0);
+  }
+
+ private:
+  std::vector<Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  WideBvh tree_;
+};
+
+}  // namespace hapton
