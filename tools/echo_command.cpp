@@ -19,6 +19,7 @@ struct EchoOptions {
   std::string bind;
   double seconds = 0.0;
   std::string realtime = "off";
+  int cpu = -1;
 };
 
 int run(const EchoOptions& options) {
@@ -27,7 +28,7 @@ int run(const EchoOptions& options) {
     fmt::print(stderr, "hapton echo: {}\n", echo.error().what);
     return 1;
   }
-  const auto realtime = enter_realtime({.mode = *parse_realtime_mode(options.realtime)});
+  const auto realtime = enter_realtime({.mode = *parse_realtime_mode(options.realtime), .cpu = options.cpu});
   if (!realtime) {
     fmt::print(stderr, "hapton echo: {}\n", realtime.error().what);
     return 1;
@@ -55,6 +56,9 @@ void add_echo_command(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
+      ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "Stay on this CPU, unless --rt is off; -1: any")
+      ->check(CLI::Range(-1, 4095))
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -37,6 +37,9 @@ void add_latency_command(CLI::App& app, int& exit_code) {
   command->add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "Nodes and echo all stay on this CPU; -1: any")
+      ->check(CLI::Range(-1, 1023))
+      ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

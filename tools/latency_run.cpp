@@ -101,12 +101,13 @@ Result<void> measure(const LatencyRunOptions& options) {
   if (!echo_at || !hub_at) {
     return tl::unexpected(echo_at ? hub_at.error() : echo_at.error());
   }
+  const std::string cpu = fmt::format("{}", options.cpu);
   // Scheduled as the nodes are: else their ratio would tell of the scheduler.
-  auto echo = Node::start(options, "echo", "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime});
+  auto echo = Node::start(options, "echo", "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
   }
-  std::vector<std::string> arguments = {"--hub", *hub_at, "--scene", options.scene.string(), "--rt", options.realtime};
+  std::vector<std::string> arguments = {"--hub", *hub_at, "--scene", options.scene.string(), "--rt", options.realtime, "--cpu", cpu};
   if (!options.method.empty()) {
     arguments.insert(arguments.end(), {"--method", options.method});
   }
@@ -121,7 +122,7 @@ Result<void> measure(const LatencyRunOptions& options) {
   }
   auto io = Node::start(options, "io_node", "io_node",
                         {"--bind", *hub_at, "--echo-probe", *echo_at, "--rate", fmt::format("{}", options.rate_hz), "--seconds",
-                         fmt::format("{}", options.seconds), "--out", options.out.string(), "--rt", options.realtime});
+                         fmt::format("{}", options.seconds), "--out", options.out.string(), "--rt", options.realtime, "--cpu", cpu});
   if (!io) {
     return tl::unexpected(io.error());
   }

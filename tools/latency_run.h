@@ -14,6 +14,7 @@ struct LatencyRunOptions {
   std::filesystem::path scene = "scenes/car_front.toml";
   std::string method;            // empty: the haptics node's default
   std::string realtime = "try";  // off, try or require
+  int cpu = -1;                  // all three stay on this CPU, unless realtime is off; -1: any
 };
 
 // Runs io_node, haptics_node and a bare echo as processes of their own on free loopback ports, each writing to options.out/NAME.log, and
