@@ -52,8 +52,8 @@ class ProxyMethod final : public ForceMethod {
   static constexpr int kMaxIterations = 256;
   static constexpr double kLookAheadSteps = 500.0;  // an object is asked for half a second before the probe can be there, at 1 kHz
   static constexpr int kMaxIdle = 6;
-  static constexpr double kCatchUp = 2.0;
-  static constexpr int kParts = 8;
+  static constexpr double kCatchUp = 3.0;
+  static constexpr int kParts = 4;
   static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
   static constexpr int kManyNear = 48;  // one of more is shrunk
