@@ -1,0 +1,205 @@
+#include <immintrin.h>
+
+#include "core/collision/triangle_pair.h"
+
+// The steps of intersect_triangles (triangle_pair.cpp) in eight lanes, without branches, and with a bound on the error of every number
+// whose sign decides. u = 2^-24.
+//
+// Coordinates are off by u times their magnitude, which `reach` bounds; a difference of two, rounded again, is off by eta = 4 u reach.
+// A determinant with rows bounded by k, l and m in every component is then off by at most
+//   6 eta (k l + k m + l m)  for its rows, with k, l, m taken one eta larger, which covers the products of errors, and
+//   27 u k l m               for its arithmetic: a cross product's component fma(a, b, -(c d)) by 3 u k l, three of them times m; three
+//                            roundings of the dot product by 18 u k l m.
+// A piercing point base + t dir with t = d0 / (d0 - d1), both heights off by E: t is off by E / |d0 - d1| (exactly so, with the computed
+// denominator) and 3 u; dir by eta, base by u reach, the sum by u reach.
+
+namespace hapton {
+namespace {
+
+struct Vec8 {
+  __m256 x, y, z;
+};
+
+const __m256 kSign = _mm256_set1_ps(-0.0F);
+
+__m256 set8(float x) { return _mm256_set1_ps(x); }
+__m256 magnitude(__m256 x) { return _mm256_andnot_ps(kSign, x); }
+__m256 larger(__m256 a, __m256 b) { return _mm256_max_ps(a, b); }
+__m256 times(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
+__m256 plus(__m256 a, __m256 b) { return _mm256_add_ps(a, b); }
+__m256 flipped(__m256 a, __m256 sign) { return _mm256_xor_ps(a, sign); }
+__m256 is_above(__m256 a, __m256 b) { return _mm256_cmp_ps(a, b, _CMP_GT_OQ); }
+
+Vec8 load(const float from[3][8]) { return {_mm256_load_ps(from[0]), _mm256_load_ps(from[1]), _mm256_load_ps(from[2])}; }
+void store(const Vec8& v, float into[3][8]) {
+  _mm256_store_ps(into[0], v.x);
+  _mm256_store_ps(into[1], v.y);
+  _mm256_store_ps(into[2], v.z);
+}
+Vec8 minus(const Vec8& a, const Vec8& b) { return {_mm256_sub_ps(a.x, b.x), _mm256_sub_ps(a.y, b.y), _mm256_sub_ps(a.z, b.z)}; }
+__m256 dot(const Vec8& a, const Vec8& b) { return _mm256_fmadd_ps(a.z, b.z, _mm256_fmadd_ps(a.y, b.y, _mm256_mul_ps(a.x, b.x))); }
+Vec8 cross(const Vec8& a, const Vec8& b) {
+  return {_mm256_fmsub_ps(a.y, b.z, _mm256_mul_ps(a.z, b.y)), _mm256_fmsub_ps(a.z, b.x, _mm256_mul_ps(a.x, b.z)),
+          _mm256_fmsub_ps(a.x, b.y, _mm256_mul_ps(a.y, b.x))};
+}
+__m256 largest(const Vec8& a) { return larger(magnitude(a.x), larger(magnitude(a.y), magnitude(a.z))); }
+
+// other where the mask's sign bit is set.
+__m256 choose(__m256 one, __m256 other, __m256 mask) { return _mm256_blendv_ps(one, other, mask); }
+Vec8 choose(const Vec8& one, const Vec8& other, __m256 mask) {
+  return {choose(one.x, other.x, mask), choose(one.y, other.y, mask), choose(one.z, other.z, mask)};
+}
+
+// Turned so that the corner alone on its side comes first.
+struct Turned8 {
+  Vec8 first, second, third;
+  __m256 height[3];
+};
+
+Turned8 turn(const Vec8 corner[3], const __m256 height[3]) {
+  const __m256 differ_01 = _mm256_xor_ps(height[0], height[1]);
+  const __m256 differ_02 = _mm256_xor_ps(height[0], height[2]);
+  const __m256 second_alone = _mm256_andnot_ps(differ_02, differ_01);
+  const __m256 third_alone = _mm256_andnot_ps(differ_01, differ_02);
+  const auto pick = [&](const auto& none, const auto& second, const auto& third) {
+    return choose(choose(none, second, second_alone), third, third_alone);
+  };
+  return {pick(corner[0], corner[1], corner[2]),
+          pick(corner[1], corner[2], corner[0]),
+          pick(corner[2], corner[0], corner[1]),
+          {pick(height[0], height[1], height[2]), pick(height[1], height[2], height[0]), pick(height[2], height[0], height[1])}};
+}
+
+// The bound on a determinant's error, above. Pre: k, l, m already one eta larger.
+__m256 determinant_error(__m256 eta, __m256 k, __m256 l, __m256 m) {
+  const __m256 pairs = plus(times(k, l), times(m, plus(k, l)));
+  return plus(times(times(set8(6.1F), eta), pairs), times(times(set8(28.0F * 0x1p-24F), k), times(l, m)));
+}
+
+struct Heights {
+  __m256 height[3];
+  __m256 all_clear;  // every sign is certain
+  __m256 beside;     // all three certainly on one side
+};
+
+Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner[3], __m256 error) {
+  Heights h;
+  __m256 least = set8(__builtin_huge_valf());
+  for (int i = 0; i < 3; ++i) {
+    h.height[i] = dot(normal, minus(corner[i], on_plane));
+    least = _mm256_min_ps(least, magnitude(h.height[i]));
+  }
+  h.all_clear = is_above(least, error);
+  const __m256 differ = _mm256_or_ps(_mm256_xor_ps(h.height[0], h.height[1]), _mm256_xor_ps(h.height[0], h.height[2]));
+  h.beside = _mm256_andnot_ps(differ, h.all_clear);
+  return h;
+}
+
+struct Pierced {
+  Vec8 point;
+  __m256 loose;  // E / |d0 - d1|: what t may be off by
+};
+
+Pierced pierce(const Vec8& base, const Vec8& direction, __m256 d0, __m256 d1, __m256 error) {
+  const __m256 one_over = _mm256_div_ps(set8(1.0F), _mm256_sub_ps(d0, d1));
+  const __m256 t = times(d0, one_over);
+  return {{_mm256_fmadd_ps(t, direction.x, base.x), _mm256_fmadd_ps(t, direction.y, base.y), _mm256_fmadd_ps(t, direction.z, base.z)},
+          times(error, magnitude(one_over))};
+}
+
+int bits_of(__m256 mask) { return _mm256_movemask_ps(mask); }
+
+}  // namespace
+
+void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexcept {
+  const Vec8 a[3] = {load(pairs.a[0]), load(pairs.a[1]), load(pairs.a[2])};
+  const Vec8 b[3] = {load(pairs.b[0]), load(pairs.b[1]), load(pairs.b[2])};
+  const Vec8 ab = minus(a[1], a[0]);
+  const Vec8 ac = minus(a[2], a[0]);
+  const Vec8 de = minus(b[1], b[0]);
+  const Vec8 df = minus(b[2], b[0]);
+
+  // Bounds on components: of edges, of what lies between the triangles, of coordinates.
+  const __m256 edge_a = larger(larger(largest(ab), largest(ac)), largest(minus(a[2], a[1])));
+  const __m256 edge_b = larger(larger(largest(de), largest(df)), largest(minus(b[2], b[1])));
+  const __m256 longest = larger(edge_a, edge_b);
+  const __m256 reach = plus(larger(largest(a[0]), largest(b[0])), longest);
+  const __m256 eta = times(set8(4.1F * 0x1p-24F), reach);
+  const __m256 k = plus(edge_a, times(set8(2.1F), eta));
+  const __m256 l = plus(edge_b, times(set8(2.1F), eta));
+  const __m256 between = plus(largest(minus(b[0], a[0])), times(set8(2.1F), eta));
+  const __m256 error_a = determinant_error(eta, l, l, plus(between, k));  // of a's heights over b
+  const __m256 error_b = determinant_error(eta, k, k, plus(between, l));
+
+  const Heights over_b = heights_over(cross(de, df), b[0], a, error_a);
+  const Heights over_a = heights_over(cross(ab, ac), a[0], b, error_b);
+  const Turned8 p = turn(a, over_b.height);
+  const Turned8 q = turn(b, over_a.height);
+
+  // Along D a triangle's piercing points come in the order of its corners third, second for a on top and second, third for b on top.
+  const __m256 a_below = p.height[0];  // sign bit: the first corner is the lowest
+  const __m256 b_below = q.height[0];
+  const Vec8 low_a = minus(choose(p.third, p.second, a_below), p.first);
+  const Vec8 high_a = minus(choose(p.second, p.third, a_below), p.first);
+  const Vec8 low_b = minus(choose(q.second, q.third, b_below), q.first);
+  const Vec8 high_b = minus(choose(q.third, q.second, b_below), q.first);
+  const Vec8 firsts = minus(q.first, p.first);
+  const Vec8 low_turn = cross(low_a, firsts);
+  const Vec8 high_turn = cross(high_a, firsts);
+  const __m256 turned = _mm256_and_ps(_mm256_xor_ps(a_below, b_below), kSign);
+  // > 0: b's piercing point is later than a's.
+  const __m256 low_high = flipped(dot(high_b, low_turn), turned);
+  const __m256 high_low = flipped(dot(low_b, high_turn), turned);
+  const __m256 low_low = flipped(dot(low_b, low_turn), turned);
+  const __m256 high_high = flipped(dot(high_b, high_turn), turned);
+  const __m256 order_error = determinant_error(eta, k, l, plus(between, plus(k, l)));
+  const __m256 apart = _mm256_or_ps(is_above(flipped(low_high, kSign), order_error), is_above(high_low, order_error));
+  __m256 clear = is_above(
+      _mm256_min_ps(_mm256_min_ps(magnitude(low_high), magnitude(high_low)), _mm256_min_ps(magnitude(low_low), magnitude(high_high))),
+      order_error);
+  const __m256 heights_clear = _mm256_and_ps(over_b.all_clear, over_a.all_clear);
+  clear = _mm256_and_ps(clear, heights_clear);
+
+  // begin: the later of the low ends; end: the earlier of the high ones. Masks by sign bit.
+  const __m256 begin_on_b = flipped(low_low, kSign);
+  const __m256 end_on_b = high_high;
+  const __m256 low_height_a = choose(p.height[2], p.height[1], a_below);
+  const __m256 high_height_a = choose(p.height[1], p.height[2], a_below);
+  const __m256 low_height_b = choose(q.height[1], q.height[2], b_below);
+  const __m256 high_height_b = choose(q.height[2], q.height[1], b_below);
+  const Pierced begin =
+      pierce(choose(p.first, q.first, begin_on_b), choose(low_a, low_b, begin_on_b), choose(p.height[0], q.height[0], begin_on_b),
+             choose(low_height_a, low_height_b, begin_on_b), choose(error_a, error_b, begin_on_b));
+  const Pierced end =
+      pierce(choose(p.first, q.first, end_on_b), choose(high_a, high_b, end_on_b), choose(p.height[0], q.height[0], end_on_b),
+             choose(high_height_a, high_height_b, end_on_b), choose(error_a, error_b, end_on_b));
+  const __m256 shift =
+      plus(times(larger(k, l), plus(larger(begin.loose, end.loose), set8(4.0F * 0x1p-24F))), times(set8(8.0F * 0x1p-24F), reach));
+  const __m256 error = times(set8(1.75F), shift);  // sqrt(3): of components to length
+  const __m256 located = is_above(times(set8(0.00099F), _mm256_min_ps(edge_a, edge_b)), error);
+
+  const __m256 beside = _mm256_or_ps(over_b.beside, over_a.beside);
+  const __m256 misses = _mm256_or_ps(beside, _mm256_and_ps(apart, heights_clear));
+  const __m256 meets = _mm256_andnot_ps(misses, _mm256_and_ps(clear, located));
+  contacts.meets = static_cast<std::uint8_t>(bits_of(meets));
+  contacts.unclear = static_cast<std::uint8_t>(~bits_of(_mm256_or_ps(meets, misses)));
+  store(begin.point, contacts.begin);
+  store(end.point, contacts.end);
+  _mm256_store_ps(contacts.error, error);
+}
+
+void pack_pair(const TrianglePair& pair, int lane, TrianglePairs8& pairs) noexcept {
+  const Vec3& origin = pair.a[0];
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      pairs.a[i][k][lane] = static_cast<float>(pair.a[i][k] - origin[k]);
+      pairs.b[i][k][lane] = static_cast<float>(pair.b[i][k] - origin[k]);
+    }
+  }
+}
+
+void pack_8(const TrianglePair* pairs, TrianglePairs8& packed) noexcept {
+  for (int lane = 0; lane < 8; ++lane) pack_pair(pairs[lane], lane, packed);
+}
+
+}  // namespace hapton
