@@ -17,9 +17,20 @@ struct Turned {
   bool on_top = false;           // corner 0 is the highest
 };
 
+// orient3d of the plane with each corner, its first stage sharing what the three have in common.
 std::array<double, 3> heights_over(const Corners& plane, const Corners& corner) {
-  return {orient3d(plane[0], plane[1], plane[2], corner[0]), orient3d(plane[0], plane[1], plane[2], corner[1]),
-          orient3d(plane[0], plane[1], plane[2], corner[2])};
+  const Vec3 u = plane[1] - plane[0];
+  const Vec3 v = plane[2] - plane[0];
+  const Vec3 normal = u.cross(v);
+  const Vec3 largest = u.cwiseAbs().cwiseMax(v.cwiseAbs());
+  std::array<double, 3> height;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 w = corner[i] - plane[0];
+    height[i] = normal.dot(w);
+    const double size = largest.cwiseMax(w.cwiseAbs()).prod();
+    if (!(std::fabs(height[i]) > kAccurateDeterminant * size)) height[i] = orient3d_exact(plane[0], plane[1], plane[2], corner[i]);
+  }
+  return height;
 }
 
 bool is_beside(const std::array<double, 3>& height) {

@@ -5,11 +5,11 @@
 // The steps of intersect_triangles (triangle_pair.cpp) in eight lanes, without branches, and with a bound on the error of every number
 // whose sign decides. u = 2^-24.
 //
-// Coordinates are off by u times their magnitude, which `reach` bounds; a difference of two, rounded again, is off by eta = 4 u reach.
-// A determinant with rows bounded by k, l and m in every component is then off by at most
-//   6 eta (k l + k m + l m)  for its rows, with k, l, m taken one eta larger, which covers the products of errors, and
-//   27 u k l m               for its arithmetic: a cross product's component fma(a, b, -(c d)) by 3 u k l, three of them times m; three
-//                            roundings of the dot product by 18 u k l m.
+// Corners are off by u times their length, which `reach` bounds; a difference of two, rounded again, is off by eta = 4 u reach.
+// A determinant whose rows have lengths up to k, l and m is then off by at most
+//   eta (k l + k m + l m)  for its rows (Hadamard), with k, l, m taken one eta longer, which covers the products of errors, and
+//   5 u k l m              for its arithmetic: a cross product's component fma(a, b, -(c d)) is off by u (|c d| + |a b - c d|), together
+//                          2 u k l, times m; three roundings in the dot product, 3 u k l m.
 // A piercing point base + t dir with t = d0 / (d0 - d1), both heights off by E: t is off by E / |d0 - d1| (exactly so, with the computed
 // denominator) and 3 u; dir by eta, base by u reach, the sum by u reach.
 
@@ -42,7 +42,7 @@ Vec8 cross(const Vec8& a, const Vec8& b) {
   return {_mm256_fmsub_ps(a.y, b.z, _mm256_mul_ps(a.z, b.y)), _mm256_fmsub_ps(a.z, b.x, _mm256_mul_ps(a.x, b.z)),
           _mm256_fmsub_ps(a.x, b.y, _mm256_mul_ps(a.y, b.x))};
 }
-__m256 largest(const Vec8& a) { return larger(magnitude(a.x), larger(magnitude(a.y), magnitude(a.z))); }
+__m256 squared(const Vec8& a) { return dot(a, a); }
 
 // other where the mask's sign bit is set.
 __m256 choose(__m256 one, __m256 other, __m256 mask) { return _mm256_blendv_ps(one, other, mask); }
@@ -70,10 +70,10 @@ Turned8 turn(const Vec8 corner[3], const __m256 height[3]) {
           {pick(height[0], height[1], height[2]), pick(height[1], height[2], height[0]), pick(height[2], height[0], height[1])}};
 }
 
-// The bound on a determinant's error, above. Pre: k, l, m already one eta larger.
+// The bound on a determinant's error, above, with room for the rounding of the bound itself. Pre: k, l, m already one eta longer.
 __m256 determinant_error(__m256 eta, __m256 k, __m256 l, __m256 m) {
   const __m256 pairs = plus(times(k, l), times(m, plus(k, l)));
-  return plus(times(times(set8(6.1F), eta), pairs), times(times(set8(28.0F * 0x1p-24F), k), times(l, m)));
+  return plus(times(times(set8(1.01F), eta), pairs), times(times(set8(5.1F * 0x1p-24F), k), times(l, m)));
 }
 
 struct Heights {
@@ -119,15 +119,15 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 de = minus(b[1], b[0]);
   const Vec8 df = minus(b[2], b[0]);
 
-  // Bounds on components: of edges, of what lies between the triangles, of coordinates.
-  const __m256 edge_a = larger(larger(largest(ab), largest(ac)), largest(minus(a[2], a[1])));
-  const __m256 edge_b = larger(larger(largest(de), largest(df)), largest(minus(b[2], b[1])));
-  const __m256 longest = larger(edge_a, edge_b);
-  const __m256 reach = plus(larger(largest(a[0]), largest(b[0])), longest);
+  // Bounds on lengths: of edges, of what lies between the triangles, of corners.
+  const __m256 edge_a = _mm256_sqrt_ps(larger(larger(squared(ab), squared(ac)), squared(minus(a[2], a[1]))));
+  const __m256 edge_b = _mm256_sqrt_ps(larger(larger(squared(de), squared(df)), squared(minus(b[2], b[1]))));
+  const __m256 reach = plus(_mm256_sqrt_ps(larger(squared(a[0]), squared(b[0]))), larger(edge_a, edge_b));
   const __m256 eta = times(set8(4.1F * 0x1p-24F), reach);
-  const __m256 k = plus(edge_a, times(set8(2.1F), eta));
-  const __m256 l = plus(edge_b, times(set8(2.1F), eta));
-  const __m256 between = plus(largest(minus(b[0], a[0])), times(set8(2.1F), eta));
+  const __m256 two_eta = plus(eta, times(set8(1.1F), eta));
+  const __m256 k = plus(edge_a, two_eta);
+  const __m256 l = plus(edge_b, two_eta);
+  const __m256 between = plus(_mm256_sqrt_ps(squared(minus(b[0], a[0]))), two_eta);
   const __m256 error_a = determinant_error(eta, l, l, plus(between, k));  // of a's heights over b
   const __m256 error_b = determinant_error(eta, k, k, plus(between, l));
 

@@ -33,6 +33,9 @@ constexpr double kDeterminantError = 0x1p-47;
 
 }  // namespace detail
 
+// A determinant in plain doubles larger than this times its size has a relative error below 2^-20.
+constexpr double kAccurateDeterminant = 0x1p20 * detail::kDeterminantError;
+
 // Six times the signed volume of tetrahedron abcd, det(b - a, c - a, d - a): > 0 when d lies on the side of abc from which a, b, c turn
 // counter-clockwise; exactly 0 only when the four points as given lie in one plane. Relative error at most 2^-20, and almost always
 // about 2^-50: plain doubles where their bound allows it, else exact.
@@ -40,8 +43,7 @@ constexpr double kDeterminantError = 0x1p-47;
 // Source: Shewchuk 1997 (exact expansions); we differ in two stages only, and a first stage that looks at the largest differences.
 inline double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
   const detail::RoundedDeterminant rounded = detail::rounded_determinant(a, b, c, d);
-  constexpr double kAccurate = 0x1p20 * detail::kDeterminantError;
-  return std::fabs(rounded.value) > kAccurate * rounded.size ? rounded.value : orient3d_exact(a, b, c, d);
+  return std::fabs(rounded.value) > kAccurateDeterminant * rounded.size ? rounded.value : orient3d_exact(a, b, c, d);
 }
 
 // The same, of which only the sign means anything: looks closer only where the sign is in doubt.
