@@ -28,17 +28,16 @@ constexpr double kBorder = 1e-3;  // of the rest distance: a face's contact this
 constexpr int kIdleMotions = 8;
 constexpr int kMostMotions = 4000;
 constexpr std::size_t kMostTouched = 256;
+constexpr int kMostEscapes = 64;
+constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
+constexpr std::size_t kMostNear = 48;
+constexpr std::size_t kMostDirections = 1536;
 
 float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
 float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
   return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
-}
-
-Vec3 within_limits(const Vec3& p) {
-  const double most = p.cwiseAbs().maxCoeff();
-  return most > kFarthest ? Vec3(p * (kFarthest / most)) : p;
 }
 
 double power_of_two_above(double length) {
@@ -116,7 +115,18 @@ ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScen
   candidates_.reserve(triangles_.size());
   candidate_boxes_.reserve(triangles_.size());
   touched_.reserve(kMostTouched);
+  touched_before_.reserve(kMostTouched);
+  near_.reserve(kMostNear);
+  directions_.reserve(kMostDirections);
   half_spaces_.reserve(kMostTouched);
+}
+
+// Far away the direction is kept and the distance cut, before anything can overflow.
+Vec3 ReferenceMethod::device_to_local(const Vec3& p_S) const noexcept {
+  const Vec3 p = p_S - centre_;
+  const double most = p.cwiseAbs().maxCoeff();
+  const double farthest = kFarthest * unit_m_;
+  return (most > farthest ? Vec3(p * (farthest / most)) : p) / unit_m_;
 }
 
 PreparedTriangle ReferenceMethod::prepare(std::uint32_t triangle) const {
@@ -159,7 +169,7 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
   if (!placed_) reset(input.p_SD);
   ++counters_.steps;
   const Vec3 from = device_;
-  const Vec3 to = within_limits(to_local(input.p_SD));
+  const Vec3 to = device_to_local(input.p_SD);
   const Vec3 way = to - from;
   gather(to, (proxy_ - from).norm() + way.norm() + 4.0 * rest_);
   if (candidates_.empty() && free_) {
@@ -181,13 +191,13 @@ void ReferenceMethod::reset(const Vec3& p_SD) noexcept {
   sliding_ = false;
   placed_ = p_SD.allFinite();
   if (!placed_) return;
-  device_ = within_limits(to_local(p_SD));
+  device_ = device_to_local(p_SD);
   proxy_ = device_;
 }
 
 MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept {
   proxy_ = to_local(p_SP);
-  device_ = within_limits(to_local(p_SD));
+  device_ = device_to_local(p_SD);
   placed_ = true;
   free_ = false;
   touched_.clear();
@@ -206,6 +216,14 @@ void ReferenceMethod::settle(const Vec3& device) noexcept {
   }
   ++counters_.settles;
   const Vec3 start = proxy_;
+  descend(device);
+  for (int i = 0; i < kMostEscapes && escape(device); ++i) ++counters_.escapes;
+  free_ = proxy_ == device && touched_.empty();
+  if (!free_ && (proxy_ - start).norm() <= kStill) sliding_ = false;
+}
+
+// From where the proxy is to where no straight motion brings it nearer to the device.
+void ReferenceMethod::descend(const Vec3& device) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   int motions = 0;
@@ -234,11 +252,85 @@ void ReferenceMethod::settle(const Vec3& device) noexcept {
     advance(motion);
   }
   look_at_touched();
-  free_ = proxy_ == device && touched_.empty();
-  if (!free_ && (proxy_ - start).norm() <= kStill) sliding_ = false;
   counters_.motions += static_cast<std::uint64_t>(motions);
   counters_.most_motions = std::max(counters_.most_motions, static_cast<std::uint64_t>(motions));
   if (motions == kMostMotions) ++counters_.unsettled;
+}
+
+// A point probe is a sphere only for the sake of safety, and where a fold narrows at a corner the sphere may rest against a step no higher
+// than its own radius that is no obstacle to a point. So at rest the proxy is lifted by a few radii and sent along every direction the
+// corner offers: the wish, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that ends
+// nearer to the device by more than such a step; else it is put back.
+bool ReferenceMethod::escape(const Vec3& device) noexcept {
+  if (rest_ != kHover || has_friction() || touched_.empty() || proxy_ == device) return false;
+  const Vec3 start = proxy_;
+  const Vec3 wish = device - start;
+  const double least_gain = kEscapeGain * rest_;
+  touched_before_ = touched_;
+  for (const double height : {8.0 * rest_, 256.0 * rest_}) {
+    collect_near(start, 2.0 * height);
+    if (!lift(start, height)) continue;
+    const Vec3 lifted = proxy_;
+    for (const Vec3& direction : directions_out(start, wish, 2.0 * height)) {
+      proxy_ = lifted;
+      touched_.clear();
+      advance(direction);
+      if ((proxy_ - start).norm() < 8.0 * height) continue;
+      descend(device);
+      if ((device - proxy_).norm() < wish.norm() - least_gain) return true;
+    }
+    proxy_ = start;
+  }
+  proxy_ = start;
+  touched_ = touched_before_;
+  look_at_touched();
+  return false;
+}
+
+void ReferenceMethod::collect_near(const Vec3& p, double within) noexcept {
+  near_.clear();
+  for (std::size_t i = 0; i < candidates_.size() && near_.size() < kMostNear; ++i) {
+    const Box& box = candidate_boxes_[i];
+    if (!boxes_meet(box.low, box.high, p.array() - within, p.array() + within) || !can_touch(candidates_[i])) continue;
+    const ClosestPoint near = closest_point(candidates_[i].shape, p);
+    if (near.distance <= within && !near.direction.isZero(0.0)) near_.push_back({candidates_[i], near});
+  }
+}
+
+// Moves the proxy by the shortest way to where it is `height` above the planes of all that is near. False when there is no such place.
+bool ReferenceMethod::lift(const Vec3& start, double height) noexcept {
+  half_spaces_.clear();
+  for (const Touch& touch : near_) half_spaces_.push_back({touch.near.direction, height - touch.near.distance});
+  const HalfSpaceProjection way = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  if (!way.feasible || way.point.norm() > 64.0 * height) return false;
+  proxy_ = start;
+  advance(way.point);
+  return true;
+}
+
+const std::vector<Vec3>& ReferenceMethod::directions_out(const Vec3& start, const Vec3& wish, double within) noexcept {
+  directions_.clear();
+  auto add_line = [&](const Vec3& line) {
+    const double length2 = line.squaredNorm();
+    if (length2 > 0.0) directions_.push_back((line.dot(wish) / length2) * line);
+  };
+  directions_.push_back(wish);
+  for (const Touch& touch : near_) {
+    const PreparedTriangle& shape = touch.face.shape;
+    if (shape.has_face) directions_.push_back(wish - wish.dot(shape.normal) * shape.normal);
+    for (int k = 0; k < 3; ++k) {
+      const double along = std::clamp(shape.edge[k].dot(start - shape.corner[k]) / std::max(shape.edge[k].squaredNorm(), 1e-300), 0.0, 1.0);
+      if ((start - shape.corner[k] - along * shape.edge[k]).norm() <= within) add_line(shape.edge[k]);
+    }
+  }
+  // Folds between faces that do not share an edge.
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMostDirections; ++j) {
+      const Vec3 fold = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
+      if (fold.squaredNorm() > 1e-12) add_line(fold);
+    }
+  }
+  return directions_;
 }
 
 // Far outside the scene there is nothing to meet: the proxy goes straight to the device, or to where its way enters the surroundings of the
@@ -442,9 +534,10 @@ std::string ReferenceMethod::describe() const {
   const double steps = std::max<double>(1.0, static_cast<double>(counters_.steps));
   return fmt::format(
       "reference: {} triangles, no search structure, {} sub-steps a step, proxy rests at {:.3g} m\n"
-      "  {} steps, {:.1f} triangles in reach and {:.2f} motions a step, at most {} in one sub-step; {} unsettled, {} infeasible\n",
+      "  {} steps, {:.1f} triangles in reach and {:.2f} motions a step, at most {} in one sub-step; {} escapes, {} unsettled, {} infeasible\n",
       triangles_.size(), substeps_, rest_ * unit_m_, counters_.steps, static_cast<double>(counters_.candidates) / steps,
-      static_cast<double>(counters_.motions) / steps, counters_.most_motions, counters_.unsettled, counters_.infeasible);
+      static_cast<double>(counters_.motions) / steps, counters_.most_motions, counters_.escapes, counters_.unsettled,
+      counters_.infeasible);
 }
 
 }  // namespace hapton

@@ -19,6 +19,7 @@ struct ReferenceCounters {
   std::uint64_t motions = 0;      // straight pieces of the proxy's way
   std::uint64_t most_motions = 0; // in one settle
   std::uint64_t unsettled = 0;    // settles stopped by the bound on motions: a valid proxy, short of the minimum
+  std::uint64_t escapes = 0;      // corners left that only the probe's radius had closed
   std::uint64_t infeasible = 0;   // projections that rounding left without a solution
   std::uint64_t candidates = 0;   // triangles within reach, summed over steps
 };
@@ -73,9 +74,15 @@ class ReferenceMethod final : public ForceMethod {
 
   Vec3 to_local(const Vec3& p_S) const { return (p_S - centre_) / unit_m_; }
   Vec3 to_scene(const Vec3& p) const { return p * unit_m_ + centre_; }
+  Vec3 device_to_local(const Vec3& p_S) const noexcept;
   PreparedTriangle prepare(std::uint32_t triangle) const;
   void gather(const Vec3& device, double reach) noexcept;
   void settle(const Vec3& device) noexcept;
+  void descend(const Vec3& device) noexcept;
+  bool escape(const Vec3& device) noexcept;
+  void collect_near(const Vec3& p, double within) noexcept;
+  bool lift(const Vec3& start, double height) noexcept;
+  const std::vector<Vec3>& directions_out(const Vec3& start, const Vec3& wish, double within) noexcept;
   bool cross_emptiness(const Vec3& device) noexcept;
   void look_at_touched() noexcept;
   Wish project_wish(const Vec3& wish) noexcept;
@@ -110,6 +117,9 @@ class ReferenceMethod final : public ForceMethod {
   std::vector<Face> candidates_;
   std::vector<Box> candidate_boxes_;
   std::vector<Touch> touched_;
+  std::vector<Touch> touched_before_;
+  std::vector<Touch> near_;
+  std::vector<Vec3> directions_;
   std::vector<HalfSpace> half_spaces_;
   Vec3 proxy_ = Vec3::Zero();
   Vec3 device_ = Vec3::Zero();

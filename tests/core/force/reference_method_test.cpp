@@ -292,6 +292,26 @@ TEST(ReferenceMethod, NotFiniteInputGivesNoForceAndIsForgotten) {
   EXPECT_NEAR(method->step({.p_SD = Vec3(0.01, 0.02, -0.001)}).force_n.z(), 1.0, 1e-6);
 }
 
+// A fold straight along z whose walls come closer together from z = 0 on, and bend aside. A point runs along its ground without a step; a
+// sphere, however small, would have to climb at the corner, by a share of its own radius.
+TEST(ReferenceMethod, ANarrowingFoldDoesNotHoldAPoint) {
+  TriangleMesh fold;
+  fold.vertices = {{0, 0, -0.05}, {0, 0, 0}, {0, 0, 0.05}, {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05}, {-0.03, 0.02, -0.05}, {-0.03, 0.02, 0}, {-0.02, 0.02, 0.05}};
+  fold.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {0, 6, 7}, {0, 7, 1}, {1, 7, 8}, {1, 8, 2}};
+  for (const double turn : {0.0, 1.0}) {
+    TriangleMesh turned = fold;
+    const Mat3 X = Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    for (Vec3& vertex : turned.vertices) vertex = X * vertex;
+    auto method = reference_over(turned);
+    method->reset(X * Vec3(0.0, 0.005, -0.03));
+    for (int i = 0; i <= 300; ++i) {
+      const Vec3 device(0.0, -0.002, -0.03 + 0.0002 * i);
+      const MethodOutput felt = method->step({.p_SD = X * device});
+      ASSERT_LT((felt.p_SP - X * Vec3(0.0, 0.0, device.z())).norm(), 1e-9) << i;
+    }
+  }
+}
+
 // ---- Invariances. ----
 
 TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {

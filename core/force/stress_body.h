@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// A thing to torture a force method with.
+struct StressBody {
+  std::string name;
+  TriangleMesh touched;       // what the method gets: may have needles, duplicates, cracks, flipped faces
+  TriangleMesh solid;         // the same place, clean and closed: tells inside from outside. Empty: not closed, falls cannot be told by inside
+  bool room = false;          // free space is the inside, and convex: the proxy is a projection onto a convex set, so never jumps
+  double probe_share = 0.0;   // radius of the probe as a share of the longest side
+};
+
+// The names of all bodies made by rule, longest side about 0.1 m, about the origin.
+std::span<const std::string_view> stress_body_names();
+
+// Pre: a name of that list.
+StressBody make_stress_body(std::string_view name);
+
+// A body around a mesh from elsewhere: its own judge where its edges close, else without one.
+StressBody make_stress_body(std::string name, TriangleMesh mesh);
+
+// Scaled about the origin, then moved.
+StressBody placed(StressBody body, double scale, const Vec3& move_m);
+
+}  // namespace hapton

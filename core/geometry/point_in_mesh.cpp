@@ -1,0 +1,96 @@
+#include "core/geometry/point_in_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/closest_point.h"
+#include "core/geometry/mesh_measures.h"
+
+namespace hapton {
+namespace {
+
+// Fixed directions without a pattern: two irrational turns apart.
+constexpr std::array<std::array<double, 3>, 3> kAside = {{{0.31, 0.7310585786, -0.5772156649}, {-0.27, -0.6180339887, -0.4142135624}, {0.11, 0.1415926536, 0.7182818285}}};
+
+double doubled_area(double ay, double az, double by, double bz, double cy, double cz) { return (by - ay) * (cz - az) - (bz - az) * (cy - ay); }
+
+}  // namespace
+
+PointInMesh::PointInMesh(const TriangleMesh& mesh, double jitter) : mesh_(mesh) {
+  const MeshBounds bounds = compute_bounds(mesh);
+  low_ = bounds.low;
+  high_ = bounds.high;
+  jitter_m_ = jitter * bounds.extent();
+  cells_ = static_cast<int>(std::clamp(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0), 1.0, 512.0));
+  const auto cells = static_cast<std::size_t>(cells_);
+  auto visit = [&](auto&& act) {
+    for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+      const Vec3 least = mesh_.corner(i, 0).cwiseMin(mesh_.corner(i, 1)).cwiseMin(mesh_.corner(i, 2));
+      const Vec3 most = mesh_.corner(i, 0).cwiseMax(mesh_.corner(i, 1)).cwiseMax(mesh_.corner(i, 2));
+      const std::size_t from = cell_of(least.y(), least.z());
+      const std::size_t to = cell_of(most.y(), most.z());
+      for (std::size_t row = from / cells; row <= to / cells; ++row) {
+        for (std::size_t column = from % cells; column <= to % cells; ++column) act(row * cells + column, i);
+      }
+    }
+  };
+  first_.assign(cells * cells + 1, 0);
+  visit([&](std::size_t cell, std::uint32_t) { ++first_[cell + 1]; });
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  listed_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  visit([&](std::size_t cell, std::uint32_t triangle) { listed_[next[cell]++] = triangle; });
+}
+
+std::size_t PointInMesh::cell_of(double y, double z) const {
+  auto place = [&](double value, double low, double high) {
+    const double share = high > low ? (value - low) / (high - low) : 0.0;
+    return static_cast<std::size_t>(std::clamp(share * cells_, 0.0, cells_ - 1.0));
+  };
+  return place(z, low_.z(), high_.z()) * static_cast<std::size_t>(cells_) + place(y, low_.y(), high_.y());
+}
+
+bool PointInMesh::is_inside(const Vec3& p) const {
+  int votes = 0;
+  for (const auto& aside : kAside) {
+    const Vec3 q = p + jitter_m_ * Vec3(aside[0], aside[1], aside[2]);
+    if ((q.array() < low_.array()).any() || (q.array() > high_.array()).any()) continue;
+    votes += winding_along_x(q) != 0;
+  }
+  return votes >= 2;
+}
+
+// Signed crossings of the ray towards +x. A ray exactly through an edge loses its count; it is outvoted.
+int PointInMesh::winding_along_x(const Vec3& p) const {
+  int winding = 0;
+  const std::size_t cell = cell_of(p.y(), p.z());
+  for (std::uint32_t at = first_[cell]; at < first_[cell + 1]; ++at) {
+    const std::uint32_t triangle = listed_[at];
+    const Vec3 &a = mesh_.corner(triangle, 0), &b = mesh_.corner(triangle, 1), &c = mesh_.corner(triangle, 2);
+    if (a.x() < p.x() && b.x() < p.x() && c.x() < p.x()) continue;
+    const double wa = doubled_area(b.y(), b.z(), c.y(), c.z(), p.y(), p.z());
+    const double wb = doubled_area(c.y(), c.z(), a.y(), a.z(), p.y(), p.z());
+    const double wc = doubled_area(a.y(), a.z(), b.y(), b.z(), p.y(), p.z());
+    const bool positive = wa > 0.0 && wb > 0.0 && wc > 0.0;
+    const bool negative = wa < 0.0 && wb < 0.0 && wc < 0.0;
+    if (!positive && !negative) continue;
+    const double x = (wa * (a.x() - p.x()) + wb * (b.x() - p.x()) + wc * (c.x() - p.x())) / (wa + wb + wc);
+    if (x > 0.0) winding += positive ? 1 : -1;
+  }
+  return winding;
+}
+
+double PointInMesh::compute_distance(const Vec3& p) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const Vec3 &a = mesh_.corner(i, 0), &b = mesh_.corner(i, 1), &c = mesh_.corner(i, 2);
+    const Vec3 out = (a.cwiseMin(b).cwiseMin(c) - p).cwiseMax(p - a.cwiseMax(b).cwiseMax(c)).cwiseMax(0.0);
+    if (out.squaredNorm() > nearest * nearest) continue;
+    nearest = std::min(nearest, closest_point(a, b, c, p).distance);
+  }
+  return nearest;
+}
+
+}  // namespace hapton

@@ -1,0 +1,53 @@
+#include "tools/stress.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+StressPlan small_plan(unsigned threads) {
+  StressPlan plan;
+  plan.method.name = "reference";
+  plan.method.reference_substeps = 1;
+  plan.steps = 1200;
+  plan.threads = threads;
+  plan.variants = {{.scale = 1.0}, {.scale = 1e-3}, {.offset_extents = 10.0}};
+  return plan;
+}
+
+TEST(Stress, RunsEveryBodyInEveryVariantWhateverTheThreads) {
+  const std::vector<StressBody> bodies{make_stress_body("box"), make_stress_body("tetrahedron")};
+  std::size_t told = 0;
+  const auto one = run_stress(bodies, small_plan(1), [&](const StressResult&) { ++told; });
+  const auto many = run_stress(bodies, small_plan(3), [](const StressResult&) {});
+  ASSERT_TRUE(one.has_value() && many.has_value());
+  EXPECT_EQ(told, 6u);
+  ASSERT_EQ(one->size(), 6u);
+  for (std::size_t i = 0; i < one->size(); ++i) {
+    EXPECT_EQ((*one)[i].count.steps, (*many)[i].count.steps);
+    EXPECT_EQ((*one)[i].count.contact_steps, (*many)[i].count.contact_steps);
+    EXPECT_GE((*one)[i].count.steps, 400u);
+  }
+  EXPECT_EQ(sum_of(*one).total_faults(), 0u);
+}
+
+TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
+  StressResult result{"box", {.scale = 1e-3}, {}};
+  result.count.faults[0] = 1;
+  result.count.findings = {{.fault = StressFault::kFall, .motion = StressMotion::kTapEdge, .episode = 77, .step = 5, .size = 0.01}};
+  const std::string text = to_text({result}, small_plan(1));
+  EXPECT_THAT(text, ::testing::HasSubstr("fall in tap-edge at step 5"));
+  EXPECT_THAT(text, ::testing::HasSubstr("--body box --seed 1 --scale 0.001"));
+  EXPECT_THAT(text, ::testing::HasSubstr("--episode 77"));
+  EXPECT_THAT(to_json({result}, small_plan(1)), ::testing::HasSubstr("\"faults\": 1"));
+}
+
+TEST(Stress, RefusesAnUnknownMethod) {
+  StressPlan plan = small_plan(1);
+  plan.method.name = "no such method";
+  EXPECT_FALSE(run_stress({make_stress_body("box")}, plan, [](const StressResult&) {}).has_value());
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/force/stress_run.h"
+
+namespace hapton {
+
+// One place and material every body is tortured in.
+struct StressVariant {
+  double scale = 1.0;
+  double offset_extents = 0.0;
+  double friction_static = 0.0;
+  double friction_dynamic = 0.0;
+};
+
+// Scales 1e-6 to 1e6, offsets up to a million extents, and friction.
+std::vector<StressVariant> standard_variants();
+
+struct StressPlan {
+  MethodSettings method;
+  std::uint64_t seed = 1;
+  std::uint64_t steps = 100000;  // a body, shared by the variants
+  std::size_t rest_every = 64;
+  double probe_share = 0.0;  // above 0: every body is touched with this probe instead of its own, a share of its longest side
+  unsigned threads = 1;
+  std::vector<StressVariant> variants = standard_variants();
+};
+
+// What one body went through in one variant.
+struct StressResult {
+  std::string body;
+  StressVariant variant;
+  StressCount count;
+};
+
+// Runs every body in every variant; `progress` is called from one thread at a time, after each.
+Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodies, const StressPlan& plan,
+                                             const std::function<void(const StressResult&)>& progress);
+
+// Only one episode of every body and variant.
+Result<std::vector<StressResult>> run_episode(const std::vector<StressBody>& bodies, const StressPlan& plan, std::uint64_t episode);
+
+// A table for people, a line a body, and the findings, each with the command that shows it again.
+std::string to_text(const std::vector<StressResult>& results, const StressPlan& plan);
+std::string to_json(const std::vector<StressResult>& results, const StressPlan& plan);
+
+// Sum over all results.
+StressCount sum_of(const std::vector<StressResult>& results);
+
+}  // namespace hapton
