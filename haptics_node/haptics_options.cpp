@@ -44,6 +44,9 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0 is a point (sweep knows no other)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_option("--shading", options.method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app.add_flag("--build-on-approach,!--build-at-once", options.method.build_on_approach,
                "proxy: build an object's structures when the probe first comes near it, beside the running loop")
       ->default_str("true");

@@ -155,6 +155,9 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   command->add_option("--probe-radius", options->method.probe_radius_m, "Metres; 0 is a point (sweep knows no other)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command->add_option("--shading", options->method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command->add_option("--set-size", options->method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
   command->add_option("--radius", options->method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data")->capture_default_str();
   command->add_option("--layer", options->method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")

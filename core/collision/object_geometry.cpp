@@ -1,5 +1,10 @@
 #include "core/collision/object_geometry.h"
 
+#include <algorithm>
+#include <numeric>
+
+#include "core/geometry/corner_normals.h"
+
 namespace hapton {
 namespace {
 
@@ -17,7 +22,7 @@ std::vector<Box> triangle_boxes(const std::vector<Vec3>& vertices, const std::ve
 
 }  // namespace
 
-ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame) : tree_(std::span<const Box>{}) {
+ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad) : tree_(std::span<const Box>{}) {
   constexpr double kGrid = 0x1p-51;
   std::vector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
@@ -44,11 +49,37 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     triangles_.push_back(t);
   }
   vertices_.shrink_to_fit();
+  if (shading_crease_rad) {
+    std::vector<std::uint32_t> source(mesh.triangles.size());
+    std::iota(source.begin(), source.end(), 0U);
+    CornerNormalReport report;
+    ShadedMesh shaded = fill_corner_normals(mesh, source, *shading_crease_rad, report);
+    check_corner_normals(shaded);
+    for (const Vec3& normal : shaded.normals) normals_.push_back(normal.cast<float>());
+    for (const std::uint32_t old : order) corner_normals_.push_back(shaded.corner_normals[old]);
+  }
   tree_.renumber_items(new_triangle);
 }
 
+Vec3 ObjectGeometry::smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept {
+  if (corner_normals_.empty()) return Vec3::Zero();
+  const Vec3& a = corner(t, 0);
+  const Vec3& b = corner(t, 1);
+  const Vec3& c = corner(t, 2);
+  const Vec3 normal = accurate_cross(b - a, c - a);
+  const double area_squared = normal.squaredNorm();
+  if (!(area_squared > 0.0)) return Vec3::Zero();
+  const double v = std::clamp(normal.dot((on_triangle - a).cross(c - a)) / area_squared, 0.0, 1.0);
+  const double w = std::clamp(normal.dot((b - a).cross(on_triangle - a)) / area_squared, 0.0, 1.0 - v);
+  const auto& [i, j, k] = corner_normals_[t];
+  const Vec3 mixed = (1.0 - v - w) * normals_[i].cast<double>() + v * normals_[j].cast<double>() + w * normals_[k].cast<double>();
+  const double length = mixed.norm();
+  return length > 0.0 ? Vec3(mixed / length) : Vec3::Zero();
+}
+
 std::size_t ObjectGeometry::bytes() const {
-  return tree_.bytes() + vertices_.size() * sizeof(Vec3) + triangles_.size() * sizeof(Triangle);
+  return tree_.bytes() + vertices_.size() * sizeof(Vec3) + triangles_.size() * sizeof(Triangle) +
+         normals_.size() * sizeof(Eigen::Vector3f) + corner_normals_.size() * sizeof(Triangle);
 }
 
 }  // namespace hapton

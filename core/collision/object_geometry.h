@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/collision/wide_bvh.h"
@@ -27,7 +28,8 @@ struct LocalFrame {
 // Threads: immutable after construction. RT: queries yes, construction set-up only.
 class ObjectGeometry {
  public:
-  ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame);
+  // shading_crease_rad: with a value, smooth normals are kept too; edges whose faces turn by more stay sharp (corner_normals.h).
+  ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::size_t bytes() const;
@@ -39,6 +41,9 @@ class ObjectGeometry {
     return separation_from_triangle(p, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);
   }
 
+  // The smooth unit normal at a point of triangle t, interpolated between its corners; zero when none were kept.
+  Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
+
   // Start moving a triangle's memory towards the processor: first its indices, later its corners.
   void prefetch_indices(std::uint32_t t) const { _mm_prefetch(reinterpret_cast<const char*>(&triangles_[t]), _MM_HINT_T0); }
   void prefetch_corners(std::uint32_t t) const {
@@ -48,6 +53,8 @@ class ObjectGeometry {
  private:
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
+  std::vector<Eigen::Vector3f> normals_;
+  std::vector<Triangle> corner_normals_;  // indices into normals_, a triangle's corners
   WideBvh tree_;
 };
 

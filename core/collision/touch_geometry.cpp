@@ -32,7 +32,8 @@ LocalFrame frame_of(const Box& bounds) {
 
 TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : TouchGeometry(borrowed(meshes)) {}
 
-TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy) : slots_(meshes.size()) {
+TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy, std::optional<double> shading_crease_rad)
+    : shading_crease_rad_(shading_crease_rad), slots_(meshes.size()) {
   Box scene;
   std::size_t most_triangles = 1;
   for (const auto& mesh : meshes) {
@@ -95,7 +96,7 @@ double TouchGeometry::look_ahead(const Vec3& p, double reach) noexcept {
 bool TouchGeometry::build_wanted() {
   for (Slot& slot : slots_) {
     if (slot.built != nullptr || !slot.wanted.load(std::memory_order_relaxed)) continue;
-    slot.built = std::make_unique<const ObjectGeometry>(*slot.mesh, frame_);
+    slot.built = std::make_unique<const ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
     slot.mesh.reset();
     slot.ready.store(slot.built.get(), std::memory_order_release);
     return true;

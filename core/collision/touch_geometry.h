@@ -22,7 +22,8 @@ enum class BuildPolicy : std::uint8_t { at_once, on_approach };
 // Threads: one for the RT side, one for build_wanted.
 class TouchGeometry {
  public:
-  explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once);
+  explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
+                         std::optional<double> shading_crease_rad = std::nullopt);
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes may go afterwards
 
   const LocalFrame& frame() const { return frame_; }
@@ -39,6 +40,7 @@ class TouchGeometry {
   const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
+  Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept { return object(id).smooth_normal(id & triangle_mask_, on_triangle); }
   void prefetch_indices(std::uint32_t id) const { object(id).prefetch_indices(id & triangle_mask_); }
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
@@ -86,6 +88,7 @@ class TouchGeometry {
   const ObjectGeometry& object(std::uint32_t id) const { return *slots_[id >> triangle_bits_].active; }
 
   LocalFrame frame_;
+  std::optional<double> shading_crease_rad_;
   std::vector<Slot> slots_;
   int triangle_bits_ = 31;
   std::uint32_t triangle_mask_ = 0x7FFFFFFFU;

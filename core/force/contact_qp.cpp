@@ -86,6 +86,7 @@ ConstrainedMotion constrain_motion(const Vec3& wish, std::span<const ContactPlan
       best_distance = distance;
       best.motion = trial.y;
       best.active = set;
+      best.push = trial.push;
       best.active_count = count;
     };
     const ContactPlane& w = planes[worst];

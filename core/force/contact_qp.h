@@ -16,7 +16,8 @@ struct ContactPlane {
 // Where a set of contact planes lets a motion end.
 struct ConstrainedMotion {
   Vec3 motion = Vec3::Zero();
-  std::array<int, 3> active = {-1, -1, -1};  // planes that push, strongest first
+  std::array<int, 3> active = {-1, -1, -1};  // planes that push
+  std::array<double, 3> push = {0, 0, 0};    // how much each: motion - wish = sum of push * normal
   int active_count = 0;
   bool solved = true;  // false: the planes leave no way that rounding can tell from standing still
 };

@@ -55,6 +55,8 @@ struct MethodSettings {
   double smooth_layer = 0.0;       // smooth: share of RADIUS over which the force already builds up outside the surface, 0..1
   int hull_directions = 14;        // smooth: of its Fixed Direction Hulls: 6, 14, 18 or 26
   bool build_on_approach = false;  // proxy: an object's structures are built when the probe first comes near, by prepare()
+  double shading = 0.0;            // proxy: force direction from the faces' normals (0) to interpolated smooth normals (1)
+  double shading_crease_rad = 0.7; // proxy: edges whose faces turn by more (40 degrees) are felt sharp
   double probe_radius_m = 0.0;     // proxy, reference: 0 is a point probe
   int reference_substeps = 8;      // reference: equal parts each step's device motion is followed in
 };

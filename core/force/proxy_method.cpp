@@ -20,7 +20,9 @@ std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& sce
 
 }  // namespace
 
-ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once) {
+ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
+                settings.shading > 0.0 ? std::optional(settings.shading_crease_rad) : std::nullopt),
+      shading_(settings.shading) {
   for (const TouchObject& object : scene.objects) {
     surfaces_.push_back(object.material);
     has_one_sided_ |= !object.material.two_sided;
@@ -89,8 +91,45 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   // The surface itself is one hover nearer to the device than the proxy.
   const Vec3 stretch = proxy_ - device;
   const double length = stretch.norm();
-  const Vec3 felt = length > hover_ ? Vec3(stretch * ((length - hover_) / length * geometry_.unit_m())) : Vec3::Zero();
+  const Vec3 turned = shading_ > 0.0 ? shaded(stretch) : stretch;
+  const Vec3 felt = length > hover_ ? Vec3(turned * ((length - hover_) / length * geometry_.unit_m())) : Vec3::Zero();
   return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > hover_};
+}
+
+// The planes that hold the proxy, made the first of those it touches.
+void ProxyMethod::bring_pushing_first(const ConstrainedMotion& held) noexcept {
+  std::array<Touch, 3> pushing;
+  for (int i = 0; i < held.active_count; ++i) pushing[i] = touching_[held.active[i]];
+  int rest = held.active_count;
+  std::array<Touch, kMaxTouching> reordered;
+  for (int i = 0; i < touching_count_; ++i) {
+    const bool pushes = std::find(held.active.begin(), held.active.begin() + held.active_count, i) != held.active.begin() + held.active_count;
+    if (!pushes) reordered[rest++] = touching_[i];
+  }
+  std::copy_n(pushing.begin(), held.active_count, reordered.begin());
+  std::copy_n(reordered.begin(), touching_count_, touching_.begin());
+  push_ = held.push;
+  pushing_count_ = held.active_count;
+}
+
+// The stretch is the sum of push * normal over the planes that hold the proxy: the same sum over smooth normals gives the direction.
+Vec3 ProxyMethod::shaded(const Vec3& stretch) noexcept {
+  Vec3 smooth = Vec3::Zero();
+  for (int i = 0; i < std::min(pushing_count_, touching_count_); ++i) {
+    const Separation& s = touching_[i].separation;
+    Vec3 normal = geometry_.smooth_normal(touching_[i].triangle, s.nearest);
+    if (normal.dot(s.normal) < 0.0) normal = -normal;  // two-sided
+    smooth += push_[i] * normal;
+  }
+  const double length = stretch.norm();
+  const double smooth_length = smooth.norm();
+  if (!(length > 0.0) || !(smooth_length > 0.0) || smooth.dot(stretch) <= 0.0) return stretch;
+  const Vec3 mixed = (1.0 - shading_) * (stretch / length) + shading_ * (smooth / smooth_length);
+  const Vec3 result = mixed * (length / mixed.norm());
+  const double turned = (result - stretch).norm() / length;
+  counters_.shading_squared += turned * turned;
+  counters_.shading_most = std::max(counters_.shading_most, turned);
+  return result;
 }
 
 // Hooke's law, less damping along the stretch; damping never pulls in.
@@ -156,7 +195,7 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
         last_doubt = 0;
         continue;
       }
-      if (constrained.active_count > 0) std::swap(touching_[0], touching_[constrained.active[0]]);
+      bring_pushing_first(constrained);
       if (constrained.active_count == 1 && !tipped && tip_over(device)) {
         tipped = true;
         continue;
@@ -342,6 +381,11 @@ bool ProxyMethod::prepare() { return geometry_.build_wanted(); }
 std::string ProxyMethod::describe() const {
   const auto n = static_cast<double>(std::max<std::uint64_t>(counters_.steps, 1));
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
+  std::string shading;
+  if (shading_ > 0.0) {
+    shading = fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
+                          100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);
+  }
   return fmt::format(
       "proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} refills a step; "
@@ -349,7 +393,8 @@ std::string ProxyMethod::describe() const {
       geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(), static_cast<double>(geometry_.bytes()) * 1e-6,
       (clearance_.rest - hover_) * geometry_.unit_m(), hover_ * geometry_.unit_m(), counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
       counters_.contact_steps, static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c,
-      static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.unconverged);
+      static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.unconverged) +
+      shading;
 }
 
 }  // namespace hapton

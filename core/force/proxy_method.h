@@ -21,6 +21,8 @@ struct ProxyCounters {
   std::uint64_t refills = 0;        // neighbourhoods copied
   std::uint64_t tests = 0;          // triangle against moving sphere
   std::uint64_t caught_up = 0;      // steps done again in parts
+  double shading_squared = 0.0;     // sum over contact steps of (|shaded - unshaded| / |unshaded|)^2
+  double shading_most = 0.0;        // and its largest
   std::uint64_t unconverged = 0;    // stopped by the iteration bound: a valid proxy, short of the minimum
 };
 
@@ -31,6 +33,9 @@ struct ProxyCounters {
 // A point probe is a sphere of radius hover = 2^-30 of the scene's size. Distances decide, never signs of volumes: the proxy's
 // distance to every triangle stays above hover / 2 along its whole way, so edges, vertices and cracks narrower than hover are as
 // tight as faces, and both sides of a sheet are the same.
+//
+// Optional force shading (Morgenbesser & Srinivasan 1996) turns the force towards interpolated smooth normals without changing its
+// magnitude or the proxy; how far it turned is reported.
 //
 // Force = stiffness * (proxy - device), less damping * normal velocity; Coulomb friction holds the proxy back inside its cone.
 // Frame: S. RT: step and reset yes.
@@ -65,6 +70,8 @@ class ProxyMethod final : public ForceMethod {
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
 
+  void bring_pushing_first(const ConstrainedMotion& held) noexcept;
+  Vec3 shaded(const Vec3& stretch) noexcept;
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
@@ -85,6 +92,7 @@ class ProxyMethod final : public ForceMethod {
   TouchGeometry geometry_;
   std::vector<Material> surfaces_;  // one an object
   Clearance clearance_;
+  double shading_ = 0.0;
   double hover_ = 0.0;
   bool is_point_ = true;
   bool has_one_sided_ = false;
@@ -106,6 +114,8 @@ class ProxyMethod final : public ForceMethod {
 
   std::array<Touch, kMaxTouching> touching_;
   int touching_count_ = 0;
+  std::array<double, 3> push_ = {0, 0, 0};  // of the first pushing_count_ of touching_, which hold the proxy
+  int pushing_count_ = 0;
   std::array<std::uint32_t, kMaxTouching> blockers_;  // triangles that stopped the last sweep
   std::array<double, kMaxTouching> blocker_times_;
   int blocker_count_ = 0;

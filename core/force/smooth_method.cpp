@@ -265,7 +265,14 @@ void SmoothMethod::enter(const Hit& hit) noexcept {
   side_ = hit.side;
 }
 
+// Nothing stands between the VCP and another place on the surface, both seen from outside.
+bool SmoothMethod::can_see(const SetTriangle& face, const Vec3& X) noexcept {
+  const double lift = 2.0 * scene_->skin();
+  return !find_block(V_ + lift * outward_at(V_), X + (lift * side_) * face.face).found;
+}
+
 // Walks V over the surface to where it is nearest to P, from face to touching face, each step strictly nearer. true: it ends within a face.
+// Where more than two faces meet, it must see where it goes: pieces that merely touch or cross are no way through each other.
 bool SmoothMethod::descend(const Vec3& P) noexcept {
   const double touching = 0.5 * scene_->skin();
   for (int i = 0; i < kLongestWalk; ++i) {
@@ -276,9 +283,11 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
     const double distance = (P - here).norm();
     Hit best;
     best.measure = distance - 1e-9 * distance - 1e-3 * touching;
+    int others = 0;
     look_near(here, touching, [&](const SetTriangle& t) {
       if (!is_face(t) || (t.object == T_.object && t.triangle == T_.triangle)) return;
       if (!(triangle_distance_squared(here, t.corner[0], t.corner[1], t.corner[2]) <= touching * touching)) return;
+      ++others;
       const double other = std::sqrt(triangle_distance_squared(P, t.corner[0], t.corner[1], t.corner[2]));
       if (other > best.measure || (other == best.measure && !t.before(best.triangle))) return;
       best.triangle = t;
@@ -286,6 +295,10 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
       best.found = true;
     });
     if (!best.found) return false;
+    if (others > 1) {
+      const auto& c = best.triangle.corner;
+      if (!can_see(best.triangle, closest_point(c[0], c[1], c[2], P).point)) return false;
+    }
     T_ = best.triangle;
   }
   return false;
@@ -322,13 +335,13 @@ bool SmoothMethod::track(const Vec3& P) noexcept {
   const bool points_out = depth > 4.0 * skin && side_ * T_.face.dot(outward) > 0.0;
   outward = points_out ? Vec3(outward / depth) : Vec3(side_ * smooth_normal_at(T_, V_));
   const Hit on_line = find_on_line(P, outward, W, reach);
-  if (on_line.found) {
+  const bool stays = on_line.found && on_line.triangle.object == T_.object && on_line.triangle.triangle == T_.triangle;
+  if (stays || (on_line.found && can_see(on_line.triangle, on_line.X))) {
     V_ = on_line.X;
     T_ = on_line.triangle;
     side_ = on_line.side;
-  } else {
-    ++counters_.astray;  // the current VCP stays
   }
+  counters_.astray += on_line.found ? 0 : 1;  // the current VCP stays
   if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
 
   // Outside, unless something stands between the VCP and the probe.

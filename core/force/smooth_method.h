@@ -108,6 +108,7 @@ class SmoothMethod final : public ForceMethod {
 
   void enter(const Hit& hit) noexcept;
   bool track(const Vec3& P) noexcept;
+  bool can_see(const SetTriangle& face, const Vec3& X) noexcept;
   bool descend(const Vec3& P) noexcept;
   Vec3 project_smoothly(const Vec3& P, double reach, Vec3& normal) noexcept;
   Vec3 outside_force(const Vec3& p) noexcept;

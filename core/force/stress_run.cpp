@@ -23,7 +23,7 @@ constexpr double kLockShare = 0.10;
 constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kThroughStep = 0.01;
-constexpr double kRelative = 1e-9;
+constexpr double kRelative = 4e-9;  // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 5;
 constexpr std::size_t kLongestEpisode = 400;
 

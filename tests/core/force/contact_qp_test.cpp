@@ -58,6 +58,12 @@ TEST(ContactQp, AgreesWithEnumerationOfAllActiveSets) {
     const ConstrainedMotion found = constrain_motion(wish, planes);
     ASSERT_TRUE(found.solved) << "case " << i;
     EXPECT_LE((found.motion - by_enumeration(wish, planes, 1e-12)).norm(), 1e-9) << "case " << i;
+    Vec3 pushed = Vec3::Zero();
+    for (int k = 0; k < found.active_count; ++k) {
+      EXPECT_GE(found.push[k], 0.0);
+      pushed += found.push[k] * planes[found.active[k]].normal;
+    }
+    EXPECT_LE((found.motion - wish - pushed).norm(), 1e-9);
     three_active += found.active_count == 3 ? 1 : 0;
   }
   EXPECT_GT(three_active, 100);

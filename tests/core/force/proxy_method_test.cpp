@@ -336,6 +336,31 @@ TEST(Proxy, FollowsTheReferenceOverAMesh) {
   EXPECT_LE(errors[errors.size() * 98 / 100], 1e-3);
 }
 
+TEST(Proxy, ShadingSmoothsTheDirectionAndKeepsTheMagnitude) {
+  // A coarse ball, walked round: shaded, the force points along the ball's radius more closely than the facets do.
+  const TouchScene scene = scene_of(make_icosphere(0.05, 2));
+  MethodSettings settings;
+  settings.shading = 1.0;
+  const auto smooth = ProxyMethod::make(settings, scene).value();
+  const auto plain = proxy_over(scene);
+  const std::vector<Vec3> way = walk_round(0.05, 0.002, 4000);
+  smooth->reset(way[0]);
+  plain->reset(way[0]);
+  double smooth_error = 0.0;
+  double plain_error = 0.0;
+  for (const Vec3& p : way) {
+    const MethodOutput s = smooth->step({.p_SD = p});
+    const MethodOutput f = plain->step({.p_SD = p});
+    EXPECT_EQ(s.p_SP, f.p_SP);
+    EXPECT_NEAR(s.force_n.norm(), f.force_n.norm(), 1e-12);
+    if (!f.contact) continue;
+    smooth_error += (s.force_n.normalized() - s.p_SP.normalized()).squaredNorm();
+    plain_error += (f.force_n.normalized() - f.p_SP.normalized()).squaredNorm();
+  }
+  EXPECT_LT(smooth_error, 0.1 * plain_error);
+  EXPECT_NE(smooth->describe().find("force shading 1"), std::string::npos);
+}
+
 TEST(Proxy, ObjectsNeverApproachedAreNeverBuilt) {
   TouchScene scene = scene_of(make_icosphere(0.05, 3));
   scene.objects.push_back({std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 3), 1.0, Vec3(5, 0, 0))), {}});
