@@ -1,0 +1,71 @@
+#include "bench/haptons/hapton_run.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace hapton {
+namespace {
+
+HaptonRun short_run() {
+  HaptonRunSettings settings;
+  settings.pairs.count = 1024;
+  settings.batch = 256;
+  settings.seconds = 0.01;
+  return measure_haptons(settings);
+}
+
+TEST(MeasureHaptons, ChecksEveryPairOfEveryWay) {
+  const HaptonRun run = short_run();
+  ASSERT_GE(run.results.size(), 3U);
+  EXPECT_TRUE(run.holds());
+  for (const HaptonResult& r : run.results) {
+    EXPECT_EQ(r.checked, 1024U) << r.name;
+    EXPECT_GE(r.batches, 4U) << r.name;
+    EXPECT_GE(r.p50_haptons, r.p99_haptons) << r.name;
+    EXPECT_GE(r.best_haptons, r.p50_haptons) << r.name;
+    if (!r.is_peer) EXPECT_GT(r.worst_error, 0.0) << r.name << ": nothing was compared";
+  }
+}
+
+TEST(MeasureHaptons, ARunThatMissesIsNoRun) {
+  HaptonRun run = short_run();
+  run.results[0].missed = 1;
+  EXPECT_FALSE(run.holds());
+  run.results[0].missed = 0;
+  run.results[1].off = 1;
+  EXPECT_FALSE(run.holds());
+  run.results[1].off = 0;
+  run.results.back().is_peer = true;
+  run.results.back().missed = 1;
+  EXPECT_TRUE(run.holds()) << "a peer's accuracy is shown, not asked for";
+}
+
+// A collider that is judged must be judged by where it puts the contact: before it has run, it has found nothing.
+TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
+  const auto pairs = make_edge_pairs({.seed = 2, .count = 64});
+  for (const auto& collider : make_pair_colliders(pairs)) {
+    if (collider->name() == "scalar") EXPECT_LT(collider->location_error(9), 0.0);
+    collider->collide(0, 64);
+    if (collider->is_peer()) continue;
+    for (std::size_t i = 0; i < 64; ++i) {
+      EXPECT_GE(collider->location_error(i), 0.0) << collider->name();
+      EXPECT_LE(collider->location_error(i), kHaptonAccuracy) << collider->name();
+    }
+  }
+}
+
+TEST(MeasureHaptons, ReportsAreReadable) {
+  const HaptonRun run = short_run();
+  const auto json = nlohmann::json::parse(to_json(run));
+  EXPECT_EQ(json["schema"], kBenchSchema);
+  EXPECT_EQ(json["results"].size(), run.results.size());
+  EXPECT_EQ(json["memo_capable_haptons"], 5.0);
+  const std::string csv = to_csv(run);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), run.results.size() + 1);
+  EXPECT_NE(to_text(run).find("memo, 1996"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton
