@@ -331,6 +331,44 @@ TEST(SmoothMethod, StepUsesNoHeap) {
   }
 }
 
+// How often a closed surface goes round p: 1 inside, 0 outside.
+double winding_number(const TriangleMesh& mesh, const Vec3& p) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = mesh.corner(t, 0) - p;
+    const Vec3 b = mesh.corner(t, 1) - p;
+    const Vec3 c = mesh.corner(t, 2) - p;
+    sum += std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() + b.dot(c) * a.norm() + c.dot(a) * b.norm());
+  }
+  return sum / (2.0 * kPi);
+}
+
+// No step inside a closed mesh is without force, whatever the probe does; and none outside pulls it back from farther than it is deep.
+TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
+  const TriangleMesh wingnut = made::obj_mesh("wingnut.obj");
+  const TriangleMesh fish = made::obj_mesh("fish_22k.obj");
+  ASSERT_EQ(wingnut.triangles.size(), 6090U);
+  int seed = 200;
+  for (const TriangleMesh& mesh : {wingnut, fish, made::sphere(0.05, 24, 0.2), make_staircase(0.1, 5, 4), make_pit(0.1, 0.05), make_thin_wall(0.1, 0.002, 12),
+                                   make_torus(0.05, 0.01, 40, 16)}) {
+    const auto method = make(scene_of(mesh));
+    const auto near = std::make_unique<LocalSet>();
+    const double allowed = 0.0025 * method->scene().diagonal();
+    const std::vector<Vec3> way = wander(mesh, static_cast<std::uint64_t>(seed++), 6000);
+    method->reset(way[0]);
+    int inside = 0;
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const MethodOutput felt = method->step({.p_SD = way[i]});
+      ASSERT_TRUE(felt.force_n.allFinite());
+      inside += felt.contact ? 1 : 0;
+      if (felt.contact) continue;
+      method->scene().select({way[i], way[i]}, 1, *near);
+      ASSERT_FALSE(near->nearest > allowed && winding_number(mesh, way[i]) > 0.5) << "seed " << seed - 1 << " step " << i;
+    }
+    EXPECT_GT(inside, 500) << "seed " << seed - 1;
+  }
+}
+
 // A plate thinner than the probe goes deep: the VCP's history keeps it on the side where it went in.
 TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   const auto method = make(scene_of(make_thin_wall(0.1, 0.0005, 20)));
