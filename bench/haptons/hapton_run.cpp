@@ -104,6 +104,21 @@ double at_quantile(const std::vector<double>& sorted_ns, double q) {
   return sorted_ns[static_cast<std::size_t>(q * last + 0.5)];
 }
 
+// Once through all pairs to have them in the cache, as a haptic loop has what it touches; then, timed, again and again for a few
+// milliseconds.
+void take_turn(PairCollider& collider, const Stopwatch& watch, const HaptonRunSettings& settings, std::vector<double>& batch_ns) {
+  constexpr double kTurnNs = 5e6;
+  collider.collide(0, settings.pairs.count);
+  const std::uint64_t start = Stopwatch::ticks();
+  do {
+    for (std::size_t first = 0; first < settings.pairs.count; first += settings.batch) {
+      const std::uint64_t from = Stopwatch::ticks();
+      collider.collide(first, settings.batch);
+      batch_ns.push_back(watch.ns_between(from, Stopwatch::ticks()));
+    }
+  } while (watch.ns_between(start, Stopwatch::ticks()) < kTurnNs);
+}
+
 HaptonResult judge(const PairCollider& collider, std::vector<double> batch_ns, const HaptonRunSettings& settings) {
   HaptonResult result;
   result.name = collider.name();
@@ -152,17 +167,9 @@ HaptonRun measure_haptons(const HaptonRunSettings& settings) {
   std::vector<std::vector<double>> batch_ns(colliders.size());
   const CpuPin pin;
   const std::uint64_t start = Stopwatch::ticks();
-  // The first round warms up and is not counted; at least one more is.
-  for (int round = 0; round < 2 || watch.ns_between(start, Stopwatch::ticks()) < 1e9 * settings.seconds; ++round) {
-    for (std::size_t first = 0; first < pairs.size(); first += settings.batch) {
-      for (std::size_t c = 0; c < colliders.size(); ++c) {
-        const std::uint64_t from = Stopwatch::ticks();
-        colliders[c]->collide(first, settings.batch);
-        const double ns = watch.ns_between(from, Stopwatch::ticks());
-        if (round > 0) batch_ns[c].push_back(ns);
-      }
-    }
-  }
+  do {
+    for (std::size_t c = 0; c < colliders.size(); ++c) take_turn(*colliders[c], watch, settings, batch_ns[c]);
+  } while (watch.ns_between(start, Stopwatch::ticks()) < 1e9 * settings.seconds);
   end_conditions(run.conditions, start, watch);
   for (std::size_t c = 0; c < colliders.size(); ++c) run.results.push_back(judge(*colliders[c], std::move(batch_ns[c]), settings));
   return run;

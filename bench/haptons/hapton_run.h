@@ -70,8 +70,8 @@ struct HaptonRun {
   bool holds() const;  // all of ours found every pair, located to 0.1 %
 };
 
-// Times all colliders batch by batch in turn, so that what else the machine does meets all alike, on one pinned CPU. Pre:
-// settings.pairs.count is a multiple of settings.batch, batch of 8. RT: no.
+// Times all colliders in turn, some milliseconds each, so that what else the machine does meets all alike, on one pinned CPU.
+// Pre: settings.pairs.count is a multiple of settings.batch, batch of 8. RT: no.
 HaptonRun measure_haptons(const HaptonRunSettings& settings);
 
 std::string to_text(const HaptonRun& run);

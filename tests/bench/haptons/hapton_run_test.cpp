@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace hapton {
@@ -25,7 +25,7 @@ TEST(MeasureHaptons, ChecksEveryPairOfEveryWay) {
     EXPECT_GE(r.batches, 4U) << r.name;
     EXPECT_GE(r.p50_haptons, r.p99_haptons) << r.name;
     EXPECT_GE(r.best_haptons, r.p50_haptons) << r.name;
-    if (!r.is_peer) EXPECT_GT(r.worst_error, 0.0) << r.name << ": nothing was compared";
+    EXPECT_GT(r.worst_error, 0.0) << r.name << ": nothing was compared";
   }
 }
 
@@ -46,7 +46,9 @@ TEST(MeasureHaptons, ARunThatMissesIsNoRun) {
 TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
   const auto pairs = make_edge_pairs({.seed = 2, .count = 64});
   for (const auto& collider : make_pair_colliders(pairs)) {
-    if (collider->name() == "scalar") EXPECT_LT(collider->location_error(9), 0.0);
+    if (collider->name() != "simd") {  // its lanes are not set before it has run
+      EXPECT_LT(collider->location_error(9), 0.0) << collider->name();
+    }
     collider->collide(0, 64);
     if (collider->is_peer()) continue;
     for (std::size_t i = 0; i < 64; ++i) {
