@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scene/near_miss.h"
+#include "tools/bench_command.h"
 #include "tools/echo_command.h"
 #include "tools/info_command.h"
 #include "tools/judge_command.h"
@@ -49,6 +50,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   CLI::App app{"Hapton: replay, measure and change a haptic system from the command line.", "hapton"};
   app.set_version_flag("--version", "hapton " HAPTON_VERSION);
   app.require_subcommand(1);
+  add_bench_command(app, exit_code);
   add_echo_command(app, exit_code);
   add_info_command(app, exit_code);
   add_judge_command(app, exit_code);

@@ -12,7 +12,7 @@
 namespace hapton::structure {
 namespace {
 
-const std::vector<std::string> kFolders = {"core", "runtime", "link", "scene", "io_node", "haptics_node", "vision_node", "tools"};
+const std::vector<std::string> kFolders = {"core", "runtime", "link", "scene", "bench", "io_node", "haptics_node", "vision_node", "tools"};
 
 // Which folders a folder's files may include from. Its own is always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -24,10 +24,11 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
     {"scene", {"core"}},
+    {"bench", {"core", "runtime"}},
     {"io_node", {"core/base", "core/math", "runtime", "link"}},
     {"haptics_node", {"core", "runtime", "link", "scene"}},
     {"vision_node", {"core", "runtime", "link", "scene"}},
-    {"tools", {"core", "runtime", "link", "scene"}},
+    {"tools", {"core", "runtime", "link", "scene", "bench"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }
@@ -133,10 +134,11 @@ TEST(Layers, OnlyEndpointFilesSeeSockets) {
               IsEmpty());
 }
 
-TEST(Layers, OnlySceneAndVisionSeeVtk) {
+TEST(Layers, OnlySceneVisionAndBenchPeersSeeVtk) {
   EXPECT_THAT(find_wrong(kFolders,
                          [](const SourceFile& file, const Include& include) {
-                           return is_vtk(include.path) && !is_under(file.path, "scene") && !is_under(file.path, "vision_node");
+                           return is_vtk(include.path) && !is_under(file.path, "scene") && !is_under(file.path, "vision_node") &&
+                                  !is_under(file.path, "bench/peers");
                          }),
               IsEmpty());
 }

@@ -1,0 +1,118 @@
+#include "bench/measure/method_run.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bench/measure/live_heap.h"
+#include "core/force/touch_step.h"
+#include "core/geometry/mesh_measures.h"
+
+namespace hapton {
+namespace {
+
+bool starts_piece(const TouchTrajectory& trajectory, std::size_t i) {
+  return i == 0 || (trajectory.reset_every > 0 && i % trajectory.reset_every == 0);
+}
+
+MethodSettings reference_of(int substeps, double probe_radius_m) {
+  MethodSettings settings;
+  settings.name = "reference";
+  settings.reference_substeps = substeps;
+  settings.probe_radius_m = probe_radius_m;
+  return settings;
+}
+
+MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, TouchStep& touch, const TouchTrajectory& trajectory) {
+  MethodTiming timing;
+  const std::size_t steps = trajectory.p_SD.size();
+  timing.felt.resize(steps);
+  std::vector<std::uint8_t> contact(steps, 0);
+  TouchInput input;
+  TouchOutput output;
+  const TimedSteps timed = time_steps(
+      watch, budget, steps,
+      [&](std::size_t i) {
+        input.p_WD = trajectory.p_SD[i];
+        if (starts_piece(trajectory, i)) touch.reset(input);
+      },
+      [&](std::size_t) { output = touch.step(input); },
+      [&](std::size_t i) {
+        timing.felt[i] = {input.p_WD, input.p_WD + output.visual_offset_m, output.force_n};
+        contact[i] = output.contact ? 1 : 0;
+      });
+  std::vector<std::uint8_t> free(steps);
+  std::transform(contact.begin(), contact.end(), free.begin(), [](std::uint8_t c) { return c == 0 ? 1 : 0; });
+  timing.all = spread_of_times(timed.least.ns());
+  timing.contact = spread_of_times(timed.least.only(contact));
+  timing.free = spread_of_times(timed.least.only(free));
+  timing.repetitions = timed.repetitions;
+  return timing;
+}
+
+}  // namespace
+
+Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& budget, const MethodSettings& settings, const TouchScene& scene,
+                                 const TouchTrajectory& trajectory) {
+  const std::size_t heap = read_live_heap_bytes();
+  const std::uint64_t start = Stopwatch::ticks();
+  auto method = make_method(settings, scene);
+  const double build_ns = watch.ns_between(start, Stopwatch::ticks());
+  if (!method) return tl::unexpected(method.error());
+  const std::size_t grown = read_live_heap_bytes();
+  TouchStep touch(std::move(*method));
+  MethodTiming timing = time_touch(watch, budget, touch, trajectory);
+  timing.build_ms = 1e-6 * build_ns;
+  timing.bytes = grown > heap ? grown - heap : 0;
+  return timing;
+}
+
+Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
+  auto method = make_method(settings, scene);
+  if (!method) return tl::unexpected(method.error());
+  TouchStep touch(std::move(*method));
+  std::vector<FeltStep> felt;
+  felt.reserve(trajectory.p_SD.size());
+  for (std::size_t i = 0; i < trajectory.p_SD.size(); ++i) {
+    TouchInput input;
+    input.p_WD = trajectory.p_SD[i];
+    if (starts_piece(trajectory, i)) touch.reset(input);
+    const TouchOutput output = touch.step(input);
+    felt.push_back({input.p_WD, input.p_WD + output.visual_offset_m, output.force_n});
+  }
+  return felt;
+}
+
+TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows) {
+  const std::size_t piece = trajectory.reset_every == 0 ? trajectory.p_SD.size() : trajectory.reset_every;
+  TouchTrajectory heads;
+  heads.reset_every = std::min(rows, piece);
+  for (std::size_t i = 0; i < trajectory.p_SD.size(); ++i) {
+    if (i % std::max<std::size_t>(1, piece) < rows) heads.p_SD.push_back(trajectory.p_SD[i]);
+  }
+  return heads;
+}
+
+ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt) const {
+  ForceErrorSettings settings;
+  settings.stiffness_n_per_m = stiffness_n_per_m;
+  settings.extent_m = extent_m;
+  settings.reset_every = trajectory.reset_every;
+  return compare_forces(felt, coarse, fine, settings);
+}
+
+Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory, double probe_radius_m) {
+  ReferenceRun run;
+  run.trajectory = trajectory;
+  run.stiffness_n_per_m = scene.objects.front().material.stiffness_n_per_m;
+  for (const TouchObject& object : scene.objects) run.extent_m = std::max(run.extent_m, compute_bounds(*object.mesh).extent());
+  auto coarse = time_method(watch, {.repetitions = 1, .seconds = 0.0}, reference_of(run.substeps, probe_radius_m), scene, trajectory);
+  if (!coarse) return tl::unexpected(coarse.error());
+  auto fine = feel(reference_of(run.finer_substeps, probe_radius_m), scene, trajectory);
+  if (!fine) return tl::unexpected(fine.error());
+  run.coarse = std::move(coarse->felt);
+  run.time = coarse->contact;
+  run.fine = std::move(*fine);
+  return run;
+}
+
+}  // namespace hapton

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "bench/measure/step_times.h"
+#include "core/base/result.h"
+#include "core/force/force_error.h"
+#include "core/force/force_method.h"
+#include "core/geometry/touch_trajectory.h"
+
+namespace hapton {
+
+// What the whole haptic step (core/force/touch_step.h, the live node's) costs with a method along a trajectory.
+struct MethodTiming {
+  TimeSpread all, contact, free;  // of the least times over repetitions
+  int repetitions = 0;
+  double build_ms = 0.0;          // make_method, once
+  std::size_t bytes = 0;          // by which the heap grew while it was built: all the method holds
+  std::vector<FeltStep> felt;     // of the last repetition
+};
+
+// RT: set-up only. Error: as make_method.
+Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& budget, const MethodSettings& settings, const TouchScene& scene,
+                                 const TouchTrajectory& trajectory);
+
+// The method's forces along the trajectory, untimed. Error: as make_method.
+Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
+
+// The first `rows` rows of every piece between two resets: a method that starts anew there feels the same as on the whole.
+TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows);
+
+// Both references over a trajectory, for compare_forces.
+struct ReferenceRun {
+  TouchTrajectory trajectory;
+  std::vector<FeltStep> coarse, fine;
+  int substeps = 8, finer_substeps = 32;
+  TimeSpread time;  // of the coarse one's contact steps, one repetition
+  double extent_m = 0.0;
+  double stiffness_n_per_m = 0.0;
+
+  // How a method that felt this along `trajectory` stands to them.
+  ForceError judge(const std::vector<FeltStep>& felt) const;
+};
+
+// Error: as make_method.
+Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory, double probe_radius_m);
+
+}  // namespace hapton

@@ -1,0 +1,358 @@
+#include "bench/measure/numbers_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "core/force/smooth_scene.h"
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Peers = std::vector<std::pair<std::string, double>>;
+
+constexpr double kExtent_m = 0.1;
+constexpr double kSphere_m = 0.0005;
+constexpr std::uint32_t kSetSize = 64;
+
+std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint64_t seed) {
+  TriangleMesh mesh = make_bumpy_sphere(0.045, 0.25, triangles, seed);
+  const double extent = compute_bounds(mesh).extent();
+  return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
+}
+
+TouchScene scene_of(std::shared_ptr<const TriangleMesh> mesh) {
+  TouchScene scene;
+  scene.objects.push_back({std::move(mesh), Material{}});
+  return scene;
+}
+
+MethodSettings proxy_of(double probe_radius_m) {
+  MethodSettings settings;
+  settings.name = "proxy";
+  settings.probe_radius_m = probe_radius_m;
+  return settings;
+}
+
+std::string count_text(std::size_t n) { return n >= 1000000 ? fmt::format("{:.2f} M", 1e-6 * static_cast<double>(n)) : fmt::format("{:.3g} k", 1e-3 * static_cast<double>(n)); }
+
+// One measurement after the other, each adding its rows.
+class Numbers {
+ public:
+  Numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& peers, const Progress& progress)
+      : settings_(settings), watch_(watch), peers_(peers), progress_(progress) {}
+
+  Result<void> measure_all(const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name) {
+    progress_("making the meshes and trajectories");
+    mesh_ = make_bumpy(settings_.ladder.back(), settings_.seed);
+    size_ = count_text(mesh_->triangles.size()) + " triangles";
+    auto slide = make_slide_trajectory(*mesh_, {.seed = settings_.seed, .rows = settings_.steps, .rate_hz = 1000.0});
+    if (!slide) return tl::unexpected(slide.error());
+    slide_ = std::move(*slide);
+    for (const auto step : {&Numbers::measure_contact, &Numbers::measure_free, &Numbers::measure_sphere, &Numbers::measure_growth, &Numbers::measure_scales}) {
+      if (auto done = (this->*step)(); !done) return done;
+    }
+    if (auto done = measure_error(mesh_, "bumpy, " + size_); !done) return done;
+    if (file_mesh != nullptr) {
+      if (auto done = measure_error(file_mesh, fmt::format("{}, {} triangles", file_name, count_text(file_mesh->triangles.size()))); !done) return done;
+    }
+    if (auto done = measure_local_set(); !done) return done;
+    name_what_others_measure();
+    return {};
+  }
+
+  std::vector<NumberRow> rows;
+
+ private:
+  void add(NumberRow row) { rows.push_back(std::move(row)); }
+
+  // The peers' figures of one kind of query.
+  template <class Figure>
+  Peers figures(const std::vector<StructureTiming>& timings, bool QueryStructureKind::*has, Figure&& figure) const {
+    Peers all;
+    for (std::size_t i = 0; i < timings.size(); ++i) {
+      if (peers_[i].*has) all.emplace_back(peers_[i].full_name(), figure(timings[i]));
+    }
+    return all;
+  }
+
+  Result<std::vector<StructureTiming>> time_peers(const TriangleMesh& mesh, const TouchQueries& queries) {
+    std::vector<StructureTiming> timings;
+    for (const QueryStructureKind& kind : peers_) {
+      progress_(fmt::format("peer: {} over {} triangles", kind.full_name(), count_text(mesh.triangles.size())));
+      auto timing = time_structure(watch_, settings_.budget, kind, mesh, queries, {}, kExtent_m);
+      if (!timing) return tl::unexpected(timing.error());
+      timings.push_back(std::move(*timing));
+    }
+    return timings;
+  }
+
+  Result<void> measure_contact() {
+    progress_("contact steps, point probe");
+    const auto timing = time_method(watch_, settings_.budget, proxy_of(0.0), scene_of(mesh_), slide_);
+    if (!timing) return tl::unexpected(timing.error());
+    const auto peers = time_peers(*mesh_, make_queries(timing->felt, slide_.reset_every, kExtent_m));
+    if (!peers) return tl::unexpected(peers.error());
+    contact_peers_ = *peers;
+    const std::string what = "contact step, point probe, " + size_;
+    const std::string note = fmt::format("{} contact steps, least of {}; peers: the segment query alone", timing->contact.count, timing->repetitions);
+    const auto segment = [&](double TimeSpread::*part) {
+      return figures(*peers, &QueryStructureKind::segments, [part](const StructureTiming& t) { return t.segments.time.*part; });
+    };
+    add({what, "p50", "ns", 250, false, "1252", segment(&TimeSpread::p50_ns), timing->contact.p50_ns, note});
+    add({what, "p99", "ns", 1000, false, "7721 .. 23896", segment(&TimeSpread::p99_ns), timing->contact.p99_ns, note});
+    add({what, "worst", "ns", 5000, false, "81773", segment(&TimeSpread::worst_ns), timing->contact.worst_ns, note});
+    build_ms_ = timing->build_ms;
+    build_mb_ = 1e-6 * static_cast<double>(timing->bytes);
+    return {};
+  }
+
+  Result<void> measure_free() {
+    progress_("free steps");
+    const auto free = make_free_trajectory(*mesh_, {.seed = settings_.seed, .rows = settings_.steps, .rate_hz = 1000.0});
+    if (!free) return tl::unexpected(free.error());
+    const auto timing = time_method(watch_, settings_.budget, proxy_of(0.0), scene_of(mesh_), *free);
+    if (!timing) return tl::unexpected(timing.error());
+    const auto peers = time_peers(*mesh_, make_queries(timing->felt, free->reset_every, kExtent_m));
+    if (!peers) return tl::unexpected(peers.error());
+    add({"free-space step, " + size_, "p50", "ns", 20, false, "110",
+         figures(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }), timing->free.p50_ns,
+         fmt::format("{} free steps, p99 {:.0f}, worst {:.0f} ns; peers: the segment query alone", timing->free.count, timing->free.p99_ns, timing->free.worst_ns)});
+    return {};
+  }
+
+  Result<void> measure_sphere() {
+    progress_("contact steps, sphere probe");
+    const auto timing = time_method(watch_, settings_.budget, proxy_of(kSphere_m), scene_of(mesh_), slide_);
+    if (!timing) return tl::unexpected(timing.error());
+    const std::string what = "contact step, sphere of 0.5 mm, " + size_;
+    const std::string note = fmt::format("{} contact steps, p99 {:.0f} ns; peers: the nearest triangle alone", timing->contact.count, timing->contact.p99_ns);
+    const auto nearest = [&](double TimeSpread::*part) {
+      return figures(contact_peers_, &QueryStructureKind::nearests, [part](const StructureTiming& t) { return t.nearests.time.*part; });
+    };
+    add({what, "p50", "ns", 500, false, "51948", nearest(&TimeSpread::p50_ns), timing->contact.p50_ns, note});
+    add({what, "worst", "ns", 20000, false, "746579", nearest(&TimeSpread::worst_ns), timing->contact.worst_ns, note});
+    return {};
+  }
+
+  Result<void> measure_growth() {
+    double first = 0.0;
+    double last = 0.0;
+    std::vector<double> first_peers, last_peers;
+    std::string note = "p50 in ns:";
+    std::string span;
+    for (const std::size_t at_least : settings_.ladder) {
+      const auto mesh = at_least == settings_.ladder.back() ? mesh_ : make_bumpy(at_least, settings_.seed);
+      progress_(fmt::format("growth: {} triangles", count_text(mesh->triangles.size())));
+      const auto slide = make_slide_trajectory(*mesh, {.seed = settings_.seed, .rows = settings_.steps, .rate_hz = 1000.0});
+      if (!slide) return tl::unexpected(slide.error());
+      const auto timing = time_method(watch_, settings_.budget, proxy_of(0.0), scene_of(mesh), *slide);
+      if (!timing) return tl::unexpected(timing.error());
+      last = timing->contact.p50_ns;
+      note += fmt::format(" {:.0f} ({})", last, count_text(mesh->triangles.size()));
+      if (first != 0.0 && at_least != settings_.ladder.back()) continue;
+      auto peers = time_peers(*mesh, make_queries(timing->felt, slide->reset_every, kExtent_m));
+      if (!peers) return tl::unexpected(peers.error());
+      last_peers.clear();
+      for (const StructureTiming& t : *peers) last_peers.push_back(t.segments.time.p50_ns);
+      if (first == 0.0) {
+        first = last;
+        first_peers = last_peers;
+        span = count_text(mesh->triangles.size());
+      }
+    }
+    Peers ratios;
+    for (std::size_t i = 0; i < peers_.size(); ++i) {
+      if (peers_[i].segments) ratios.emplace_back(peers_[i].full_name(), last_peers[i] / std::max(1.0, first_peers[i]));
+    }
+    add({fmt::format("growth of contact p50, {} -> {}", span, size_), "ratio", "x", 1.3, false, "3.5 (3.7 k -> 1.31 M)", ratios, last / std::max(1.0, first), note});
+    return {};
+  }
+
+  // The same slide at every scale, felt in the mesh's own size, against the reference at scale 1.
+  Result<void> measure_scales() {
+    const std::size_t pieces = (slide_.p_SD.size() + slide_.reset_every - 1) / slide_.reset_every;
+    const TouchTrajectory heads = take_heads(slide_, std::max<std::size_t>(2, settings_.judged_steps / pieces));
+    std::size_t falls = 0, locks = 0, bad = 0, contact = 0;
+    double most_n = 0.0;
+    for (const double radius : {0.0, kSphere_m}) {
+      progress_(fmt::format("reference over {} steps, probe of {:g} mm", heads.p_SD.size(), 1e3 * radius));
+      const auto reference = run_references(watch_, scene_of(mesh_), heads, radius);
+      if (!reference) return tl::unexpected(reference.error());
+      for (const int exponent : settings_.scale_exponents) {
+        progress_(fmt::format("falls at scale 1e{}, probe of {:g} mm", exponent, 1e3 * radius));
+        const auto felt = feel_at_scale(std::pow(10.0, exponent), radius, heads);
+        if (!felt) return tl::unexpected(felt.error());
+        const ForceError error = reference->judge(*felt);
+        falls += error.falls;
+        locks += error.locks;
+        bad += error.not_finite;
+        contact += error.contact_steps;
+        for (const FeltStep& step : *felt) most_n = std::max(most_n, step.force_n.norm());
+      }
+    }
+    const std::string what = fmt::format("over all scales 1e{} .. 1e{}, {}", settings_.scale_exponents.front(), settings_.scale_exponents.back(), size_);
+    const std::string note = fmt::format("of {} contact steps, point and sphere; {} forces not finite", contact, bad);
+    add({"fall-through in metres " + what, "steps", "", 0, false, "76 .. 100 % of contact steps (1 unit a metre)", {}, static_cast<double>(falls + bad), note});
+    add({"lock, frictionless slide " + what, "steps", "", 0, false, "3963 of 18500, 95 N", {}, static_cast<double>(locks),
+         fmt::format("of {} contact steps; largest force {:.3g} N at 1000 N/m and 100 mm", contact, most_n)});
+    return {};
+  }
+
+  Result<std::vector<FeltStep>> feel_at_scale(double scale, double radius, const TouchTrajectory& heads) const {
+    TouchTrajectory scaled = heads;
+    for (Vec3& p : scaled.p_SD) p *= scale;
+    auto felt = feel(proxy_of(radius * scale), scene_of(std::make_shared<TriangleMesh>(scaled_and_moved(*mesh_, scale, Vec3::Zero()))), scaled);
+    if (!felt) return felt;
+    for (FeltStep& step : *felt) step = {step.device / scale, step.proxy / scale, step.force_n / scale};
+    return felt;
+  }
+
+  Result<void> measure_error(const std::shared_ptr<const TriangleMesh>& mesh, const std::string& what) {
+    progress_("force error against the reference: " + what);
+    const auto slide = make_slide_trajectory(*mesh, {.seed = settings_.seed, .rows = settings_.steps, .rate_hz = 1000.0});
+    if (!slide) return tl::unexpected(slide.error());
+    const std::size_t pieces = (slide->p_SD.size() + slide->reset_every - 1) / slide->reset_every;
+    const TouchTrajectory heads = take_heads(*slide, std::max<std::size_t>(2, settings_.judged_steps / pieces));
+    const auto reference = run_references(watch_, scene_of(mesh), heads, 0.0);
+    if (!reference) return tl::unexpected(reference.error());
+    const auto felt = feel(proxy_of(0.0), scene_of(mesh), heads);
+    if (!felt) return tl::unexpected(felt.error());
+    const ForceError error = reference->judge(*felt);
+    const std::string name = "force error, frictionless slide, " + what;
+    const std::string note = fmt::format(
+        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}; direction p50 {:.3g} deg", error.contact_steps,
+        slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops, 57.29577951308232 * error.direction_rad.p50);
+    add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.all.p99, note});
+    add({name, "RMS", "%", 1.0, false, "23 (70 k), 2000 (1.3 M)", {}, 100.0 * error.all.rms, note});
+    add({name, "RMS away from basin changes", "%", 0.1, false, "", {}, 100.0 * error.away.rms, note});
+    return {};
+  }
+
+  Result<void> measure_local_set() {
+    const auto build = [](const StructureTiming& t) { return t.build_ms; };
+    const auto memory = [](const StructureTiming& t) { return 1e-6 * static_cast<double>(t.bytes); };
+    const auto always = [&](auto&& figure) {
+      Peers all;
+      for (std::size_t i = 0; i < contact_peers_.size(); ++i) all.emplace_back(peers_[i].full_name(), figure(contact_peers_[i]));
+      return all;
+    };
+    add({"build, " + size_, "time", "ms", 400, false, "547 .. 758", always(build), build_ms_, "ours: method proxy, all it needs, one thread"});
+    add({"build, " + size_, "memory", "MB", 90, false, "320", always(memory), build_mb_, "ours: heap grown by the method; embree: its own count; others: heap grown"});
+    progress_("local sets of 64 triangles");
+    const auto scene = SmoothScene::build(scene_of(mesh_), {});
+    if (!scene) return tl::unexpected(scene.error());
+    const auto set = std::make_unique<LocalSet>();
+    const TimedSteps timed = time_steps(
+        watch_, settings_.budget, slide_.p_SD.size(), [](std::size_t) {},
+        [&](std::size_t i) { scene->select({slide_.p_SD[i], slide_.p_SD[i]}, kSetSize, *set); }, [](std::size_t) {});
+    const TimeSpread spread = spread_of_times(timed.least.ns());
+    add({"local set query, 64 of " + size_, "p50", "ns", 5000, false, "FDH paper: 3e6 (20 k triangles)", {}, spread.p50_ns,
+         fmt::format("along the slide; p99 {:.0f}, worst {:.0f} ns", spread.p99_ns, spread.worst_ns)});
+    return {};
+  }
+
+  void name_what_others_measure() {
+    add({"force round trip, three processes, loopback", "over the bare echo", "x", 1.3, false, "memo: 0.7 ms", {}, std::nullopt, "hapton latency"});
+    add({"haptons", "a core", "", 100000, true, "memo: 1, capable of 5", {}, std::nullopt, "hapton bench haptons"});
+  }
+
+  const NumbersSettings& settings_;
+  const Stopwatch& watch_;
+  const std::vector<QueryStructureKind>& peers_;
+  const Progress& progress_;
+  std::shared_ptr<const TriangleMesh> mesh_;
+  std::string size_;
+  TouchTrajectory slide_;
+  std::vector<StructureTiming> contact_peers_;
+  double build_ms_ = 0.0;
+  double build_mb_ = 0.0;
+};
+
+std::string figure(double x) { return std::fabs(x) >= 1000.0 || x == std::floor(x) ? fmt::format("{:.0f}", x) : fmt::format("{:.3g}", x); }
+
+std::string verdict(const NumberRow& row) { return !row.ours ? "not here" : row.is_met() ? "met" : "NOT MET"; }
+
+std::string quoted_cell(std::string text) {
+  std::replace(text.begin(), text.end(), '"', '\'');
+  return '"' + text + '"';
+}
+
+}  // namespace
+
+std::size_t NumbersReport::measured() const {
+  return static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const NumberRow& row) { return row.ours.has_value(); }));
+}
+
+std::size_t NumbersReport::met() const {
+  return static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const NumberRow& row) { return row.is_met(); }));
+}
+
+Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& structures,
+                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name, const Progress& progress) {
+  const std::uint64_t start = Stopwatch::ticks();
+  NumbersReport report;
+  report.conditions = begin_conditions(watch, settings.seed);
+  Numbers numbers(settings, watch, structures, progress);
+  if (auto done = numbers.measure_all(file_mesh, file_name); !done) return tl::unexpected(done.error());
+  report.rows = std::move(numbers.rows);
+  end_conditions(report.conditions, start, watch);
+  return report;
+}
+
+std::string to_csv(const NumbersReport& report) {
+  std::string text = "what,metric,unit,target,chai3d_3_3_quoted,hapton,verdict,peers,note\n";
+  for (const NumberRow& row : report.rows) {
+    std::string peers;
+    for (const auto& [name, value] : row.peers) peers += fmt::format("{}{}={:.6g}", peers.empty() ? "" : ";", name, value);
+    fmt::format_to(std::back_inserter(text), "{},{},{},{:g},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit, row.target,
+                   quoted_cell(row.quoted), row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(peers), quoted_cell(row.note));
+  }
+  return text;
+}
+
+std::string to_json(const NumbersReport& report) {
+  Json json = to_json(report.conditions, "hapton bench numbers");
+  json["quoted_from"] = kQuotedFrom;
+  json["targets_measured"] = report.measured();
+  json["targets_met"] = report.met();
+  json["rows"] = Json::array();
+  for (const NumberRow& row : report.rows) {
+    Json one{{"what", row.what}, {"metric", row.metric}, {"unit", row.unit}, {"target", row.target}, {"at_least", row.at_least}, {"chai3d_3_3_quoted", row.quoted}};
+    one["peers"] = Json::object();
+    for (const auto& [name, value] : row.peers) one["peers"][name] = value;
+    one["hapton"] = row.ours ? Json(*row.ours) : Json(nullptr);
+    one["verdict"] = verdict(row);
+    one["note"] = row.note;
+    json["rows"].push_back(std::move(one));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_text(const NumbersReport& report) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  std::string last;
+  for (const NumberRow& row : report.rows) {
+    if (row.what != last) {
+      fmt::format_to(out, "\n{}\n  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.what, "", "target", "Hapton", "", "CHAI3D 3.3 (quoted)", "peers, this run");
+      last = row.what;
+    }
+    std::string peers;
+    for (const auto& [name, value] : row.peers) peers += fmt::format("{}{} {}", peers.empty() ? "" : ", ", name, figure(value));
+    fmt::format_to(out, "  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.unit.empty() ? row.metric : row.metric + ", " + row.unit,
+                   (row.at_least ? ">= " : "<= ") + figure(row.target), row.ours ? figure(*row.ours) : "-", verdict(row), row.quoted, peers);
+    const bool is_last_of_note = &row == &report.rows.back() || (&row)[1].note != row.note;
+    if (is_last_of_note && !row.note.empty()) fmt::format_to(out, "    {}\n", row.note);
+  }
+  fmt::format_to(out, "\n{} of {} targets measured here are met.\n", report.met(), report.measured());
+  fmt::format_to(out, "{}.\nQuoted: {}.\n", report.conditions.to_text(), kQuotedFrom);
+  return text;
+}
+
+}  // namespace hapton

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/measure/pareto_run.h"
+
+namespace hapton {
+
+struct NumbersSettings {
+  std::vector<std::size_t> ladder = {5000, 20000, 80000, 300000, 1000000};  // triangles at least; the last is the mesh of the other rows
+  std::size_t steps = 20000;
+  std::size_t judged_steps = 2000;
+  std::vector<int> scale_exponents = {-6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6};
+  std::uint64_t seed = 1;
+  TimingBudget budget{.repetitions = 6, .seconds = 5.0};
+};
+
+// A goal, what others reach, and what we do.
+struct NumberRow {
+  std::string what;    // "contact step, point probe, 1,310,720 triangles"
+  std::string metric;  // "p50"
+  std::string unit;    // "ns"
+  double target = 0.0;
+  bool at_least = false;  // true: the more the better
+  std::string quoted;     // CHAI3D 3.3 or the paper, measured earlier elsewhere; empty: there is none
+  std::vector<std::pair<std::string, double>> peers;  // live, in this run
+  std::optional<double> ours;                         // none: another command measures it
+  std::string note;
+
+  bool is_met() const { return ours.has_value() && (at_least ? *ours >= target : *ours <= target); }
+};
+
+struct NumbersReport {
+  RunConditions conditions;
+  std::vector<NumberRow> rows;
+
+  std::size_t measured() const;
+  std::size_t met() const;
+};
+
+// Where and how the quoted CHAI3D figures were taken.
+constexpr const char* kQuotedFrom =
+    "CHAI3D 3.3.0, finger proxy, g++ 12 -O3 -march=native, one core of a 2-CPU AMD EPYC (Turin) guest, Debian 12, slides of the same kind over "
+    "meshes of the same size at 10 units a metre; measured once, not in this run";
+
+// Measures all rows over bumpy spheres of 100 mm. A file mesh, when given, is judged too. Error: a method or structure that cannot be made.
+Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& structures,
+                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name, const Progress& progress);
+
+std::string to_csv(const NumbersReport& report);
+std::string to_json(const NumbersReport& report);
+std::string to_text(const NumbersReport& report);
+
+}  // namespace hapton

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/measure/method_run.h"
+#include "bench/measure/query_run.h"
+#include "bench/measure/run_conditions.h"
+
+namespace hapton {
+
+struct ParetoSettings {
+  std::size_t steps = 12000;         // of the slide
+  std::size_t judged_steps = 1800;   // of them with the reference: the first of each piece
+  std::uint64_t seed = 1;
+  TimingBudget budget{.repetitions = 5, .seconds = 1.0};  // of one row
+};
+
+// One method along one slide over one mesh.
+struct MethodRow {
+  std::string mesh;
+  std::size_t triangles = 0;
+  std::string family;  // "proxy point", "proxy sphere", "sweep", "smooth", "reference": one mark in the plot
+  MethodSettings settings;
+  std::string structure;  // "neighbourhood + wide", "grid 32", "fdh 14, set 64"
+  std::size_t steps = 0;
+  MethodTiming timing;    // without felt
+  ForceError error;
+};
+
+// One structure with that slide's queries.
+struct QueryRow {
+  std::string mesh;
+  std::size_t triangles = 0;
+  QueryStructureKind kind;  // without make
+  StructureTiming timing;
+};
+
+struct ParetoReport {
+  RunConditions conditions;
+  std::vector<MethodRow> methods;
+  std::vector<QueryRow> queries;
+};
+
+using Progress = std::function<void(const std::string&)>;
+
+// Measures every method and the given structures over one mesh (of 100 mm, by custom) and adds them to the report.
+// Error: a trajectory or a method that cannot be made. RT: set-up only.
+Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& watch, const std::string& name, const std::shared_ptr<const TriangleMesh>& mesh,
+                            const std::vector<QueryStructureKind>& structures, const Progress& progress, ParetoReport& report);
+
+// One line a row: methods first, then queries; columns that do not apply are empty.
+std::string to_csv(const ParetoReport& report);
+std::string to_json(const ParetoReport& report);
+// For people: methods and queries of one mesh, or of all when the name is empty.
+std::string to_text(const ParetoReport& report, const std::string& mesh);
+
+// What the plot and its front are drawn from: p99 of the contact steps against the RMS force error.
+struct ParetoMark {
+  std::string mesh, family, label;
+  double time_us = 0.0;
+  double error = 0.0;  // share; not below 1e-12, so that it has a place on a logarithmic axis
+};
+std::vector<ParetoMark> pareto_marks(const ParetoReport& report);
+
+}  // namespace hapton

@@ -1,0 +1,105 @@
+#include "bench/measure/query_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/measure/live_heap.h"
+#include "bench/measure/own_structures.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kReachShare = 0.025;
+constexpr double kAgreeShare = 1e-4;
+constexpr double kTriangleTests = 4e7;  // brute force spends on answers to compare with
+constexpr std::size_t kLeastQueries = 16;
+
+std::size_t stride_for(std::size_t queries, std::size_t most) { return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most)); }
+
+// How many queries fit into a third of the budget, told by a few of them.
+template <class Ask>
+std::size_t find_stride(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, Ask&& ask) {
+  if (queries <= kLeastQueries) return 1;
+  const std::uint64_t start = Stopwatch::ticks();
+  for (std::size_t i = 0; i < kLeastQueries; ++i) ask(i * (queries / kLeastQueries));
+  const double each_s = 1e-9 * watch.ns_between(start, Stopwatch::ticks()) / static_cast<double>(kLeastQueries);
+  const double fit = budget.seconds / 3.0 / std::max(each_s, 1e-9);
+  return stride_for(queries, std::max(kLeastQueries, static_cast<std::size_t>(std::min(fit, 1e9))));
+}
+
+bool same(double a, double b, double tolerance) {
+  if (std::isfinite(a) != std::isfinite(b)) return false;
+  return !std::isfinite(a) || std::fabs(a - b) <= tolerance;
+}
+
+template <class Ask, class Tolerance>
+QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, const std::vector<double>& truth, std::size_t truth_stride,
+                         Ask&& ask, Tolerance&& tolerance) {
+  QueryTiming timing;
+  const std::size_t stride = find_stride(watch, budget, queries, ask);
+  const std::size_t asked = (queries + stride - 1) / stride;
+  std::vector<double> answers(asked);
+  const TimedSteps timed = time_steps(
+      watch, budget, asked, [](std::size_t) {}, [&](std::size_t i) { answers[i] = ask(i * stride); }, [](std::size_t) {});
+  timing.time = spread_of_times(timed.least.ns());
+  timing.repetitions = timed.repetitions;
+  timing.found = static_cast<std::size_t>(std::count_if(answers.begin(), answers.end(), [](double a) { return std::isfinite(a); }));
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    ++timing.compared;
+    if (same(ask(i * truth_stride), truth[i], tolerance(i * truth_stride))) ++timing.agree;
+  }
+  return timing;
+}
+
+}  // namespace
+
+TouchQueries make_queries(std::span<const FeltStep> felt, std::size_t reset_every, double extent_m) {
+  TouchQueries queries;
+  queries.radius = kReachShare * extent_m;
+  for (std::size_t i = 0; i < felt.size(); ++i) {
+    queries.points.push_back(felt[i].device);
+    if (i == 0 || (reset_every > 0 && i % reset_every == 0)) continue;
+    queries.segments.push_back({felt[i - 1].proxy, felt[i].device});
+  }
+  return queries;
+}
+
+BruteAnswers answer_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries) {
+  BruteAnswers answers;
+  const auto most = static_cast<std::size_t>(std::clamp(kTriangleTests / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())), 20.0, 500.0));
+  answers.segment_stride = stride_for(queries.segments.size(), most);
+  answers.point_stride = stride_for(queries.points.size(), most);
+  const auto brute = own_structures().front().make(mesh);
+  for (std::size_t i = 0; i < queries.segments.size(); i += answers.segment_stride) {
+    answers.hits.push_back((*brute)->first_hit(queries.segments[i].from, queries.segments[i].to));
+  }
+  for (std::size_t i = 0; i < queries.points.size(); i += answers.point_stride) answers.distances.push_back((*brute)->nearest(queries.points[i], queries.radius));
+  return answers;
+}
+
+Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind, const TriangleMesh& mesh,
+                                       const TouchQueries& queries, const BruteAnswers& truth, double extent_m) {
+  StructureTiming timing;
+  const std::size_t heap = read_live_heap_bytes();
+  const std::uint64_t start = Stopwatch::ticks();
+  auto made = kind.make(mesh);
+  timing.build_ms = 1e-6 * watch.ns_between(start, Stopwatch::ticks());
+  if (!made) return tl::unexpected(made.error());
+  QueryStructure& structure = **made;
+  const std::size_t grown = read_live_heap_bytes();
+  timing.bytes = structure.bytes() > 0 ? structure.bytes() : grown > heap ? grown - heap : 0;
+  if (kind.segments) {
+    timing.segments = time_queries(
+        watch, budget, queries.segments.size(), truth.hits, truth.segment_stride,
+        [&](std::size_t i) { return structure.first_hit(queries.segments[i].from, queries.segments[i].to); },
+        [&](std::size_t i) { return kAgreeShare * extent_m / std::max(1e-300, (queries.segments[i].to - queries.segments[i].from).norm()); });
+  }
+  if (kind.nearests) {
+    timing.nearests = time_queries(
+        watch, budget, queries.points.size(), truth.distances, truth.point_stride,
+        [&](std::size_t i) { return structure.nearest(queries.points[i], queries.radius); }, [&](std::size_t) { return kAgreeShare * extent_m; });
+  }
+  return timing;
+}
+
+}  // namespace hapton

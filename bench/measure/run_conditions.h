@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/measure/stopwatch.h"
+#include "runtime/report.h"
+
+namespace hapton {
+
+constexpr const char* kBenchSchema = "hapton.bench/1";
+
+// Under which figures of a benchmark were taken.
+struct RunConditions {
+  MachineInfo machine;
+  std::uint64_t seed = 1;
+  double load_before = 0.0;  // load average of the last minute
+  double load_after = 0.0;
+  double clock_cost_ns = 0.0;
+  double clock_drift = 0.0;
+  double seconds = 0.0;
+  std::vector<std::string> missing_peers;
+
+  // More was running than the machine has CPUs, this program included.
+  bool was_shared() const;
+  // One line for people.
+  std::string to_text() const;
+};
+
+RunConditions begin_conditions(const Stopwatch& watch, std::uint64_t seed);
+void end_conditions(RunConditions& conditions, std::uint64_t start_ticks, const Stopwatch& watch);
+
+// "schema", "program" and the conditions: how every bench report begins.
+nlohmann::ordered_json to_json(const RunConditions& conditions, const std::string& program);
+
+}  // namespace hapton

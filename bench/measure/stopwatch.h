@@ -1,0 +1,40 @@
+#pragma once
+
+#ifndef __AVX2__
+#error "bench needs an x86 CPU with AVX2: configure with -DHAPTON_MARCH=x86-64-v3 or a newer CPU, or with -DHAPTON_TOOLS=OFF"
+#endif
+#include <immintrin.h>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace hapton {
+
+// Times stretches of a few nanoseconds: the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC, what reading it costs
+// taken off. Threads: any, pinned to one CPU while it measures.
+class Stopwatch {
+ public:
+  // Takes some 60 ms.
+  static Stopwatch calibrate();
+
+  // Nothing before it is still running, nothing after it has begun.
+  static std::uint64_t ticks() {
+    _mm_lfence();
+    const std::uint64_t now = __rdtsc();
+    _mm_lfence();
+    return now;
+  }
+
+  double ns_between(std::uint64_t from, std::uint64_t to) const {
+    return std::max(0.0, static_cast<double>(static_cast<std::int64_t>(to - from)) * ns_per_tick_ - cost_ns_);
+  }
+  double cost_ns() const { return cost_ns_; }        // median of reading it twice
+  double drift() const { return drift_; }            // share by which two calibrations differ: above 0.01 the counter is not to be trusted
+
+ private:
+  double ns_per_tick_ = 1.0;
+  double cost_ns_ = 0.0;
+  double drift_ = 0.0;
+};
+
+}  // namespace hapton

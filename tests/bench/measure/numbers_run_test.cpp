@@ -1,0 +1,69 @@
+#include "bench/measure/numbers_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bench/measure/own_structures.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+NumberRow row(double target, std::optional<double> ours, bool at_least = false) {
+  NumberRow made;
+  made.what = "what";
+  made.metric = "p50";
+  made.target = target;
+  made.ours = ours;
+  made.at_least = at_least;
+  return made;
+}
+
+TEST(NumberRow, IsMetAtItsTargetAndNotBeyond) {
+  EXPECT_TRUE(row(5.0, 5.0).is_met());
+  EXPECT_FALSE(row(5.0, 5.1).is_met());
+  EXPECT_TRUE(row(5.0, 5.0, true).is_met());
+  EXPECT_FALSE(row(5.0, 4.9, true).is_met());
+  EXPECT_FALSE(row(5.0, std::nullopt).is_met());
+}
+
+TEST(NumbersReport, CountsWhatWasMeasuredAndMet) {
+  NumbersReport report;
+  report.rows = {row(5.0, 1.0), row(5.0, 9.0), row(5.0, std::nullopt)};
+  EXPECT_EQ(report.measured(), 2U);
+  EXPECT_EQ(report.met(), 1U);
+  const std::string text = to_text(report);
+  EXPECT_THAT(text, HasSubstr("1 of 2 targets"));
+  EXPECT_THAT(text, HasSubstr("NOT MET"));
+}
+
+// The whole measurement, small: every row of the table is there, and what cannot depend on the machine holds.
+TEST(Numbers, MeasureEveryRow) {
+  NumbersSettings settings;
+  settings.ladder = {300, 1000};
+  settings.steps = 400;
+  settings.judged_steps = 300;
+  settings.scale_exponents = {-6, 0, 6};
+  settings.budget = {.repetitions = 1, .seconds = 0.05};
+  std::vector<QueryStructureKind> structures = own_structures();
+  std::erase_if(structures, [](const QueryStructureKind& kind) { return kind.full_name() != "fdh 14"; });
+  const auto report = measure_numbers(settings, Stopwatch::calibrate(), structures, nullptr, "", [](const std::string&) {});
+  ASSERT_TRUE(report.has_value()) << report.error().what;
+  EXPECT_EQ(report->rows.size(), 17U);
+  EXPECT_EQ(report->measured(), 15U);
+  for (const NumberRow& one : report->rows) {
+    if (one.what.starts_with("fall-through") || one.what.starts_with("lock")) {
+      EXPECT_EQ(*one.ours, 0.0) << one.what << ": " << one.note;
+    }
+    if (one.unit == "ns") {
+      EXPECT_GT(*one.ours, 0.0) << one.what;
+    }
+  }
+  const auto json = nlohmann::json::parse(to_json(*report));
+  EXPECT_EQ(json["schema"], "hapton.bench/1");
+  EXPECT_EQ(json["rows"].size(), report->rows.size());
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,16 @@
+#include "tools/bench_command.h"
+
+#include "tools/bench_haptons_command.h"
+#include "tools/bench_numbers_command.h"
+#include "tools/bench_pareto_command.h"
+
+namespace hapton {
+
+void add_bench_command(CLI::App& app, int& exit_code) {
+  CLI::App* bench = app.add_subcommand("bench", "Measure methods and structures on this machine, side by side with other libraries")->require_subcommand(1);
+  add_bench_haptons_command(*bench, exit_code);
+  add_bench_numbers_command(*bench, exit_code);
+  add_bench_pareto_command(*bench, exit_code);
+}
+
+}  // namespace hapton

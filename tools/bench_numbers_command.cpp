@@ -1,0 +1,71 @@
+#include "tools/bench_numbers_command.h"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "bench/measure/numbers_run.h"
+#include "bench/peers/peer_structures.h"
+#include "runtime/atomic_file.h"
+#include "runtime/clock.h"
+#include "tools/bench_meshes.h"
+
+namespace hapton {
+namespace {
+
+struct NumbersOptions {
+  std::filesystem::path out;
+  std::string folder;
+  std::string file = "nefertiti_70k.ply";
+  NumbersSettings settings;
+  bool quick = false;
+};
+
+Result<void> measure(NumbersOptions& options) {
+  if (options.quick) {
+    options.settings.ladder = {5000, 80000};
+    options.settings.steps = 4000;
+    options.settings.judged_steps = 600;
+    options.settings.scale_exponents = {-6, 0, 6};
+    options.settings.budget = {.repetitions = 3, .seconds = 0.3};
+  }
+  const auto mesh = make_bench_mesh(options.file, options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder));
+  if (!mesh) return tl::unexpected(mesh.error());
+  const Stopwatch watch = Stopwatch::calibrate();
+  const SteadyClock clock;
+  const std::int64_t start_ns = clock.now_ns();
+  const Progress progress = [&](const std::string& what) { print_progress(1e-9 * static_cast<double>(clock.now_ns() - start_ns), what); };
+  auto report = measure_numbers(options.settings, watch, peer_structures(), mesh->mesh, mesh->name, progress);
+  if (!report) return tl::unexpected(report.error());
+  report->conditions.missing_peers = missing_peers();
+  const std::string text = to_text(*report);
+  fmt::print("{}", text);
+  if (options.quick) fmt::print("--quick: a mesh of 82 k triangles stands for that of 1.3 M; the targets are those of the whole run.\n");
+  if (auto written = write_file_atomically(options.out / "numbers.txt", text); !written) return written;
+  if (auto written = write_file_atomically(options.out / "numbers.csv", to_csv(*report)); !written) return written;
+  return write_file_atomically(options.out / "numbers.json", to_json(*report));
+}
+
+}  // namespace
+
+void add_bench_numbers_command(CLI::App& bench, int& exit_code) {
+  auto options = std::make_shared<NumbersOptions>();
+  CLI::App* command = bench.add_subcommand("numbers", "The numbers to beat: target, others and ours side by side; exits 0 whether or not they are met");
+  command->add_flag("--quick", options->quick, "Smaller meshes, short runs: less than a minute");
+  command->add_option("--mesh", options->file, "A scanned mesh that the force error is measured on too")->capture_default_str();
+  command->add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
+  command->add_option("--steps", options->settings.steps, "Of each trajectory")->check(CLI::Range(100, 10'000'000))->capture_default_str();
+  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")->check(CLI::Range(10, 10'000'000))->capture_default_str();
+  command->add_option("--seed", options->settings.seed, "Of meshes and trajectories")->capture_default_str();
+  command->add_option("--out", options->out, "Folder for numbers.txt, numbers.csv and numbers.json")->required();
+  command->callback([options, &exit_code] {
+    const auto done = measure(*options);
+    if (!done) fmt::print(stderr, "hapton bench numbers: {}\n", done.error().what);
+    exit_code = done ? 0 : 1;
+  });
+}
+
+}  // namespace hapton

@@ -1,0 +1,140 @@
+#include "tools/pareto_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "bench/measure/pareto_front.h"
+#include "tools/child_process.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kDrawSeconds = 60.0;
+constexpr int kNotFound = 127;  // what posix_spawnp's child exits with when there is no such program
+constexpr int kPanelWidth = 640;
+constexpr int kPanelHeight = 520;
+
+struct Style {
+  std::string_view family;
+  int mark;
+  std::string_view color;
+};
+constexpr std::array kStyles = {
+    Style{"proxy point", 7, "#0050c8"}, Style{"proxy sphere", 5, "#56b4e9"},     Style{"sweep", 9, "#d55e00"},
+    Style{"smooth", 13, "#009e73"},     Style{"reference", 2, "#000000"}, Style{"reference sphere", 1, "#7f7f7f"},
+};
+
+// gnuplot reads _ and the like as markup.
+std::string plain(std::string text) {
+  std::replace(text.begin(), text.end(), '_', ' ');
+  std::erase_if(text, [](char c) { return c == '\'' || c == '{' || c == '}' || c == '^' || c == '@' || c == '\\'; });
+  return text;
+}
+
+std::vector<std::string> names_of(const std::vector<ParetoMark>& marks) {
+  std::vector<std::string> names;
+  for (const ParetoMark& mark : marks) {
+    if (std::find(names.begin(), names.end(), mark.mesh) == names.end()) names.push_back(mark.mesh);
+  }
+  return names;
+}
+
+std::string data_of(const std::vector<ParetoMark>& marks, std::string_view family, const std::string& block) {
+  std::string text = fmt::format("${} << EOD\n", block);
+  for (const ParetoMark& mark : marks) {
+    if (mark.family == family) fmt::format_to(std::back_inserter(text), "{} {} \"{}\"\n", mark.time_us, 100.0 * mark.error, plain(mark.label));
+  }
+  return text + "EOD\n";
+}
+
+std::string front_of(const std::vector<ParetoMark>& marks, const std::string& block) {
+  std::vector<ParetoPoint> points;
+  for (const ParetoMark& mark : marks) points.push_back({mark.time_us, mark.error});
+  std::string text = fmt::format("${} << EOD\n", block);
+  for (const std::size_t i : find_pareto_front(points)) fmt::format_to(std::back_inserter(text), "{} {}\n", points[i].time, 100.0 * points[i].error);
+  return text + "EOD\n";
+}
+
+struct Range {
+  double low, high;
+};
+
+// Whole decades around all marks.
+template <class Figure>
+Range range_of(const std::vector<ParetoMark>& marks, Figure&& figure) {
+  double low = 1e300;
+  double high = 1e-300;
+  for (const ParetoMark& mark : marks) {
+    low = std::min(low, figure(mark));
+    high = std::max(high, figure(mark));
+  }
+  return {std::pow(10.0, std::floor(std::log10(low * 0.9))), std::pow(10.0, std::ceil(std::log10(high * 1.1)))};
+}
+
+std::string panel_of(const std::vector<ParetoMark>& marks, const std::string& mesh, std::size_t number) {
+  std::vector<ParetoMark> here;
+  for (const ParetoMark& mark : marks) {
+    if (mark.mesh == mesh) here.push_back(mark);
+  }
+  const std::string front = fmt::format("front{}", number);
+  std::string text = front_of(here, front);
+  std::string plot = fmt::format("set title '{}'\nplot ${} using 1:2 with lines linewidth 2 dashtype 2 linecolor rgb '#7f7f7f' title 'Pareto front'", plain(mesh), front);
+  for (std::size_t i = 0; i < kStyles.size(); ++i) {
+    const Style& style = kStyles[i];
+    if (std::none_of(here.begin(), here.end(), [&](const ParetoMark& mark) { return mark.family == style.family; })) continue;
+    const std::string block = fmt::format("m{}f{}", number, i);
+    text += data_of(here, style.family, block);
+    plot += fmt::format(", ${0} using 1:2 with points pointtype {1} pointsize 1.6 linecolor rgb '{2}' title '{3}', ${0} using 1:2:3 with labels offset 1.2,0.5 font ',8' textcolor rgb '{2}' notitle", block,
+                        style.mark, style.color, style.family);
+  }
+  return text + plot + "\n";
+}
+
+}  // namespace
+
+std::string make_pareto_plot(const std::vector<ParetoMark>& marks, const std::string& picture) {
+  const std::vector<std::string> meshes = names_of(marks);
+  const std::size_t columns = std::min<std::size_t>(3, meshes.size());
+  const std::size_t rows = (meshes.size() + columns - 1) / columns;
+  const Range time = range_of(marks, [](const ParetoMark& m) { return m.time_us; });
+  const Range error = range_of(marks, [](const ParetoMark& m) { return 100.0 * m.error; });
+  std::string script = fmt::format(
+      "set terminal pngcairo size {},{} font 'sans,10'\n"
+      "set output '{}'\n"
+      "set multiplot layout {},{} title 'Contact step: time against force error (numbers: cells along an axis, triangles in the set)'\n"
+      "set xlabel 'contact step, p99, us'\nset ylabel 'force error, RMS, %'\n"
+      "set logscale xy\nset xrange [{}:{}]\nset yrange [{}:{}]\n"
+      "set format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"
+      "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 2\n",
+      kPanelWidth * columns, kPanelHeight * rows, picture, rows, columns, time.low, time.high, error.low, error.high);
+  for (std::size_t i = 0; i < meshes.size(); ++i) script += panel_of(marks, meshes[i], i);
+  return script + "unset multiplot\n";
+}
+
+Result<std::filesystem::path> draw_pareto_plot(const std::filesystem::path& folder, const std::vector<ParetoMark>& marks) {
+  if (marks.empty()) return fail("{}: no contact was measured, so there is nothing to draw", (folder / "pareto.png").string());
+  const std::string part = "pareto.png.part";
+  const std::string program = "pareto.gnuplot.part";
+  if (!(std::ofstream(folder / program) << make_pareto_plot(marks, part)).flush()) {
+    return fail("{}: cannot be written", (folder / program).string());
+  }
+  auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {program}, .folder = folder, .output = {}});
+  const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
+  std::error_code error;
+  std::filesystem::remove(folder / program, error);
+  if (code == kNotFound) return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
+  if (code != 0) return fail("gnuplot could not draw {}; what it said stands above", (folder / "pareto.png").string());
+  std::filesystem::rename(folder / part, folder / "pareto.png", error);
+  if (error) return fail("{}: cannot be written: {}", (folder / "pareto.png").string(), error.message());
+  return folder / "pareto.png";
+}
+
+}  // namespace hapton
