@@ -128,7 +128,7 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
     _mm256_store_ps(earliest, _mm256_and_ps(time, _mm256_cmp_ps(gap, zero, _CMP_GT_OQ)));
     for (; mask != 0; mask &= mask - 1) {
       const int lane = std::countr_zero(mask);
-      meetings[n] = {earliest[lane], block.triangle[lane]};
+      meetings[n] = {earliest[lane], block.triangle[lane], static_cast<std::uint32_t>(8 * b + lane)};
       if (meetings[n].earliest < meetings[0].earliest) std::swap(meetings[n], meetings[0]);
       ++n;
     }
@@ -140,6 +140,8 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
 bool Neighbourhood::fill(const TouchGeometry& geometry, const Box& region) noexcept {
   clear();
   center_ = region.center();
+  geometry_ = &geometry;
+  is_prepared_.reset();
   std::array<std::uint32_t, kCapacity> found;
   int n = 0;
   bool fits = true;

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 
 #include "core/collision/touch_geometry.h"
+#include "core/geometry/contact_triangle.h"
 
 namespace hapton {
 
@@ -16,11 +18,22 @@ class Neighbourhood {
  public:
   static constexpr int kCapacity = 256;
 
-  // Copies all triangles that overlap `region`. False, and empty, when there are more than kCapacity of them.
+  // Copies all triangles that overlap `region`; the geometry must stay while shape() is called. False, and empty, when there are more than kCapacity of them.
   bool fill(const TouchGeometry& geometry, const Box& region) noexcept;
 
   void clear() noexcept { count_ = 0; region_ = Box(); }
   int count() const { return count_; }
+
+  // The triangle at a place, in double precision and prepared; prepared when first asked for.
+  const ContactTriangle& shape(std::uint32_t place) noexcept {
+    if (!is_prepared_[place]) {
+      const std::uint32_t triangle = blocks_[place / 8].triangle[place % 8];
+      shapes_[place] = ContactTriangle(geometry_->corner(triangle, 0), geometry_->corner(triangle, 1), geometry_->corner(triangle, 2));
+      is_prepared_.set(place);
+    }
+    return shapes_[place];
+  }
+
   bool covers(const Box& box) const {
     return (box.low.array() >= region_.low.array()).all() && (box.high.array() <= region_.high.array()).all();
   }
@@ -39,6 +52,7 @@ class Neighbourhood {
   struct Meeting {
     float earliest;
     std::uint32_t triangle;
+    std::uint32_t place;  // for shape()
   };
 
   // Lists every triangle that a sphere of radius `radius`, moving from p along `motion`, may come nearer than its radius to; the
@@ -72,6 +86,9 @@ class Neighbourhood {
   };
   static Bound separation_bound(const Block& block, const __m256 p[3], const __m256 motion[3]) noexcept;
 
+  const TouchGeometry* geometry_ = nullptr;
+  std::array<ContactTriangle, kCapacity> shapes_;
+  std::bitset<kCapacity> is_prepared_;
   std::array<Block, kCapacity / 8> blocks_;
   int count_ = 0;
   Box region_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/collision/touch_geometry.h"
+#include "core/geometry/contact_triangle.h"
 
 namespace hapton {
 
@@ -15,17 +16,24 @@ struct Clearance {
 // A time that never comes; motions last from 0 to 1.
 constexpr double kNever = 2.0;
 
+// A triangle as these functions take it: anything with separation(p). A ContactTriangle is quick at it; a TriangleView needs no preparation.
+struct TriangleView {
+  const TouchGeometry& geometry;
+  std::uint32_t triangle;
+  Separation separation(const Vec3& p) const { return geometry.separation(triangle, p); }
+};
+
 // When a sphere that moves from p along `motion` comes to distance `level` of a triangle: t in [from, 1], or kNever.
 // The distance to a convex set along a line is convex, so Newton's tangent from the approaching side never oversteps the true
 // root and converges quadratically: no feature cases, no cancelling discriminant, conservative at every iterate.
 // Pre: distance at `from` is at least level. RT: yes.
-inline double time_to_reach(const TouchGeometry& geometry, std::uint32_t triangle, const Vec3& p, const Vec3& motion, double from, double level,
-                            double tolerance) {
+template <class Shape>
+double time_to_reach(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double level, double tolerance) {
   constexpr int kMaxIterations = 48;  // quadratic convergence needs under ten; the bound only limits time
   const double length = motion.norm();
   double t = from;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const Separation now = geometry.separation(triangle, p + t * motion);
+    const Separation now = shape.separation(p + t * motion);
     const double slope = now.normal.dot(motion) - normal_error(now) * length;  // at its steepest: never oversteps for rounding
     const double gap = now.distance - level;
     if (gap <= tolerance) return slope < 0.0 ? t : kNever;
@@ -39,14 +47,14 @@ inline double time_to_reach(const TouchGeometry& geometry, std::uint32_t triangl
 // When the motion from p must stop before a triangle, as t in [0, until], or kNever where it may pass until then. It must stop
 // where the distance reaches clearance.rest, but only if it would later come nearer than rest - slack: grazing within the slack
 // passes. Most triangles are settled by the two tangents of the convex distance, one at each end.
-inline double time_to_block(const TouchGeometry& geometry, std::uint32_t triangle, const Vec3& p, const Vec3& motion, double until,
-                            const Clearance& clearance) {
+template <class Shape>
+double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, double until, const Clearance& clearance) {
   const double low = clearance.rest - clearance.slack;
-  const Separation start = geometry.separation(triangle, p);
+  const Separation start = shape.separation(p);
   const double length = motion.norm();
   const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
   if (start_slope >= 0.0 || start.distance + start_slope * until >= low) return kNever;
-  const Separation end = geometry.separation(triangle, p + until * motion);
+  const Separation end = shape.separation(p + until * motion);
   const double end_slope = end.normal.dot(motion) + normal_error(end) * length;
   if (end.distance >= low) {
     if (end_slope <= 0.0) return kNever;
@@ -59,26 +67,26 @@ inline double time_to_block(const TouchGeometry& geometry, std::uint32_t triangl
   double stop = 0.0;
   if (start.distance > clearance.rest + clearance.tolerance) {
     const double earliest = (start.distance - clearance.rest) / -start_slope;
-    stop = time_to_reach(geometry, triangle, p, motion, earliest, clearance.rest, clearance.tolerance);
+    stop = time_to_reach(shape, p, motion, earliest, clearance.rest, clearance.tolerance);
   } else if (start.distance > half + clearance.tolerance) {
-    stop = time_to_reach(geometry, triangle, p, motion, 0.0, half, clearance.tolerance);
+    stop = time_to_reach(shape, p, motion, 0.0, half, clearance.tolerance);
   }
   if (stop > until) return kNever;
   if (start.distance <= low || end.distance < low) return stop;
-  return time_to_reach(geometry, triangle, p, motion, stop, low, clearance.tolerance) > 1.0 ? kNever : stop;
+  return time_to_reach(shape, p, motion, stop, low, clearance.tolerance) > 1.0 ? kNever : stop;
 }
 
 // What a triangle that blocks `motion` at p is to be taken for: usually how it stands to p. But a point probe just before a shallow
 // fold first meets the rounding of the fold's edge, whose normal is neither face's; where going on would lead over the face,
 // the face is what blocks.
-inline Separation blocking_separation(const TouchGeometry& geometry, std::uint32_t triangle, const Vec3& p, const Vec3& motion,
-                                      const Clearance& clearance) {
-  const Separation here = geometry.separation(triangle, p);
+template <class Shape>
+Separation blocking_separation(const Shape& shape, const Vec3& p, const Vec3& motion, const Clearance& clearance) {
+  const Separation here = shape.separation(p);
   if (here.feature == Feature::face) return here;
   const double low = clearance.rest - clearance.slack;
-  const double t = here.distance > low ? time_to_reach(geometry, triangle, p, motion, 0.0, low, clearance.tolerance) : kNever;
+  const double t = here.distance > low ? time_to_reach(shape, p, motion, 0.0, low, clearance.tolerance) : kNever;
   if (t > 1.0) return here;
-  Separation ahead = geometry.separation(triangle, p + t * motion);
+  Separation ahead = shape.separation(p + t * motion);
   if (ahead.feature != Feature::face) return here;
   ahead.distance -= t * ahead.normal.dot(motion);  // the plane's height under p
   ahead.nearest = p - ahead.distance * ahead.normal;

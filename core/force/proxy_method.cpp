@@ -98,16 +98,14 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
 
 // The planes that hold the proxy, made the first of those it touches.
 void ProxyMethod::bring_pushing_first(const ConstrainedMotion& held) noexcept {
-  std::array<Touch, 3> pushing;
-  for (int i = 0; i < held.active_count; ++i) pushing[i] = touching_[held.active[i]];
-  int rest = held.active_count;
-  std::array<Touch, kMaxTouching> reordered;
-  for (int i = 0; i < touching_count_; ++i) {
-    const bool pushes = std::find(held.active.begin(), held.active.begin() + held.active_count, i) != held.active.begin() + held.active_count;
-    if (!pushes) reordered[rest++] = touching_[i];
+  std::array<int, 3> at = held.active;
+  for (int i = 0; i < held.active_count; ++i) {
+    if (at[i] == i) continue;
+    std::swap(touching_[i], touching_[at[i]]);
+    for (int j = i + 1; j < held.active_count; ++j) {
+      if (at[j] == i) at[j] = at[i];  // it was moved to make room
+    }
   }
-  std::copy_n(pushing.begin(), held.active_count, reordered.begin());
-  std::copy_n(reordered.begin(), touching_count_, touching_.begin());
   push_ = held.push;
   pushing_count_ = held.active_count;
 }
@@ -148,7 +146,7 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   const bool was_free = free_;
   const Vec3 start = proxy_;
-  const auto touched = touching_;
+  std::copy_n(touching_.begin(), touching_count_, touched_before_.begin());
   const int touched_count = touching_count_;
   const bool was_sliding = sliding_;
   solve(device);
@@ -156,7 +154,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   ++counters_.caught_up;
   proxy_ = start;
   free_ = false;
-  touching_ = touched;
+  std::copy_n(touched_before_.begin(), touched_count, touching_.begin());
   touching_count_ = touched_count;
   sliding_ = was_sliding;
   for (int part = 1; part <= kParts; ++part) {
@@ -223,13 +221,12 @@ bool ProxyMethod::forget_doubtful(const ConstrainedMotion& held) noexcept {
   return true;
 }
 
-ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) const noexcept {
-  std::array<ContactPlane, kMaxTouching> planes;
+ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) noexcept {
   for (int i = 0; i < touching_count_; ++i) {
     const Separation& s = touching_[i].separation;
-    planes[i] = {s.normal, clearance_.rest - s.distance};
+    planes_[i] = {s.normal, clearance_.rest - s.distance};
   }
-  return constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_count_)));
+  return constrain_motion(wish, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(touching_count_)));
 }
 
 // Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.
@@ -291,9 +288,9 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
     const Vec3 part = (end - done) * motion;
     const Box way = Box::around(start, start + part).inflated(clearance_.rest);
     double first = kNever;
-    const auto test = [&](std::uint32_t triangle) {
+    const auto test = [&](const auto& shape, std::uint32_t triangle) {
       ++counters_.tests;
-      const double t = time_to_block(geometry_, triangle, from, motion, std::min(end, first), clearance_);
+      const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
       if (t > 1.0 || !can_touch(triangle, from)) return;
       first = std::min(first, t);
       note_blocker(triangle, t);
@@ -301,10 +298,10 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
     if (near) {
       const int count = near_.find_meetings(start, part, clearance_.rest, way, meetings_);
       for (int i = 0; i < count; ++i) {
-        if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first) test(meetings_[i].triangle);
+        if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first) test(near_.shape(meetings_[i].place), meetings_[i].triangle);
       }
     } else {
-      geometry_.for_each_overlapping(way, test);
+      geometry_.for_each_overlapping(way, [&](std::uint32_t triangle) { test(TriangleView{geometry_, triangle}, triangle); });
     }
     if (first <= end) return first;
     blocker_count_ = 0;
@@ -334,28 +331,35 @@ bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion) noexcept {
 void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
   int at = blocker_count_;
   if (at == kMaxTouching) {  // full: the latest gives way
-    at = static_cast<int>(std::max_element(blocker_times_.begin(), blocker_times_.end()) - blocker_times_.begin());
-    if (t >= blocker_times_[at]) return;
+    const auto latest = std::max_element(blockers_.begin(), blockers_.end(), [](const Blocker& a, const Blocker& b) { return a.time < b.time; });
+    if (t >= latest->time) return;
+    at = static_cast<int>(latest - blockers_.begin());
   } else {
     ++blocker_count_;
   }
-  blockers_[at] = triangle;
-  blocker_times_[at] = t;
+  blockers_[at] = {triangle, t};
 }
 
 // After a motion: keeps what is still touched, adds what stopped it.
 void ProxyMethod::keep_touching(const Vec3& blocked_motion) noexcept {
   const double reach = clearance_.rest + 2.0 * clearance_.tolerance;
+  const auto blockers_end = blockers_.begin() + blocker_count_;
   int kept = 0;
   for (int i = 0; i < touching_count_; ++i) {
-    const std::uint32_t triangle = touching_[i].triangle;
-    if (std::find(blockers_.begin(), blockers_.begin() + blocker_count_, triangle) != blockers_.begin() + blocker_count_) continue;
-    const Separation s = geometry_.separation(triangle, proxy_);
-    if (s.distance <= reach) touching_[kept++] = {triangle, s};
+    Touch& touch = touching_[i];
+    if (std::any_of(blockers_.begin(), blockers_end, [&](const Blocker& b) { return b.triangle == touch.triangle; })) continue;
+    touch.separation = touch.shape.separation(proxy_);
+    if (touch.separation.distance > reach) continue;
+    if (kept != i) touching_[kept] = touch;
+    ++kept;
   }
   for (int b = 0; b < blocker_count_ && kept < kMaxTouching; ++b) {
-    const Separation s = blocking_separation(geometry_, blockers_[b], proxy_, blocked_motion, clearance_);
-    if (s.distance <= reach) touching_[kept++] = {blockers_[b], s};
+    const std::uint32_t triangle = blockers_[b].triangle;
+    Touch& touch = touching_[kept];
+    touch.triangle = triangle;
+    touch.shape = ContactTriangle(geometry_.corner(triangle, 0), geometry_.corner(triangle, 1), geometry_.corner(triangle, 2));
+    touch.separation = blocking_separation(touch.shape, proxy_, blocked_motion, clearance_);
+    if (touch.separation.distance <= reach) ++kept;
   }
   touching_count_ = kept;
 }

@@ -65,7 +65,12 @@ class ProxyMethod final : public ForceMethod {
 
   struct Touch {
     std::uint32_t triangle = 0;
+    ContactTriangle shape;
     Separation separation;
+  };
+  struct Blocker {
+    std::uint32_t triangle = 0;
+    double time = 0.0;
   };
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
@@ -75,7 +80,7 @@ class ProxyMethod final : public ForceMethod {
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
-  ConstrainedMotion next_motion(const Vec3& wish) const noexcept;
+  ConstrainedMotion next_motion(const Vec3& wish) noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
   bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
@@ -116,8 +121,9 @@ class ProxyMethod final : public ForceMethod {
   int touching_count_ = 0;
   std::array<double, 3> push_ = {0, 0, 0};  // of the first pushing_count_ of touching_, which hold the proxy
   int pushing_count_ = 0;
-  std::array<std::uint32_t, kMaxTouching> blockers_;  // triangles that stopped the last sweep
-  std::array<double, kMaxTouching> blocker_times_;
+  std::array<Touch, kMaxTouching> touched_before_;  // while a step is tried
+  std::array<ContactPlane, kMaxTouching> planes_;
+  std::array<Blocker, kMaxTouching> blockers_;  // what stopped the last sweep
   int blocker_count_ = 0;
   ProxyCounters counters_;
 };

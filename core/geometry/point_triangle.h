@@ -17,7 +17,6 @@ struct Separation {
   double distance = 0.0;         // >= 0
   Vec3 normal = Vec3::Zero();    // unit, from the nearest point to the query point: the gradient of the distance
   Vec3 nearest = Vec3::Zero();   // on the triangle
-  Vec3 along = Vec3::Zero();     // edge feature: the edge's direction (any length); else zero
   Feature feature = Feature::face;
 };
 
@@ -70,7 +69,7 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
     const double height = normal.dot(ap) * inverse_length;
     const Vec3 unit = normal * (height < 0.0 ? -inverse_length : inverse_length);
     const double distance = std::fabs(height);
-    return {distance, unit, p - distance * unit, Vec3::Zero(), Feature::face};
+    return {distance, unit, p - distance * unit, Feature::face};
   }
   detail::NearestOnEdge best{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero(), false};
   Vec3 along = ab;
@@ -87,7 +86,6 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   result.distance = std::sqrt(best.distance_squared);
   result.nearest = best.nearest;
   result.feature = best.inner ? Feature::edge : Feature::vertex;
-  if (best.inner) result.along = along;
   if (result.distance > 0.0) {
     result.normal = best.off / result.distance;  // unit even where p - nearest would be mostly rounding
   } else if (normal_squared > 0.0) {

@@ -40,12 +40,13 @@ TEST(Neighbourhood, NeverDropsATriangleThatBlocks) {
     for (int m = 1; m < count; ++m) EXPECT_LE(meetings[0].earliest, meetings[m].earliest);
     for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
       if (geometry.separation(t, start).distance <= rest) continue;
-      const double time = time_to_block(geometry, t, start, motion, 1.0, clearance);
+      const double time = time_to_block(TriangleView{geometry, t}, start, motion, 1.0, clearance);
       if (time > 1.0) continue;
       ++blocking;
       const auto at = std::find_if(meetings.begin(), meetings.begin() + count, [&](const auto& meeting) { return meeting.triangle == t; });
       ASSERT_NE(at, meetings.begin() + count) << "case " << i << ": triangle " << t << " blocks at " << time << " and was not listed";
       EXPECT_LE(static_cast<double>(at->earliest), time);
+      EXPECT_EQ(near.shape(at->place).corner(0), geometry.corner(t, 0));
     }
     if (i > 300) break;  // brute force over all triangles is slow; 300 cases meet thousands of blockers
   }

@@ -43,7 +43,7 @@ TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
     const Vec3 aim = i % 2 == 0 ? geometry.corner(0, i % 3) : Vec3(0.4 * geometry.corner(0, 0) + 0.6 * geometry.corner(0, 1));
     const Vec3 motion = 1.5 * (aim + 0.2 * point() - p);
     if (geometry.separation(0, p).distance <= clearance.rest) continue;
-    const double t = time_to_block(geometry, 0, p, motion, 1.0, clearance);
+    const double t = time_to_block(TriangleView{geometry, 0}, p, motion, 1.0, clearance);
     const Walked walked = walk(geometry, p, motion, clearance.rest);
     const double grain = motion.norm() / 20000;
     if (walked.least < clearance.rest - clearance.slack) {
@@ -69,7 +69,7 @@ TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
   const TouchGeometry geometry({&mesh});
   const auto through = [&](const Vec3& at) {
     const Vec3 target = geometry.to_local(at);
-    return time_to_block(geometry, 0, target + Vec3(0, 0, 0.25), Vec3(0, 0, -0.5), 1.0, clearance);
+    return time_to_block(TriangleView{geometry, 0}, target + Vec3(0, 0, 0.25), Vec3(0, 0, -0.5), 1.0, clearance);
   };
   EXPECT_LE(through({0, 0, 0}), 0.5);
   EXPECT_LE(through({0, -0.5, 0}), 0.5);
@@ -83,9 +83,9 @@ TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
   const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   const TouchGeometry geometry({&mesh});
   const Vec3 resting = geometry.to_local({0, 0, 0}) + Vec3(0, 0, hover);
-  EXPECT_GT(time_to_block(geometry, 0, resting, Vec3(0.1, 0.05, 0), 1.0, clearance), 1.0);
-  EXPECT_GT(time_to_block(geometry, 0, resting, Vec3(0.1, 0, 0.2), 1.0, clearance), 1.0);
-  EXPECT_LE(time_to_block(geometry, 0, resting, Vec3(0.1, 0, -0.2), 1.0, clearance), 1e-6);
+  EXPECT_GT(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0.05, 0), 1.0, clearance), 1.0);
+  EXPECT_GT(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0, 0.2), 1.0, clearance), 1.0);
+  EXPECT_LE(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0, -0.2), 1.0, clearance), 1e-6);
 }
 
 TEST(SweptSpherePoint, AShallowFoldBlocksByItsFace) {
@@ -98,9 +98,9 @@ TEST(SweptSpherePoint, AShallowFoldBlocksByItsFace) {
   const Vec3 edge = geometry.to_local({0, 0, 0});
   const Vec3 start = edge + Vec3(-0.1, 0, hover);
   const Vec3 motion(0.2, 0, 0);
-  const double t = time_to_block(geometry, 0, start, motion, 1.0, clearance);
+  const double t = time_to_block(TriangleView{geometry, 0}, start, motion, 1.0, clearance);
   ASSERT_LE(t, 1.0);
-  const Separation blocks = blocking_separation(geometry, 0, start + t * motion, (1.0 - t) * motion, clearance);
+  const Separation blocks = blocking_separation(TriangleView{geometry, 0}, start + t * motion, (1.0 - t) * motion, clearance);
   EXPECT_EQ(blocks.feature, Feature::face);
   EXPECT_LT(blocks.normal.dot(motion), 0.0);
 }

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "core/geometry/point_triangle.h"
+
+namespace hapton {
+
+// A triangle with everything that does not depend on the query worked out once: a separation takes no root and no division over
+// the face, one of each over an edge. Same contract as separation_from_triangle. RT: yes.
+class ContactTriangle {
+ public:
+  ContactTriangle() = default;
+  ContactTriangle(const Vec3& a, const Vec3& b, const Vec3& c) : corner_{a, b, c}, edge_{b - a, c - b, a - c} {
+    const Vec3 normal = accurate_cross(edge_[0], -edge_[2]);
+    const double length = normal.norm();
+    normal_ = length > 0.0 ? Vec3(normal / length) : Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      inward_[k] = normal_.cross(edge_[k]);
+      const double squared = edge_[k].squaredNorm();
+      inverse_squared_[k] = squared > 0.0 ? 1.0 / squared : 0.0;
+    }
+  }
+
+  const Vec3& corner(int k) const { return corner_[k]; }
+
+  Separation separation(const Vec3& p) const {
+    const Vec3 from[3] = {p - corner_[0], p - corner_[1], p - corner_[2]};
+    const bool inside[3] = {inward_[0].dot(from[0]) > 0.0, inward_[1].dot(from[1]) > 0.0, inward_[2].dot(from[2]) > 0.0};
+    if (inside[0] && inside[1] && inside[2]) {
+      const double height = normal_.dot(from[0]);
+      const double distance = std::fabs(height);
+      const Vec3 unit = height < 0.0 ? Vec3(-normal_) : normal_;
+      return {distance, unit, p - distance * unit, Feature::face};
+    }
+    double best = std::numeric_limits<double>::infinity();
+    Vec3 best_off = Vec3::Zero();
+    int best_edge = 0;
+    double best_t = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      if (inside[k]) continue;
+      const double t = std::fmin(1.0, std::fmax(0.0, from[k].dot(edge_[k]) * inverse_squared_[k]));
+      const Vec3 off = from[k] - t * edge_[k];
+      const double squared = off.squaredNorm();
+      if (!(squared < best)) continue;
+      best = squared;
+      best_off = off;
+      best_edge = k;
+      best_t = t;
+    }
+    Separation result;
+    result.distance = std::sqrt(best);
+    result.nearest = corner_[best_edge] + best_t * edge_[best_edge];
+    result.feature = best_t > 0.0 && best_t < 1.0 ? Feature::edge : Feature::vertex;
+    if (result.distance > 0.0) {
+      result.normal = best_off / result.distance;
+    } else if (!normal_.isZero(0.0)) {
+      result.normal = normal_;
+    } else {
+      result.normal = edge_[best_edge].squaredNorm() > 0.0 ? edge_[best_edge].unitOrthogonal() : Vec3::UnitX();
+    }
+    return result;
+  }
+
+ private:
+  Vec3 corner_[3];
+  Vec3 edge_[3];     // from corner k to the next
+  Vec3 normal_;      // unit; zero without area
+  Vec3 inward_[3];   // in the plane, across edge k towards the inside
+  double inverse_squared_[3];
+};
+
+}  // namespace hapton
