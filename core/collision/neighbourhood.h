@@ -42,10 +42,10 @@ class Neighbourhood {
   double time_inside(const Vec3& p, const Vec3& motion, double radius) const {
     double t = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
-      if (motion[k] > 0.0) t = std::fmin(t, (region_.high[k] - radius - p[k]) / motion[k]);
-      if (motion[k] < 0.0) t = std::fmin(t, (region_.low[k] + radius - p[k]) / motion[k]);
+      if (motion[k] > 0.0) t = std::min(t, (region_.high[k] - radius - p[k]) / motion[k]);
+      if (motion[k] < 0.0) t = std::min(t, (region_.low[k] + radius - p[k]) / motion[k]);
     }
-    return std::fmax(t, 0.0);
+    return std::max(t, 0.0);
   }
 
   // A triangle that a moving sphere may meet, not before `earliest` (of the motion's 0..1).

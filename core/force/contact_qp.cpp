@@ -1,5 +1,6 @@
 #include "core/force/contact_qp.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -54,7 +55,7 @@ ConstrainedMotion constrain_motion(const Vec3& wish, std::span<const ContactPlan
   ConstrainedMotion result;
   result.motion = wish;
   double scale = wish.norm();
-  for (const ContactPlane& plane : planes) scale = std::fmax(scale, std::fabs(plane.height));
+  for (const ContactPlane& plane : planes) scale = std::max(scale, std::fabs(plane.height));
   const double tolerance = 32.0 * kUnitRounding * scale;  // rounding of one plane's value
 
   const auto slack = [&](int i, const Vec3& y) { return planes[i].normal.dot(y) - planes[i].height; };

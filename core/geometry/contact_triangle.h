@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -40,7 +41,7 @@ class ContactTriangle {
     double best_t = 0.0;
     for (int k = 0; k < 3; ++k) {
       if (inside[k]) continue;
-      const double t = std::fmin(1.0, std::fmax(0.0, from[k].dot(edge_[k]) * inverse_squared_[k]));
+      const double t = std::min(1.0, std::max(0.0, from[k].dot(edge_[k]) * inverse_squared_[k]));
       const Vec3 off = from[k] - t * edge_[k];
       const double squared = off.squaredNorm();
       if (!(squared < best)) continue;

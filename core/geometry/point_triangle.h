@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -41,7 +42,7 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& e
   const double length_squared = edge.squaredNorm();
   const Vec3 ap = p - a;
   const double dot = ap.dot(edge);
-  const double t = length_squared > 0.0 ? std::fmin(1.0, std::fmax(0.0, dot / length_squared)) : 0.0;
+  const double t = length_squared > 0.0 ? std::min(1.0, std::max(0.0, dot / length_squared)) : 0.0;
   const Vec3 off = ap - t * edge;
   return {off.squaredNorm(), off, a + t * edge, t > 0.0 && t < 1.0};
 }
