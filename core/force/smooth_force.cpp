@@ -163,34 +163,17 @@ Vec3 smooth_normal_at(const SetTriangle& face, const Vec3& X) noexcept {
   return n.allFinite() && n.dot(face.face) > 0.0 ? n : face.face;
 }
 
-bool line_meets_triangle(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& corner, double& at) noexcept {
+StraightLine::StraightLine(const Vec3& from, const Vec3& to) noexcept : from_(from) {
   const Vec3 d = to - from;
-  int z = 0;
-  if (std::fabs(d.y()) > std::fabs(d[z])) z = 1;
-  if (std::fabs(d.z()) > std::fabs(d[z])) z = 2;
-  if (!(std::fabs(d[z]) > 0.0)) return false;
-  const int x = (z + 1) % 3;
-  const int y = (z + 2) % 3;
-  // Sheared so that the line is the z axis; the same for every triangle.
-  const double sx = d[x] / d[z];
-  const double sy = d[y] / d[z];
-  std::array<double, 3> px;
-  std::array<double, 3> py;
-  std::array<double, 3> pz;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 v = corner[k] - from;
-    px[k] = v[x] - sx * v[z];
-    py[k] = v[y] - sy * v[z];
-    pz[k] = v[z];
+  if (std::fabs(d.y()) > std::fabs(d[z_])) z_ = 1;
+  if (std::fabs(d.z()) > std::fabs(d[z_])) z_ = 2;
+  x_ = (z_ + 1) % 3;
+  y_ = (z_ + 2) % 3;
+  along_ = d[z_];
+  if (along_ != 0.0) {
+    shear_x_ = d[x_] / along_;
+    shear_y_ = d[y_] / along_;
   }
-  const double u = px[2] * py[1] - py[2] * px[1];
-  const double v = px[0] * py[2] - py[0] * px[2];
-  const double w = px[1] * py[0] - py[1] * px[0];
-  if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return false;
-  const double sum = u + v + w;
-  if (sum == 0.0) return false;
-  at = ((u * pz[0] + v * pz[1] + w * pz[2]) / sum) / d[z];
-  return true;
 }
 
 void SmoothForceSum::add(const SetTriangle& triangle) noexcept {
@@ -213,10 +196,11 @@ void SmoothForceSum::add(const SetTriangle& triangle) noexcept {
 // does not count.
 bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
   constexpr double kClear = 1e-6;  // of |DP|
+  const StraightLine line(kept_[i].vcp.D, P_);
   for (std::size_t j = 0; j < count_; ++j) {
     if (j == i || !kept_[j].vcp.is_face) continue;
     double at = 0.0;
-    if (line_meets_triangle(kept_[i].vcp.D, P_, kept_[j].corner, at) && at > kClear && at < 1.0 - kClear) return true;
+    if (line.meets(kept_[j].corner, at) && at > kClear && at < 1.0 - kClear) return true;
   }
   return false;
 }

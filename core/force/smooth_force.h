@@ -73,10 +73,43 @@ class SmoothForceSum {
   std::array<Kept, kCapacity> kept_;  // the first count_ are meant
 };
 
-// Where a straight line meets a triangle, if it does: position along it, from = 0, to = 1, unbounded.
-// Corners, edges and insides count, and for triangles that share corners, no line slips through between them: each edge's test depends
-// on its two corners alone, and rounding can only make it zero, never turn its sign (Woop, Benthin & Wald 2013).
-// false: it misses, or runs in the plane of the triangle.
-bool line_meets_triangle(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& corner, double& at) noexcept;
+// A straight line, and where it meets triangles. Corners, edges and insides count, and for triangles that share corners, no line slips
+// through between them: each edge's test depends on its two corners alone, and rounding can only make it zero, never turn its sign
+// (Woop, Benthin & Wald 2013).
+class StraightLine {
+ public:
+  StraightLine(const Vec3& from, const Vec3& to) noexcept;
+
+  // The position along the line, from = 0, to = 1, unbounded. false: it misses, runs in the plane of the triangle, or is no line.
+  bool meets(const std::array<Vec3, 3>& corner, double& at) const noexcept {
+    if (!(along_ != 0.0)) return false;
+    std::array<double, 3> px;
+    std::array<double, 3> py;
+    std::array<double, 3> pz;
+    // Sheared so that the line is the z axis; the same for every triangle.
+    for (int k = 0; k < 3; ++k) {
+      pz[k] = corner[k][z_] - from_[z_];
+      px[k] = (corner[k][x_] - from_[x_]) - shear_x_ * pz[k];
+      py[k] = (corner[k][y_] - from_[y_]) - shear_y_ * pz[k];
+    }
+    const double u = px[2] * py[1] - py[2] * px[1];
+    const double v = px[0] * py[2] - py[0] * px[2];
+    const double w = px[1] * py[0] - py[1] * px[0];
+    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) return false;
+    const double sum = u + v + w;
+    if (sum == 0.0) return false;
+    at = ((u * pz[0] + v * pz[1] + w * pz[2]) / sum) / along_;
+    return true;
+  }
+
+ private:
+  Vec3 from_;
+  int x_ = 1;
+  int y_ = 2;
+  int z_ = 0;  // the line's longest axis
+  double along_ = 0.0;
+  double shear_x_ = 0.0;
+  double shear_y_ = 0.0;
+};
 
 }  // namespace hapton

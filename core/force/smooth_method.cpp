@@ -9,8 +9,10 @@
 namespace hapton {
 namespace {
 
-// Steps that the predicted way looks ahead: 8 ms at 1 kHz, the slow task's period with room to spare.
-constexpr double kLookAheadSteps = 8.0;
+// How far ahead the predicted way looks: the slow task's period, 10 ms in haptics_node, with room to spare.
+constexpr double kLookAheadSeconds = 0.015;
+// Of RADIUS: with less than that to spare at the end of the way, a new set is asked for.
+constexpr double kSpare = 0.5;
 // Of the scene's diagonal: RADIUS is never larger when it comes from the data.
 constexpr double kLargestRadius = 0.01;
 // Times the VCP is projected anew within a step, the paper's once included; it stops as soon as it stands still.
@@ -19,6 +21,12 @@ constexpr int kProjections = 6;
 constexpr int kLongestWalk = 256;
 // Of RADIUS: moving less is standing still.
 constexpr double kStill = 1e-6;
+
+// Closer than reach to p. The plane turns most away before the triangle itself is looked at.
+bool is_within(const SetTriangle& face, const Vec3& p, double reach) {
+  if (std::fabs(face.face.dot(p - face.corner[0])) > reach * (1.0 + 1e-9)) return false;
+  return triangle_distance_squared(p, face.corner[0], face.corner[1], face.corner[2]) <= reach * reach;
+}
 
 bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::kFace && !triangle.face.isZero(0.0); }
 
@@ -72,12 +80,28 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
 
 LocalSetWish SmoothMethod::wish() const noexcept {
   const Vec3& from = inside_ ? V_ : P_;
-  Vec3 way = kLookAheadSteps * last_move_;
+  Vec3 way = kLookAheadSeconds * velocity_;
   // A way longer than a set reaches spends the set on its length.
   const double length = way.norm();
   const double most = 0.5 * std::max(set_.radius, 0.0);
   if (length > most) way = most > 0.0 ? Vec3(way * (most / length)) : Vec3(Vec3::Zero());
   return {from, from + way};
+}
+
+bool SmoothMethod::prepare() {
+  if (!wishes_.take()) return false;
+  scene_->select(wishes_.value(), set_size_, sets_.draft());
+  sets_.publish_draft();
+  return true;
+}
+
+// Asks the slow task for a set before this one's reach is used up.
+void SmoothMethod::ask_ahead() noexcept {
+  const LocalSetWish ahead = wish();
+  const double reach = (1.0 + kSpare) * radius_;
+  const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > reach && set_.clearance_at(ahead.to) > reach;
+  if (is_fresh() && (is_clear || (set_.reach_at(ahead.from) > reach && set_.reach_at(ahead.to) > reach))) return;
+  wishes_.publish(ahead);
 }
 
 void SmoothMethod::offer(const LocalSet& set) noexcept {
@@ -139,6 +163,7 @@ SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noe
   const double skin = scene_->skin();
   const auto p = of3(from);
   const auto q = of3(to);
+  const StraightLine line(from, to);
   look_along(from, to, [&](const SetTriangle& t) {
     if (!is_face(t)) return;
     const double start = t.face.dot(from - t.corner[0]);
@@ -149,7 +174,7 @@ SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noe
     if (side * (end - start) > 0.0) return;  // going away
     if (!(segment_triangle_distance_squared<double>(p, q, of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])) <= skin * skin)) return;
     double at = 0.0;
-    const bool proper = line_meets_triangle(from, to, t.corner, at) && side * end <= skin;
+    const bool proper = line.meets(t.corner, at) && side * end <= skin;
     if (!proper) at = 1.0;
     at = std::clamp(at, 0.0, 1.0);
     if (best.found && best.proper && !proper) return;
@@ -170,13 +195,14 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
   Hit best;
   const double length = (to - from).norm();
   double last = 1.0;
+  const StraightLine line(from, to);
   const auto test = [&](const SetTriangle& t) {
     if (!is_face(t)) return;
     const double start = side_ * t.face.dot(from - t.corner[0]);
     const double end = side_ * t.face.dot(to - t.corner[0]);
     if (!(start > 0.0 && end <= 0.0)) return;
     double at = 0.0;
-    if (!line_meets_triangle(from, to, t.corner, at)) return;
+    if (!line.meets(t.corner, at)) return;
     at = std::clamp(at, 0.0, 1.0);
     if (at <= last && best.is_worse_than(at, t)) best = {t, from + at * (to - from), at, side_, true, true};
   };
@@ -203,13 +229,13 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
 SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double reach) noexcept {
   Hit best;
   Hit against;
-  const Vec3 to = P + outward;
+  const StraightLine line(P, P + outward);
   look_near(near, reach, [&](const SetTriangle& t) {
     if (!is_face(t)) return;
     const double facing = side_ * outward.dot(t.face);
     if (facing == 0.0) return;
     double at = 0.0;
-    if (!line_meets_triangle(P, to, t.corner, at)) return;
+    if (!line.meets(t.corner, at)) return;
     const Vec3 X = P + at * outward;
     const double distance = (X - near).norm();
     Hit& hit = facing > 0.0 ? best : against;
@@ -222,9 +248,9 @@ SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward,
 SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) noexcept {
   Hit best;
   look_near(p, reach, [&](const SetTriangle& t) {
-    if (!is_face(t)) return;
+    if (!is_face(t) || !is_within(t, p, reach)) return;
     const double distance = std::sqrt(triangle_distance_squared(p, t.corner[0], t.corner[1], t.corner[2]));
-    if (distance > reach || !best.is_worse_than(distance, t)) return;
+    if (!best.is_worse_than(distance, t)) return;
     best = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], p).point, distance, side_, true, true};
   });
   return best;
@@ -242,8 +268,7 @@ Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
   std::size_t count = 0;
   const double reach = 0.5 * scene_->skin();
   look_near(p, reach, [&](const SetTriangle& t) {
-    if (!is_face(t) || count == kMost) return;
-    if (!(triangle_distance_squared(p, t.corner[0], t.corner[1], t.corner[2]) <= reach * reach)) return;
+    if (!is_face(t) || count == kMost || !is_within(t, p, reach)) return;
     std::size_t at = count++;
     for (; at > 0 && (faces[at - 1].object != t.object ? faces[at - 1].object > t.object : faces[at - 1].triangle > t.triangle); --at) {
       faces[at] = faces[at - 1];
@@ -286,7 +311,7 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
     int others = 0;
     look_near(here, touching, [&](const SetTriangle& t) {
       if (!is_face(t) || (t.object == T_.object && t.triangle == T_.triangle)) return;
-      if (!(triangle_distance_squared(here, t.corner[0], t.corner[1], t.corner[2]) <= touching * touching)) return;
+      if (!is_within(t, here, touching)) return;
       ++others;
       const double other = std::sqrt(triangle_distance_squared(P, t.corner[0], t.corner[1], t.corner[2]));
       if (other > best.measure || (other == best.measure && !t.before(best.triangle))) return;
@@ -404,11 +429,14 @@ MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
   }
   if (!started_) reset(P);
   ++counters_.steps;
-  last_move_ = P - P_;
+  if (sets_.take()) offer(sets_.value());
+  const Vec3 move = P - P_;
+  velocity_ = input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3(move / input.dt_s) : Vec3(Vec3::Zero());
   if (inside_ && !track(P)) {
     inside_ = false;
     ++counters_.releases;
     P_ = P;
+    ask_ahead();
     return feel_outside(P);
   }
   if (!inside_) {
@@ -416,6 +444,7 @@ MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
     if (!all_triangles_ && is_fresh() && set_.clearance_at(P_) > clear && set_.clearance_at(P) > clear) {
       ++counters_.skipped;
       P_ = P;
+      ask_ahead();
       MethodOutput nothing;
       nothing.p_SP = P;
       return nothing;
@@ -428,12 +457,13 @@ MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
     }
   }
   P_ = P;
+  ask_ahead();
   return inside_ ? feel_inside(P) : feel_outside(P);
 }
 
 void SmoothMethod::reset(const Vec3& p_SD) noexcept {
   inside_ = false;
-  last_move_.setZero();
+  velocity_.setZero();
   started_ = p_SD.allFinite();
   if (started_) P_ = p_SD;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/mailbox.h"
 #include "core/force/force_method.h"
 #include "core/force/local_set.h"
 #include "core/force/smooth_force.h"
@@ -37,7 +38,7 @@ struct SmoothCounters {
 // f: outside the surface a spring over `layer` (0: contact begins at the surface, as in every other method); inside, that spring's full
 // force and the spring between probe and VCP. Material: stiffness and two_sided; friction and damping are not this method's.
 // Decisions where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
-// Frame S. Threads: one, except that scene() may be read by a slow task while no vertices move.
+// Frame S. Threads: one; prepare in a second one, except while vertices move. scene() may be read by any while no vertices move.
 // RT: step, reset, wish, offer yes; bounded time while counters().overflows stands still.
 class SmoothMethod final : public ForceMethod {
  public:
@@ -56,8 +57,11 @@ class SmoothMethod final : public ForceMethod {
   void reset(const Vec3& p_SD) noexcept override;
   std::string describe() const override;
 
-  // The slow task's side. It selects around wish() with scene().select(wish, set_size(), set) at its own pace and hands the set over;
-  // a set that is worth less than the one at hand is left. From the first offer on, selections count as late.
+  // The slow task: selects the set that the fast one asked for last, if it has asked, and hands it over.
+  bool prepare() override;
+
+  // The same by hand, for a slow task elsewhere: it selects around wish() with scene().select(wish, set_size(), set) at its own pace.
+  // offer takes the set over, unless it is worth less than the one at hand; from the first one on, selections count as late.
   LocalSetWish wish() const noexcept;
   void offer(const LocalSet& set) noexcept;
   const SmoothScene& scene() const { return *scene_; }
@@ -124,9 +128,14 @@ class SmoothMethod final : public ForceMethod {
   bool has_slow_task_ = false;
   bool leaves_out_ = false;  // materials ask for friction or damping
 
+  void ask_ahead() noexcept;
+
+  Mailbox<LocalSetWish> wishes_;  // fast task to slow
+  Mailbox<LocalSet> sets_;        // slow task to fast
+
   LocalSet set_;
   Vec3 P_ = Vec3::Zero();         // the last sample
-  Vec3 last_move_ = Vec3::Zero();
+  Vec3 velocity_ = Vec3::Zero();  // m/s
   bool started_ = false;
   bool inside_ = false;
   // While inside: the VCP, the face it lies on, and the side the probe came from (1: the side the normal points to).

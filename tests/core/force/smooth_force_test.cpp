@@ -207,7 +207,7 @@ TEST(SmoothNormal, IsTheEdgesOnEdgesAndTheVertexsInVertices) {
 }
 
 // Through any point of a closed surface, also exactly through its vertices and edges, no line gets without meeting a triangle there.
-TEST(LineMeetsTriangle, IsWatertight) {
+TEST(StraightLine, IsWatertight) {
   std::mt19937_64 random(83);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const TriangleMesh mesh = made::sphere(0.05, 12, 0.1);
@@ -217,25 +217,26 @@ TEST(LineMeetsTriangle, IsWatertight) {
     if (i % 2 == 0) through = through + (mesh.corner(t, (i + 1) % 3) - through) * (0.5 + 0.5 * unit(random));
     const Vec3 from = i % 5 == 0 ? Vec3(0.0, 0.0, 0.0) : Vec3(0.02 * Vec3(unit(random), unit(random), unit(random)));
     const Vec3 to = from + (through - from) * (i % 7 == 0 ? 1.0 : 2.0);
+    const StraightLine line(from, to);
     bool met = false;
     for (std::size_t u = 0; u < mesh.triangles.size() && !met; ++u) {
       double at = 0.0;
-      met = line_meets_triangle(from, to, {mesh.corner(u, 0), mesh.corner(u, 1), mesh.corner(u, 2)}, at) && at > 0.0;
+      met = line.meets({mesh.corner(u, 0), mesh.corner(u, 1), mesh.corner(u, 2)}, at) && at > 0.0;
     }
     EXPECT_TRUE(met) << i;
   }
 }
 
-TEST(LineMeetsTriangle, SaysWhere) {
+TEST(StraightLine, SaysWhere) {
   const std::array<Vec3, 3> corner = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   double at = -1.0;
-  ASSERT_TRUE(line_meets_triangle(Vec3(0.2, 0.3, 3.0), Vec3(0.2, 0.3, -1.0), corner, at));
+  ASSERT_TRUE(StraightLine(Vec3(0.2, 0.3, 3.0), Vec3(0.2, 0.3, -1.0)).meets(corner, at));
   EXPECT_NEAR(at, 0.75, 1e-15);
-  ASSERT_TRUE(line_meets_triangle(Vec3(0.2, 0.3, 1.0), Vec3(0.2, 0.3, 2.0), corner, at));
+  ASSERT_TRUE(StraightLine(Vec3(0.2, 0.3, 1.0), Vec3(0.2, 0.3, 2.0)).meets(corner, at));
   EXPECT_NEAR(at, -1.0, 1e-15);
-  EXPECT_FALSE(line_meets_triangle(Vec3(0.7, 0.7, 1.0), Vec3(0.7, 0.7, -1.0), corner, at));
-  EXPECT_FALSE(line_meets_triangle(Vec3(0.2, 0.3, 0.0), Vec3(0.9, 0.3, 0.0), corner, at)) << "within the plane";
-  EXPECT_FALSE(line_meets_triangle(Vec3(1, 1, 1), Vec3(1, 1, 1), corner, at)) << "no line";
+  EXPECT_FALSE(StraightLine(Vec3(0.7, 0.7, 1.0), Vec3(0.7, 0.7, -1.0)).meets(corner, at));
+  EXPECT_FALSE(StraightLine(Vec3(0.2, 0.3, 0.0), Vec3(0.9, 0.3, 0.0)).meets(corner, at)) << "within the plane";
+  EXPECT_FALSE(StraightLine(Vec3(1, 1, 1), Vec3(1, 1, 1)).meets(corner, at)) << "no line";
 }
 
 }  // namespace

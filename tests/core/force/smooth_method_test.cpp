@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include "core/geometry/mesh_shapes.h"
@@ -256,6 +258,50 @@ TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   }
   EXPECT_LT(late_when_quick, 200U);
   EXPECT_GT(late_when_slow, late_when_quick);
+}
+
+// The two tasks as haptics_node runs them: prepare beside step. Here every tenth step, the period of the node's other thread at 1 kHz.
+TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
+  const auto at = [](int i) {
+    const double a = 2e-3 * i;  // 94 mm/s
+    return Vec3(0.047 * Vec3(std::cos(a), std::sin(a), 0.1 * std::sin(5.0 * a)));
+  };
+  const auto alone = make(scene_of(mesh));
+  const auto with = make(scene_of(mesh));
+  alone->reset(Vec3(0.07, 0, 0));
+  with->reset(Vec3(0.07, 0, 0));
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 expected = alone->step({.p_SD = at(i)}).force_n;
+    ASSERT_EQ(with->step({.p_SD = at(i)}).force_n, expected);
+    if (i % 10 == 0) {
+      while (with->prepare()) {
+      }
+    }
+  }
+  EXPECT_GT(with->counters().offered, 50U);
+  EXPECT_LT(with->counters().selections, alone->counters().selections / 4);
+}
+
+TEST(SmoothMethod, PrepareMayRunBesideStep) {
+  const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
+  const std::vector<Vec3> way = wander(mesh, 105, 4000);
+  const auto alone = make(scene_of(mesh));
+  const auto with = make(scene_of(mesh));
+  alone->reset(way[0]);
+  with->reset(way[0]);
+  std::atomic<bool> stop = false;
+  std::thread slow([&] {
+    while (!stop.load()) {
+      if (!with->prepare()) std::this_thread::yield();
+    }
+  });
+  int differ = 0;
+  for (const Vec3& P : way) differ += with->step({.p_SD = P}).force_n != alone->step({.p_SD = P}).force_n ? 1 : 0;
+  stop.store(true);
+  slow.join();
+  EXPECT_EQ(differ, 0);
+  EXPECT_GT(with->counters().offered, 0U);
 }
 
 // The rate may change while running: time plays no part in this force, so going the same way in finer steps ends at the same force.

@@ -1,4 +1,4 @@
-#include "runtime/mailbox.h"
+#include "core/base/mailbox.h"
 
 #include <gtest/gtest.h>
 
