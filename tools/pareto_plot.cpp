@@ -57,7 +57,9 @@ std::string data_of(const std::vector<ParetoMark>& marks, std::string_view famil
 
 std::string front_of(const std::vector<ParetoMark>& marks, const std::string& block) {
   std::vector<ParetoPoint> points;
-  for (const ParetoMark& mark : marks) points.push_back({mark.time_us, mark.error});
+  for (const ParetoMark& mark : marks) {
+    if (mark.is_point) points.push_back({mark.time_us, mark.error});
+  }
   std::string text = fmt::format("${} << EOD\n", block);
   for (const std::size_t i : find_pareto_front(points)) fmt::format_to(std::back_inserter(text), "{} {}\n", points[i].time, 100.0 * points[i].error);
   return text + "EOD\n";
@@ -86,7 +88,7 @@ std::string panel_of(const std::vector<ParetoMark>& marks, const std::string& me
   }
   const std::string front = fmt::format("front{}", number);
   std::string text = front_of(here, front);
-  std::string plot = fmt::format("set title '{}'\nplot ${} using 1:2 with lines linewidth 2 dashtype 2 linecolor rgb '#7f7f7f' title 'Pareto front'", plain(mesh), front);
+  std::string plot = fmt::format("set title '{}'\nplot ${} using 1:2 with lines linewidth 2 dashtype 2 linecolor rgb '#7f7f7f' title 'Pareto front, point probes'", plain(mesh), front);
   for (std::size_t i = 0; i < kStyles.size(); ++i) {
     const Style& style = kStyles[i];
     if (std::none_of(here.begin(), here.end(), [&](const ParetoMark& mark) { return mark.family == style.family; })) continue;

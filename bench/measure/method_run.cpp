@@ -45,6 +45,7 @@ MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, Touc
   timing.all = spread_of_times(timed.least.ns());
   timing.contact = spread_of_times(timed.least.only(contact));
   timing.free = spread_of_times(timed.least.only(free));
+  timing.mean_ns = timed.mean_ns;
   timing.repetitions = timed.repetitions;
   return timing;
 }

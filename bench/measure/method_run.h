@@ -14,6 +14,7 @@ namespace hapton {
 // What the whole haptic step (core/force/touch_step.h, the live node's) costs with a method along a trajectory.
 struct MethodTiming {
   TimeSpread all, contact, free;  // of the least times over repetitions
+  double mean_ns = 0.0;           // of all steps, no clock in between
   int repetitions = 0;
   double build_ms = 0.0;          // make_method, once
   std::size_t bytes = 0;          // by which the heap grew while it was built: all the method holds

@@ -69,6 +69,7 @@ Json spread_json(const ErrorSpread& s) { return {{"n", s.count}, {"rms", s.rms},
 
 Json query_json(const QueryTiming& q) {
   Json json = spread_json(q.time);
+  json["mean_ns"] = q.mean_ns;
   json["repetitions"] = q.repetitions;
   json["found"] = q.found;
   json["compared_with_brute_force"] = q.compared;
@@ -87,6 +88,7 @@ Json row_json(const MethodRow& row) {
           {"probe_radius_m", row.settings.probe_radius_m},
           {"steps", row.steps},
           {"repetitions", row.timing.repetitions},
+          {"mean_ns", row.timing.mean_ns},
           {"contact", spread_json(row.timing.contact)},
           {"free", spread_json(row.timing.free)},
           {"build_ms", row.timing.build_ms},
@@ -236,7 +238,7 @@ std::vector<ParetoMark> pareto_marks(const ParetoReport& report) {
     if (const auto at = label.find("set "); at != std::string::npos) label = label.substr(at + 4);
     if (label.starts_with("grid ")) label = label.substr(5);
     if (r.family != "sweep" && r.family != "smooth") label.clear();
-    marks.push_back({r.mesh, r.family, label, 1e-3 * r.timing.contact.p99_ns, std::max(kLeastError, r.error.all.rms)});
+    marks.push_back({r.mesh, r.family, label, r.settings.probe_radius_m == 0.0, 1e-3 * r.timing.contact.p99_ns, std::max(kLeastError, r.error.all.rms)});
   }
   return marks;
 }

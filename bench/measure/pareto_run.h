@@ -61,6 +61,7 @@ std::string to_text(const ParetoReport& report, const std::string& mesh);
 // What the plot and its front are drawn from: p99 of the contact steps against the RMS force error.
 struct ParetoMark {
   std::string mesh, family, label;
+  bool is_point = true;  // a sphere feels another surface: it is drawn, but it does not compete
   double time_us = 0.0;
   double error = 0.0;  // share; not below 1e-12, so that it has a place on a logarithmic axis
 };

@@ -42,6 +42,7 @@ QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std
   const TimedSteps timed = time_steps(
       watch, budget, asked, [](std::size_t) {}, [&](std::size_t i) { answers[i] = ask(i * stride); }, [](std::size_t) {});
   timing.time = spread_of_times(timed.least.ns());
+  timing.mean_ns = timed.mean_ns;
   timing.repetitions = timed.repetitions;
   timing.found = static_cast<std::size_t>(std::count_if(answers.begin(), answers.end(), [](double a) { return std::isfinite(a); }));
   for (std::size_t i = 0; i < truth.size(); ++i) {

@@ -28,6 +28,7 @@ TouchQueries make_queries(std::span<const FeltStep> felt, std::size_t reset_ever
 
 struct QueryTiming {
   TimeSpread time;
+  double mean_ns = 0.0;  // no clock in between
   int repetitions = 0;
   std::size_t found = 0;     // queries that found something
   std::size_t compared = 0;  // with brute force in double,

@@ -10,8 +10,8 @@ namespace hapton {
 bool RunConditions::was_shared() const { return std::max(load_before, load_after) > static_cast<double>(machine.cpu_count); }
 
 std::string RunConditions::to_text() const {
-  std::string text = fmt::format("{}, {} CPUs, {}, {}, {}; seed {}; load {:.1f} before, {:.1f} after; clock {:.1f} ns, taken off", machine.cpu,
-                                 machine.cpu_count, machine.kernel, machine.compiler, machine.build, seed, load_before, load_after, clock_cost_ns);
+  std::string text = fmt::format("{}, {} CPUs, {}, {}, {}; seed {}; load {:.1f} before, {:.1f} after; clock {:.1f} ns, taken off, in steps of {:.2g} ns", machine.cpu,
+                                 machine.cpu_count, machine.kernel, machine.compiler, machine.build, seed, load_before, load_after, clock_cost_ns, clock_resolution_ns);
   if (clock_drift > 0.01) text += fmt::format("; the time stamp counter drifts by {:.1f} %: do not trust these times", 100.0 * clock_drift);
   if (was_shared()) text += "; other programs were running: times are too long, the longest most";
   if (!missing_peers.empty()) text += fmt::format("; not built: {}", fmt::join(missing_peers, ", "));
@@ -24,6 +24,7 @@ RunConditions begin_conditions(const Stopwatch& watch, std::uint64_t seed) {
   conditions.seed = seed;
   conditions.load_before = read_load_average();
   conditions.clock_cost_ns = watch.cost_ns();
+  conditions.clock_resolution_ns = watch.resolution_ns();
   conditions.clock_drift = watch.drift();
   return conditions;
 }
@@ -44,6 +45,7 @@ nlohmann::ordered_json to_json(const RunConditions& conditions, const std::strin
           {"load_after", conditions.load_after},
           {"machine_was_shared", conditions.was_shared()},
           {"clock_cost_ns", conditions.clock_cost_ns},
+          {"clock_resolution_ns", conditions.clock_resolution_ns},
           {"clock_drift", conditions.clock_drift},
           {"seconds", conditions.seconds},
           {"not_built", conditions.missing_peers}};

@@ -19,6 +19,7 @@ struct RunConditions {
   double load_before = 0.0;  // load average of the last minute
   double load_after = 0.0;
   double clock_cost_ns = 0.0;
+  double clock_resolution_ns = 0.0;
   double clock_drift = 0.0;
   double seconds = 0.0;
   std::vector<std::string> missing_peers;

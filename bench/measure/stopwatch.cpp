@@ -1,6 +1,7 @@
 #include "bench/measure/stopwatch.h"
 
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "runtime/clock.h"
@@ -31,8 +32,14 @@ Stopwatch Stopwatch::calibrate() {
     const std::uint64_t from = ticks();
     cost = watch.ns_between(from, ticks());
   }
-  std::nth_element(costs.begin(), costs.begin() + 5000, costs.end());
-  watch.cost_ns_ = costs[5000];
+  std::sort(costs.begin(), costs.end());
+  // The counter's step may be as long as what is measured: the mean knows more than the median.
+  const auto end = std::upper_bound(costs.begin(), costs.end(), 3.0 * costs[costs.size() / 2]);
+  watch.cost_ns_ = std::accumulate(costs.begin(), end, 0.0) / static_cast<double>(end - costs.begin());
+  watch.resolution_ns_ = costs[costs.size() / 2];
+  for (std::size_t i = 1; i < costs.size(); ++i) {
+    if (costs[i] > costs[i - 1]) watch.resolution_ns_ = std::min(watch.resolution_ns_, costs[i] - costs[i - 1]);
+  }
   return watch;
 }
 

@@ -28,12 +28,14 @@ class Stopwatch {
   double ns_between(std::uint64_t from, std::uint64_t to) const {
     return std::max(0.0, static_cast<double>(static_cast<std::int64_t>(to - from)) * ns_per_tick_ - cost_ns_);
   }
-  double cost_ns() const { return cost_ns_; }        // median of reading it twice
-  double drift() const { return drift_; }            // share by which two calibrations differ: above 0.01 the counter is not to be trusted
+  double cost_ns() const { return cost_ns_; }              // mean of reading it twice, interruptions left out
+  double resolution_ns() const { return resolution_ns_; }  // the counter moves in steps of this; some CPUs' of 10 ns
+  double drift() const { return drift_; }                  // share by which two calibrations differ: above 0.01 the counter is not to be trusted
 
  private:
   double ns_per_tick_ = 1.0;
   double cost_ns_ = 0.0;
+  double resolution_ns_ = 0.0;
   double drift_ = 0.0;
 };
 
