@@ -12,6 +12,7 @@
 #include "scene/near_miss.h"
 #include "tools/bench_command.h"
 #include "tools/echo_command.h"
+#include "tools/figures_command.h"
 #include "tools/info_command.h"
 #include "tools/judge_command.h"
 #include "tools/latency_command.h"
@@ -52,6 +53,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   app.require_subcommand(1);
   add_bench_command(app, exit_code);
   add_echo_command(app, exit_code);
+  add_figures_command(app, exit_code);
   add_info_command(app, exit_code);
   add_judge_command(app, exit_code);
   add_latency_command(app, exit_code);
