@@ -45,7 +45,7 @@ struct TimedSteps {
   LeastTimes least{0};
   int repetitions = 0;
   double seconds = 0.0;
-  double mean_ns = 0.0;  // of a step in the faster of two passes without a look at the clock in between
+  double mean_ns = 0.0;  // of a step in the faster of two passes without a look at the clock in between; 0: there was no time for them
 };
 
 // Runs step(i) for i = 0 .. steps - 1, again and again, on one CPU, and takes the least time of each. before(i) and after(i) run untimed;
@@ -68,7 +68,7 @@ TimedSteps time_steps(const Stopwatch& watch, const TimingBudget& budget, std::s
     timed.seconds += last_s;
     ++timed.repetitions;
   }
-  for (int pass = 0; pass < 2 && steps > 0 && (pass == 0 || timed.seconds + last_s <= budget.seconds); ++pass) {
+  for (int pass = 0; pass < 2 && steps > 0 && timed.seconds + last_s <= budget.seconds; ++pass) {
     const std::uint64_t start = Stopwatch::ticks();
     for (std::size_t i = 0; i < steps; ++i) {
       before(i);
