@@ -29,7 +29,9 @@ class FclTriangles final : public PairCollider {
  public:
   explicit FclTriangles(const std::vector<TrianglePair>& pairs) : pairs_(pairs), found_(pairs.size()) {}
   std::string name() const override { return "fcl_triangles"; }
-  std::string what() const override { return "FCL's Intersect<double>::intersect_Triangle with contact points"; }
+  std::string what() const override {
+    return "FCL's Intersect<double>::intersect_Triangle; its points are the deepest corners, not where edges meet";
+  }
   bool is_peer() const override { return true; }
   void collide(std::size_t first, std::size_t count) override {
     for (std::size_t i = first; i < first + count; ++i) {
@@ -63,7 +65,7 @@ class FclMeshes final : public PairCollider {
     }
   }
   std::string name() const override { return "fcl_collide"; }
-  std::string what() const override { return "fcl::collide on two one-triangle meshes, contacts on; their building not timed"; }
+  std::string what() const override { return "fcl::collide on two meshes of one triangle, contacts on, building not timed; same points"; }
   bool is_peer() const override { return true; }
   void collide(std::size_t first, std::size_t count) override {
     const fcl::Transform3d still = fcl::Transform3d::Identity();
