@@ -9,6 +9,7 @@
 
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
+#include "runtime/atomic_file.h"
 #include "scene/mesh_file.h"
 #include "tools/mesh_choice.h"
 
@@ -28,7 +29,8 @@ Result<BenchMesh> make_bumpy(const std::string& which) {
   }
   TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, 0.25, triangles, 1), kExtent_m);
   const std::size_t made = mesh.triangles.size();
-  return BenchMesh{made >= 1'000'000 ? fmt::format("bumpy_{:.1f}M", 1e-6 * static_cast<double>(made)) : fmt::format("bumpy_{:.0f}k", 1e-3 * static_cast<double>(made)),
+  return BenchMesh{made >= 1'000'000 ? fmt::format("bumpy_{:.1f}M", 1e-6 * static_cast<double>(made))
+                                     : fmt::format("bumpy_{:.0f}k", 1e-3 * static_cast<double>(made)),
                    std::make_shared<TriangleMesh>(std::move(mesh))};
 }
 
@@ -48,6 +50,14 @@ std::filesystem::path find_mesh_folder() {
   std::error_code ignored;
   if (std::filesystem::is_directory("meshes", ignored)) return "meshes";
   return std::filesystem::path(HAPTON_SOURCE_FOLDER) / "meshes";
+}
+
+Result<void> check_writable(const std::filesystem::path& folder) {
+  const std::filesystem::path probe = folder / ".hapton-bench";
+  if (auto written = write_file_atomically(probe, ""); !written) return written;
+  std::error_code ignored;
+  std::filesystem::remove(probe, ignored);
+  return {};
 }
 
 void print_progress(double seconds, const std::string& what) {

@@ -22,6 +22,9 @@ Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesyste
 // Where the project's meshes lie: ./meshes where there is one, else those this program was built beside.
 std::filesystem::path find_mesh_folder();
 
+// Makes the folder and tries to write there, so that a long measurement does not find out at its end. Error: one line with the path.
+Result<void> check_writable(const std::filesystem::path& folder);
+
 // Prints "  12.3 s  what" on stderr: what a long measurement is at.
 void print_progress(double seconds, const std::string& what);
 

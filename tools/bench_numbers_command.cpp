@@ -44,6 +44,7 @@ void fill_in_haptons(const NumbersOptions& options, NumbersReport& report) {
 }
 
 Result<void> measure(NumbersOptions& options) {
+  if (auto writable = check_writable(options.out); !writable) return writable;
   if (options.quick) {
     options.settings.ladder = {5000, 80000};
     options.settings.steps = 4000;
@@ -74,12 +75,15 @@ Result<void> measure(NumbersOptions& options) {
 
 void add_bench_numbers_command(CLI::App& bench, int& exit_code) {
   auto options = std::make_shared<NumbersOptions>();
-  CLI::App* command = bench.add_subcommand("numbers", "The numbers to beat: target, others and ours side by side; exits 0 whether or not they are met");
+  CLI::App* command =
+      bench.add_subcommand("numbers", "The numbers to beat: target, others and ours side by side; exits 0 whether or not they are met");
   command->add_flag("--quick", options->quick, "Smaller meshes, short runs: less than a minute");
   command->add_option("--mesh", options->file, "A scanned mesh that the force error is measured on too")->capture_default_str();
   command->add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
   command->add_option("--steps", options->settings.steps, "Of each trajectory")->check(CLI::Range(100, 10'000'000))->capture_default_str();
-  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")->check(CLI::Range(10, 10'000'000))->capture_default_str();
+  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
+      ->check(CLI::Range(10, 10'000'000))
+      ->capture_default_str();
   command->add_option("--seed", options->settings.seed, "Of meshes and trajectories")->capture_default_str();
   command->add_option("--out", options->out, "Folder for numbers.txt, numbers.csv and numbers.json")->required();
   command->callback([options, &exit_code] {

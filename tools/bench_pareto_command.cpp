@@ -29,9 +29,14 @@ struct ParetoOptions {
 };
 
 const std::vector<std::string> kQuick = {"car_front_3300.obj", "bumpy:20000"};
-const std::vector<std::string> kUsual = {"car_front_3300.obj", "car_body_20k.glb", "nefertiti_70k.ply", "skull_100k.ply", "bumpy:20000", "bumpy:1000000"};
-const std::vector<std::string> kAll = {"car_front_3300.obj", "demosthenes_17k_open.obj", "car_body_20k.glb", "fish_22k.obj",   "mountain_51k_open.ply", "nefertiti_70k.ply",
-                                       "skull_100k.ply",     "bumpy:5000",               "bumpy:20000",      "bumpy:80000", "bumpy:300000",          "bumpy:1000000"};
+const std::vector<std::string> kUsual = {"car_front_3300.obj", "car_body_20k.glb", "nefertiti_70k.ply",
+                                         "skull_100k.ply",     "bumpy:20000",      "bumpy:1000000"};
+const std::vector<std::string> kAll = {"car_front_3300.obj",    "demosthenes_17k_open.obj",
+                                       "car_body_20k.glb",      "fish_22k.obj",
+                                       "mountain_51k_open.ply", "nefertiti_70k.ply",
+                                       "skull_100k.ply",        "bumpy:5000",
+                                       "bumpy:20000",           "bumpy:80000",
+                                       "bumpy:300000",          "bumpy:1000000"};
 
 Result<void> write(const ParetoOptions& options, const ParetoReport& report) {
   if (auto written = write_file_atomically(options.out / "pareto.csv", to_csv(report)); !written) return written;
@@ -39,12 +44,13 @@ Result<void> write(const ParetoOptions& options, const ParetoReport& report) {
 }
 
 Result<void> measure(ParetoOptions& options) {
+  if (auto writable = check_writable(options.out); !writable) return writable;
   if (options.quick) {
     options.settings.steps = std::min<std::size_t>(options.settings.steps, 2000);
     options.settings.judged_steps = 500;
     options.settings.budget = {.repetitions = 3, .seconds = 0.15};
   }
-  const std::vector<std::string> meshes = !options.meshes.empty() ? options.meshes : options.quick ? kQuick : options.all ? kAll : kUsual;
+  const std::vector<std::string> meshes = !options.meshes.empty() ? options.meshes : options.all ? kAll : options.quick ? kQuick : kUsual;
   const std::filesystem::path folder = options.folder.empty() ? find_mesh_folder() : std::filesystem::path(options.folder);
   std::vector<QueryStructureKind> structures = own_structures();
   for (QueryStructureKind& kind : peer_structures()) structures.push_back(std::move(kind));
@@ -67,7 +73,8 @@ Result<void> measure(ParetoOptions& options) {
   }
   const auto picture = draw_pareto_plot(options.out, pareto_marks(report));
   if (!picture) return tl::unexpected(picture.error());
-  fmt::print("{}\n{:.0f} s; pareto.csv, pareto.json and pareto.png are in {}\n", report.conditions.to_text(), report.conditions.seconds, options.out.string());
+  fmt::print("{}\n{:.0f} s; pareto.csv, pareto.json and pareto.png are in {}\n", report.conditions.to_text(), report.conditions.seconds,
+             options.out.string());
   return {};
 }
 
@@ -75,14 +82,21 @@ Result<void> measure(ParetoOptions& options) {
 
 void add_bench_pareto_command(CLI::App& bench, int& exit_code) {
   auto options = std::make_shared<ParetoOptions>();
-  CLI::App* command = bench.add_subcommand("pareto", "Run time against force error: every method and structure over several meshes, and a plot");
-  auto* which = command->add_option_group("meshes", "Which meshes, each scaled to 100 mm (default: six, 3 k to 1.3 M triangles)")->require_option(0, 1);
-  which->add_option("--mesh", options->meshes, "Mesh files, by path or name in the mesh folder, or bumpy:N for a bumpy sphere of N triangles");
-  which->add_flag("--quick", options->quick, "Two small meshes, short runs: less than a minute");
+  CLI::App* command =
+      bench.add_subcommand("pareto", "Run time against force error: every method and structure over several meshes, and a plot");
+  auto* which = command->add_option_group("meshes", "Which meshes, each scaled to 100 mm (default: six, 3 k to 1.3 M triangles)")
+                    ->require_option(0, 1);
+  which->add_option("--mesh", options->meshes,
+                    "Mesh files, by path or name in the mesh folder, or bumpy:N for a bumpy sphere of N triangles");
   which->add_flag("--all", options->all, "Twelve meshes");
+  command->add_flag("--quick", options->quick, "Short runs, over two small meshes unless others are named: less than a minute");
   command->add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-  command->add_option("--steps", options->settings.steps, "Of the slide over each mesh")->check(CLI::Range(100, 10'000'000))->capture_default_str();
-  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")->check(CLI::Range(10, 10'000'000))->capture_default_str();
+  command->add_option("--steps", options->settings.steps, "Of the slide over each mesh")
+      ->check(CLI::Range(100, 10'000'000))
+      ->capture_default_str();
+  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
+      ->check(CLI::Range(10, 10'000'000))
+      ->capture_default_str();
   command->add_option("--seed", options->settings.seed, "Of the slides")->capture_default_str();
   command->add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png")->required();
   command->callback([options, &exit_code] {

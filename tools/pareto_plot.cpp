@@ -28,8 +28,8 @@ struct Style {
   std::string_view color;
 };
 constexpr std::array kStyles = {
-    Style{"proxy point", 7, "#0050c8"}, Style{"proxy sphere", 5, "#56b4e9"},     Style{"sweep", 9, "#d55e00"},
-    Style{"smooth", 13, "#009e73"},     Style{"reference", 2, "#000000"}, Style{"reference sphere", 1, "#7f7f7f"},
+    Style{"proxy point", 7, "#0050c8"}, Style{"proxy sphere", 5, "#56b4e9"}, Style{"sweep", 9, "#d55e00"},
+    Style{"smooth", 13, "#009e73"},     Style{"reference", 2, "#000000"},    Style{"reference sphere", 1, "#7f7f7f"},
 };
 
 // gnuplot reads _ and the like as markup.
@@ -50,7 +50,8 @@ std::vector<std::string> names_of(const std::vector<ParetoMark>& marks) {
 std::string data_of(const std::vector<ParetoMark>& marks, std::string_view family, const std::string& block) {
   std::string text = fmt::format("${} << EOD\n", block);
   for (const ParetoMark& mark : marks) {
-    if (mark.family == family) fmt::format_to(std::back_inserter(text), "{} {} \"{}\"\n", mark.time_us, 100.0 * mark.error, plain(mark.label));
+    if (mark.family == family)
+      fmt::format_to(std::back_inserter(text), "{} {} \"{}\"\n", mark.time_us, 100.0 * mark.error, plain(mark.label));
   }
   return text + "EOD\n";
 }
@@ -61,7 +62,8 @@ std::string front_of(const std::vector<ParetoMark>& marks, const std::string& bl
     if (mark.is_point) points.push_back({mark.time_us, mark.error});
   }
   std::string text = fmt::format("${} << EOD\n", block);
-  for (const std::size_t i : find_pareto_front(points)) fmt::format_to(std::back_inserter(text), "{} {}\n", points[i].time, 100.0 * points[i].error);
+  for (const std::size_t i : find_pareto_front(points))
+    fmt::format_to(std::back_inserter(text), "{} {}\n", points[i].time, 100.0 * points[i].error);
   return text + "EOD\n";
 }
 
@@ -88,14 +90,18 @@ std::string panel_of(const std::vector<ParetoMark>& marks, const std::string& me
   }
   const std::string front = fmt::format("front{}", number);
   std::string text = front_of(here, front);
-  std::string plot = fmt::format("set title '{}'\nplot ${} using 1:2 with lines linewidth 2 dashtype 2 linecolor rgb '#7f7f7f' title 'Pareto front, point probes'", plain(mesh), front);
+  std::string plot = fmt::format(
+      "set title '{}'\nplot ${} using 1:2 with lines linewidth 2 dashtype 2 linecolor rgb '#7f7f7f' title 'Pareto front, point probes'",
+      plain(mesh), front);
   for (std::size_t i = 0; i < kStyles.size(); ++i) {
     const Style& style = kStyles[i];
     if (std::none_of(here.begin(), here.end(), [&](const ParetoMark& mark) { return mark.family == style.family; })) continue;
     const std::string block = fmt::format("m{}f{}", number, i);
     text += data_of(here, style.family, block);
-    plot += fmt::format(", ${0} using 1:2 with points pointtype {1} pointsize 1.6 linecolor rgb '{2}' title '{3}', ${0} using 1:2:3 with labels offset 1.2,0.5 font ',8' textcolor rgb '{2}' notitle", block,
-                        style.mark, style.color, style.family);
+    plot += fmt::format(
+        ", ${0} using 1:2 with points pointtype {1} pointsize 1.6 linecolor rgb '{2}' title '{3}', ${0} using 1:2:3 with labels offset "
+        "1.2,0.5 font ',8' textcolor rgb '{2}' notitle",
+        block, style.mark, style.color, style.family);
   }
   return text + plot + "\n";
 }

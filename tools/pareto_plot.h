@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// The gnuplot program that draws time against error, both logarithmic, a panel a mesh, a mark a method family, and the Pareto front as a line, into the
-// file `picture` of the folder it runs in. RT: set-up only.
+// The gnuplot program that draws time against error, both logarithmic, a panel a mesh, a mark a method family, and the Pareto front as a
+// line, into the file `picture` of the folder it runs in. RT: set-up only.
 std::string make_pareto_plot(const std::vector<ParetoMark>& marks, const std::string& picture);
 
 // Draws folder/pareto.png. Error: one line: nothing to draw, no gnuplot, or what gnuplot said.

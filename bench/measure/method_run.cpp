@@ -52,8 +52,8 @@ MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, Touc
 
 }  // namespace
 
-Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& budget, const MethodSettings& settings, const TouchScene& scene,
-                                 const TouchTrajectory& trajectory) {
+Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& budget, const MethodSettings& settings,
+                                 const TouchScene& scene, const TouchTrajectory& trajectory) {
   const std::size_t heap = read_live_heap_bytes();
   const std::uint64_t start = Stopwatch::ticks();
   auto method = make_method(settings, scene);
@@ -101,7 +101,8 @@ ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt) const {
   return compare_forces(felt, coarse, fine, settings);
 }
 
-Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory, double probe_radius_m) {
+Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                    double probe_radius_m) {
   ReferenceRun run;
   run.trajectory = trajectory;
   run.stiffness_n_per_m = scene.objects.front().material.stiffness_n_per_m;

@@ -16,14 +16,14 @@ struct MethodTiming {
   TimeSpread all, contact, free;  // of the least times over repetitions
   double mean_ns = 0.0;           // of all steps, no clock in between
   int repetitions = 0;
-  double build_ms = 0.0;          // make_method, once
-  std::size_t bytes = 0;          // by which the heap grew while it was built: all the method holds
-  std::vector<FeltStep> felt;     // of the last repetition
+  double build_ms = 0.0;       // make_method, once
+  std::size_t bytes = 0;       // by which the heap grew while it was built: all the method holds
+  std::vector<FeltStep> felt;  // of the last repetition
 };
 
 // RT: set-up only. Error: as make_method.
-Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& budget, const MethodSettings& settings, const TouchScene& scene,
-                                 const TouchTrajectory& trajectory);
+Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& budget, const MethodSettings& settings,
+                                 const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // The method's forces along the trajectory, untimed. Error: as make_method.
 Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
@@ -45,6 +45,7 @@ struct ReferenceRun {
 };
 
 // Error: as make_method.
-Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory, double probe_radius_m);
+Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                    double probe_radius_m);
 
 }  // namespace hapton

@@ -39,7 +39,9 @@ MethodSettings proxy_of(double probe_radius_m) {
   return settings;
 }
 
-std::string count_text(std::size_t n) { return n >= 1000000 ? fmt::format("{:.2f} M", 1e-6 * static_cast<double>(n)) : fmt::format("{:.3g} k", 1e-3 * static_cast<double>(n)); }
+std::string count_text(std::size_t n) {
+  return n >= 1000000 ? fmt::format("{:.2f} M", 1e-6 * static_cast<double>(n)) : fmt::format("{:.3g} k", 1e-3 * static_cast<double>(n));
+}
 
 // One measurement after the other, each adding its rows.
 class Numbers {
@@ -54,12 +56,14 @@ class Numbers {
     auto slide = make_slide_trajectory(*mesh_, {.seed = settings_.seed, .rows = settings_.steps, .rate_hz = 1000.0});
     if (!slide) return tl::unexpected(slide.error());
     slide_ = std::move(*slide);
-    for (const auto step : {&Numbers::measure_contact, &Numbers::measure_free, &Numbers::measure_sphere, &Numbers::measure_growth, &Numbers::measure_scales}) {
+    for (const auto step : {&Numbers::measure_contact, &Numbers::measure_free, &Numbers::measure_sphere, &Numbers::measure_growth,
+                            &Numbers::measure_scales}) {
       if (auto done = (this->*step)(); !done) return done;
     }
     if (auto done = measure_error(mesh_, "bumpy, " + size_); !done) return done;
     if (file_mesh != nullptr) {
-      if (auto done = measure_error(file_mesh, fmt::format("{}, {} triangles", file_name, count_text(file_mesh->triangles.size()))); !done) return done;
+      if (auto done = measure_error(file_mesh, fmt::format("{}, {} triangles", file_name, count_text(file_mesh->triangles.size()))); !done)
+        return done;
     }
     if (auto done = measure_local_set(); !done) return done;
     name_what_others_measure();
@@ -95,7 +99,8 @@ class Numbers {
   std::string means_of(const std::vector<StructureTiming>& timings) const {
     std::string text;
     for (std::size_t i = 0; i < timings.size(); ++i) {
-      if (peers_[i].segments) text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", peers_[i].full_name(), timings[i].segments.mean_ns);
+      if (peers_[i].segments)
+        text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", peers_[i].full_name(), timings[i].segments.mean_ns);
     }
     return text;
   }
@@ -114,7 +119,8 @@ class Numbers {
     if (!peers) return tl::unexpected(peers.error());
     contact_peers_ = *peers;
     const std::string what = "contact step, point probe, " + size_;
-    const std::string note = fmt::format("{} contact steps, least of {}; peers: the segment query alone", timing->contact.count, timing->repetitions);
+    const std::string note =
+        fmt::format("{} contact steps, least of {}; peers: the segment query alone", timing->contact.count, timing->repetitions);
     const auto segment = [&](double TimeSpread::*part) {
       return figures(*peers, &QueryStructureKind::segments, [part](const StructureTiming& t) { return t.segments.time.*part; });
     };
@@ -135,9 +141,10 @@ class Numbers {
     const auto peers = time_peers(*mesh_, make_queries(timing->felt, free->reset_every, kExtent_m));
     if (!peers) return tl::unexpected(peers.error());
     add({"free-space step, " + size_, "p50", "ns", 20, false, "110",
-         figures(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }), timing->free.p50_ns,
-         fmt::format("{} free steps, mean {:.1f}, p99 {:.0f}, worst {:.0f} ns; peers: the segment query alone, mean {}", timing->free.count, timing->mean_ns,
-                     timing->free.p99_ns, timing->free.worst_ns, means_of(*peers))});
+         figures(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }),
+         timing->free.p50_ns,
+         fmt::format("{} free steps, mean {:.1f}, p99 {:.0f}, worst {:.0f} ns; peers: the segment query alone, mean {}", timing->free.count,
+                     timing->mean_ns, timing->free.p99_ns, timing->free.worst_ns, means_of(*peers))});
     note_build(*timing, *peers);
     return {};
   }
@@ -148,7 +155,8 @@ class Numbers {
     if (!timing) return tl::unexpected(timing.error());
     const std::string what = "contact step, sphere of 0.5 mm, " + size_;
     note_build(*timing, {});
-    const std::string note = fmt::format("{} contact steps, p99 {:.0f} ns; peers: the nearest triangle alone", timing->contact.count, timing->contact.p99_ns);
+    const std::string note =
+        fmt::format("{} contact steps, p99 {:.0f} ns; peers: the nearest triangle alone", timing->contact.count, timing->contact.p99_ns);
     const auto nearest = [&](double TimeSpread::*part) {
       return figures(contact_peers_, &QueryStructureKind::nearests, [part](const StructureTiming& t) { return t.nearests.time.*part; });
     };
@@ -187,7 +195,8 @@ class Numbers {
     for (std::size_t i = 0; i < peers_.size(); ++i) {
       if (peers_[i].segments) ratios.emplace_back(peers_[i].full_name(), last_peers[i] / std::max(1.0, first_peers[i]));
     }
-    add({fmt::format("growth of contact p50, {} -> {}", span, size_), "ratio", "x", 1.3, false, "3.5 (3.7 k -> 1.31 M)", ratios, last / std::max(1.0, first), note});
+    add({fmt::format("growth of contact p50, {} -> {}", span, size_), "ratio", "x", 1.3, false, "3.5 (3.7 k -> 1.31 M)", ratios,
+         last / std::max(1.0, first), note});
     return {};
   }
 
@@ -213,10 +222,26 @@ class Numbers {
         for (const FeltStep& step : *felt) most_n = std::max(most_n, step.force_n.norm());
       }
     }
-    const std::string what = fmt::format("over all scales 1e{} .. 1e{}, {}", settings_.scale_exponents.front(), settings_.scale_exponents.back(), size_);
+    const std::string what =
+        fmt::format("over all scales 1e{} .. 1e{}, {}", settings_.scale_exponents.front(), settings_.scale_exponents.back(), size_);
     const std::string note = fmt::format("of {} contact steps, point and sphere; {} forces not finite", contact, bad);
-    add({"fall-through in metres " + what, "steps", "", 0, false, "76 .. 100 % of contact steps (1 unit a metre)", {}, static_cast<double>(falls + bad), note});
-    add({"lock, frictionless slide " + what, "steps", "", 0, false, "3963 of 18500, 95 N", {}, static_cast<double>(locks),
+    add({"fall-through in metres " + what,
+         "steps",
+         "",
+         0,
+         false,
+         "76 .. 100 % of contact steps (1 unit a metre)",
+         {},
+         static_cast<double>(falls + bad),
+         note});
+    add({"lock, frictionless slide " + what,
+         "steps",
+         "",
+         0,
+         false,
+         "3963 of 18500, 95 N",
+         {},
+         static_cast<double>(locks),
          fmt::format("of {} contact steps; largest force {:.3g} N at 1000 N/m and 100 mm", contact, most_n)});
     return {};
   }
@@ -224,7 +249,8 @@ class Numbers {
   Result<std::vector<FeltStep>> feel_at_scale(double scale, double radius, const TouchTrajectory& heads) const {
     TouchTrajectory scaled = heads;
     for (Vec3& p : scaled.p_SD) p *= scale;
-    auto felt = feel(proxy_of(radius * scale), scene_of(std::make_shared<TriangleMesh>(scaled_and_moved(*mesh_, scale, Vec3::Zero()))), scaled);
+    auto felt =
+        feel(proxy_of(radius * scale), scene_of(std::make_shared<TriangleMesh>(scaled_and_moved(*mesh_, scale, Vec3::Zero()))), scaled);
     if (!felt) return felt;
     for (FeltStep& step : *felt) step = {step.device / scale, step.proxy / scale, step.force_n / scale};
     return felt;
@@ -243,8 +269,10 @@ class Numbers {
     const ForceError error = reference->judge(*felt);
     const std::string name = "force error, frictionless slide, " + what;
     const std::string note = fmt::format(
-        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}; direction p50 {:.3g} deg", error.contact_steps,
-        slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops, 57.29577951308232 * error.direction_rad.p50);
+        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}; direction p50 "
+        "{:.3g} deg",
+        error.contact_steps, slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops,
+        57.29577951308232 * error.direction_rad.p50);
     add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.all.p99, note});
     add({name, "RMS", "%", 1.0, false, "23 (70 k), 2000 (1.3 M)", {}, 100.0 * error.all.rms, note});
     add({name, "RMS away from basin changes", "%", 0.1, false, "", {}, 100.0 * error.away.rms, note});
@@ -259,23 +287,43 @@ class Numbers {
       for (std::size_t i = 0; i < contact_peers_.size(); ++i) all.emplace_back(peers_[i].full_name(), figure(contact_peers_[i]));
       return all;
     };
-    add({"build, " + size_, "time", "ms", 400, false, "547 .. 758", always(build), build_ms_, "least of several builds; ours: method proxy, all it needs, one thread"});
-    add({"build, " + size_, "memory", "MB", 90, false, "320", always(memory), build_mb_, "ours: heap grown by the method; embree: its own count; others: heap grown"});
+    add({"build, " + size_, "time", "ms", 400, false, "547 .. 758", always(build), build_ms_,
+         "least of several builds; ours: method proxy, all it needs, one thread"});
+    add({"build, " + size_, "memory", "MB", 90, false, "320", always(memory), build_mb_,
+         "ours: heap grown by the method; embree: its own count; others: heap grown"});
     progress_("local sets of 64 triangles");
     const auto scene = SmoothScene::build(scene_of(mesh_), {});
     if (!scene) return tl::unexpected(scene.error());
     const auto set = std::make_unique<LocalSet>();
     const TimedSteps timed = time_steps(
         watch_, settings_.budget, slide_.p_SD.size(), [](std::size_t) {},
-        [&](std::size_t i) { scene->select({slide_.p_SD[i], slide_.p_SD[i]}, kSetSize, *set); }, [](std::size_t) {});
+        [&](std::size_t i) {
+          scene->select({slide_.p_SD[i], slide_.p_SD[i]}, kSetSize, *set);
+        },
+        [](std::size_t) {});
     const TimeSpread spread = spread_of_times(timed.least.ns());
-    add({"local set query, 64 of " + size_, "p50", "ns", 5000, false, "FDH paper: 3e6 (20 k triangles)", {}, spread.p50_ns,
+    add({"local set query, 64 of " + size_,
+         "p50",
+         "ns",
+         5000,
+         false,
+         "FDH paper: 3e6 (20 k triangles)",
+         {},
+         spread.p50_ns,
          fmt::format("along the slide; p99 {:.0f}, worst {:.0f} ns", spread.p99_ns, spread.worst_ns)});
     return {};
   }
 
   void name_what_others_measure() {
-    add({"force round trip, three processes, loopback", "over the bare echo", "x", 1.3, false, "memo: 0.7 ms", {}, std::nullopt, "hapton latency"});
+    add({"force round trip, three processes, loopback",
+         "over the bare echo",
+         "x",
+         1.3,
+         false,
+         "memo: 0.7 ms",
+         {},
+         std::nullopt,
+         "hapton latency"});
     add({kHaptonsRow, "a core", "", 100000, true, "memo: 1, capable of 5", {}, std::nullopt, "hapton bench haptons"});
   }
 
@@ -310,8 +358,10 @@ std::size_t NumbersReport::met() const {
   return static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const NumberRow& row) { return row.is_met(); }));
 }
 
-Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& structures,
-                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name, const Progress& progress) {
+Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch,
+                                      const std::vector<QueryStructureKind>& structures,
+                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name,
+                                      const Progress& progress) {
   const std::uint64_t start = Stopwatch::ticks();
   NumbersReport report;
   report.conditions = begin_conditions(watch, settings.seed);
@@ -327,8 +377,9 @@ std::string to_csv(const NumbersReport& report) {
   for (const NumberRow& row : report.rows) {
     std::string peers;
     for (const auto& [name, value] : row.peers) peers += fmt::format("{}{}={:.6g}", peers.empty() ? "" : ";", name, value);
-    fmt::format_to(std::back_inserter(text), "{},{},{},{:g},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit, row.target,
-                   quoted_cell(row.quoted), row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(peers), quoted_cell(row.note));
+    fmt::format_to(std::back_inserter(text), "{},{},{},{:g},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit,
+                   row.target, quoted_cell(row.quoted), row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(peers),
+                   quoted_cell(row.note));
   }
   return text;
 }
@@ -340,7 +391,8 @@ std::string to_json(const NumbersReport& report) {
   json["targets_met"] = report.met();
   json["rows"] = Json::array();
   for (const NumberRow& row : report.rows) {
-    Json one{{"what", row.what}, {"metric", row.metric}, {"unit", row.unit}, {"target", row.target}, {"at_least", row.at_least}, {"chai3d_3_3_quoted", row.quoted}};
+    Json one{{"what", row.what},     {"metric", row.metric},     {"unit", row.unit},
+             {"target", row.target}, {"at_least", row.at_least}, {"chai3d_3_3_quoted", row.quoted}};
     one["peers"] = Json::object();
     for (const auto& [name, value] : row.peers) one["peers"][name] = value;
     one["hapton"] = row.ours ? Json(*row.ours) : Json(nullptr);
@@ -357,13 +409,15 @@ std::string to_text(const NumbersReport& report) {
   std::string last;
   for (const NumberRow& row : report.rows) {
     if (row.what != last) {
-      fmt::format_to(out, "\n{}\n  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.what, "", "target", "Hapton", "", "CHAI3D 3.3 (quoted)", "peers, this run");
+      fmt::format_to(out, "\n{}\n  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.what, "", "target", "Hapton", "", "CHAI3D 3.3 (quoted)",
+                     "peers, this run");
       last = row.what;
     }
     std::string peers;
     for (const auto& [name, value] : row.peers) peers += fmt::format("{}{} {}", peers.empty() ? "" : ", ", name, figure(value));
     fmt::format_to(out, "  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.unit.empty() ? row.metric : row.metric + ", " + row.unit,
-                   (row.at_least ? ">= " : "<= ") + figure(row.target), row.ours ? figure(*row.ours) : "-", verdict(row), row.quoted, peers);
+                   (row.at_least ? ">= " : "<= ") + figure(row.target), row.ours ? figure(*row.ours) : "-", verdict(row), row.quoted,
+                   peers);
     const bool is_last_of_note = &row == &report.rows.back() || (&row)[1].note != row.note;
     if (is_last_of_note && !row.note.empty()) fmt::format_to(out, "    {}\n", row.note);
   }

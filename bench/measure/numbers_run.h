@@ -26,8 +26,8 @@ struct NumberRow {
   std::string metric;  // "p50"
   std::string unit;    // "ns"
   double target = 0.0;
-  bool at_least = false;  // true: the more the better
-  std::string quoted;     // CHAI3D 3.3 or the paper, measured earlier elsewhere; empty: there is none
+  bool at_least = false;                              // true: the more the better
+  std::string quoted;                                 // CHAI3D 3.3 or the paper, measured earlier elsewhere; empty: there is none
   std::vector<std::pair<std::string, double>> peers;  // live, in this run
   std::optional<double> ours;                         // none: another command measures it
   std::string note;
@@ -48,12 +48,15 @@ struct NumbersReport {
 
 // Where and how the quoted CHAI3D figures were taken.
 constexpr const char* kQuotedFrom =
-    "CHAI3D 3.3.0, finger proxy, g++ 12 -O3 -march=native, one core of a 2-CPU AMD EPYC (Turin) guest, Debian 12, slides of the same kind over "
+    "CHAI3D 3.3.0, finger proxy, g++ 12 -O3 -march=native, one core of a 2-CPU AMD EPYC (Turin) guest, Debian 12, slides of the same kind "
+    "over "
     "meshes of the same size at 10 units a metre; measured once, not in this run";
 
 // Measures all rows over bumpy spheres of 100 mm. A file mesh, when given, is judged too. Error: a method or structure that cannot be made.
-Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& structures,
-                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name, const Progress& progress);
+Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch,
+                                      const std::vector<QueryStructureKind>& structures,
+                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name,
+                                      const Progress& progress);
 
 std::string to_csv(const NumbersReport& report);
 std::string to_json(const NumbersReport& report);

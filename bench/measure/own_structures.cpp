@@ -19,7 +19,9 @@ namespace {
 
 using Made = Result<std::unique_ptr<QueryStructure>>;
 
-std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::size_t i) { return {mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2)}; }
+std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::size_t i) {
+  return {mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2)};
+}
 
 // Everything that is not brute force collects candidates and lets these two decide.
 struct FirstHit {
@@ -78,7 +80,8 @@ class Brute final : public QueryStructure {
   std::vector<std::array<Point3<Real>, 3>> corners_;
 };
 
-// A segment looks into the cells its box covers, as method `sweep` does; a point into a cube that grows until nothing outside can be nearer.
+// A segment looks into the cells its box covers, as method `sweep` does; a point into a cube that grows until nothing outside can be
+// nearer.
 class Grid final : public QueryStructure {
  public:
   static Made make(const TriangleMesh& mesh, int division) {
@@ -240,14 +243,19 @@ std::vector<QueryStructureKind> own_structures() {
   add({.name = "brute", .precision = "double", .make = make_plain<Brute<double>>});
   add({.name = "brute", .precision = "float", .make = make_plain<Brute<float>>});
   for (const int division : {8, 16, 32, 64, 128}) {
-    add({.name = "grid", .parameter = division, .precision = "double", .make = [division](const TriangleMesh& mesh) { return Grid::make(mesh, division); }});
+    add({.name = "grid", .parameter = division, .precision = "double", .make = [division](const TriangleMesh& mesh) {
+           return Grid::make(mesh, division);
+         }});
   }
   const std::string fdh_note = "planes in float, triangles in double";
   add({.name = "fdh", .parameter = 6, .precision = "double", .note = fdh_note, .make = Fdh<6>::make});
   add({.name = "fdh", .parameter = 14, .precision = "double", .note = fdh_note, .make = Fdh<14>::make});
   add({.name = "fdh", .parameter = 18, .precision = "double", .note = fdh_note, .make = Fdh<18>::make});
   add({.name = "fdh", .parameter = 26, .precision = "double", .note = fdh_note, .make = Fdh<26>::make});
-  add({.name = "wide", .precision = "double", .note = "boxes in float, triangles in double; a segment visits what overlaps its box", .make = make_plain<Wide>});
+  add({.name = "wide",
+       .precision = "double",
+       .note = "boxes in float, triangles in double; a segment visits what overlaps its box",
+       .make = make_plain<Wide>});
   add({.name = "neighbourhood",
        .precision = "double",
        .nearests = false,

@@ -11,8 +11,8 @@ struct ParetoPoint {
   double error = 0.0;
 };
 
-// The points that no other one beats: none is at least as good in both and better in one. Their places in `points`, by rising time. Of equal points
-// the first stands for all. A point that is not finite is never on the front.
+// The points that no other one beats: none is at least as good in both and better in one. Their places in `points`, by rising time. Of
+// equal points the first stands for all. A point that is not finite is never on the front.
 std::vector<std::size_t> find_pareto_front(const std::vector<ParetoPoint>& points);
 
 }  // namespace hapton

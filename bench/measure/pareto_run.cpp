@@ -63,7 +63,8 @@ MethodRow row_of_reference(const MethodRow& pattern, const ReferenceRun& run, do
 }
 
 Json spread_json(const TimeSpread& s) {
-  return {{"n", s.count}, {"p50_ns", s.p50_ns}, {"p90_ns", s.p90_ns}, {"p99_ns", s.p99_ns}, {"p99_9_ns", s.p99_9_ns}, {"worst_ns", s.worst_ns}};
+  return {{"n", s.count},       {"p50_ns", s.p50_ns},     {"p90_ns", s.p90_ns},
+          {"p99_ns", s.p99_ns}, {"p99_9_ns", s.p99_9_ns}, {"worst_ns", s.worst_ns}};
 }
 Json spread_json(const ErrorSpread& s) { return {{"n", s.count}, {"rms", s.rms}, {"p50", s.p50}, {"p99", s.p99}, {"max", s.most}}; }
 
@@ -109,8 +110,9 @@ std::string bytes_text(std::size_t bytes) { return bytes == 0 ? "-" : fmt::forma
 
 }  // namespace
 
-Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& watch, const std::string& name, const std::shared_ptr<const TriangleMesh>& mesh,
-                            const std::vector<QueryStructureKind>& structures, const Progress& progress, ParetoReport& report) {
+Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& watch, const std::string& name,
+                            const std::shared_ptr<const TriangleMesh>& mesh, const std::vector<QueryStructureKind>& structures,
+                            const Progress& progress, ParetoReport& report) {
   const double extent_m = compute_bounds(*mesh).extent();
   TouchScene scene;
   scene.objects.push_back({mesh, Material{}});
@@ -163,23 +165,27 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
 
 std::string to_csv(const ParetoReport& report) {
   std::string text =
-      "mesh,triangles,kind,library,name,structure,precision,n,repetitions,p50_ns,p90_ns,p99_ns,p99_9_ns,worst_ns,free_p50_ns,build_ms,bytes,judged_steps,"
-      "contact_steps,basin_steps,error_rms_all,error_p99_all,error_rms_away,error_p99_away,falls,ghosts,locks,pops,worst_pop_n,not_finite,found,compared,agree\n";
+      "mesh,triangles,kind,library,name,structure,precision,n,repetitions,p50_ns,p90_ns,p99_ns,p99_9_ns,worst_ns,free_p50_ns,build_ms,"
+      "bytes,judged_steps,"
+      "contact_steps,basin_steps,error_rms_all,error_p99_all,error_rms_away,error_p99_away,falls,ghosts,locks,pops,worst_pop_n,not_finite,"
+      "found,compared,agree\n";
   const auto out = std::back_inserter(text);
   for (const MethodRow& r : report.methods) {
     const TimeSpread& t = r.timing.contact;
     const ForceError& e = r.error;
-    fmt::format_to(out, "{},{},method,hapton,{},\"{}\",double,{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.3f},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{},{:.6g},{},,,\n",
-                   r.mesh, r.triangles, r.family, r.structure, t.count, r.timing.repetitions, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns,
-                   r.timing.free.p50_ns, r.timing.build_ms, r.timing.bytes, e.steps, e.contact_steps, e.basin_steps, e.all.rms, e.all.p99, e.away.rms,
-                   e.away.p99, e.falls, e.ghosts, e.locks, e.pops, e.worst_pop_n, e.not_finite);
+    fmt::format_to(out,
+                   "{},{},method,hapton,{},\"{}\",double,{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.3f},{},{},{},{},{:.6g},{:.6g},{"
+                   ":.6g},{:.6g},{},{},{},{},{:.6g},{},,,\n",
+                   r.mesh, r.triangles, r.family, r.structure, t.count, r.timing.repetitions, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns,
+                   t.worst_ns, r.timing.free.p50_ns, r.timing.build_ms, r.timing.bytes, e.steps, e.contact_steps, e.basin_steps, e.all.rms,
+                   e.all.p99, e.away.rms, e.away.p99, e.falls, e.ghosts, e.locks, e.pops, e.worst_pop_n, e.not_finite);
   }
   for (const QueryRow& r : report.queries) {
     const auto line = [&](const char* query, const QueryTiming& q) {
       const TimeSpread& t = q.time;
-      fmt::format_to(out, "{},{},{},{},{},,{},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},,{:.3f},{},,,,,,,,,,,,,,{},{},{}\n", r.mesh, r.triangles, query, r.kind.library,
-                     r.kind.full_name(), r.kind.precision, t.count, q.repetitions, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns, r.timing.build_ms,
-                     r.timing.bytes, q.found, q.compared, q.agree);
+      fmt::format_to(out, "{},{},{},{},{},,{},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},,{:.3f},{},,,,,,,,,,,,,,{},{},{}\n", r.mesh,
+                     r.triangles, query, r.kind.library, r.kind.full_name(), r.kind.precision, t.count, q.repetitions, t.p50_ns, t.p90_ns,
+                     t.p99_ns, t.p99_9_ns, t.worst_ns, r.timing.build_ms, r.timing.bytes, q.found, q.compared, q.agree);
     };
     if (r.kind.segments) line("segment", r.timing.segments);
     if (r.kind.nearests) line("nearest", r.timing.nearests);
@@ -190,14 +196,22 @@ std::string to_csv(const ParetoReport& report) {
 std::string to_json(const ParetoReport& report) {
   Json json = to_json(report.conditions, "hapton bench pareto");
   json["terms"] =
-      "times: least of the repetitions of each step, on one CPU, the clock's cost taken off; worst: their maximum over steps. Methods are timed as whole "
-      "haptic steps in contact. Force error against the reference of 32 sub-steps, in shares; away: without basin changes, where 8 and 32 sub-steps differ.";
+      "times: least of the repetitions of each step, on one CPU, the clock's cost taken off; worst: their maximum over steps. Methods are "
+      "timed as whole "
+      "haptic steps in contact. Force error against the reference of 32 sub-steps, in shares; away: without basin changes, where 8 and 32 "
+      "sub-steps differ.";
   json["methods"] = Json::array();
   for (const MethodRow& row : report.methods) json["methods"].push_back(row_json(row));
   json["queries"] = Json::array();
   for (const QueryRow& row : report.queries) {
-    Json one{{"mesh", row.mesh},         {"triangles", row.triangles},       {"library", row.kind.library}, {"structure", row.kind.full_name()},
-             {"precision", row.kind.precision}, {"note", row.kind.note}, {"build_ms", row.timing.build_ms}, {"bytes", row.timing.bytes}};
+    Json one{{"mesh", row.mesh},
+             {"triangles", row.triangles},
+             {"library", row.kind.library},
+             {"structure", row.kind.full_name()},
+             {"precision", row.kind.precision},
+             {"note", row.kind.note},
+             {"build_ms", row.timing.build_ms},
+             {"bytes", row.timing.bytes}};
     if (row.kind.segments) one["segment"] = query_json(row.timing.segments);
     if (row.kind.nearests) one["nearest"] = query_json(row.timing.nearests);
     json["queries"].push_back(std::move(one));
@@ -206,25 +220,28 @@ std::string to_json(const ParetoReport& report) {
 }
 
 std::string to_text(const ParetoReport& report, const std::string& mesh) {
-  std::string text = fmt::format("{:<18} {:<14} {:<22} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9} {:>9} {:>6} {:>6} {:>6}\n", "mesh", "method", "structure", "p50 ns",
-                                 "p99 ns", "worst ns", "build ms", "memory", "RMS %", "away %", "falls", "locks", "pops");
+  std::string text =
+      fmt::format("{:<18} {:<14} {:<22} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9} {:>9} {:>6} {:>6} {:>6}\n", "mesh", "method", "structure",
+                  "p50 ns", "p99 ns", "worst ns", "build ms", "memory", "RMS %", "away %", "falls", "locks", "pops");
   const auto out = std::back_inserter(text);
   for (const MethodRow& r : report.methods) {
     if (!mesh.empty() && r.mesh != mesh) continue;
-    fmt::format_to(out, "{:<18} {:<14} {:<22} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>9.3g} {:>9.3g} {:>6} {:>6} {:>6}\n", r.mesh, r.family, r.structure,
-                   r.timing.contact.p50_ns, r.timing.contact.p99_ns, r.timing.contact.worst_ns, r.timing.build_ms, bytes_text(r.timing.bytes),
-                   100.0 * r.error.all.rms, 100.0 * r.error.away.rms, r.error.falls, r.error.locks, r.error.pops);
+    fmt::format_to(out, "{:<18} {:<14} {:<22} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>9.3g} {:>9.3g} {:>6} {:>6} {:>6}\n", r.mesh,
+                   r.family, r.structure, r.timing.contact.p50_ns, r.timing.contact.p99_ns, r.timing.contact.worst_ns, r.timing.build_ms,
+                   bytes_text(r.timing.bytes), 100.0 * r.error.all.rms, 100.0 * r.error.away.rms, r.error.falls, r.error.locks,
+                   r.error.pops);
   }
-  fmt::format_to(out, "{:<18} {:<26} {:<7} {:>9} {:>9} {:>10} {:>9} {:>9} {:>10} {:>9} {:>9} {:>7}\n", "mesh", "structure", "", "segm. p50", "p99", "worst",
-                 "near p50", "p99", "worst ns", "build ms", "memory", "agree");
+  fmt::format_to(out, "{:<18} {:<26} {:<7} {:>9} {:>9} {:>10} {:>9} {:>9} {:>10} {:>9} {:>9} {:>7}\n", "mesh", "structure", "", "segm. p50",
+                 "p99", "worst", "near p50", "p99", "worst ns", "build ms", "memory", "agree");
   for (const QueryRow& r : report.queries) {
     if (!mesh.empty() && r.mesh != mesh) continue;
     const TimeSpread& s = r.timing.segments.time;
     const TimeSpread& n = r.timing.nearests.time;
     const std::size_t compared = r.timing.segments.compared + r.timing.nearests.compared;
     const std::size_t agree = r.timing.segments.agree + r.timing.nearests.agree;
-    fmt::format_to(out, "{:<18} {:<26} {:<7} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>6.1f}%\n", r.mesh, r.kind.full_name(),
-                   r.kind.precision, s.p50_ns, s.p99_ns, s.worst_ns, n.p50_ns, n.p99_ns, n.worst_ns, r.timing.build_ms, bytes_text(r.timing.bytes),
+    fmt::format_to(out, "{:<18} {:<26} {:<7} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>6.1f}%\n", r.mesh,
+                   r.kind.full_name(), r.kind.precision, s.p50_ns, s.p99_ns, s.worst_ns, n.p50_ns, n.p99_ns, n.worst_ns, r.timing.build_ms,
+                   bytes_text(r.timing.bytes),
                    100.0 * static_cast<double>(agree) / static_cast<double>(std::max<std::size_t>(1, compared)));
   }
   return text;
@@ -238,7 +255,8 @@ std::vector<ParetoMark> pareto_marks(const ParetoReport& report) {
     if (const auto at = label.find("set "); at != std::string::npos) label = label.substr(at + 4);
     if (label.starts_with("grid ")) label = label.substr(5);
     if (r.family != "sweep" && r.family != "smooth") label.clear();
-    marks.push_back({r.mesh, r.family, label, r.settings.probe_radius_m == 0.0, 1e-3 * r.timing.contact.p99_ns, std::max(kLeastError, r.error.all.rms)});
+    marks.push_back({r.mesh, r.family, label, r.settings.probe_radius_m == 0.0, 1e-3 * r.timing.contact.p99_ns,
+                     std::max(kLeastError, r.error.all.rms)});
   }
   return marks;
 }

@@ -13,8 +13,8 @@
 namespace hapton {
 
 struct ParetoSettings {
-  std::size_t steps = 12000;         // of the slide
-  std::size_t judged_steps = 1800;   // of them with the reference: the first of each piece
+  std::size_t steps = 12000;        // of the slide
+  std::size_t judged_steps = 1800;  // of them with the reference: the first of each piece
   std::uint64_t seed = 1;
   TimingBudget budget{.repetitions = 5, .seconds = 1.0};  // of one row
 };
@@ -27,7 +27,7 @@ struct MethodRow {
   MethodSettings settings;
   std::string structure;  // "neighbourhood + wide", "grid 32", "fdh 14, set 64"
   std::size_t steps = 0;
-  MethodTiming timing;    // without felt
+  MethodTiming timing;  // without felt
   ForceError error;
 };
 
@@ -49,8 +49,9 @@ using Progress = std::function<void(const std::string&)>;
 
 // Measures every method and the given structures over one mesh (of 100 mm, by custom) and adds them to the report.
 // Error: a trajectory or a method that cannot be made. RT: set-up only.
-Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& watch, const std::string& name, const std::shared_ptr<const TriangleMesh>& mesh,
-                            const std::vector<QueryStructureKind>& structures, const Progress& progress, ParetoReport& report);
+Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& watch, const std::string& name,
+                            const std::shared_ptr<const TriangleMesh>& mesh, const std::vector<QueryStructureKind>& structures,
+                            const Progress& progress, ParetoReport& report);
 
 // One line a row: methods first, then queries; columns that do not apply are empty.
 std::string to_csv(const ParetoReport& report);

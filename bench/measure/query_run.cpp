@@ -14,7 +14,9 @@ constexpr double kAgreeShare = 1e-4;
 constexpr double kTriangleTests = 4e7;  // brute force spends on answers to compare with
 constexpr std::size_t kLeastQueries = 16;
 
-std::size_t stride_for(std::size_t queries, std::size_t most) { return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most)); }
+std::size_t stride_for(std::size_t queries, std::size_t most) {
+  return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most));
+}
 
 // How many queries fit into a third of the budget, told by a few of them.
 template <class Ask>
@@ -33,8 +35,8 @@ bool same(double a, double b, double tolerance) {
 }
 
 template <class Ask, class Tolerance>
-QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, const std::vector<double>& truth, std::size_t truth_stride,
-                         Ask&& ask, Tolerance&& tolerance) {
+QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, const std::vector<double>& truth,
+                         std::size_t truth_stride, Ask&& ask, Tolerance&& tolerance) {
   QueryTiming timing;
   const std::size_t stride = find_stride(watch, budget, queries, ask);
   const std::size_t asked = (queries + stride - 1) / stride;
@@ -67,19 +69,21 @@ TouchQueries make_queries(std::span<const FeltStep> felt, std::size_t reset_ever
 
 BruteAnswers answer_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries) {
   BruteAnswers answers;
-  const auto most = static_cast<std::size_t>(std::clamp(kTriangleTests / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())), 20.0, 500.0));
+  const auto most = static_cast<std::size_t>(
+      std::clamp(kTriangleTests / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())), 20.0, 500.0));
   answers.segment_stride = stride_for(queries.segments.size(), most);
   answers.point_stride = stride_for(queries.points.size(), most);
   const auto brute = own_structures().front().make(mesh);
   for (std::size_t i = 0; i < queries.segments.size(); i += answers.segment_stride) {
     answers.hits.push_back((*brute)->first_hit(queries.segments[i].from, queries.segments[i].to));
   }
-  for (std::size_t i = 0; i < queries.points.size(); i += answers.point_stride) answers.distances.push_back((*brute)->nearest(queries.points[i], queries.radius));
+  for (std::size_t i = 0; i < queries.points.size(); i += answers.point_stride)
+    answers.distances.push_back((*brute)->nearest(queries.points[i], queries.radius));
   return answers;
 }
 
-Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind, const TriangleMesh& mesh,
-                                       const TouchQueries& queries, const BruteAnswers& truth, double extent_m) {
+Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind,
+                                       const TriangleMesh& mesh, const TouchQueries& queries, const BruteAnswers& truth, double extent_m) {
   StructureTiming timing;
   const std::size_t heap = read_live_heap_bytes();
   const std::uint64_t start = Stopwatch::ticks();
@@ -93,12 +97,15 @@ Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudge
     timing.segments = time_queries(
         watch, budget, queries.segments.size(), truth.hits, truth.segment_stride,
         [&](std::size_t i) { return structure.first_hit(queries.segments[i].from, queries.segments[i].to); },
-        [&](std::size_t i) { return kAgreeShare * extent_m / std::max(1e-300, (queries.segments[i].to - queries.segments[i].from).norm()); });
+        [&](std::size_t i) {
+          return kAgreeShare * extent_m / std::max(1e-300, (queries.segments[i].to - queries.segments[i].from).norm());
+        });
   }
   if (kind.nearests) {
     timing.nearests = time_queries(
         watch, budget, queries.points.size(), truth.distances, truth.point_stride,
-        [&](std::size_t i) { return structure.nearest(queries.points[i], queries.radius); }, [&](std::size_t) { return kAgreeShare * extent_m; });
+        [&](std::size_t i) { return structure.nearest(queries.points[i], queries.radius); },
+        [&](std::size_t) { return kAgreeShare * extent_m; });
   }
   return timing;
 }

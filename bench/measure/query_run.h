@@ -50,7 +50,7 @@ struct BruteAnswers {
 BruteAnswers answer_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries);
 
 // Builds the structure and times its queries. Where all of them would take longer than the budget, every n-th is asked. Error: as its make.
-Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind, const TriangleMesh& mesh,
-                                       const TouchQueries& queries, const BruteAnswers& truth, double extent_m);
+Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind,
+                                       const TriangleMesh& mesh, const TouchQueries& queries, const BruteAnswers& truth, double extent_m);
 
 }  // namespace hapton

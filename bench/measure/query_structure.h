@@ -14,7 +14,8 @@ namespace hapton {
 
 constexpr double kNothingFound = std::numeric_limits<double>::infinity();
 
-// Something that holds a mesh's triangles and answers the two questions touch asks. Frame and units: the mesh's. RT: as the library behind it.
+// Something that holds a mesh's triangles and answers the two questions touch asks. Frame and units: the mesh's. RT: as the library behind
+// it.
 class QueryStructure {
  public:
   virtual ~QueryStructure() = default;
@@ -33,11 +34,11 @@ class QueryStructure {
 struct QueryStructureKind {
   std::string library = {};    // "hapton", "embree" ...
   std::string name = {};       // "fdh", "grid" ...
-  int parameter = 0;      // directions, cells along an axis, threads ...; 0: none
+  int parameter = 0;           // directions, cells along an axis, threads ...; 0: none
   std::string precision = {};  // of triangle tests: "float", "double"
   bool segments = true;
   bool nearests = true;
-  std::string note = {};       // what a reader of its figures must know
+  std::string note = {};                                                                  // what a reader of its figures must know
   std::function<Result<std::unique_ptr<QueryStructure>>(const TriangleMesh&)> make = {};  // the mesh outlives the structure
 
   // "fdh 14", "brute"

@@ -10,8 +10,10 @@ namespace hapton {
 bool RunConditions::was_shared() const { return std::max(load_before, load_after) > static_cast<double>(machine.cpu_count); }
 
 std::string RunConditions::to_text() const {
-  std::string text = fmt::format("{}, {} CPUs, {}, {}, {}; seed {}; load {:.1f} before, {:.1f} after; clock {:.1f} ns, taken off, in steps of {:.2g} ns", machine.cpu,
-                                 machine.cpu_count, machine.kernel, machine.compiler, machine.build, seed, load_before, load_after, clock_cost_ns, clock_resolution_ns);
+  std::string text =
+      fmt::format("{}, {} CPUs, {}, {}, {}; seed {}; load {:.1f} before, {:.1f} after; clock {:.1f} ns, taken off, in steps of {:.2g} ns",
+                  machine.cpu, machine.cpu_count, machine.kernel, machine.compiler, machine.build, seed, load_before, load_after,
+                  clock_cost_ns, clock_resolution_ns);
   if (clock_drift > 0.01) text += fmt::format("; the time stamp counter drifts by {:.1f} %: do not trust these times", 100.0 * clock_drift);
   if (was_shared()) text += "; other programs were running: times are too long, the longest most";
   if (!missing_peers.empty()) text += fmt::format("; not built: {}", fmt::join(missing_peers, ", "));
@@ -39,7 +41,11 @@ nlohmann::ordered_json to_json(const RunConditions& conditions, const std::strin
   return {{"schema", kBenchSchema},
           {"program", program},
           {"machine",
-           {{"cpu", machine.cpu}, {"cpu_count", machine.cpu_count}, {"kernel", machine.kernel}, {"compiler", machine.compiler}, {"build", machine.build}}},
+           {{"cpu", machine.cpu},
+            {"cpu_count", machine.cpu_count},
+            {"kernel", machine.kernel},
+            {"compiler", machine.compiler},
+            {"build", machine.build}}},
           {"seed", conditions.seed},
           {"load_before", conditions.load_before},
           {"load_after", conditions.load_after},

@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// Times stretches of a few nanoseconds: the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC, what reading it costs
-// taken off. Threads: any, pinned to one CPU while it measures.
+// Times stretches of a few nanoseconds: the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC, what reading it
+// costs taken off. Threads: any, pinned to one CPU while it measures.
 class Stopwatch {
  public:
   // Takes some 60 ms.
@@ -30,7 +30,7 @@ class Stopwatch {
   }
   double cost_ns() const { return cost_ns_; }              // mean of reading it twice, interruptions left out
   double resolution_ns() const { return resolution_ns_; }  // the counter moves in steps of this; some CPUs' of 10 ns
-  double drift() const { return drift_; }                  // share by which two calibrations differ: above 0.01 the counter is not to be trusted
+  double drift() const { return drift_; }  // share by which two calibrations differ: above 0.01 the counter is not to be trusted
 
  private:
   double ns_per_tick_ = 1.0;

@@ -82,7 +82,9 @@ class Embree final : public QueryStructure {
   static bool test_triangle(RTCPointQueryFunctionArguments* arguments) {
     auto& self = *static_cast<Embree*>(arguments->userPtr);
     const std::uint32_t* t = self.triangles_ + 3 * static_cast<std::size_t>(arguments->primID);
-    const auto corner = [&](std::uint32_t index) { return Vec3f(Eigen::Map<const Vec3f>(self.vertices_ + 3 * static_cast<std::size_t>(index))); };
+    const auto corner = [&](std::uint32_t index) {
+      return Vec3f(Eigen::Map<const Vec3f>(self.vertices_ + 3 * static_cast<std::size_t>(index)));
+    };
     const Vec3f p(arguments->query->x, arguments->query->y, arguments->query->z);
     const float d = std::sqrt(point_distance_squared<float>(p, corner(t[0]), corner(t[1]), corner(t[2])));
     if (!(d <= arguments->query->radius)) return false;
@@ -106,7 +108,8 @@ class Embree final : public QueryStructure {
 std::vector<QueryStructureKind> embree_structures() {
   const std::string note = "Embree 3 rtcIntersect1 / rtcPointQuery, robust; built with ";
   const auto make = [](int threads) {
-    return [threads](const TriangleMesh& mesh) -> Result<std::unique_ptr<QueryStructure>> { return std::make_unique<Embree>(mesh, threads); };
+    return
+        [threads](const TriangleMesh& mesh) -> Result<std::unique_ptr<QueryStructure>> { return std::make_unique<Embree>(mesh, threads); };
   };
   return {{.library = {}, .name = "embree", .precision = "float", .note = note + "one thread", .make = make(1)},
           {.library = {}, .name = "embree all threads", .precision = "float", .note = note + "every CPU's thread", .make = make(0)}};

@@ -17,7 +17,8 @@ class Fcl final : public QueryStructure {
   using Model = fcl::BVHModel<fcl::OBBRSS<double>>;
 
  public:
-  Fcl(const TriangleMesh& mesh, double probe_radius) : probe_radius_(probe_radius), sphere_(std::make_shared<fcl::Sphere<double>>(probe_radius)) {
+  Fcl(const TriangleMesh& mesh, double probe_radius)
+      : probe_radius_(probe_radius), sphere_(std::make_shared<fcl::Sphere<double>>(probe_radius)) {
     std::vector<fcl::Vector3<double>> vertices(mesh.vertices.begin(), mesh.vertices.end());
     std::vector<fcl::Triangle> triangles;
     triangles.reserve(mesh.triangles.size());

@@ -11,8 +11,10 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::vector<ParetoMark> kMarks = {{"bumpy_20k", "proxy point", "", true, 0.4, 1e-6}, {"bumpy_20k", "sweep", "32", true, 0.9, 0.3},
-                                        {"bumpy_20k", "proxy sphere", "", false, 0.1, 1e-9}, {"car", "smooth", "64", true, 2.0, 0.05}};
+const std::vector<ParetoMark> kMarks = {{"bumpy_20k", "proxy point", "", true, 0.4, 1e-6},
+                                        {"bumpy_20k", "sweep", "32", true, 0.9, 0.3},
+                                        {"bumpy_20k", "proxy sphere", "", false, 0.1, 1e-9},
+                                        {"car", "smooth", "64", true, 2.0, 0.05}};
 
 TEST(ParetoPlot, HasAPanelForEachMeshAndAMarkForEachFamily) {
   const std::string script = make_pareto_plot(kMarks, "p.png");

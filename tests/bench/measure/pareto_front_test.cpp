@@ -12,9 +12,7 @@ using Places = std::vector<std::size_t>;
 
 TEST(ParetoFront, OfNothingIsEmpty) { EXPECT_TRUE(find_pareto_front({}).empty()); }
 
-TEST(ParetoFront, KeepsWhatNoOtherBeats) {
-  EXPECT_EQ(find_pareto_front({{3, 1}, {1, 3}, {2, 2}, {3, 3}, {2, 5}}), (Places{1, 2, 0}));
-}
+TEST(ParetoFront, KeepsWhatNoOtherBeats) { EXPECT_EQ(find_pareto_front({{3, 1}, {1, 3}, {2, 2}, {3, 3}, {2, 5}}), (Places{1, 2, 0})); }
 
 TEST(ParetoFront, EqualTimesKeepTheSmallerError) { EXPECT_EQ(find_pareto_front({{1, 2}, {1, 1}, {2, 1}}), (Places{1})); }
 

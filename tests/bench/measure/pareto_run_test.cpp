@@ -61,11 +61,14 @@ TEST(Pareto, MeasuresEveryMethodAndStructure) {
   TriangleMesh sphere = make_bumpy_sphere(0.045, 0.2, 1000, 1);
   ParetoReport report;
   const auto structures = own_structures();
-  const auto done = measure_pareto(settings, Stopwatch::calibrate(), "bumpy", std::make_shared<TriangleMesh>(std::move(sphere)), structures, [](const std::string&) {}, report);
+  const auto done = measure_pareto(
+      settings, Stopwatch::calibrate(), "bumpy", std::make_shared<TriangleMesh>(std::move(sphere)), structures, [](const std::string&) {},
+      report);
   ASSERT_TRUE(done.has_value()) << done.error().what;
   EXPECT_EQ(report.queries.size(), structures.size());
   for (const char* family : {"proxy point", "proxy sphere", "sweep", "smooth", "reference"}) {
-    EXPECT_TRUE(std::any_of(report.methods.begin(), report.methods.end(), [&](const MethodRow& row) { return row.family == family; })) << family;
+    EXPECT_TRUE(std::any_of(report.methods.begin(), report.methods.end(), [&](const MethodRow& row) { return row.family == family; }))
+        << family;
   }
   for (const MethodRow& row : report.methods) {
     EXPECT_GT(row.timing.contact.count, 0U) << row.family;

@@ -48,7 +48,9 @@ TEST(TimeSteps, RunsEveryStepInEveryRepetition) {
   const Stopwatch watch = Stopwatch::calibrate();
   std::vector<int> before(5, 0);
   std::vector<int> steps(5, 0);
-  const TimedSteps timed = time_steps(watch, {.repetitions = 3, .seconds = 1e9}, 5, [&](std::size_t i) { ++before[i]; }, [&](std::size_t i) { ++steps[i]; }, [](std::size_t) {});
+  const TimedSteps timed = time_steps(
+      watch, {.repetitions = 3, .seconds = 1e9}, 5, [&](std::size_t i) { ++before[i]; }, [&](std::size_t i) { ++steps[i]; },
+      [](std::size_t) {});
   EXPECT_EQ(timed.repetitions, 3);
   // Two more passes give the mean.
   EXPECT_EQ(before, std::vector<int>(5, 5));
@@ -60,7 +62,8 @@ TEST(TimeSteps, RunsEveryStepInEveryRepetition) {
 TEST(TimeSteps, BeginsNoSecondRepetitionWithoutTime) {
   const Stopwatch watch = Stopwatch::calibrate();
   int steps = 0;
-  const TimedSteps timed = time_steps(watch, {.repetitions = 100, .seconds = 0.0}, 4, [](std::size_t) {}, [&](std::size_t) { ++steps; }, [](std::size_t) {});
+  const TimedSteps timed = time_steps(
+      watch, {.repetitions = 100, .seconds = 0.0}, 4, [](std::size_t) {}, [&](std::size_t) { ++steps; }, [](std::size_t) {});
   EXPECT_EQ(timed.repetitions, 1);
   EXPECT_EQ(steps, 4);
 }
