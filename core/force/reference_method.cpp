@@ -202,9 +202,11 @@ MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD) no
   free_ = false;
   touched_.clear();
   friction_off_ = true;
+  tips_borders_ = false;
   gather(device_, (proxy_ - device_).norm() + 4.0 * rest_);
   settle(device_);
   friction_off_ = false;
+  tips_borders_ = true;
   return felt(p_SD, Vec3::Zero());
 }
 
@@ -427,7 +429,7 @@ bool ReferenceMethod::tip_over(const Vec3& device, const Wish& wish) noexcept {
       if (tip_over(device, touch)) return true;
       continue;
     }
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3 && tips_borders_; ++k) {
       const PreparedTriangle& shape = touch.face.shape;
       if (shape.inward[k].dot(proxy_ - shape.corner[k]) > kBorder * rest_ * shape.edge[k].norm()) continue;
       touch.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kEdge0) + k);
@@ -439,12 +441,13 @@ bool ReferenceMethod::tip_over(const Vec3& device, const Wish& wish) noexcept {
 
 bool ReferenceMethod::tip_over(const Vec3& device, const Touch& touch) noexcept {
   const Vec3& normal = touch.near.direction;
-  if (across_feature(touch, device - pivot_of(touch)).dot(normal) >= 0.0) return false;
+  if ((device - pivot_of(touch)).dot(normal) >= 0.0) return false;
+  // Along an edge as well: it may end right here.
   const Vec3 first = is_edge(touch.near.feature) ? Vec3(normal.cross(edge_of(touch)).normalized()) : normal.unitOrthogonal();
-  const Vec3 second = is_edge(touch.near.feature) ? Vec3(Vec3::Zero()) : Vec3(normal.cross(first));
+  const Vec3 second = normal.cross(first);
   const Vec3 start = proxy_;
   for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
-    if (tangent.isZero(0.0) || !go_round(touch, tangent, kTip)) continue;
+    if (!go_round(touch, tangent, kTip)) continue;
     if ((device - proxy_).squaredNorm() < (device - start).squaredNorm()) return true;
     proxy_ = start;
   }

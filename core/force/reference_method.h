@@ -46,7 +46,8 @@ class ReferenceMethod final : public ForceMethod {
   void reset(const Vec3& p_SD) noexcept override;
   std::string describe() const override;
 
-  // Puts the proxy at p_SP with the device at p_SD and lets it settle, without friction: a judge of whether p_SP was a minimum.
+  // Puts the proxy at p_SP with the device at p_SD and lets it settle, without friction: a judge of whether p_SP was a minimum. A proxy on a face,
+  // however near to its border, is taken to stand on the face.
   // The proxy must not lie within rounding of a surface it should stay on one side of; one at rest on a surface is fine.
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
 
@@ -128,6 +129,7 @@ class ReferenceMethod final : public ForceMethod {
   bool free_ = true;
   bool sliding_ = false;
   bool friction_off_ = false;
+  bool tips_borders_ = true;
   ReferenceCounters counters_;
 };
 

@@ -22,9 +22,10 @@ constexpr double kInsideShare = 1e-6;  // above what a probe hovers by and what 
 constexpr double kLockShare = 0.10;
 constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
+constexpr double kTieShare = 1e-6;
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;  // a method may hover by this share of the extent and leave that out of the force
-constexpr std::size_t kMostFindings = 5;
+constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 constexpr std::size_t kLongestEpisode = 400;
 
 std::uint64_t hash_of(std::string_view text) {  // FNV-1a
@@ -319,7 +320,7 @@ struct StressRun::Inside {
   void note(StressCount& count, StressFault fault, StressMotion motion, std::uint64_t episode, std::size_t step, double size) const {
     ++count.faults[static_cast<std::size_t>(fault)];
     std::size_t same = 0;
-    for (const StressFinding& finding : count.findings) same += finding.fault == fault;
+    for (const StressFinding& finding : count.findings) same += finding.fault == fault && finding.motion == motion;
     if (same < kMostFindings) count.findings.push_back({fault, motion, episode, step, size});
   }
 
@@ -415,11 +416,10 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       ++count.judged_rests;
       const MethodOutput rested = in.judge->settle_from(felt.p_SP, device);
       const double gain = length - (rested.p_SP - device).norm();
-      const double depth = suspicious && in.solid ? in.solid->compute_distance(device) : 0.0;
-      if (suspicious && length > depth + kLockShare * extent && gain > kLockGain * extent) {
-        note(StressFault::kLock, gain);
-      } else if (gain > kLagGain * extent) {
-        note(StressFault::kLag, gain);
+      // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
+      const double depth = gain > kLagGain * extent && in.solid ? in.solid->compute_distance(device) : extent;
+      if (gain > kLagGain * extent && depth > kTieShare * extent) {
+        note(in.solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
       }
     }
     if (in.body.room && !rubs && undamped && i > 0 && before.allFinite()) {
