@@ -27,6 +27,7 @@ class WideBvh {
   static constexpr int kWidth = 8;
   static constexpr int kMaxDepth = 40;
   static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;
+  static constexpr double kFarthest = 0x1p100;  // pre: every item's box lies within this of zero
 
   // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i].
   explicit WideBvh(std::span<const Box> boxes);
@@ -86,8 +87,9 @@ void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
   __m256 low[3];
   __m256 high[3];
   for (int k = 0; k < 3; ++k) {
-    low[k] = _mm256_set1_ps(detail::round_down(query.low[k]));
-    high[k] = _mm256_set1_ps(detail::round_up(query.high[k]));
+    // Finite, whatever the query: an unused child's inverted infinite box must overlap nothing.
+    low[k] = _mm256_set1_ps(detail::round_down(std::clamp(query.low[k], -kFarthest, kFarthest)));
+    high[k] = _mm256_set1_ps(detail::round_up(std::clamp(query.high[k], -kFarthest, kFarthest)));
   }
   std::array<std::uint32_t, kMaxStack> stack;
   int top = 0;

@@ -18,6 +18,15 @@ std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& sce
   return meshes;
 }
 
+// A device farther out than a billion scenes is taken to be there: its squares must stay finite.
+Vec3 within_limits(const Vec3& local) {
+  constexpr double kFarthest = 0x1p30;
+  constexpr double kHuge = 1e200;  // what overflowed on the way into local units is as good as this
+  const Vec3 finite = local.cwiseMax(-kHuge).cwiseMin(kHuge);
+  const double most = finite.cwiseAbs().maxCoeff();
+  return most > kFarthest ? Vec3(finite * (kFarthest / most)) : finite;
+}
+
 }  // namespace
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
@@ -50,11 +59,38 @@ bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcep
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   placed_ = p_SD.allFinite();
-  settle_at(geometry_.to_local(p_SD));
+  settle_at(within_limits(geometry_.to_local(p_SD)));
   geometry_.place(proxy_);
+  step_off_surface();
   last_device_ = proxy_;
+  near_reach_ = 0.0;
+  near_.clear();
   empty_radius_squared_ = 0.0;
   empty_retry_ = 0.0;
+}
+
+// A point probe placed on a surface has no side yet: it takes the one the triangle's vertex order shows.
+void ProxyMethod::step_off_surface() noexcept {
+  if (!is_point_ || !placed_) return;
+  for (int i = 0; i < 8; ++i) {  // at an edge or corner each of its faces in turn
+    std::uint32_t nearest = 0;
+    double bound = clearance_.rest * clearance_.rest;
+    bool any = false;
+    geometry_.visit_nearest(proxy_, bound, [&](std::uint32_t triangle, double) {
+      const double d = geometry_.separation(triangle, proxy_).distance;
+      if (d * d < bound) {
+        bound = d * d;
+        nearest = triangle;
+        any = true;
+      }
+      return bound;
+    });
+    if (!any) return;
+    const Vec3& a = geometry_.corner(nearest, 0);
+    const Vec3 normal = accurate_cross(geometry_.corner(nearest, 1) - a, geometry_.corner(nearest, 2) - a);
+    const double length = normal.norm();
+    proxy_ += (2.0 * clearance_.rest) * (length > 0.0 ? Vec3(normal / length) : geometry_.separation(nearest, proxy_).normal);
+  }
 }
 
 void ProxyMethod::settle_at(const Vec3& p) noexcept {
@@ -67,7 +103,7 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = geometry_.to_scene(proxy_), .contact = false};
   ++counters_.steps;
-  const Vec3 device = geometry_.to_local(input.p_SD);
+  const Vec3 device = within_limits(geometry_.to_local(input.p_SD));
   if (free_ && (device - empty_center_).squaredNorm() < empty_radius_squared_) {
     ++counters_.skipped;
     proxy_ = device;
@@ -172,17 +208,21 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
   bool tipped = false;
   int last_doubt = kMaxIterations;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const Vec3 wish = device - proxy_;
+    if (touching_count_ == 0 && cross_emptiness(device)) return;
+    Vec3 wish = device - proxy_;
     const double distance = wish.norm();
+    const bool arrives = distance <= kLongestMotion;  // a device far away must not cost the digits of what is near
+    if (!arrives) wish *= kLongestMotion / distance;
     idle = distance < nearest - kRounding ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
     if (idle > kMaxIdle) return;  // caged: moves back and forth within the clearance's slack
     if (touching_count_ == 0) {
-      if (!advance(wish)) {
+      if (advance(wish)) {
+        free_ = false;
+      } else if (arrives) {
         settle_at(device);
         return;
       }
-      free_ = false;
       continue;
     }
     ++counters_.iterations;
@@ -200,12 +240,31 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
       }
       return;
     }
-    if (!advance(motion) && constrained.active_count == 0) {
+    if (!advance(motion) && constrained.active_count == 0 && arrives) {
       settle_at(device);
       return;
     }
   }
   ++counters_.unconverged;
+}
+
+// Far outside the scene there is nothing to meet, and positions there are too coarse to meet it exactly: the proxy goes straight to the
+// device (true), or to where its way enters the scene's surroundings.
+bool ProxyMethod::cross_emptiness(const Vec3& device) noexcept {
+  const double surroundings = 2.0 + 2.0 * clearance_.rest;
+  if (proxy_.norm() <= 1.01 * surroundings) return false;
+  const Vec3 way = device - proxy_;
+  const double length = way.norm();
+  const Vec3 direction = length > 0.0 ? Vec3(way / length) : Vec3::Zero();
+  const double foot = -proxy_.dot(direction);
+  const double miss = (proxy_ + foot * direction).norm();
+  const double entry = foot - std::sqrt(std::max(0.0, (surroundings - miss) * (surroundings + miss)));
+  if (miss >= surroundings || entry <= 0.0 || entry >= length) {
+    settle_at(device);
+    return true;
+  }
+  proxy_ += entry * direction;
+  return false;
 }
 
 // A point probe held by an edge or vertex may only be held by its rounding: forgets such touches, so that the next sweep says
@@ -312,7 +371,7 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
 
 // Makes the neighbourhood cover the beginning of a motion: all of a short one, a fair part of a long one. Its size follows what fits.
 bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion) noexcept {
-  near_reach_ = std::max(near_reach_, stride_);
+  near_reach_ = std::min(std::max(near_reach_, stride_), kLargestReach);
   const double length = motion.norm();
   const Vec3 beginning = length > 0.5 * near_reach_ ? Vec3(motion * (0.5 * near_reach_ / length)) : motion;
   if (near_.covers(Box::around(start, start + beginning).inflated(clearance_.rest))) return true;

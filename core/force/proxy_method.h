@@ -56,6 +56,8 @@ class ProxyMethod final : public ForceMethod {
   static constexpr int kMaxTouching = 32;
   static constexpr int kMaxIterations = 256;
   static constexpr double kLookAheadSteps = 500.0;  // an object is asked for half a second before the probe can be there, at 1 kHz
+  static constexpr double kLargestReach = 2.0;     // local units: the scene's size
+  static constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
   static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 3.0;
   static constexpr int kParts = 4;
@@ -82,11 +84,13 @@ class ProxyMethod final : public ForceMethod {
   void solve(const Vec3& device) noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
+  bool cross_emptiness(const Vec3& device) noexcept;
   bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
   bool stay_near(const Vec3& start, const Vec3& motion) noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
+  void step_off_surface() noexcept;
   void settle_at(const Vec3& p) noexcept;
   void keep_touching(const Vec3& blocked_motion) noexcept;
   bool forget_doubtful(const ConstrainedMotion& held) noexcept;

@@ -82,6 +82,16 @@ TEST(WideBvh, NearestAgreesWithBruteForce) {
   }
 }
 
+TEST(WideBvh, AnInfiniteQueryFindsEverythingOnce) {
+  std::mt19937_64 random(6);
+  const std::vector<Box> boxes = random_boxes(1001, 0.1, random);
+  const WideBvh tree(boxes);
+  for (const double far : {1e20, 1e200, HUGE_VAL}) {
+    EXPECT_EQ(found_by(tree, Box{Vec3::Constant(-far), Vec3::Constant(far)}).size(), boxes.size());
+    EXPECT_TRUE(found_by(tree, Box{Vec3::Constant(far), Vec3::Constant(far)}).empty());
+  }
+}
+
 TEST(WideBvh, DegenerateInputKeepsTheDepthBound) {
   std::vector<Box> same(100000, Box::around({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}));
   const WideBvh all_the_same(same);

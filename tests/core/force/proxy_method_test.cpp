@@ -295,6 +295,19 @@ TEST(Proxy, BadInputGivesNoForceAndIsForgotten) {
   EXPECT_EQ(proxy->step({.p_SD = Vec3(0, 0, -0.001)}).force_n, before.force_n);
 }
 
+TEST(Proxy, AnAbsurdlyFarDeviceBlindsNothing) {
+  const auto proxy = proxy_over(scene_of(make_icosphere(0.05, 3)));
+  proxy->reset({0, 0, 0.08});
+  for (const double far : {1e6, 1e30, 1e150, 1e300, -1e300}) {
+    const MethodOutput there = proxy->step({.p_SD = Vec3(far, 0, std::fabs(far))});
+    EXPECT_TRUE(there.force_n.allFinite());
+    proxy->step({.p_SD = Vec3(0, 0, 0.08)});
+    proxy->step({.p_SD = Vec3(0, 0, 0.0501)});
+    EXPECT_TRUE(proxy->step({.p_SD = Vec3(0, 0, 0.048)}).contact) << "after " << far;
+    proxy->step({.p_SD = Vec3(0, 0, 0.08)});
+  }
+}
+
 TEST(Proxy, FreeStepsAreSkipped) {
   const auto proxy = proxy_over(scene_of(make_icosphere(0.05, 5)));
   proxy->reset({0, 0, 0.08});
