@@ -27,13 +27,14 @@ Json spread_json(const ErrorSpread& spread) {
 }
 
 std::string percent(const ErrorSpread& spread) {
-  return fmt::format("RMS {:.4g} %  p50 {:.4g} %  p99 {:.4g} %  max {:.4g} %  (n {})", 100.0 * spread.rms, 100.0 * spread.p50, 100.0 * spread.p99,
-                     100.0 * spread.most, spread.count);
+  return fmt::format("RMS {:.4g} %  p50 {:.4g} %  p99 {:.4g} %  max {:.4g} %  (n {})", 100.0 * spread.rms, 100.0 * spread.p50,
+                     100.0 * spread.p99, 100.0 * spread.most, spread.count);
 }
 
 }  // namespace
 
-Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory, unsigned threads) {
+Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                         unsigned threads) {
   const std::size_t rows = trajectory.p_SD.size();
   const std::size_t segment = trajectory.reset_every == 0 ? std::max<std::size_t>(1, rows) : trajectory.reset_every;
   const std::size_t segments = (rows + segment - 1) / segment;
@@ -47,7 +48,8 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
   std::vector<FeltStep> felt(rows);
   std::atomic<std::size_t> next{0};
   auto work = [&](ForceMethod& method) {
-    for (std::size_t i = next++; i < segments; i = next++) run_segment(method, trajectory, i * segment, std::min(rows, (i + 1) * segment), felt);
+    for (std::size_t i = next++; i < segments; i = next++)
+      run_segment(method, trajectory, i * segment, std::min(rows, (i + 1) * segment), felt);
   };
   std::vector<std::thread> pool;
   for (unsigned i = 1; i < workers; ++i) pool.emplace_back([&, i] { work(*methods[i]); });
@@ -83,14 +85,15 @@ Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& 
 
 std::string to_text(const ForceError& error) {
   std::string text;
-  text += fmt::format("steps {}, contact {}, basin changes {}, not finite {}\n", error.steps, error.contact_steps, error.basin_steps, error.not_finite);
+  text += fmt::format("steps {}, contact {}, basin changes {}, not finite {}\n", error.steps, error.contact_steps, error.basin_steps,
+                      error.not_finite);
   text += fmt::format("force error, all:                 {}\n", percent(error.all));
   text += fmt::format("force error, away from basins:    {}\n", percent(error.away));
   const double degrees = 180.0 / std::numbers::pi;
-  text += fmt::format("direction, away from basins:      p50 {:.4g} deg  p99 {:.4g} deg  max {:.4g} deg\n", degrees * error.direction_rad.p50,
-                      degrees * error.direction_rad.p99, degrees * error.direction_rad.most);
-  text += fmt::format("falls {}, ghosts {}, locks {}, pops {} (worst {:.4g} N above the bound)\n", error.falls, error.ghosts, error.locks, error.pops,
-                      error.worst_pop_n);
+  text += fmt::format("direction, away from basins:      p50 {:.4g} deg  p99 {:.4g} deg  max {:.4g} deg\n",
+                      degrees * error.direction_rad.p50, degrees * error.direction_rad.p99, degrees * error.direction_rad.most);
+  text += fmt::format("falls {}, ghosts {}, locks {}, pops {} (worst {:.4g} N above the bound)\n", error.falls, error.ghosts, error.locks,
+                      error.pops, error.worst_pop_n);
   return text;
 }
 

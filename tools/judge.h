@@ -14,7 +14,7 @@ namespace hapton {
 
 struct JudgeSettings {
   MethodSettings method;
-  int substeps = 8;        // of the reference
+  int substeps = 8;  // of the reference
   int finer_substeps = 32;
   unsigned threads = 1;
 };
@@ -27,7 +27,8 @@ struct Judgement {
 
 // Drives the method along the trajectory, contact forgotten where the trajectory says. Segments between those places are independent and
 // run on `threads` threads, each with a method of its own.
-Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory, unsigned threads);
+Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                         unsigned threads);
 
 // Runs the method and both references. The scene's first material gives the stiffness, its extent all lengths.
 Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);

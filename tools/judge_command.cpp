@@ -31,7 +31,8 @@ std::string to_csv(const Judgement& judgement, double rate_hz) {
   std::string text = "t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,reference_fx_n,reference_fy_n,reference_fz_n,finer_fx_n,finer_fy_n,finer_fz_n\n";
   for (std::size_t i = 0; i < judgement.method.size(); ++i) {
     fmt::format_to(std::back_inserter(text), "{:.6f}", static_cast<double>(i) / rate_hz);
-    for (const Vec3& v : {judgement.method[i].device, judgement.method[i].force_n, judgement.reference[i].force_n, judgement.finer_reference[i].force_n}) {
+    for (const Vec3& v :
+         {judgement.method[i].device, judgement.method[i].force_n, judgement.reference[i].force_n, judgement.finer_reference[i].force_n}) {
       fmt::format_to(std::back_inserter(text), ",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
     }
     text += '\n';
@@ -44,8 +45,8 @@ Result<void> judge(const JudgeOptions& options) {
   if (!mesh) return tl::unexpected(mesh.error());
   const auto trajectory = make_trajectory(options.kind, *mesh, options.trajectory);
   if (!trajectory) return tl::unexpected(trajectory.error());
-  fmt::print("judge: {} against the reference over {} ({} triangles), {} rows of {}, seed {}\n", options.settings.method.name, name_of(options.mesh),
-             mesh->triangles.size(), options.trajectory.rows, options.kind, options.trajectory.seed);
+  fmt::print("judge: {} against the reference over {} ({} triangles), {} rows of {}, seed {}\n", options.settings.method.name,
+             name_of(options.mesh), mesh->triangles.size(), options.trajectory.rows, options.kind, options.trajectory.seed);
   std::fflush(stdout);
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(*mesh)), options.material});
@@ -65,13 +66,18 @@ void add_judge_command(CLI::App& app, int& exit_code) {
   options->settings.threads = std::max(1U, std::thread::hardware_concurrency());
   CLI::App* command = app.add_subcommand("judge", "Measure a method's force error against the brute-force reference");
   add_mesh_options(*command, options->mesh);
-  command->add_option("--method", options->settings.method.name, "Which method is judged, one of: " + method_names())->capture_default_str();
+  command->add_option("--method", options->settings.method.name, "Which method is judged, one of: " + method_names())
+      ->capture_default_str();
   command->add_option("--kind", options->kind, "Of trajectory: " + trajectory_kinds())->capture_default_str();
   command->add_option("--seed", options->trajectory.seed, "Of the trajectory")->capture_default_str();
   command->add_option("--rows", options->trajectory.rows, "How many steps")->check(CLI::Range(1, 100'000'000))->capture_default_str();
-  command->add_option("--probe-radius", options->settings.method.probe_radius_m, "Metres; 0 is a point")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--probe-radius", options->settings.method.probe_radius_m, "Metres; 0 is a point")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--stiffness", options->material.stiffness_n_per_m, "N/m")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--friction-static", options->material.friction_static, "Coulomb coefficient")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--friction-static", options->material.friction_static, "Coulomb coefficient")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--friction-dynamic", options->material.friction_dynamic, "Coulomb coefficient, not above the static one")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
@@ -79,7 +85,9 @@ void add_judge_command(CLI::App& app, int& exit_code) {
   command->add_option("--finer-substeps", options->settings.finer_substeps, "Of the reference that tells basin changes")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command->add_option("--threads", options->settings.threads, "Segments judged at a time")->check(CLI::Range(1, 1024))->capture_default_str();
+  command->add_option("--threads", options->settings.threads, "Segments judged at a time")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
   command->add_option("--out", options->out, "Folder for judge.json and judge.csv");
   command->callback([options, &exit_code] {
     const auto done = judge(*options);

@@ -49,7 +49,8 @@ void add_mesh_options(CLI::App& command, MeshChoice& choice) {
   source->add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
   source->add_option("--shape", choice.shape, "Made by rule, about 100 mm: " + shape_names());
   command.add_option("--unit", choice.unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
-  command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")->check(CLI::PositiveNumber);
+  command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")
+      ->check(CLI::PositiveNumber);
 }
 
 Result<TriangleMesh> make_mesh(const MeshChoice& choice) {
@@ -77,7 +78,9 @@ Result<TriangleMesh> make_mesh(const MeshChoice& choice) {
   return mesh;
 }
 
-std::string name_of(const MeshChoice& choice) { return choice.file.empty() ? choice.shape : std::filesystem::path(choice.file).stem().string(); }
+std::string name_of(const MeshChoice& choice) {
+  return choice.file.empty() ? choice.shape : std::filesystem::path(choice.file).stem().string();
+}
 
 TriangleMesh scaled_to(TriangleMesh mesh, double extent_m) {
   const double scale = extent_m / compute_bounds(mesh).extent();

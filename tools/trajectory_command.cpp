@@ -38,11 +38,12 @@ struct TrajectoryOptions {
 };
 
 std::string to_csv(const TouchTrajectory& made, const TrajectoryOptions& options) {
-  std::string text = fmt::format("# hapton trajectory: {} over {}, seed {}, reset every {} rows\nt_s,x_m,y_m,z_m\n", options.kind, name_of(options.mesh),
-                                 options.settings.seed, made.reset_every);
+  std::string text = fmt::format("# hapton trajectory: {} over {}, seed {}, reset every {} rows\nt_s,x_m,y_m,z_m\n", options.kind,
+                                 name_of(options.mesh), options.settings.seed, made.reset_every);
   for (std::size_t i = 0; i < made.p_SD.size(); ++i) {
     const Vec3& p = made.p_SD[i];
-    fmt::format_to(std::back_inserter(text), "{:.6f},{:.17g},{:.17g},{:.17g}\n", static_cast<double>(i) / options.settings.rate_hz, p.x(), p.y(), p.z());
+    fmt::format_to(std::back_inserter(text), "{:.6f},{:.17g},{:.17g},{:.17g}\n", static_cast<double>(i) / options.settings.rate_hz, p.x(),
+                   p.y(), p.z());
   }
   return text;
 }
@@ -56,8 +57,9 @@ Result<void> make(const TrajectoryOptions& options) {
     const auto written = write_ply(options.mesh_out, *mesh);
     if (!written) return written;
   }
-  fmt::print("trajectory: {} rows of {} over {} ({} triangles, longest side {:.6g} m), seed {}, reset every {} rows\n", made->p_SD.size(), options.kind,
-             name_of(options.mesh), mesh->triangles.size(), compute_bounds(*mesh).extent(), options.settings.seed, made->reset_every);
+  fmt::print("trajectory: {} rows of {} over {} ({} triangles, longest side {:.6g} m), seed {}, reset every {} rows\n", made->p_SD.size(),
+             options.kind, name_of(options.mesh), mesh->triangles.size(), compute_bounds(*mesh).extent(), options.settings.seed,
+             made->reset_every);
   return write_file_atomically(options.out, to_csv(*made, options));
 }
 

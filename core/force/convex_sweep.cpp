@@ -20,7 +20,8 @@ double speed_across(const PreparedTriangle& triangle, TriangleFeature feature, c
 
 }  // namespace
 
-SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double until, double limit, double slack, double rounding) noexcept {
+SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double until, double limit, double slack,
+                     double rounding) noexcept {
   double t = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const ClosestPoint near = closest_point(triangle, from + t * motion);

@@ -7,8 +7,8 @@ namespace hapton {
 
 // When a moving point first comes nearer to a triangle than `limit`.
 struct SweepHit {
-  double t = 1.0;       // share of the motion that is free, in [0, 1]
-  bool hit = false;     // false: the whole motion up to `until` is free
+  double t = 1.0;          // share of the motion that is free, in [0, 1]
+  bool hit = false;        // false: the whole motion up to `until` is free
   bool exhausted = false;  // the bound on rounds was met; t is still free
 };
 
@@ -18,6 +18,7 @@ struct SweepHit {
 // is uncertain by rounding / distance, so a step is kept short against the distance there.
 // `slack`: how near to limit counts as reached. `rounding`: an upper bound on the error of distances. Both in the unit of the coordinates.
 // RT: yes. Source: conservative advancement, Mirtich (1996); we differ in using the exact slope, which makes it Newton's iteration.
-SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double until, double limit, double slack, double rounding) noexcept;
+SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double until, double limit, double slack,
+                     double rounding) noexcept;
 
 }  // namespace hapton

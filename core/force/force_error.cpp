@@ -14,7 +14,9 @@ bool is_finite(const FeltStep& step) { return step.force_n.allFinite() && step.p
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-bool starts_segment(std::size_t i, const ForceErrorSettings& settings) { return i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0); }
+bool starts_segment(std::size_t i, const ForceErrorSettings& settings) {
+  return i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0);
+}
 
 bool references_differ(const FeltStep& coarse, const FeltStep& fine) {
   return (coarse.force_n - fine.force_n).norm() > kBasinShare * std::max(coarse.force_n.norm(), fine.force_n.norm());

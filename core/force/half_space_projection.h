@@ -17,10 +17,10 @@ struct HalfSpace {
 // The nearest point of an intersection of half-spaces.
 struct HalfSpaceProjection {
   Vec3 point = Vec3::Zero();
-  std::array<std::size_t, 3> active{};    // the half-spaces whose planes hold the point; the first `count`
-  std::array<double, 3> multiplier{};     // point = wish + sum multiplier_i normal_i, all >= 0
+  std::array<std::size_t, 3> active{};  // the half-spaces whose planes hold the point; the first `count`
+  std::array<double, 3> multiplier{};   // point = wish + sum multiplier_i normal_i, all >= 0
   int count = 0;
-  bool feasible = false;                  // false: the half-spaces have no point in common within the tolerance
+  bool feasible = false;  // false: the half-spaces have no point in common within the tolerance
 };
 
 // Projects `wish` onto the intersection. `tolerance`: how far a half-space may be violated, in the unit of wish.

@@ -52,7 +52,8 @@ Result<std::unique_ptr<ForceMethod>> ReferenceMethod::make(const MethodSettings&
   return make_reference(settings, scene);
 }
 
-Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const MethodSettings& settings, const TouchScene& scene, bool prefilter) {
+Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const MethodSettings& settings, const TouchScene& scene,
+                                                                         bool prefilter) {
   if (settings.reference_substeps < 1 || settings.reference_substeps > 1000000) {
     return fail("method reference: {} sub-steps a step; give 1 to 1000000", settings.reference_substeps);
   }
@@ -64,7 +65,8 @@ Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const M
     triangles += object.mesh->triangles.size();
     for (const Triangle& triangle : object.mesh->triangles) {
       for (const std::uint32_t index : triangle) {
-        if (index >= object.mesh->vertices.size()) return fail("method reference: a triangle names vertex {}, the mesh has {}", index, object.mesh->vertices.size());
+        if (index >= object.mesh->vertices.size())
+          return fail("method reference: a triangle names vertex {}, the mesh has {}", index, object.mesh->vertices.size());
         if (!object.mesh->vertices[index].allFinite()) return fail("method reference: vertex {} is not finite", index);
       }
     }
@@ -261,8 +263,8 @@ void ReferenceMethod::descend(const Vec3& device) noexcept {
 
 // A point probe is a sphere only for the sake of safety, and where a fold narrows at a corner the sphere may rest against a step no higher
 // than its own radius that is no obstacle to a point. So at rest the proxy is lifted by a few radii and sent along every direction the
-// corner offers: the wish, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that ends
-// nearer to the device by more than such a step; else it is put back.
+// corner offers: the wish, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that
+// ends nearer to the device by more than such a step; else it is put back.
 bool ReferenceMethod::escape(const Vec3& device) noexcept {
   if (rest_ != kHover || has_friction() || touched_.empty() || proxy_ == device) return false;
   const Vec3 start = proxy_;
@@ -418,8 +420,8 @@ bool ReferenceMethod::roll(const Vec3& device, const Wish& wish) noexcept {
   return side > 0.0 && angle > kLeastRoll && go_round(touch, sideways / side, angle);
 }
 
-// At rest, yet not at a minimum: on an edge or a corner with the device beyond it the proxy stands like a ball on a ridge. It goes round to either
-// side if that is free and nearer to the device. The very border of a face is an edge, too. Friction would hold it there.
+// At rest, yet not at a minimum: on an edge or a corner with the device beyond it the proxy stands like a ball on a ridge. It goes round to
+// either side if that is free and nearer to the device. The very border of a face is an edge, too. Friction would hold it there.
 bool ReferenceMethod::tip_over(const Vec3& device, const Wish& wish) noexcept {
   if (has_friction()) return false;
   for (int i = 0; i < wish.motion.count; ++i) {
@@ -467,7 +469,8 @@ Vec3 ReferenceMethod::across_feature(const Touch& touch, const Vec3& v) noexcept
   return v - (v.dot(edge) / edge.squaredNorm()) * edge;
 }
 
-// Round the touched edge or corner by an angle, on the two tangents at the ends of the arc. False, and nothing moved, when something is in the way.
+// Round the touched edge or corner by an angle, on the two tangents at the ends of the arc. False, and nothing moved, when something is in
+// the way.
 bool ReferenceMethod::go_round(const Touch& touch, const Vec3& tangent, double angle) noexcept {
   const Vec3 start = proxy_;
   const Vec3 pivot = pivot_of(touch);
@@ -537,10 +540,10 @@ std::string ReferenceMethod::describe() const {
   const double steps = std::max<double>(1.0, static_cast<double>(counters_.steps));
   return fmt::format(
       "reference: {} triangles, no search structure, {} sub-steps a step, proxy rests at {:.3g} m\n"
-      "  {} steps, {:.1f} triangles in reach and {:.2f} motions a step, at most {} in one sub-step; {} escapes, {} unsettled, {} infeasible\n",
+      "  {} steps, {:.1f} triangles in reach and {:.2f} motions a step, at most {} in one sub-step; {} escapes, {} unsettled, {} "
+      "infeasible\n",
       triangles_.size(), substeps_, rest_ * unit_m_, counters_.steps, static_cast<double>(counters_.candidates) / steps,
-      static_cast<double>(counters_.motions) / steps, counters_.most_motions, counters_.escapes, counters_.unsettled,
-      counters_.infeasible);
+      static_cast<double>(counters_.motions) / steps, counters_.most_motions, counters_.escapes, counters_.unsettled, counters_.infeasible);
 }
 
 }  // namespace hapton

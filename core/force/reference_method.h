@@ -15,40 +15,40 @@ namespace hapton {
 // What the reference did since the last reset.
 struct ReferenceCounters {
   std::uint64_t steps = 0;
-  std::uint64_t settles = 0;      // sub-steps that met triangles
-  std::uint64_t motions = 0;      // straight pieces of the proxy's way
-  std::uint64_t most_motions = 0; // in one settle
-  std::uint64_t unsettled = 0;    // settles stopped by the bound on motions: a valid proxy, short of the minimum
-  std::uint64_t escapes = 0;      // corners left that only the probe's radius had closed
-  std::uint64_t infeasible = 0;   // projections that rounding left without a solution
-  std::uint64_t candidates = 0;   // triangles within reach, summed over steps
+  std::uint64_t settles = 0;       // sub-steps that met triangles
+  std::uint64_t motions = 0;       // straight pieces of the proxy's way
+  std::uint64_t most_motions = 0;  // in one settle
+  std::uint64_t unsettled = 0;     // settles stopped by the bound on motions: a valid proxy, short of the minimum
+  std::uint64_t escapes = 0;       // corners left that only the probe's radius had closed
+  std::uint64_t infeasible = 0;    // projections that rounding left without a solution
+  std::uint64_t candidates = 0;    // triangles within reach, summed over steps
 };
 
 // The judge of the other methods: slow, plain and independent of them.
 //
 // Definition. The proxy P follows the device D. In each of `reference_substeps` equal parts of a step's device motion P moves, in straight
-// pieces that cross no triangle, to the constrained local minimum of |P - D|: the wish D - P is projected onto the half-spaces of the triangles
-// P touches (Zilles & Salisbury 1995; a sphere's contact normals as Ruspini et al. 1997), the motion is followed by continuous collision
-// against every triangle, what it meets joins the touched ones, and so on until nothing moves beyond rounding.
-// A point probe is a sphere of radius 2^-32 of the scene's diagonal, so distances decide and never signs: no edge, corner or crack
-// narrower than that lets it through. Force = stiffness (P - D), less damping along it, never pulling; Coulomb friction
-// stops P where the tangential part of the wish is within the cone, per sub-step.
-// There is no search structure: each step takes from all triangles' boxes those within the ball the proxy cannot leave, since its distance
-// to the device never grows beyond what the device itself moves. `prefilter` false takes all of them; the result is the same to the bit.
-// Everything is computed relative to the scene's centre in units of its diagonal's next power of two, so scale and place do not matter.
-// Frame: S. RT: no heap, lock or system call in step and reset, but no bound on time either.
+// pieces that cross no triangle, to the constrained local minimum of |P - D|: the wish D - P is projected onto the half-spaces of the
+// triangles P touches (Zilles & Salisbury 1995; a sphere's contact normals as Ruspini et al. 1997), the motion is followed by continuous
+// collision against every triangle, what it meets joins the touched ones, and so on until nothing moves beyond rounding. A point probe is a
+// sphere of radius 2^-32 of the scene's diagonal, so distances decide and never signs: no edge, corner or crack narrower than that lets it
+// through. Force = stiffness (P - D), less damping along it, never pulling; Coulomb friction stops P where the tangential part of the wish
+// is within the cone, per sub-step. There is no search structure: each step takes from all triangles' boxes those within the ball the proxy
+// cannot leave, since its distance to the device never grows beyond what the device itself moves. `prefilter` false takes all of them; the
+// result is the same to the bit. Everything is computed relative to the scene's centre in units of its diagonal's next power of two, so
+// scale and place do not matter. Frame: S. RT: no heap, lock or system call in step and reset, but no bound on time either.
 class ReferenceMethod final : public ForceMethod {
  public:
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
-  static Result<std::unique_ptr<ReferenceMethod>> make_reference(const MethodSettings& settings, const TouchScene& scene, bool prefilter = true);
+  static Result<std::unique_ptr<ReferenceMethod>> make_reference(const MethodSettings& settings, const TouchScene& scene,
+                                                                 bool prefilter = true);
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   std::string describe() const override;
 
-  // Puts the proxy at p_SP with the device at p_SD and lets it settle, without friction: a judge of whether p_SP was a minimum. A proxy on a face,
-  // however near to its border, is taken to stand on the face.
-  // The proxy must not lie within rounding of a surface it should stay on one side of; one at rest on a surface is fine.
+  // Puts the proxy at p_SP with the device at p_SD and lets it settle, without friction: a judge of whether p_SP was a minimum. A proxy on
+  // a face, however near to its border, is taken to stand on the face. The proxy must not lie within rounding of a surface it should stay
+  // on one side of; one at rest on a surface is fine.
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }
@@ -114,7 +114,7 @@ class ReferenceMethod final : public ForceMethod {
   std::vector<std::uint32_t> object_of_;  // of triangles_
   std::vector<float> low_[3], high_[3];   // boxes of triangles_, rounded outwards
 
-  std::vector<std::uint8_t> in_reach_;    // of triangles_, this step
+  std::vector<std::uint8_t> in_reach_;  // of triangles_, this step
   std::vector<Face> candidates_;
   std::vector<Box> candidate_boxes_;
   std::vector<Touch> touched_;

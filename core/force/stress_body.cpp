@@ -23,9 +23,12 @@ Vec3 draw_vector(Random& random) {
 
 StressBody clean(TriangleMesh mesh) { return {.name = {}, .touched = mesh, .solid = mesh}; }
 
-StressBody dirty(TriangleMesh touched, TriangleMesh solid) { return {.name = {}, .touched = std::move(touched), .solid = std::move(solid)}; }
+StressBody dirty(TriangleMesh touched, TriangleMesh solid) {
+  return {.name = {}, .touched = std::move(touched), .solid = std::move(solid)};
+}
 
-// Chosen triangles get a vertex inside, next to a corner by as little as 1e-7 of their size: two of the three parts are needles. Still closed.
+// Chosen triangles get a vertex inside, next to a corner by as little as 1e-7 of their size: two of the three parts are needles. Still
+// closed.
 TriangleMesh with_needles(TriangleMesh mesh, std::uint64_t seed) {
   Random random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -53,14 +56,19 @@ TriangleMesh with_zero_area(TriangleMesh mesh) {
   for (std::size_t i = 0; i < n; ++i) {
     const auto [a, b, c] = mesh.triangles[i];
     switch (i % 4) {
-      case 0: mesh.triangles.push_back({a, a, b}); break;
-      case 1: mesh.triangles.push_back({c, c, c}); break;
+      case 0:
+        mesh.triangles.push_back({a, a, b});
+        break;
+      case 1:
+        mesh.triangles.push_back({c, c, c});
+        break;
       case 2: {
         mesh.vertices.push_back(0.5 * (mesh.vertices[a] + mesh.vertices[b]));
         mesh.triangles.push_back({a, b, static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
         break;
       }
-      default: mesh.triangles.push_back({b, c, b});
+      default:
+        mesh.triangles.push_back({b, c, b});
     }
   }
   return mesh;
@@ -68,7 +76,8 @@ TriangleMesh with_zero_area(TriangleMesh mesh) {
 
 TriangleMesh doubled(const TriangleMesh& mesh, bool turned) {
   TriangleMesh both = mesh;
-  for (const Triangle& triangle : mesh.triangles) both.triangles.push_back(turned ? Triangle{triangle[0], triangle[2], triangle[1]} : triangle);
+  for (const Triangle& triangle : mesh.triangles)
+    both.triangles.push_back(turned ? Triangle{triangle[0], triangle[2], triangle[1]} : triangle);
   return both;
 }
 
@@ -114,7 +123,8 @@ TriangleMesh turned_at_random(TriangleMesh mesh) {
 }
 
 TriangleMesh askew(TriangleMesh mesh) {
-  const Mat3 turn = (Eigen::AngleAxisd(0.7, Vec3::UnitX()) * Eigen::AngleAxisd(1.1, Vec3::UnitY()) * Eigen::AngleAxisd(0.3, Vec3::UnitZ())).toRotationMatrix();
+  const Mat3 turn = (Eigen::AngleAxisd(0.7, Vec3::UnitX()) * Eigen::AngleAxisd(1.1, Vec3::UnitY()) * Eigen::AngleAxisd(0.3, Vec3::UnitZ()))
+                        .toRotationMatrix();
   for (Vec3& vertex : mesh.vertices) vertex = turn * vertex;
   return mesh;
 }

@@ -12,10 +12,10 @@ namespace hapton {
 // A thing to torture a force method with.
 struct StressBody {
   std::string name;
-  TriangleMesh touched;       // what the method gets: may have needles, duplicates, cracks, flipped faces
-  TriangleMesh solid;         // the same place, clean and closed: tells inside from outside. Empty: not closed, falls cannot be told by inside
-  bool room = false;          // free space is the inside, and convex: the proxy is a projection onto a convex set, so never jumps
-  double probe_share = 0.0;   // radius of the probe as a share of the longest side
+  TriangleMesh touched;  // what the method gets: may have needles, duplicates, cracks, flipped faces
+  TriangleMesh solid;    // the same place, clean and closed: tells inside from outside. Empty: not closed, falls cannot be told by inside
+  bool room = false;     // free space is the inside, and convex: the proxy is a projection onto a convex set, so never jumps
+  double probe_share = 0.0;  // radius of the probe as a share of the longest side
 };
 
 // The names of all bodies made by rule, longest side about 0.1 m, about the origin.

@@ -24,7 +24,7 @@ constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
 constexpr double kThroughStep = 0.01;
-constexpr double kRelative = 4e-9;  // a method may hover by this share of the extent and leave that out of the force
+constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 constexpr std::size_t kLongestEpisode = 400;
 
@@ -37,7 +37,8 @@ std::uint64_t hash_of(std::string_view text) {  // FNV-1a
 // The device positions of one episode, drawn step by step.
 class Episode {
  public:
-  Episode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool inwards, std::uint64_t seed, std::string_view body, std::uint64_t number)
+  Episode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool inwards, std::uint64_t seed, std::string_view body,
+          std::uint64_t number)
       : mesh_(mesh), walk_(walk), extent_(extent), side_(inwards ? 1.0 : -1.0) {
     const std::uint64_t name = hash_of(body);
     std::seed_seq sequence{seed, seed >> 32, name, name >> 32, number, number >> 32};
@@ -58,15 +59,29 @@ class Episode {
     }
     places.push_back(start_);
     switch (motion_) {
-      case StressMotion::kSlide: slide(places); break;
+      case StressMotion::kSlide:
+        slide(places);
+        break;
       case StressMotion::kTapFace:
       case StressMotion::kTapVertex:
-      case StressMotion::kTapEdge: tap(places); break;
-      case StressMotion::kCoincident: coincide(places); break;
-      case StressMotion::kNearParallel: graze(places); break;
-      case StressMotion::kFast: jump(places); break;
-      case StressMotion::kTiny: creep(places); break;
-      default: wander(places); break;
+      case StressMotion::kTapEdge:
+        tap(places);
+        break;
+      case StressMotion::kCoincident:
+        coincide(places);
+        break;
+      case StressMotion::kNearParallel:
+        graze(places);
+        break;
+      case StressMotion::kFast:
+        jump(places);
+        break;
+      case StressMotion::kTiny:
+        creep(places);
+        break;
+      default:
+        wander(places);
+        break;
     }
     if (places.size() > kLongestEpisode) places.resize(kLongestEpisode);
   }
@@ -86,19 +101,23 @@ class Episode {
       if (walk_.has_area(triangle_)) break;
     }
     corner_ = static_cast<int>(random_() % 3);
-    const Vec3 &a = mesh_.corner(triangle_, corner_), &b = mesh_.corner(triangle_, (corner_ + 1) % 3), &c = mesh_.corner(triangle_, (corner_ + 2) % 3);
+    const Vec3 &a = mesh_.corner(triangle_, corner_), &b = mesh_.corner(triangle_, (corner_ + 1) % 3),
+               &c = mesh_.corner(triangle_, (corner_ + 2) % 3);
     const Vec3 n = (b - a).cross(c - a);
     up_ = n.squaredNorm() > 0.0 ? Vec3(side_ * n.normalized()) : direction();
     double u = uniform(0.0, 1.0), v = uniform(0.0, 1.0);
     if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
     const double quarter = static_cast<double>(1 + random_() % 3) / 4.0;
-    at_ = motion_ == StressMotion::kTapVertex ? a : motion_ == StressMotion::kTapEdge ? Vec3(a + quarter * (b - a)) : Vec3(a + u * (b - a) + v * (c - a));
+    at_ = motion_ == StressMotion::kTapVertex ? a
+          : motion_ == StressMotion::kTapEdge ? Vec3(a + quarter * (b - a))
+                                              : Vec3(a + u * (b - a) + v * (c - a));
   }
 
   void go_to(std::vector<Vec3>& places, const Vec3& to, double step) {
     const Vec3 from = places.back();
     const auto n = static_cast<std::size_t>(std::clamp(std::ceil((to - from).norm() / step), 1.0, 200.0));
-    for (std::size_t i = 1; i <= n; ++i) places.push_back(i == n ? to : Vec3(from + (static_cast<double>(i) / static_cast<double>(n)) * (to - from)));
+    for (std::size_t i = 1; i <= n; ++i)
+      places.push_back(i == n ? to : Vec3(from + (static_cast<double>(i) / static_cast<double>(n)) * (to - from)));
   }
 
   void slide(std::vector<Vec3>& places) {
@@ -165,7 +184,8 @@ class Episode {
   void jump(std::vector<Vec3>& places) {
     const Vec3 middle = start_;
     for (int i = 0; i < 200; ++i) {
-      places.push_back(random_() % 8 == 0 ? at_ - extent_ * power(-4.0, -0.5) * up_ : Vec3(middle + extent_ * power(-2.0, 0.3) * direction()));
+      places.push_back(random_() % 8 == 0 ? at_ - extent_ * power(-4.0, -0.5) * up_
+                                          : Vec3(middle + extent_ * power(-2.0, 0.3) * direction()));
     }
   }
 
@@ -196,7 +216,8 @@ class Episode {
 
   Vec3 hostile(Vec3 at) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const double bad[] = {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity, 1e308, -1e30, 1e9 * extent_, std::numeric_limits<double>::denorm_min(), -0.0};
+    const double bad[] = {std::numeric_limits<double>::quiet_NaN(),  kInfinity, -kInfinity, 1e308, -1e30, 1e9 * extent_,
+                          std::numeric_limits<double>::denorm_min(), -0.0};
     at[static_cast<int>(random_() % 3)] = bad[random_() % 8];
     return at;
   }
@@ -244,8 +265,8 @@ std::string_view name_of(StressMotion motion) {
 }
 
 std::string_view name_of(StressFault fault) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::kCount)> kNames = {"fall", "inside", "through", "lock",
-                                                                                                   "lag",  "pop",    "not-finite", "broken"};
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::kCount)> kNames = {"fall", "inside", "through",    "lock",
+                                                                                                  "lag",  "pop",    "not-finite", "broken"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 
@@ -344,7 +365,8 @@ StressRun::~StressRun() = default;
 StressRun::StressRun(StressRun&&) noexcept = default;
 StressRun& StressRun::operator=(StressRun&&) noexcept = default;
 
-Result<StressRun> StressRun::make(const StressBody& body, const StressSettings& settings, const MethodSettings& method, const MethodMaker& maker) {
+Result<StressRun> StressRun::make(const StressBody& body, const StressSettings& settings, const MethodSettings& method,
+                                  const MethodMaker& maker) {
   if (body.touched.triangles.empty()) return fail("stress: body '{}' has no triangles", body.name);
   auto inside = std::make_unique<Inside>(body, settings, method);
   auto made = maker(inside->method_with_probe, inside->scene);
@@ -395,7 +417,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     const double play = extent * (kRelative + 1e-15 * in.settings.offset_extents);
     const bool undamped = in.settings.material.damping_ns_per_m == 0.0;
     if (felt.contact != (felt.force_n.norm() > 0.0)) note(StressFault::kBroken, 0.0);
-    if (undamped && (felt.force_n - stiffness * stretch).norm() > stiffness * (play + kRelative * length)) note(StressFault::kBroken, (felt.force_n / stiffness - stretch).norm());
+    if (undamped && (felt.force_n - stiffness * stretch).norm() > stiffness * (play + kRelative * length))
+      note(StressFault::kBroken, (felt.force_n / stiffness - stretch).norm());
     if (!felt.contact && length > play) note(StressFault::kBroken, length);
     if (in.solid) {
       if (!felt.contact && in.is_wrong(device)) {

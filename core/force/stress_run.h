@@ -69,20 +69,21 @@ struct StressCount {
 
 struct StressSettings {
   std::uint64_t seed = 1;
-  double scale = 1.0;          // the body is scaled by this
-  double offset_extents = 0.0; // and moved by so many of its extents along (1, -1, 1)
+  double scale = 1.0;           // the body is scaled by this
+  double offset_extents = 0.0;  // and moved by so many of its extents along (1, -1, 1)
   Material material = {};
-  std::size_t rest_every = 64; // in every how many steps the reference is asked whether the proxy is at rest; 0: only on suspicion
+  std::size_t rest_every = 64;  // in every how many steps the reference is asked whether the proxy is at rest; 0: only on suspicion
 };
 
-// One body in one place, and a method that touches it. An episode begins with a reset on the free side and runs one motion of up to 400 steps;
-// it depends on nothing but body, settings and its number, so any can be run again alone.
+// One body in one place, and a method that touches it. An episode begins with a reset on the free side and runs one motion of up to 400
+// steps; it depends on nothing but body, settings and its number, so any can be run again alone.
 class StressRun {
  public:
   using MethodMaker = std::function<Result<std::unique_ptr<ForceMethod>>(const MethodSettings&, const TouchScene&)>;
 
   // Error: what the method refuses.
-  static Result<StressRun> make(const StressBody& body, const StressSettings& settings, const MethodSettings& method, const MethodMaker& maker = &make_method);
+  static Result<StressRun> make(const StressBody& body, const StressSettings& settings, const MethodSettings& method,
+                                const MethodMaker& maker = &make_method);
 
   // Runs an episode to its end and counts. Returns its steps.
   std::size_t run_episode(std::uint64_t episode, StressCount& count);

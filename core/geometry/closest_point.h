@@ -37,9 +37,9 @@ struct ClosestPoint {
   TriangleFeature feature = TriangleFeature::kVertex0;
 };
 
-// The point of the triangle nearest to p, to a few roundings of the larger of |p - corner| and the longest edge, whatever the triangle's shape.
-// An edge or a corner shared by two triangles gives bit-equal answers from both. A distance of zero on an edge or a corner has no direction.
-// RT: yes. Source: the region tests of Ericson, Real-Time Collision Detection (2005), 5.1.5; we differ in taking each region by
+// The point of the triangle nearest to p, to a few roundings of the larger of |p - corner| and the longest edge, whatever the triangle's
+// shape. An edge or a corner shared by two triangles gives bit-equal answers from both. A distance of zero on an edge or a corner has no
+// direction. RT: yes. Source: the region tests of Ericson, Real-Time Collision Detection (2005), 5.1.5; we differ in taking each region by
 // its own well-conditioned formula instead of one set of barycentric products, which lose all digits on needles.
 ClosestPoint closest_point(const PreparedTriangle& triangle, const Vec3& p);
 

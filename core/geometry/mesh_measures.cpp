@@ -26,7 +26,8 @@ EdgeCensus count_edges(const TriangleMesh& mesh) {
   for (std::size_t first = 0; first < uses.size();) {
     std::size_t last = first;
     std::size_t forward = 0;
-    for (; last < uses.size() && uses[last].low == uses[first].low && uses[last].high == uses[first].high; ++last) forward += uses[last].forward;
+    for (; last < uses.size() && uses[last].low == uses[first].low && uses[last].high == uses[first].high; ++last)
+      forward += uses[last].forward;
     const std::size_t count = last - first;
     ++census.edges;
     if (count == 1) ++census.border;

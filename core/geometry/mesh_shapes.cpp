@@ -17,10 +17,10 @@ using Index = std::uint32_t;
 TriangleMesh make_icosahedron() {
   const double g = std::numbers::phi;
   TriangleMesh mesh;
-  mesh.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
+  mesh.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                   {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
   mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                    {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+                    {3, 9, 4},  {3, 4, 2}, {3, 2, 6}, {3, 6, 8},  {3, 8, 9},   {4, 9, 5}, {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
   for (Vec3& vertex : mesh.vertices) vertex.normalize();
   return mesh;
 }
@@ -99,7 +99,9 @@ TriangleMesh make_box(const Vec3& size_m, int cells) {
   std::map<std::array<int, 3>, Index> welded;
   auto vertex = [&](const std::array<int, 3>& at) {
     const auto [found, fresh] = welded.try_emplace(at, static_cast<Index>(mesh.vertices.size()));
-    if (fresh) mesh.vertices.push_back(Vec3(at[0] / double(cells) - 0.5, at[1] / double(cells) - 0.5, at[2] / double(cells) - 0.5).cwiseProduct(size_m));
+    if (fresh)
+      mesh.vertices.push_back(
+          Vec3(at[0] / double(cells) - 0.5, at[1] / double(cells) - 0.5, at[2] / double(cells) - 0.5).cwiseProduct(size_m));
     return found->second;
   };
   for (int axis = 0; axis < 3; ++axis) {
@@ -167,7 +169,8 @@ TriangleMesh make_torus(double ring_radius_m, double tube_radius_m, int around_a
 TriangleMesh make_plane_grid(double side_m, int cells) {
   TriangleMesh mesh;
   for (int j = 0; j <= cells; ++j) {
-    for (int i = 0; i <= cells; ++i) mesh.vertices.emplace_back(side_m * (double(i) / cells - 0.5), side_m * (double(j) / cells - 0.5), 0.0);
+    for (int i = 0; i <= cells; ++i)
+      mesh.vertices.emplace_back(side_m * (double(i) / cells - 0.5), side_m * (double(j) / cells - 0.5), 0.0);
   }
   auto at = [&](int i, int j) { return static_cast<Index>(j * (cells + 1) + i); };
   for (int j = 0; j < cells; ++j) {
@@ -210,7 +213,8 @@ TriangleMesh make_prism(const std::vector<Eigen::Vector2d>& outline_m, double le
   TriangleMesh mesh;
   const auto n = static_cast<Index>(outline_m.size());
   for (int j = 0; j <= layers; ++j) {
-    for (const Eigen::Vector2d& corner : outline_m) mesh.vertices.emplace_back(corner.x(), corner.y(), length_m * (double(j) / layers - 0.5));
+    for (const Eigen::Vector2d& corner : outline_m)
+      mesh.vertices.emplace_back(corner.x(), corner.y(), length_m * (double(j) / layers - 0.5));
   }
   for (Index j = 0; j < static_cast<Index>(layers); ++j) {
     for (Index i = 0; i < n; ++i) {

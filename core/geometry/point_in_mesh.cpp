@@ -12,9 +12,12 @@ namespace hapton {
 namespace {
 
 // Fixed directions without a pattern: two irrational turns apart.
-constexpr std::array<std::array<double, 3>, 3> kAside = {{{0.31, 0.7310585786, -0.5772156649}, {-0.27, -0.6180339887, -0.4142135624}, {0.11, 0.1415926536, 0.7182818285}}};
+constexpr std::array<std::array<double, 3>, 3> kAside = {
+    {{0.31, 0.7310585786, -0.5772156649}, {-0.27, -0.6180339887, -0.4142135624}, {0.11, 0.1415926536, 0.7182818285}}};
 
-double doubled_area(double ay, double az, double by, double bz, double cy, double cz) { return (by - ay) * (cz - az) - (bz - az) * (cy - ay); }
+double doubled_area(double ay, double az, double by, double bz, double cy, double cz) {
+  return (by - ay) * (cz - az) - (bz - az) * (cy - ay);
+}
 
 }  // namespace
 

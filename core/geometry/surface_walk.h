@@ -28,7 +28,7 @@ class SurfaceWalk {
   bool has_area(std::uint32_t triangle) const;
   const Vec3& point() const { return point_; }
   const Vec3& heading() const { return heading_; }  // unit, in the triangle's plane
-  Vec3 normal() const;                               // unit, of the triangle stood on, on the side it started on
+  Vec3 normal() const;                              // unit, of the triangle stood on, on the side it started on
   std::uint32_t triangle() const { return triangle_; }
 
  private:

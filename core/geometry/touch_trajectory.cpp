@@ -72,7 +72,9 @@ struct Place {
 template <class DrawPlace>
 Place find_free_place(const TriangleMesh& mesh, double approach, DrawPlace draw) {
   Place place = draw();
-  for (int i = 0; i < kMostTries && is_obstructed(mesh, place.point + 1e-6 * approach * place.normal, place.point + approach * place.normal, place.triangle); ++i) {
+  for (int i = 0; i < kMostTries &&
+                  is_obstructed(mesh, place.point + 1e-6 * approach * place.normal, place.point + approach * place.normal, place.triangle);
+       ++i) {
     place = draw();
   }
   return place;
@@ -84,11 +86,14 @@ Vec3 normal_of(const TriangleMesh& mesh, std::uint32_t triangle) {
 
 Result<double> millimetre_of(const TriangleMesh& mesh) {
   const double extent = mesh.triangles.empty() ? 0.0 : compute_bounds(mesh).extent();
-  if (!(extent > 0.0) || TriangleDraw(mesh).empty()) return fail("trajectory: no triangle of the mesh has an area; there is nothing to follow");
+  if (!(extent > 0.0) || TriangleDraw(mesh).empty())
+    return fail("trajectory: no triangle of the mesh has an area; there is nothing to follow");
   return extent / 100.0;
 }
 
-std::size_t rows_of(double seconds, const TrajectorySettings& settings) { return std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(seconds * settings.rate_hz))); }
+std::size_t rows_of(double seconds, const TrajectorySettings& settings) {
+  return std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(seconds * settings.rate_hz)));
+}
 
 }  // namespace
 
@@ -109,7 +114,8 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
   while (made.p_SD.size() < settings.rows) {
     const Place start = find_free_place(mesh, 5.0 * *mm, [&] {
       const std::uint32_t triangle = draw(random);
-      return Place{triangle, (mesh.corner(triangle, 0) + mesh.corner(triangle, 1) + mesh.corner(triangle, 2)) / 3.0, normal_of(mesh, triangle)};
+      return Place{triangle, (mesh.corner(triangle, 0) + mesh.corner(triangle, 1) + mesh.corner(triangle, 2)) / 3.0,
+                   normal_of(mesh, triangle)};
     });
     walk.start(start.triangle, std::uniform_real_distribution<double>(-kPi, kPi)(random));
     Vec3 up = start.normal;
@@ -150,8 +156,8 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
     }
     if (low > 12.0 * *mm || high < -12.0 * *mm) continue;
     std::sort(angle.begin(), angle.end());
-    // The triangle's sectors run from one corner's to another's the way round that leaves out the widest gap; a gap below half a turn means the axis
-    // pierces it, and it counts everywhere.
+    // The triangle's sectors run from one corner's to another's the way round that leaves out the widest gap; a gap below half a turn means
+    // the axis pierces it, and it counts everywhere.
     const std::array<double, 3> gap{angle[1] - angle[0], angle[2] - angle[1], angle[0] + 2.0 * kPi - angle[2]};
     const int widest = static_cast<int>(std::max_element(gap.begin(), gap.end()) - gap.begin());
     const double from = gap[widest] <= kPi ? -kPi : angle[(widest + 1) % 3];

@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// A prescribed motion of the device for replays and benches, one row each 1 / rate_hz. All lengths follow the mesh: "mm" below is a hundredth of
-// its longest side, so a mesh of 100 mm gets real millimetres.
+// A prescribed motion of the device for replays and benches, one row each 1 / rate_hz. All lengths follow the mesh: "mm" below is a
+// hundredth of its longest side, so a mesh of 100 mm gets real millimetres.
 struct TrajectorySettings {
   std::uint64_t seed = 1;
   std::size_t rows = 20000;
@@ -30,8 +30,8 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
 // Round the mesh, one turn in 4 s, never in contact: 1 to 11 mm outside everything that comes within 11 mm of the plane of the orbit.
 Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings);
 
-// Taps of 40 ms at 500 mm/s: from 5 mm outside straight to 1.5 mm inside and back. The first third at random places, then at vertices, then at edge
-// midpoints. Contact is forgotten between taps.
+// Taps of 40 ms at 500 mm/s: from 5 mm outside straight to 1.5 mm inside and back. The first third at random places, then at vertices, then
+// at edge midpoints. Contact is forgotten between taps.
 Result<TouchTrajectory> make_tap_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings);
 
 // A smooth random walk through a box a fifth larger than the mesh's, up to some 500 mm/s, in and out as it comes.

@@ -1,7 +1,7 @@
 #include "tools/ply_writer.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include "core/geometry/mesh_shapes.h"
 #include "scene/mesh_file.h"

@@ -1,8 +1,8 @@
 #include "core/force/convex_sweep.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <random>
 
 namespace hapton {
@@ -26,7 +26,8 @@ TEST(ConvexSweep, MissesWhatItPassesAndWhatItLeaves) {
   EXPECT_FALSE(sweep_point(triangle, Vec3(0.2, 0.2, 1), Vec3(0, 0, -2), 0.3, 0.25, 1e-14, kRounding).hit);
 }
 
-// The motion is sampled densely: before the hit the distance is above the limit everywhere, at the hit it is the limit; a miss never comes below.
+// The motion is sampled densely: before the hit the distance is above the limit everywhere, at the hit it is the limit; a miss never comes
+// below.
 TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
@@ -69,7 +70,8 @@ TEST(ConvexSweep, NeverCrossesFromARandomStartAtRest) {
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
   const double rest = 0x1p-32;
   for (int i = 0; i < 20000; ++i) {
-    const Vec3 a(symmetric(random), symmetric(random), 0), b(symmetric(random), symmetric(random), 0), c(symmetric(random), symmetric(random), 0);
+    const Vec3 a(symmetric(random), symmetric(random), 0), b(symmetric(random), symmetric(random), 0),
+        c(symmetric(random), symmetric(random), 0);
     const PreparedTriangle triangle(a, b, c);
     // Start near the border within the play, in a random direction round it.
     const Vec3 on = a + std::abs(symmetric(random)) * (b - a);

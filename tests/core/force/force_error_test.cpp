@@ -1,7 +1,7 @@
 #include "core/force/force_error.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>

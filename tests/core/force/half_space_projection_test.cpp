@@ -1,8 +1,8 @@
 #include "core/force/half_space_projection.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <random>
 #include <vector>
 

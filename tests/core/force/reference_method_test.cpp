@@ -1,9 +1,9 @@
 #include "core/force/reference_method.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -22,7 +22,8 @@ TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
   return scene;
 }
 
-std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double probe_radius_m = 0.0, Material material = {}, bool prefilter = true, int substeps = 8) {
+std::unique_ptr<ReferenceMethod> reference_over(TriangleMesh mesh, double probe_radius_m = 0.0, Material material = {},
+                                                bool prefilter = true, int substeps = 8) {
   MethodSettings settings;
   settings.name = "reference";
   settings.probe_radius_m = probe_radius_m;
@@ -146,8 +147,10 @@ void expect_close_to_analytic(const Curved& shape, double probe) {
     // tilted by at most tilt, so the force is turned by at most that angle.
     const double strength = expected.norm();
     ASSERT_TRUE(felt.contact) << shape.name << ' ' << i;
-    ASSERT_NEAR(felt.force_n.norm(), strength, kStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6) << shape.name << ' ' << i;
-    ASSERT_LT((felt.force_n - expected).norm(), kStiffness * shape.sagitta_m + strength * 1.05 * shape.tilt_rad + 1e-6) << shape.name << ' ' << i;
+    ASSERT_NEAR(felt.force_n.norm(), strength, kStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6)
+        << shape.name << ' ' << i;
+    ASSERT_LT((felt.force_n - expected).norm(), kStiffness * shape.sagitta_m + strength * 1.05 * shape.tilt_rad + 1e-6)
+        << shape.name << ' ' << i;
     ++contacts;
   });
   EXPECT_EQ(contacts, 1500);
@@ -168,21 +171,28 @@ Curved make_sphere_case() {
   const double r = 0.05;
   TriangleMesh mesh = make_icosphere(r, 6);
   const double reach = longest_edge(mesh) / std::sqrt(3.0);
-  return {"sphere", std::move(mesh),
+  return {"sphere",
+          std::move(mesh),
           [=](double u, double v) { return Vec3((r - 0.001) * Vec3(std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v))); },
-          [=](const Vec3& p) { return Vec3(r * p.normalized()); }, r - std::sqrt(r * r - reach * reach), std::asin(reach / r), r - 0.001};
+          [=](const Vec3& p) { return Vec3(r * p.normalized()); },
+          r - std::sqrt(r * r - reach * reach),
+          std::asin(reach / r),
+          r - 0.001};
 }
 
 Curved make_cylinder_case() {
   const double r = 0.03;
   const int sides = 256;
-  return {"cylinder", make_cylinder(r, 0.1, sides, 40),
+  return {"cylinder",
+          make_cylinder(r, 0.1, sides, 40),
           [=](double u, double v) { return Vec3((r - 0.001) * std::cos(u), (r - 0.001) * std::sin(u), 0.03 * std::sin(v)); },
           [=](const Vec3& p) {
             const double across = p.head<2>().norm();
             return Vec3(p.x() * r / across, p.y() * r / across, p.z());
           },
-          r * (1.0 - std::cos(std::numbers::pi / sides)), std::numbers::pi / sides, r - 0.001};
+          r * (1.0 - std::cos(std::numbers::pi / sides)),
+          std::numbers::pi / sides,
+          r - 0.001};
 }
 
 Curved make_torus_case() {
@@ -190,7 +200,8 @@ Curved make_torus_case() {
   const int around = 512, about = 192;
   // Two chords, one along each circle: their sagittas add, their half angles too.
   const double step_tube = std::numbers::pi / about, step_ring = std::numbers::pi / around;
-  return {"torus", make_torus(ring, tube, around, about),
+  return {"torus",
+          make_torus(ring, tube, around, about),
           [=](double u, double v) {
             const double out = ring + (tube - 0.001) * std::cos(v);
             return Vec3(out * std::cos(u), out * std::sin(u), (tube - 0.001) * std::sin(v));
@@ -199,7 +210,9 @@ Curved make_torus_case() {
             const Vec3 core = ring * Vec3(p.x(), p.y(), 0.0).normalized();
             return Vec3(core + tube * (p - core).normalized());
           },
-          (ring + tube) * (1.0 - std::cos(step_ring)) + tube * (1.0 - std::cos(step_tube)), 1.5 * (step_tube + step_ring), tube - 0.001};
+          (ring + tube) * (1.0 - std::cos(step_ring)) + tube * (1.0 - std::cos(step_tube)),
+          1.5 * (step_tube + step_ring),
+          tube - 0.001};
 }
 
 TEST(ReferenceMethod, SphereWithinTheSagitta) { expect_close_to_analytic(make_sphere_case(), 0.0); }
@@ -233,7 +246,8 @@ TEST(ReferenceMethod, NothingFallsThroughEdgesAndCorners) {
   const TriangleMesh mesh = make_icosphere(0.05, 3);
   auto method = reference_over(mesh);
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    for (const Vec3& aim : {mesh.corner(i, 0), Vec3(0.5 * (mesh.corner(i, 0) + mesh.corner(i, 1))), Vec3((mesh.corner(i, 0) + mesh.corner(i, 1) + mesh.corner(i, 2)) / 3.0)}) {
+    for (const Vec3& aim : {mesh.corner(i, 0), Vec3(0.5 * (mesh.corner(i, 0) + mesh.corner(i, 1))),
+                            Vec3((mesh.corner(i, 0) + mesh.corner(i, 1) + mesh.corner(i, 2)) / 3.0)}) {
       method->reset(1.2 * aim);
       MethodOutput felt;
       for (double part : {1.05, 0.98, 0.97}) felt = method->step({.p_SD = part * aim});
@@ -296,7 +310,8 @@ TEST(ReferenceMethod, NotFiniteInputGivesNoForceAndIsForgotten) {
 // sphere, however small, would have to climb at the corner, by a share of its own radius.
 TEST(ReferenceMethod, ANarrowingFoldDoesNotHoldAPoint) {
   TriangleMesh fold;
-  fold.vertices = {{0, 0, -0.05}, {0, 0, 0}, {0, 0, 0.05}, {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05}, {-0.03, 0.02, -0.05}, {-0.03, 0.02, 0}, {-0.02, 0.02, 0.05}};
+  fold.vertices = {{0, 0, -0.05},        {0, 0, 0},        {0, 0, 0.05},       {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05},
+                   {-0.03, 0.02, -0.05}, {-0.03, 0.02, 0}, {-0.02, 0.02, 0.05}};
   fold.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {0, 6, 7}, {0, 7, 1}, {1, 7, 8}, {1, 8, 2}};
   for (const double turn : {0.0, 1.0}) {
     TriangleMesh turned = fold;
@@ -317,8 +332,12 @@ TEST(ReferenceMethod, ANarrowingFoldDoesNotHoldAPoint) {
 TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
   const TriangleMesh mesh = make_bumpy_sphere(0.5, 0.2, 1000, 4);
   std::vector<Vec3> path;
-  walk(10, 300, [](double u, double v) { return Vec3(0.47 * Vec3(std::cos(20 * u) * std::cos(20 * v), std::sin(20 * u) * std::cos(20 * v), std::sin(20 * v))); },
-       [&](const Vec3& p, int) { path.push_back(p); });
+  walk(
+      10, 300,
+      [](double u, double v) {
+        return Vec3(0.47 * Vec3(std::cos(20 * u) * std::cos(20 * v), std::sin(20 * u) * std::cos(20 * v), std::sin(20 * v)));
+      },
+      [&](const Vec3& p, int) { path.push_back(p); });
   auto run = [&](double scale, const Vec3& move) {
     auto method = reference_over(scaled_and_moved(mesh, scale, move));
     method->reset(2.0 * path.front() * scale + move);
@@ -330,7 +349,10 @@ TEST(ReferenceMethod, SameForceAtEveryScaleAndPlace) {
     return stretches;
   };
   const std::vector<Vec3> plain = run(1.0, Vec3::Zero());
-  for (const auto& [scale, move, play] : {std::tuple{1e-6, Vec3(0, 0, 0), 1e-8}, {1e6, Vec3(0, 0, 0), 1e-8}, {1.0, Vec3(1e6, -1e6, 1e6), 1e-6}, {0x1p-20, Vec3(0, 0, 0), 0.0}}) {
+  for (const auto& [scale, move, play] : {std::tuple{1e-6, Vec3(0, 0, 0), 1e-8},
+                                          {1e6, Vec3(0, 0, 0), 1e-8},
+                                          {1.0, Vec3(1e6, -1e6, 1e6), 1e-6},
+                                          {0x1p-20, Vec3(0, 0, 0), 0.0}}) {
     const std::vector<Vec3> other = run(scale, move);
     int contacts = 0;
     for (std::size_t i = 0; i < plain.size(); ++i) {
@@ -353,7 +375,8 @@ TEST(ReferenceMethod, PrefilterChangesNothingToTheBit) {
     without->reset(device);
     int contacts = 0;
     for (int i = 0; i < 250; ++i) {
-      device += (i % 17 == 0 ? 0.02 : 0.0015) * Vec3(normal(random), normal(random), normal(random)) - 0.05 * device * (device.norm() > 0.07);
+      device +=
+          (i % 17 == 0 ? 0.02 : 0.0015) * Vec3(normal(random), normal(random), normal(random)) - 0.05 * device * (device.norm() > 0.07);
       const MethodOutput one = with->step({.p_SD = device});
       const MethodOutput two = without->step({.p_SD = device});
       ASSERT_EQ(one.force_n, two.force_n) << i;

@@ -1,8 +1,8 @@
 #include "core/geometry/closest_point.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <limits>
 #include <random>
 

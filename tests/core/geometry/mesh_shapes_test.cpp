@@ -1,7 +1,7 @@
 #include "core/geometry/mesh_shapes.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
+#include <cmath>
 #include <numbers>
 
 #include "core/geometry/mesh_measures.h"
@@ -13,7 +13,8 @@ constexpr double kPi = std::numbers::pi;
 
 void expect_closed_with_volume(const TriangleMesh& mesh, double volume, double relative) {
   const EdgeCensus census = count_edges(mesh);
-  EXPECT_TRUE(census.closed()) << census.border << " border, " << census.non_manifold << " non-manifold, " << census.inconsistent << " inconsistent";
+  EXPECT_TRUE(census.closed()) << census.border << " border, " << census.non_manifold << " non-manifold, " << census.inconsistent
+                               << " inconsistent";
   EXPECT_NEAR(compute_volume(mesh), volume, relative * volume);
 }
 

@@ -1,8 +1,8 @@
 #include "core/geometry/point_in_mesh.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"

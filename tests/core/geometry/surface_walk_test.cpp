@@ -1,7 +1,7 @@
 #include "core/geometry/surface_walk.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
+#include <cmath>
 #include <utility>
 
 #include "core/geometry/closest_point.h"
@@ -39,7 +39,9 @@ TEST(SurfaceWalk, CirclesASphere) {
   double nearest = 1.0;
   for (int i = 0; i < 700; ++i) {
     walk.advance(0.01);
-    ASSERT_LT(closest_point(mesh.corner(walk.triangle(), 0), mesh.corner(walk.triangle(), 1), mesh.corner(walk.triangle(), 2), walk.point()).distance, 1e-12);
+    ASSERT_LT(closest_point(mesh.corner(walk.triangle(), 0), mesh.corner(walk.triangle(), 1), mesh.corner(walk.triangle(), 2), walk.point())
+                  .distance,
+              1e-12);
     ASSERT_GT(walk.normal().dot(walk.point()), 0.9);
     ASSERT_NEAR(walk.heading().dot(walk.normal()), 0.0, 1e-12);
     if (i > 500) nearest = std::min(nearest, (walk.point() - from).norm());

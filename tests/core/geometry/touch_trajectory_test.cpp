@@ -1,8 +1,8 @@
 #include "core/geometry/touch_trajectory.h"
 
+#include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
-#include <gtest/gtest.h>
 #include <limits>
 
 #include "core/geometry/closest_point.h"
@@ -14,7 +14,8 @@ namespace {
 
 double distance_to(const TriangleMesh& mesh, const Vec3& p) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) nearest = std::min(nearest, closest_point(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2), p).distance);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    nearest = std::min(nearest, closest_point(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2), p).distance);
   return nearest;
 }
 
@@ -54,7 +55,8 @@ TEST(TouchTrajectory, LengthsFollowTheMeshAndSeedsMatter) {
 }
 
 TEST(TouchTrajectory, FreeNeverTouches) {
-  for (const TriangleMesh& mesh : {make_icosphere(0.05, 4), make_box(Vec3(0.1, 0.05, 0.03)), make_torus(0.04, 0.01, 40, 20), make_gutter(0.1, 0.03, 0.6, 3)}) {
+  for (const TriangleMesh& mesh :
+       {make_icosphere(0.05, 4), make_box(Vec3(0.1, 0.05, 0.03)), make_torus(0.04, 0.01, 40, 20), make_gutter(0.1, 0.03, 0.6, 3)}) {
     const auto free = make_free_trajectory(mesh, {.seed = 2, .rows = 4000});
     ASSERT_TRUE(free.has_value());
     for (std::size_t i = 0; i < free->p_SD.size(); i += 10) ASSERT_GT(distance_to(mesh, free->p_SD[i]), 0.0005);

@@ -1,0 +1,173 @@
+#include "core/force/stress_run.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+StressCount torture(const StressBody& body, const StressSettings& settings, const std::string& method, std::uint64_t episodes,
+                    const StressRun::MethodMaker& maker = &make_method) {
+  MethodSettings method_settings;
+  method_settings.name = method;
+  method_settings.reference_substeps = 1;
+  auto run = StressRun::make(body, settings, method_settings, maker);
+  EXPECT_TRUE(run.has_value());
+  StressCount count;
+  for (std::uint64_t episode = 0; episode < episodes; ++episode) run->run_episode(episode, count);
+  return count;
+}
+
+std::string told(const StressCount& count) {
+  std::string text;
+  for (const StressFinding& finding : count.findings) {
+    text += fmt::format("{} in {} at episode {} step {} ({})\n", name_of(finding.fault), name_of(finding.motion), finding.episode,
+                        finding.step, finding.size);
+  }
+  return text;
+}
+
+class EveryBody : public ::testing::TestWithParam<std::string_view> {};
+
+TEST_P(EveryBody, HoldsUnderTheReference) {
+  const StressBody body = make_stress_body(GetParam());
+  const StressCount count = torture(body, {.seed = 1}, "reference", 12);
+  EXPECT_EQ(count.total_faults(), 0u) << told(count);
+  EXPECT_GT(count.contact_steps, 200u);
+}
+
+// Disabled while the proxy has known faults here: a device absurdly far out, the ridge of a coincident sweep. Run it with
+// --gtest_also_run_disabled_tests, or `hapton stress`.
+TEST_P(EveryBody, DISABLED_HoldsUnderTheProxy) {
+  const StressBody body = make_stress_body(GetParam());
+  std::uint64_t contacts = 0;
+  for (const StressSettings& settings : {StressSettings{.seed = 1}, StressSettings{.seed = 2, .scale = 1e-6},
+                                         StressSettings{.seed = 3, .scale = 1e6}, StressSettings{.seed = 4, .offset_extents = 1e6}}) {
+    const StressCount count = torture(body, settings, "proxy", 25);
+    EXPECT_EQ(count.total_faults(), 0u) << "scale " << settings.scale << " offset " << settings.offset_extents << " seed " << settings.seed
+                                        << '\n'
+                                        << told(count);
+    contacts += count.contact_steps;
+  }
+  EXPECT_GT(contacts, 2000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stress, EveryBody, ::testing::ValuesIn(stress_body_names().begin(), stress_body_names().end()),
+                         [](const auto& body) {
+                           std::string name(body.param);
+                           for (char& c : name) {
+                             if (c == '-') c = '_';
+                           }
+                           return name;
+                         });
+
+// ---- Methods that are wrong on purpose: each fault must be seen. ----
+
+class Wrong : public ForceMethod {
+ public:
+  Wrong(std::unique_ptr<ForceMethod> right, StressFault fault) : right_(std::move(right)), fault_(fault) {}
+  void reset(const Vec3& p) noexcept override {
+    steps_ = 0;
+    frozen_ = false;
+    right_->reset(p);
+  }
+  std::string describe() const override { return "wrong"; }
+  MethodOutput step(const MethodInput& input) noexcept override {
+    MethodOutput felt = right_->step(input);
+    ++steps_;
+    if (!felt.contact) return felt;
+    switch (fault_) {
+      case StressFault::kFall:
+        return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+      case StressFault::kInside:
+        return with_proxy(felt, input.p_SD + 0.5 * (felt.p_SP - input.p_SD), input);
+      case StressFault::kLock:
+      case StressFault::kLag:
+        if (!frozen_) at_ = felt.p_SP;
+        frozen_ = true;
+        return with_proxy(felt, at_, input);
+      case StressFault::kPop:
+        return with_proxy(felt, felt.p_SP + (steps_ % 2 == 0 ? 1e-3 : 0.0) * Vec3::UnitX(), input);
+      case StressFault::kNotFinite:
+        felt.force_n.x() = std::numeric_limits<double>::quiet_NaN();
+        return felt;
+      default:
+        felt.force_n *= 1.5;
+        return felt;
+    }
+  }
+
+ private:
+  static MethodOutput with_proxy(MethodOutput felt, const Vec3& proxy, const MethodInput& input) {
+    felt.p_SP = proxy;
+    felt.force_n = 1000.0 * (proxy - input.p_SD);
+    return felt;
+  }
+  std::unique_ptr<ForceMethod> right_;
+  StressFault fault_;
+  std::uint64_t steps_ = 0;
+  bool frozen_ = false;
+  Vec3 at_ = Vec3::Zero();
+};
+
+TEST(StressRun, SeesEveryKindOfFault) {
+  for (const StressFault fault : {StressFault::kFall, StressFault::kInside, StressFault::kLock, StressFault::kLag, StressFault::kPop,
+                                  StressFault::kNotFinite, StressFault::kBroken}) {
+    const auto maker = [&](const MethodSettings& settings, const TouchScene& scene) -> Result<std::unique_ptr<ForceMethod>> {
+      auto right = make_method(settings, scene);
+      if (!right) return right;
+      return std::make_unique<Wrong>(std::move(*right), fault);
+    };
+    const StressBody body = make_stress_body(fault == StressFault::kPop ? "turned-room" : "sphere");
+    const StressCount count = torture(body, {.seed = 1, .rest_every = 8}, "reference", 20, maker);
+    EXPECT_GT(count.faults[static_cast<std::size_t>(fault)], 0u) << name_of(fault);
+    ASSERT_FALSE(count.findings.empty());
+  }
+}
+
+// Through a sheet: nothing is felt at all.
+class Nothing : public ForceMethod {
+ public:
+  void reset(const Vec3&) noexcept override {}
+  std::string describe() const override { return "nothing"; }
+  MethodOutput step(const MethodInput& input) noexcept override { return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false}; }
+};
+
+TEST(StressRun, SeesAWayThroughAnOpenSheet) {
+  const auto maker = [](const MethodSettings&, const TouchScene&) -> Result<std::unique_ptr<ForceMethod>> {
+    return std::make_unique<Nothing>();
+  };
+  const StressBody sheet = make_stress_body("sheet", make_plane_grid(0.1, 8));
+  EXPECT_GT(torture(sheet, {}, "none", 20, maker).faults[static_cast<std::size_t>(StressFault::kThrough)], 0u);
+  const StressCount held = torture(sheet, {}, "reference", 20);
+  EXPECT_EQ(held.total_faults(), 0u) << told(held);
+}
+
+TEST(StressRun, AnEpisodeCanBeRunAgainAlone) {
+  const StressBody body = make_stress_body("bumpy");
+  MethodSettings method;
+  method.name = "reference";
+  method.reference_substeps = 1;
+  auto first = StressRun::make(body, {.seed = 9}, method);
+  auto second = StressRun::make(body, {.seed = 9}, method);
+  StressCount all, one, before;
+  for (std::uint64_t episode = 0; episode < 4; ++episode) first->run_episode(episode, episode < 3 ? before : all);
+  second->run_episode(3, one);
+  EXPECT_EQ(all.steps, one.steps);
+  EXPECT_EQ(all.contact_steps, one.contact_steps);
+  EXPECT_EQ(all.judged_rests, one.judged_rests);
+}
+
+TEST(StressRun, EveryMotionHasAName) {
+  std::set<std::string_view> names;
+  for (int i = 0; i < static_cast<int>(StressMotion::kCount); ++i) names.insert(name_of(static_cast<StressMotion>(i)));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressMotion::kCount));
+}
+
+}  // namespace
+}  // namespace hapton
