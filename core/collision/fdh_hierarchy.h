@@ -51,12 +51,13 @@ inline unsigned bits8(const Int8Lanes& truth) {
 
 // A float below / above x, at least half a unit in the last place away. (float)x lies within half a unit u of x; what is taken
 // off is between u and 2u, and rounding the difference gives back at most u/2... so x - result >= 0; the constant covers subnormals.
+// Beyond the largest float, that float or infinity, whichever is on the right side.
 inline float float_below(double x) {
-  const auto f = static_cast<float>(x);
+  const auto f = static_cast<float>(x < 3e38 ? x : 3e38);
   return f - (std::fabs(f) * 0x1p-22F + 0x1p-140F);
 }
 inline float float_above(double x) {
-  const auto f = static_cast<float>(x);
+  const auto f = static_cast<float>(x > -3e38 ? x : -3e38);
   return f + (std::fabs(f) * 0x1p-22F + 0x1p-140F);
 }
 
@@ -127,7 +128,8 @@ class FdhHierarchy {
   FdhVisits walk_overlapping(const FdhInterval<K>& q, Leaf&& leaf) const {
     return walk(
         [&q](const Node& node) {
-          detail::Int8Lanes hit = (node.low[0] <= q.high[0]) & (node.high[0] >= q.low[0]);
+          // An unused child is empty, low above high; an unbounded query would take it all the same.
+          detail::Int8Lanes hit = (node.low[0] <= q.high[0]) & (node.high[0] >= q.low[0]) & (node.low[0] <= node.high[0]);
           for (int i = 1; i < 3; ++i) hit &= (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
           if constexpr (kAxes > 3) {
             if (detail::bits8(hit) == 0) return 0U;

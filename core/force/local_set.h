@@ -19,6 +19,7 @@ struct SetTriangle {
   std::uint32_t triangle = 0;  // of the object's prepared surface
   SurfaceKind kind = SurfaceKind::kFace;
   bool two_sided = true;
+  bool one_winding = true;  // its object's pieces are each wound one way: the side that the normal points to means something
   double stiffness_n_per_m = 0.0;
 
   // The one order in which contributions are added, whatever order the triangles come in.

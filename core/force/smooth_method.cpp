@@ -17,6 +17,12 @@ constexpr double kSpare = 0.5;
 constexpr double kLargestRadius = 0.01;
 // Times the VCP is projected anew within a step, the paper's once included; it stops as soon as it stands still.
 constexpr int kProjections = 6;
+// Of the skin: the VCP shown and felt stays that much outside the surface, so that rounding does not put it inside.
+constexpr double kHover = 0.01;
+// Skins that a point steps back from where the probe meets an edge, to see which side it comes from.
+constexpr double kStepBack = 100.0;
+// Of the scene's diagonal: a probe farther out is taken to be there, or the way from it would have no digits left near the surface.
+constexpr double kFarthest = 1e4;
 // Faces that the VCP may cross in a step.
 constexpr int kLongestWalk = 256;
 // Of RADIUS: moving less is standing still.
@@ -28,11 +34,37 @@ bool is_within(const SetTriangle& face, const Vec3& p, double reach) {
   return triangle_distance_squared(p, face.corner[0], face.corner[1], face.corner[2]) <= reach * reach;
 }
 
+// X, on the triangle's plane, lies farther than margin from all its edges.
+bool is_inside_edges(const SetTriangle& t, const Vec3& X, double margin) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 e = t.corner[(k + 1) % 3] - t.corner[k];
+    if (!(t.face.cross(e).dot(X - t.corner[k]) > margin * e.norm())) return false;
+  }
+  return true;
+}
+
 bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::kFace && !triangle.face.isZero(0.0); }
 
 // A distance within which a set of this size is complete nearly everywhere, with half of it to spare for moving about.
 double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
   return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_reach(std::max(1U, set_size / 2)));
+}
+
+// Where between two points the way comes nearest to a face, from 0 to 1; of a stretch that is equally near, its beginning. The distance to a
+// triangle is convex along a line, so halving on its slope finds it.
+double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
+  const auto distance = [&](double at) { return triangle_distance_squared(from + at * (to - from), t.corner[0], t.corner[1], t.corner[2]); };
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double third = (high - low) / 3.0;
+    if (distance(low + third) <= distance(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return low;
 }
 
 }  // namespace
@@ -156,10 +188,11 @@ void SmoothMethod::look_along(const Vec3& from, const Vec3& to, Visit&& visit) n
   scene_->for_each_along(from, to, skin, visit);
 }
 
-// The first face on the way of a free probe. A face through which the way really passes goes before one that it merely comes within a skin of:
-// those stand in where faces do not quite meet.
+// The first face on the way of a free probe: one that it passes through, or one that it comes within a skin of at an edge or a corner, where
+// it ends, where it runs within a face, or where faces do not quite meet.
 SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noexcept {
-  Hit best;
+  Hit passed;
+  Hit grazed;
   const double skin = scene_->skin();
   const auto p = of3(from);
   const auto q = of3(to);
@@ -169,24 +202,48 @@ SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noe
     const double start = t.face.dot(from - t.corner[0]);
     const double end = t.face.dot(to - t.corner[0]);
     if (std::min(std::fabs(start), std::fabs(end)) > skin && (start > 0.0) == (end > 0.0)) return;
-    const double side = start < 0.0 ? -1.0 : 1.0;
-    if (side < 0.0 && !t.two_sided) return;
-    if (side * (end - start) > 0.0) return;  // going away
     if (!(segment_triangle_distance_squared<double>(p, q, of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])) <= skin * skin)) return;
+    const double side = start < 0.0 ? -1.0 : 1.0;
     double at = 0.0;
-    const bool proper = line.meets(t.corner, at) && side * end <= skin;
-    if (!proper) at = 1.0;
-    at = std::clamp(at, 0.0, 1.0);
-    if (best.found && best.proper && !proper) return;
-    if ((best.found && proper && !best.proper) || best.is_worse_than(at, t)) {
-      best = {t, from + at * (to - from), at, side, true, proper};
+    if (std::fabs(start) > skin && side * end < -skin && line.meets(t.corner, at)) {
+      at = std::clamp(at, 0.0, 1.0);
+      const Vec3 X = from + at * (to - from);
+      if (is_inside_edges(t, X, skin)) {
+        if ((side > 0.0 || t.two_sided) && passed.is_worse_than(at, t)) passed = {t, X, at, side, true};
+        return;
+      }
     }
+    at = nearest_on_way(from, to, t);
+    if (grazed.is_worse_than(at, t)) grazed = {t, from + at * (to - from), at, side, true};
   });
-  if (best.found && !best.proper) {
-    const auto& c = best.triangle.corner;
-    best.X = closest_point(c[0], c[1], c[2], to).point;
-  }
-  return best;
+  if (!grazed.found || (passed.found && passed.measure <= grazed.measure)) return passed;
+  const Hit seen = seen_from(from, grazed);
+  return seen.found ? seen : passed;
+}
+
+// On an edge or a corner the heights over single faces do not tell which side the probe comes from. A point a little back on its way does:
+// of the faces nearest to it the one that it stands most upright over (of equally near ones, as Baerentzen & Aanaes 2005 need not average).
+SmoothMethod::Hit SmoothMethod::seen_from(const Vec3& from, const Hit& grazed) noexcept {
+  const double skin = scene_->skin();
+  const Vec3 back = from - grazed.X;
+  const double length = back.norm();
+  const double step = std::min(length, kStepBack * skin);
+  if (!(step > 0.0)) return grazed;
+  const Vec3 Q = grazed.X + (step / length) * back;
+  double least = step + 2.0 * skin;
+  look_near(Q, least, [&](const SetTriangle& t) {
+    if (is_face(t) && is_within(t, Q, least)) least = std::sqrt(triangle_distance_squared(Q, t.corner[0], t.corner[1], t.corner[2]));
+  });
+  Hit nearest;
+  look_near(Q, step + 2.0 * skin, [&](const SetTriangle& t) {
+    if (!is_face(t) || !is_within(t, Q, least + 1e-6 * step)) return;
+    const double height = t.face.dot(Q - t.corner[0]);
+    if (!nearest.is_worse_than(-std::fabs(height), t)) return;
+    nearest = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], grazed.X).point, -std::fabs(height), height < 0.0 ? -1.0 : 1.0, true};
+  });
+  if (!nearest.found) return grazed;
+  if (nearest.side < 0.0 && !nearest.triangle.two_sided) return {};
+  return nearest;
 }
 
 // The first face between a VCP (lifted off the surface) and the probe. It mostly stands near the VCP, where the set is complete; only when
@@ -204,7 +261,7 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
     double at = 0.0;
     if (!line.meets(t.corner, at)) return;
     at = std::clamp(at, 0.0, 1.0);
-    if (at <= last && best.is_worse_than(at, t)) best = {t, from + at * (to - from), at, side_, true, true};
+    if (at <= last && best.is_worse_than(at, t)) best = {t, from + at * (to - from), at, side_, true};
   };
   if (!all_triangles_) {
     const double wanted = std::min(length, radius_) + scene_->skin();
@@ -233,16 +290,15 @@ SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward,
   look_near(near, reach, [&](const SetTriangle& t) {
     if (!is_face(t)) return;
     const double facing = side_ * outward.dot(t.face);
-    if (facing == 0.0) return;
+    if (!(facing > 0.0) && (t.one_winding || !t.two_sided || facing == 0.0)) return;
     double at = 0.0;
     if (!line.meets(t.corner, at)) return;
     const Vec3 X = P + at * outward;
     const double distance = (X - near).norm();
     Hit& hit = facing > 0.0 ? best : against;
-    if (distance <= reach && hit.is_worse_than(distance, t)) hit = {t, X, distance, facing > 0.0 ? side_ : -side_, true, true};
+    if (distance <= reach && hit.is_worse_than(distance, t)) hit = {t, X, distance, facing > 0.0 ? side_ : -side_, true};
   });
-  if (best.found || !against.found || !against.triangle.two_sided) return best;
-  return against;
+  return best.found ? best : against;
 }
 
 SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) noexcept {
@@ -251,7 +307,7 @@ SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) n
     if (!is_face(t) || !is_within(t, p, reach)) return;
     const double distance = std::sqrt(triangle_distance_squared(p, t.corner[0], t.corner[1], t.corner[2]));
     if (!best.is_worse_than(distance, t)) return;
-    best = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], p).point, distance, side_, true, true};
+    best = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], p).point, distance, side_, true};
   });
   return best;
 }
@@ -290,10 +346,10 @@ void SmoothMethod::enter(const Hit& hit) noexcept {
   side_ = hit.side;
 }
 
-// Nothing stands between the VCP and another place on the surface, both seen from outside.
-bool SmoothMethod::can_see(const SetTriangle& face, const Vec3& X) noexcept {
+// What stands between the VCP and another place on the surface, both seen from outside.
+SmoothMethod::Hit SmoothMethod::find_obstacle(const SetTriangle& face, const Vec3& X) noexcept {
   const double lift = 2.0 * scene_->skin();
-  return !find_block(V_ + lift * outward_at(V_), X + (lift * side_) * face.face).found;
+  return find_block(V_ + lift * outward_at(V_), X + (lift * side_) * face.face);
 }
 
 // Walks V over the surface to where it is nearest to P, from face to touching face, each step strictly nearer. true: it ends within a face.
@@ -322,7 +378,9 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
     if (!best.found) return false;
     if (others > 1) {
       const auto& c = best.triangle.corner;
-      if (!can_see(best.triangle, closest_point(c[0], c[1], c[2], P).point)) return false;
+      const Hit obstacle = find_obstacle(best.triangle, closest_point(c[0], c[1], c[2], P).point);
+      if (obstacle.found && !((P - obstacle.X).norm() < distance - 1e-9 * distance - touching)) return false;
+      if (obstacle.found) best.triangle = obstacle.triangle;
     }
     T_ = best.triangle;
   }
@@ -361,12 +419,18 @@ bool SmoothMethod::track(const Vec3& P) noexcept {
   outward = points_out ? Vec3(outward / depth) : Vec3(side_ * smooth_normal_at(T_, V_));
   const Hit on_line = find_on_line(P, outward, W, reach);
   const bool stays = on_line.found && on_line.triangle.object == T_.object && on_line.triangle.triangle == T_.triangle;
-  if (stays || (on_line.found && can_see(on_line.triangle, on_line.X))) {
+  if (stays || (on_line.found && !find_obstacle(on_line.triangle, on_line.X).found)) {
     V_ = on_line.X;
     T_ = on_line.triangle;
     side_ = on_line.side;
   }
   counters_.astray += on_line.found ? 0 : 1;  // the current VCP stays
+  return settle(P);
+}
+
+// Ends V's way where it is nearest to P. false: the probe is outside.
+bool SmoothMethod::settle(const Vec3& P) noexcept {
+  const double skin = scene_->skin();
   if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
 
   // Outside, unless something stands between the VCP and the probe.
@@ -410,28 +474,41 @@ MethodOutput SmoothMethod::feel_outside(const Vec3& P) noexcept {
 MethodOutput SmoothMethod::feel_inside(const Vec3& P) noexcept {
   MethodOutput output;
   Vec3 n;
-  const Vec3 V = project_smoothly(P, radius_, n);
+  Vec3 V = project_smoothly(P, radius_, n);
+  V += kHover * scene_->skin() * n;
   const Vec3 pull = V - P;
-  output.p_SP = V;
   output.force_n = outside_force(V + 2.0 * scene_->skin() * n);
   // Within the skin the probe may still be on the outer side.
   if (pull.dot(n) > 0.0) output.force_n += T_.stiffness_n_per_m * pull;
   output.contact = !output.force_n.isZero(0.0);
+  output.p_SP = output.contact ? V : P;
   return output;
 }
 
+Vec3 SmoothMethod::held_near(const Vec3& p) const noexcept {
+  const double farthest = kFarthest * scene_->diagonal();
+  const Vec3 out = p - scene_->center();
+  const double most = out.cwiseAbs().maxCoeff();
+  return most > farthest ? Vec3(scene_->center() + farthest * (out / most)) : p;
+}
+
 MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
-  const Vec3& P = input.p_SD;
-  if (!P.allFinite()) {
+  if (!input.p_SD.allFinite()) {
     MethodOutput nothing;
     nothing.p_SP = P_;
     return nothing;
   }
-  if (!started_) reset(P);
+  if (!started_) reset(input.p_SD);
+  MethodOutput output = step_at(held_near(input.p_SD), input.dt_s);
+  if (!output.contact) output.p_SP = input.p_SD;
+  return output;
+}
+
+MethodOutput SmoothMethod::step_at(const Vec3& P, double dt_s) noexcept {
   ++counters_.steps;
   if (sets_.take()) offer(sets_.value());
   const Vec3 move = P - P_;
-  velocity_ = input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3(move / input.dt_s) : Vec3(Vec3::Zero());
+  velocity_ = dt_s > 0.0 && std::isfinite(dt_s) ? Vec3(move / dt_s) : Vec3(Vec3::Zero());
   if (inside_ && !track(P)) {
     inside_ = false;
     ++counters_.releases;
@@ -453,7 +530,7 @@ MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
     if (entry.found) {
       ++counters_.entries;
       enter(entry);
-      static_cast<void>(descend(P));
+      inside_ = settle(P);
     }
   }
   P_ = P;
@@ -465,7 +542,7 @@ void SmoothMethod::reset(const Vec3& p_SD) noexcept {
   inside_ = false;
   velocity_.setZero();
   started_ = p_SD.allFinite();
-  if (started_) P_ = p_SD;
+  if (started_) P_ = held_near(p_SD);
 }
 
 Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const Vec3> vertices) {
@@ -500,7 +577,7 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
       continue;
     }
     const ClosestPoint at = closest_point(now.corner[0], now.corner[1], now.corner[2], P_);
-    if (best.is_worse_than(at.distance, now)) best = {now, at.point, at.distance, side, true, true};
+    if (best.is_worse_than(at.distance, now)) best = {now, at.point, at.distance, side, true};
   }
   if (best.found) {
     ++counters_.entries;

@@ -89,7 +89,6 @@ class SmoothMethod final : public ForceMethod {
     double measure = 0.0;  // the smaller, the better
     double side = 1.0;
     bool found = false;
-    bool proper = false;
 
     bool is_worse_than(double other_measure, const SetTriangle& other) const {
       return !found || other_measure < measure || (other_measure == measure && other.before(triangle));
@@ -105,6 +104,7 @@ class SmoothMethod final : public ForceMethod {
   void look_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept;
 
   Hit find_entry(const Vec3& from, const Vec3& to) noexcept;
+  Hit seen_from(const Vec3& from, const Hit& grazed) noexcept;
   Hit find_block(const Vec3& from, const Vec3& to) noexcept;
   Hit find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double reach) noexcept;
   Hit find_nearest_face(const Vec3& p, double reach) noexcept;
@@ -112,9 +112,12 @@ class SmoothMethod final : public ForceMethod {
 
   void enter(const Hit& hit) noexcept;
   bool track(const Vec3& P) noexcept;
-  bool can_see(const SetTriangle& face, const Vec3& X) noexcept;
+  bool settle(const Vec3& P) noexcept;
+  Hit find_obstacle(const SetTriangle& face, const Vec3& X) noexcept;
   bool descend(const Vec3& P) noexcept;
   Vec3 project_smoothly(const Vec3& P, double reach, Vec3& normal) noexcept;
+  Vec3 held_near(const Vec3& p) const noexcept;
+  MethodOutput step_at(const Vec3& P, double dt_s) noexcept;
   Vec3 outside_force(const Vec3& p) noexcept;
   MethodOutput feel_outside(const Vec3& P) noexcept;
   MethodOutput feel_inside(const Vec3& P) noexcept;

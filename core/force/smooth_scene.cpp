@@ -56,6 +56,7 @@ void SmoothScene::measure() {
     }
   }
   diagonal_ = (high - low).norm();
+  center_ = 0.5 * low + 0.5 * high;
   // Far from the origin the coordinates themselves are coarse.
   skin_ = std::max(kSkin * diagonal_, 1e-12 * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()));
 }
@@ -72,6 +73,7 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   out.triangle = triangle;
   out.kind = from.surface.kind(triangle);
   out.two_sided = from.material.two_sided;
+  out.one_winding = from.report.mend.unorientable_pieces == 0;
   out.stiffness_n_per_m = from.material.stiffness_n_per_m;
   if (out.kind == SurfaceKind::kFace) {
     const Vec3 ab = out.corner[1] - out.corner[0];

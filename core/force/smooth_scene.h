@@ -64,6 +64,7 @@ class SmoothScene {
 
   std::uint64_t version() const { return version_; }
   double diagonal() const { return diagonal_; }
+  const Vec3& center() const { return center_; }
   // Far above any rounding of positions here, far below anything that is felt.
   double skin() const { return skin_; }
   std::size_t object_count() const { return objects_.size(); }
@@ -92,6 +93,7 @@ class SmoothScene {
   int directions_ = 14;
   std::uint64_t version_ = 1;
   double diagonal_ = 0.0;
+  Vec3 center_ = Vec3::Zero();
   double skin_ = 0.0;
 };
 

@@ -119,6 +119,18 @@ TEST(FdhScene, WithoutObjectsFindsNothing) {
   EXPECT_FALSE(std::isfinite(scene->find_nearest(Vec3::Zero()).distance_squared));
 }
 
+TEST(FdhScene, QueriesWithoutBoundsFindEverythingOnce) {
+  Objects objects(12);
+  const auto scene = objects.build<14>();
+  std::size_t expected = 0;
+  objects.for_each([&](std::uint32_t, std::uint32_t) { ++expected; });
+  for (const double radius : {1e3, 1e30, 1e200}) {
+    std::multiset<std::pair<std::uint32_t, std::uint32_t>> visited;
+    scene->for_each_overlapping(FdhBall{Vec3(0, 0, 0), radius}, [&](std::uint32_t o, std::uint32_t t) { visited.insert({o, t}); });
+    EXPECT_EQ(visited.size(), expected) << radius;
+  }
+}
+
 TEST(FdhScene, NamesTheObjectItCannotHold) {
   TriangleMesh good = made::sphere(1.0, 8);
   TriangleMesh bad = made::sphere(1e20, 8);

@@ -267,6 +267,27 @@ TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteAreAnswered) {
   EXPECT_FALSE(std::isfinite(tree->find_nearest(Vec3(nan, nan, nan)).distance_squared));
 }
 
+TYPED_TEST(FdhTreeOf, QueriesWithoutBoundsFindEverythingOnce) {
+  const TriangleMesh mesh = made::sphere(1.0, 8);
+  const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+  const double far = 1e300;
+  FdhHull<TypeParam::kCount> hull;
+  hull.low.fill(-far);
+  hull.high.fill(far);
+  const auto expect_all = [&](const auto& query, const char* what) {
+    std::multiset<std::uint32_t> visited;
+    tree->for_each_overlapping(query, [&](std::uint32_t t) { visited.insert(t); });
+    EXPECT_EQ(visited.size(), mesh.triangles.size()) << what;
+    EXPECT_EQ(std::set<std::uint32_t>(visited.begin(), visited.end()).size(), mesh.triangles.size()) << what;
+  };
+  expect_all(FdhBall{Vec3(0, 0, 0), 1e200}, "ball");
+  expect_all(FdhBall{Vec3(1e100, 0, 0), 1e150}, "far ball");
+  expect_all(FdhBox{Vec3(-far, -far, -far), Vec3(far, far, far)}, "box");
+  expect_all(hull, "hull");
+  expect_all(FdhSweep{Vec3(-1e30, 0, 0), Vec3(1e30, 0, 0), 1e31}, "sweep");
+  EXPECT_TRUE(std::isfinite(tree->find_nearest(Vec3(1e100, 0, 0)).distance_squared));
+}
+
 TEST(FdhTree, RefusesWhatSinglePrecisionCannotHold) {
   const TriangleMesh huge = scaled_and_moved(made::sphere(1.0, 8), 1e20, Vec3::Zero());
   const auto tree = FdhTree<14>::build(huge.vertices, huge.triangles);
