@@ -157,4 +157,13 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
   return report;
 }
 
+int find_shared_cpu() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) != 0 || CPU_COUNT(&set) < 2) return -1;
+  int cpu = CPU_SETSIZE - 1;
+  while (!CPU_ISSET(static_cast<std::size_t>(cpu), &set)) --cpu;
+  return cpu;
+}
+
 }  // namespace hapton

@@ -49,4 +49,8 @@ struct RealtimeReport {
 // RT: set-up only. Threads: acts on the caller; the memory lock and the wake-up latency on the process.
 Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings);
 
+// The CPU for programs that answer each other in turn, so that a datagram wakes nobody on another one: the last that this process may
+// use; -1 if there is but one.
+int find_shared_cpu();
+
 }  // namespace hapton

@@ -7,6 +7,7 @@
 
 #include "core/force/force_method.h"
 #include "link/messages.h"
+#include "runtime/realtime.h"
 #include "tools/latency_run.h"
 
 namespace hapton {
@@ -26,6 +27,7 @@ int run(const LatencyRunOptions& options) {
 
 void add_latency_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<LatencyRunOptions>();
+  options->cpu = find_shared_cpu();
   CLI::App* command = app.add_subcommand("latency", "Measure the force round trip on this machine, beside a bare UDP echo");
   command->add_option("--seconds", options->seconds, "How long")->check(CLI::Range(0.5, 1e6))->capture_default_str();
   command->add_option("--rate", options->rate_hz, "Servo rate, Hz")
@@ -37,7 +39,7 @@ void add_latency_command(CLI::App& app, int& exit_code) {
   command->add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
-  command->add_option("--cpu", options->cpu, "Nodes and echo all stay on this CPU; -1: any")
+  command->add_option("--cpu", options->cpu, "Nodes and echo all stay on this CPU; -1: any; the last one by itself")
       ->check(CLI::Range(-1, 1023))
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });

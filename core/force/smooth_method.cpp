@@ -22,7 +22,7 @@ constexpr double kHover = 0.01;
 // Skins that a point steps back from where the probe meets an edge, to see which side it comes from.
 constexpr double kStepBack = 100.0;
 // Of the scene's diagonal: a probe farther out is taken to be there, or the way from it would have no digits left near the surface.
-constexpr double kFarthest = 1e4;
+constexpr double kFarthest = 1e7;
 // Faces that the VCP may cross in a step.
 constexpr int kLongestWalk = 256;
 // Of RADIUS: moving less is standing still.
@@ -312,6 +312,16 @@ SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) n
   return best;
 }
 
+bool SmoothMethod::is_behind_all(const Vec3& P) noexcept {
+  const double skin = scene_->skin();
+  bool behind = side_ * T_.face.dot(P - V_) < -skin;
+  if (!behind) return false;
+  look_near(V_, skin, [&](const SetTriangle& t) {
+    if (is_face(t) && is_within(t, V_, 0.5 * skin)) behind = behind && side_ * t.face.dot(P - V_) < -skin;
+  });
+  return behind;
+}
+
 // Away from every face that p lies on.
 Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
   struct Face {
@@ -433,7 +443,8 @@ bool SmoothMethod::settle(const Vec3& P) noexcept {
   const double skin = scene_->skin();
   if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
 
-  // Outside, unless something stands between the VCP and the probe.
+  // Outside, unless it is behind every face that the VCP lies on, or something stands between them.
+  if (is_behind_all(P)) return true;
   for (int i = 0; i < 4; ++i) {
     const Hit block = find_block(V_ + 2.0 * skin * outward_at(V_), P);
     if (!block.found) break;

@@ -108,6 +108,7 @@ class SmoothMethod final : public ForceMethod {
   Hit find_block(const Vec3& from, const Vec3& to) noexcept;
   Hit find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double reach) noexcept;
   Hit find_nearest_face(const Vec3& p, double reach) noexcept;
+  bool is_behind_all(const Vec3& P) noexcept;
   Vec3 outward_at(const Vec3& p) noexcept;
 
   void enter(const Hit& hit) noexcept;

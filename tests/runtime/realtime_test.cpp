@@ -92,6 +92,22 @@ TEST(RealtimeTest, NonsenseIsAnErrorInEveryMode) {
   EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = -1}));
 }
 
+TEST(RealtimeTest, TheSharedCpuIsOneThatThisProcessMayUse) {
+  const int cpu = find_shared_cpu();
+  cpu_set_t set;
+  ASSERT_EQ(sched_getaffinity(0, sizeof set, &set), 0);
+  if (CPU_COUNT(&set) < 2) {
+    EXPECT_EQ(cpu, -1);
+    return;
+  }
+  EXPECT_TRUE(CPU_ISSET(static_cast<std::size_t>(cpu), &set));
+  CPU_CLR(static_cast<std::size_t>(cpu), &set);
+  std::thread([&] {
+    ASSERT_EQ(sched_setaffinity(0, sizeof set, &set), 0);
+    EXPECT_NE(find_shared_cpu(), cpu);
+  }).join();
+}
+
 TEST(RealtimeTest, ReadsTheModesOfTheCommandLine) {
   EXPECT_EQ(*parse_realtime_mode("off"), RealtimeMode::off);
   EXPECT_EQ(*parse_realtime_mode("try"), RealtimeMode::attempt);

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/scene/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {

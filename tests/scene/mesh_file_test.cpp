@@ -7,7 +7,7 @@
 #include <random>
 
 #include "tests/scene/sample_files.h"
-#include "tests/scene/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tests/scene/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {

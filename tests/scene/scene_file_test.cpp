@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/scene/sample_files.h"
-#include "tests/scene/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
