@@ -69,6 +69,9 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_contact(from.contact);
   to.set_compute_ns(from.compute_ns);
   to.set_skipped_samples(from.skipped_samples);
+  to.set_view_revision(from.view_revision);
+  to.set_method_serial(from.method_serial);
+  to.set_answered_before(from.answered_before);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -110,6 +113,24 @@ void write(const Settings& from, wire::Settings& to) {
   const auto* end = std::find(from.method.data(), from.method.data() + from.method.size(), '\0');
   to.mutable_method()->assign(from.method.data(), static_cast<std::size_t>(end - from.method.data()));
   to.set_report_now(from.report_now);
+}
+
+template <std::size_t N>
+void write_text(const std::array<char, N>& from, std::string& to) {
+  to.assign(from.data(), static_cast<std::size_t>(std::find(from.begin(), from.end(), '\0') - from.begin()));
+}
+
+void write(const HapticsSetup& from, wire::HapticsSetup& to) {
+  to.set_method_serial(from.method_serial);
+  to.set_view_revision(from.view_revision);
+  to.mutable_x_ws()->Clear();
+  for (const float value : from.X_WS) {
+    to.mutable_x_ws()->AddAlreadyReserved(value);
+  }
+  to.set_scene_hash(from.scene_hash);
+  write_text(from.scene, *to.mutable_scene());
+  write_text(from.build, *to.mutable_build());
+  write_text(from.method, *to.mutable_method());
 }
 
 // --- reading: false for a value the contract rules out ---
@@ -160,6 +181,9 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.contact = from.contact();
   to.compute_ns = from.compute_ns();
   to.skipped_samples = from.skipped_samples();
+  to.view_revision = from.view_revision();
+  to.method_serial = from.method_serial();
+  to.answered_before = from.answered_before();
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
 }
 
@@ -172,13 +196,18 @@ bool is_rigid(const std::array<float, 12>& X) {
          (R * R.transpose() - Mat3::Identity()).cwiseAbs().sum() <= kUnitTolerance && R.determinant() > 0.0;
 }
 
-bool read(const wire::ViewTransform& from, ViewTransform& to) {
-  to.revision = from.revision();
-  if (from.x_ws_size() != static_cast<int>(to.X_WS.size())) {
+template <class Field>
+bool read_pose(const Field& field, std::array<float, 12>& X) {
+  if (field.size() != static_cast<int>(X.size())) {
     return false;
   }
-  std::copy(from.x_ws().begin(), from.x_ws().end(), to.X_WS.begin());
-  return is_rigid(to.X_WS);
+  std::copy(field.begin(), field.end(), X.begin());
+  return is_rigid(X);
+}
+
+bool read(const wire::ViewTransform& from, ViewTransform& to) {
+  to.revision = from.revision();
+  return read_pose(from.x_ws(), to.X_WS);
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {
@@ -219,6 +248,25 @@ bool read(const wire::Settings& from, Settings& to) {
   return to.servo_rate_hz == 0.0 || (to.servo_rate_hz >= kMinServoRateHz && to.servo_rate_hz <= kMaxServoRateHz);
 }
 
+// The last place stays NUL.
+template <std::size_t N>
+bool read_text(const std::string& from, std::array<char, N>& to) {
+  if (from.size() >= N || std::any_of(from.begin(), from.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; })) {
+    return false;
+  }
+  to = {};
+  std::copy(from.begin(), from.end(), to.begin());
+  return true;
+}
+
+bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
+  to.method_serial = from.method_serial();
+  to.view_revision = from.view_revision();
+  to.scene_hash = from.scene_hash();
+  return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
+         read_text(from.method(), to.method);
+}
+
 template <class Ours, class Theirs>
 DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Datagram& datagram) {
   Ours message;
@@ -233,7 +281,7 @@ DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Da
 
 DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
   const int kinds = e.has_hello() + e.has_welcome() + e.has_bye() + e.has_device_state() + e.has_force_command() + e.has_view_transform() +
-                    e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings();
+                    e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings() + e.has_haptics_setup();
   if (kinds != 1) {
     return kinds == 0 ? DecodeStatus::unknown_message : DecodeStatus::bad_value;
   }
@@ -246,6 +294,7 @@ DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
   if (e.has_welcome()) return read_message<Welcome>(e, e.welcome(), datagram);
   if (e.has_hand_target()) return read_message<HandTarget>(e, e.hand_target(), datagram);
   if (e.has_settings()) return read_message<Settings>(e, e.settings(), datagram);
+  if (e.has_haptics_setup()) return read_message<HapticsSetup>(e, e.haptics_setup(), datagram);
   return read_message<Bye>(e, e.bye(), datagram);
 }
 
@@ -329,6 +378,11 @@ struct Codec::Wire {
     reserve_field(*e.mutable_hand_target()->mutable_p_wh_m());
     reserve_unknown(*e.mutable_settings());
     e.mutable_settings()->mutable_method()->reserve(kMaxDatagramBytes);
+    reserve_unknown(*e.mutable_haptics_setup());
+    reserve_field(*e.mutable_haptics_setup()->mutable_x_ws());
+    e.mutable_haptics_setup()->mutable_scene()->reserve(kMaxDatagramBytes);
+    e.mutable_haptics_setup()->mutable_build()->reserve(kMaxDatagramBytes);
+    e.mutable_haptics_setup()->mutable_method()->reserve(kMaxDatagramBytes);
     e.Clear();
   }
 };
@@ -369,7 +423,8 @@ std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) n
                  [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
                  [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); }, [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
                  [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); },
-                 [&](const Settings& m) { write(m, *e.mutable_settings()); }},
+                 [&](const Settings& m) { write(m, *e.mutable_settings()); },
+                 [&](const HapticsSetup& m) { write(m, *e.mutable_haptics_setup()); }},
       datagram.message);
   const std::size_t bytes = e.ByteSizeLong();
   if (bytes > into.size() || bytes > kMaxDatagramBytes) {

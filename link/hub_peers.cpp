@@ -11,7 +11,7 @@ constexpr std::size_t kNowhere = HubPeers::kCapacity;
 
 bool may_send(NodeRole role, const Message& message) {
   if (role == NodeRole::haptics) {
-    return std::holds_alternative<ForceCommand>(message);
+    return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message);
   }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<Drawn>(message) ||
          std::holds_alternative<HandTarget>(message) || std::holds_alternative<Settings>(message);
@@ -44,6 +44,7 @@ PeerEvent HubPeers::receive(Datagram& datagram, std::int64_t deadline_ns) noexce
 PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns,
                                     Datagram& datagram) noexcept {
   ++counts_.received;
+  if (tap_ != nullptr) tap_->on_received(from, bytes, now_ns);
   const DecodeStatus status = codec_.decode(bytes, datagram);
   if (status != DecodeStatus::ok) {
     ++counts_.undecodable;
@@ -188,7 +189,9 @@ bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message
   outgoing_.message = message;
   std::array<std::byte, kMaxDatagramBytes> bytes;
   const std::size_t size = codec_.encode(outgoing_, bytes);
-  return size != 0 && endpoint_.send(to, std::span(bytes).first(size));
+  if (size == 0) return false;
+  if (tap_ != nullptr) tap_->on_sent(to, std::span(bytes).first(size), now_ns);
+  return endpoint_.send(to, std::span(bytes).first(size));
 }
 
 std::size_t HubPeers::count(NodeRole role) const noexcept {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "link/codec.h"
+#include "link/datagram_tap.h"
 #include "link/endpoint.h"
 #include "link/messages.h"
 #include "link/sequence_tracker.h"
@@ -87,6 +88,9 @@ class HubPeers {
   std::size_t send_to_role(NodeRole role, const Message& message) noexcept;
   bool send_to(std::size_t peer, const Message& message) noexcept;
 
+  // Hears every datagram from now on; null: nobody does. Pre: outlives this.
+  void set_tap(DatagramTap* tap) noexcept { tap_ = tap; }
+
   // What Welcome tells from now on.
   void set_servo_rate_hz(double servo_rate_hz) noexcept { servo_rate_hz_ = servo_rate_hz; }
 
@@ -112,6 +116,7 @@ class HubPeers {
   std::uint64_t sender_;
   double servo_rate_hz_;
   Codec codec_;
+  DatagramTap* tap_ = nullptr;
   Datagram outgoing_;
   std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
   std::array<Peer, kCapacity> peers_ = {};

@@ -45,6 +45,9 @@ struct ForceCommand {
   bool contact = false;
   std::uint32_t compute_ns = 0;       // time spent between receiving and sending, haptics' clock
   std::uint32_t skipped_samples = 0;  // states that were superseded before they could be answered, since the last command
+  std::uint32_t view_revision = 0;    // of the newest ViewTransform it has taken
+  std::uint32_t method_serial = 0;    // of the method that felt it, as HapticsSetup counts
+  std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost answer is known of
 };
 
 // vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
@@ -92,7 +95,21 @@ struct Settings {
   bool report_now = false;           // write the latency report
 };
 
-using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings>;
+// haptics -> hub, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt again.
+struct HapticsSetup {
+  using Text = std::array<char, 256>;  // NUL-padded, printable
+
+  std::uint32_t method_serial = 0;  // methods put in place while running
+  std::uint32_t view_revision = 0;
+  std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  std::uint64_t scene_hash = 0;
+  Text scene = {};   // the file's path
+  Text build = {};
+  Text method = {};  // "name=proxy probe_radius_m=0 ..."
+};
+
+using Message =
+    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings, HapticsSetup>;
 
 // In front of every message.
 struct Header {

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// Hears every datagram that a hub exchanges: what it sends before it is sealed, what it receives after it was opened. What cannot be
+// opened is heard as it came.
+// Units: the hub's clock, ns. RT: yes. Threads: the hub's.
+class DatagramTap {
+ public:
+  virtual ~DatagramTap() = default;
+
+  virtual void on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept = 0;
+  virtual void on_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept = 0;
+};
+
+}  // namespace hapton
