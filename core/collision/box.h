@@ -17,9 +17,7 @@ struct Box {
     high = high.cwiseMax(p);
   }
   Box inflated(double by) const { return {low.array() - by, high.array() + by}; }
-  bool overlaps(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
+  bool overlaps(const Box& other) const { return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all(); }
   Vec3 center() const { return 0.5 * (low + high); }
   double diagonal() const { return (high - low).norm(); }
 

@@ -18,9 +18,9 @@ namespace hapton {
 
 // What a query looked at.
 struct FdhVisits {
-  std::uint32_t nodes = 0;   // eight-wide nodes opened
+  std::uint32_t nodes = 0;  // eight-wide nodes opened
   std::uint32_t leaves = 0;
-  std::uint32_t items = 0;   // triangles (or objects) in those leaves
+  std::uint32_t items = 0;  // triangles (or objects) in those leaves
 
   FdhVisits& operator+=(const FdhVisits& other) {
     nodes += other.nodes;

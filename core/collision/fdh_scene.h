@@ -221,7 +221,8 @@ FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
         for (std::uint32_t i = first; i < first + count; ++i) {
           FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + 1e-15));
           near.object = order_[i];
-          if (near.distance_squared < best.distance_squared || (near.distance_squared == best.distance_squared && near.object < best.object)) {
+          if (near.distance_squared < best.distance_squared ||
+              (near.distance_squared == best.distance_squared && near.object < best.object)) {
             best = near;
             bound = std::min(bound, std::sqrt(near.distance_squared));
           }

@@ -140,9 +140,8 @@ struct Builder {
     for (int k = first; k <= last; ++k) find_cut(bins[k], k, cut);
     if (cut.axis < 0) return halve(range, widest);
 
-    const auto middle = std::partition(items.begin() + range.begin, items.begin() + range.end, [&](const FdhItem& item) {
-      return bins_of(center_of(box_of(item)))[cut.axis] <= cut.bin;
-    });
+    const auto middle = std::partition(items.begin() + range.begin, items.begin() + range.end,
+                                       [&](const FdhItem& item) { return bins_of(center_of(box_of(item)))[cut.axis] <= cut.bin; });
     const auto m = static_cast<std::uint32_t>(middle - items.begin());
     Range left{range.begin, m, {}, {}};
     Range right{m, range.end, {}, {}};

@@ -20,8 +20,8 @@ struct FdhItem {
 struct FdhTopology {
   static constexpr int kWidth = 8;
   static constexpr std::uint32_t kLeafSize = 4;
-  static constexpr int kMaxDepth = 48;                               // nodes on the way from the root to a leaf
-  static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;     // a traversal leaves at most kWidth - 1 siblings behind a level
+  static constexpr int kMaxDepth = 48;                            // nodes on the way from the root to a leaf
+  static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;  // a traversal leaves at most kWidth - 1 siblings behind a level
   static constexpr std::size_t kMaxItems = std::size_t{1} << 28;
 
   // A child: a leaf (kLeafBit, count - 1 in two bits, first item in 28), a node's index, or kNothing.
@@ -33,9 +33,9 @@ struct FdhTopology {
   static constexpr std::uint32_t leaf(std::uint32_t first, std::uint32_t count) { return kLeafBit | ((count - 1U) << 28) | first; }
 
   using Children = std::array<std::uint32_t, kWidth>;
-  std::vector<Children> nodes;        // the root first; every node before its children; used children first
-  std::vector<std::uint32_t> order;   // item ids in tree order: leaves are runs of it
-  int depth = 0;                      // levels of nodes, <= kMaxDepth
+  std::vector<Children> nodes;       // the root first; every node before its children; used children first
+  std::vector<std::uint32_t> order;  // item ids in tree order: leaves are runs of it
+  int depth = 0;                     // levels of nodes, <= kMaxDepth
 };
 
 // Builds by the binned surface-area heuristic on boxes (MacDonald & Booth 1990; Wald 2007), nodes directly kWidth wide: a node opens the

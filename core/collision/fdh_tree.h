@@ -46,8 +46,7 @@ class FdhNearest {
   static constexpr std::size_t kMaxCount = 256;
 
   // Pre: 1 <= count <= kMaxCount, max_distance >= 0 (infinite: no limit).
-  FdhNearest(std::size_t count, double max_distance)
-      : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}
+  FdhNearest(std::size_t count, double max_distance) : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}
 
   double bound_squared() const { return bound_; }
   // Distances that are added may be wrong by this much.
@@ -309,7 +308,8 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) c
       if (d[i] <= limit) visit(order_[first + i]);
     }
   };
-  return hierarchy_.walk_nearest(interval(ball.center, ball.center, 0.0), [limit] { return limit; }, leaf);
+  return hierarchy_.walk_nearest(
+      interval(ball.center, ball.center, 0.0), [limit] { return limit; }, leaf);
 }
 
 template <int K>

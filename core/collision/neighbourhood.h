@@ -18,10 +18,14 @@ class Neighbourhood {
  public:
   static constexpr int kCapacity = 256;
 
-  // Copies all triangles that overlap `region`; the geometry must stay while shape() is called. False, and empty, when there are more than kCapacity of them.
+  // Copies all triangles that overlap `region`; the geometry must stay while shape() is called. False, and empty, when there are more than
+  // kCapacity of them.
   bool fill(const TouchGeometry& geometry, const Box& region) noexcept;
 
-  void clear() noexcept { count_ = 0; region_ = Box(); }
+  void clear() noexcept {
+    count_ = 0;
+    region_ = Box();
+  }
   int count() const { return count_; }
 
   // The triangle at a place, in double precision and prepared; prepared when first asked for.
@@ -58,7 +62,8 @@ class Neighbourhood {
   // Lists every triangle that a sphere of radius `radius`, moving from p along `motion`, may come nearer than its radius to; the
   // one that may be met first comes first, the others in no order. `way` is the box of that motion, inflated by the radius.
   // Returns their number. Pre: covers(way), up to rounding.
-  int find_meetings(const Vec3& p, const Vec3& motion, double radius, const Box& way, std::array<Meeting, kCapacity>& meetings) const noexcept;
+  int find_meetings(const Vec3& p, const Vec3& motion, double radius, const Box& way,
+                    std::array<Meeting, kCapacity>& meetings) const noexcept;
 
  private:
   // Eight triangles: corner a and edges ab, ac relative to center_, their boxes, and a bound on the rounding of all of it.

@@ -22,7 +22,8 @@ std::vector<Box> triangle_boxes(const std::vector<Vec3>& vertices, const std::ve
 
 }  // namespace
 
-ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad) : tree_(std::span<const Box>{}) {
+ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad)
+    : tree_(std::span<const Box>{}) {
   constexpr double kGrid = 0x1p-51;
   std::vector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());

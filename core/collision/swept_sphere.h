@@ -16,7 +16,8 @@ struct Clearance {
 // A time that never comes; motions last from 0 to 1.
 constexpr double kNever = 2.0;
 
-// A triangle as these functions take it: anything with separation(p). A ContactTriangle is quick at it; a TriangleView needs no preparation.
+// A triangle as these functions take it: anything with separation(p). A ContactTriangle is quick at it; a TriangleView needs no
+// preparation.
 struct TriangleView {
   const TouchGeometry& geometry;
   std::uint32_t triangle;
@@ -34,7 +35,7 @@ double time_to_reach(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   double t = from;
   for (int i = 0; i < kMaxIterations; ++i) {
     const Separation now = shape.separation(p + t * motion);
-    const double slope = now.normal.dot(motion) - normal_error(now) * length;  // at its steepest: never oversteps for rounding
+    const double slope = now.normal.dot(motion) - kNormalError * length;  // at its steepest: never oversteps for rounding
     const double gap = now.distance - level;
     if (gap <= tolerance) return slope < 0.0 ? t : kNever;
     if (slope >= 0.0) return kNever;
@@ -52,10 +53,10 @@ double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   const double low = clearance.rest - clearance.slack;
   const Separation start = shape.separation(p);
   const double length = motion.norm();
-  const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
+  const double start_slope = start.normal.dot(motion) - kNormalError * length;  // at its steepest
   if (start_slope >= 0.0 || start.distance + start_slope * until >= low) return kNever;
   const Separation end = shape.separation(p + until * motion);
-  const double end_slope = end.normal.dot(motion) + normal_error(end) * length;
+  const double end_slope = end.normal.dot(motion) + kNormalError * length;
   if (end.distance >= low) {
     if (end_slope <= 0.0) return kNever;
     const double cross = (end.distance - end_slope * until - start.distance) / (start_slope - end_slope);

@@ -32,7 +32,8 @@ LocalFrame frame_of(const Box& bounds) {
 
 TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : TouchGeometry(borrowed(meshes)) {}
 
-TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy, std::optional<double> shading_crease_rad)
+TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy,
+                             std::optional<double> shading_crease_rad)
     : shading_crease_rad_(shading_crease_rad), slots_(meshes.size()) {
   Box scene;
   std::size_t most_triangles = 1;

@@ -40,7 +40,9 @@ class TouchGeometry {
   const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
-  Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept { return object(id).smooth_normal(id & triangle_mask_, on_triangle); }
+  Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {
+    return object(id).smooth_normal(id & triangle_mask_, on_triangle);
+  }
   void prefetch_indices(std::uint32_t id) const { object(id).prefetch_indices(id & triangle_mask_); }
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
@@ -58,7 +60,8 @@ class TouchGeometry {
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
     for (const Slot& slot : slots_) {
       if (slot.active == nullptr || distance_squared(slot.bounds, p) >= bound_squared) continue;
-      slot.active->tree().visit_nearest(p, bound_squared, [&](std::uint32_t t, double) { return bound_squared = visit(slot.first_id | t, bound_squared); });
+      slot.active->tree().visit_nearest(p, bound_squared,
+                                        [&](std::uint32_t t, double) { return bound_squared = visit(slot.first_id | t, bound_squared); });
     }
   }
 

@@ -198,7 +198,8 @@ struct WideBvh::Builder {
       float cost = -1.0F;
       for (int c = 0; c < count; ++c) {
         if (parts[c].size() <= kWidth) continue;
-        const float part_cost = balanced ? static_cast<float>(parts[c].size()) : parts[c].box.half_area() * static_cast<float>(parts[c].size());
+        const float part_cost =
+            balanced ? static_cast<float>(parts[c].size()) : parts[c].box.half_area() * static_cast<float>(parts[c].size());
         if (part_cost > cost) {
           cost = part_cost;
           largest = c;
@@ -210,8 +211,7 @@ struct WideBvh::Builder {
       parts[count++] = right;
     }
     for (int c = 0; c < count; ++c) {
-      const std::uint32_t child =
-          parts[c].size() == 1 ? items[parts[c].begin].id() | kItemBit : build(parts[c], level + 1);
+      const std::uint32_t child = parts[c].size() == 1 ? items[parts[c].begin].id() | kItemBit : build(parts[c], level + 1);
       store_child(nodes[index], c, parts[c].box, child);
     }
     return index;

@@ -40,8 +40,8 @@ struct LocalSet {
 
   Vec3 from = Vec3::Zero();  // the way
   Vec3 to = Vec3::Zero();
-  double radius = -1.0;      // complete within; negative: nothing is known
-  double nearest = 0.0;      // no triangle of the scene is nearer to the way than this
+  double radius = -1.0;       // complete within; negative: nothing is known
+  double nearest = 0.0;       // no triangle of the scene is nearer to the way than this
   std::uint64_t version = 0;  // of the scene that it was taken from; another version of the scene makes it worthless
   std::uint32_t count = 0;
   std::array<SetTriangle, kCapacity> triangles;

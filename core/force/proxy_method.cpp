@@ -29,7 +29,8 @@ Vec3 within_limits(const Vec3& local) {
 
 }  // namespace
 
-ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene) : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
+ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
+    : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
                 settings.shading > 0.0 ? std::optional(settings.shading_crease_rad) : std::nullopt),
       shading_(settings.shading) {
   for (const TouchObject& object : scene.objects) {
@@ -180,32 +181,47 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
 // moved, the way it takes depends on where the device was just then: such a step is done again in smaller parts.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
-  const bool was_free = free_;
-  const Vec3 start = proxy_;
-  std::copy_n(touching_.begin(), touching_count_, touched_before_.begin());
-  const int touched_count = touching_count_;
-  const bool was_sliding = sliding_;
+  save(before_);
   solve(device);
-  if (was_free || free_ || (proxy_ - start).norm() <= kCatchUp * stride_) return;
+  if (before_.free || free_ || (proxy_ - before_.proxy).norm() <= kCatchUp * stride_) return;
   ++counters_.caught_up;
-  proxy_ = start;
-  free_ = false;
-  std::copy_n(touched_before_.begin(), touched_count, touching_.begin());
-  touching_count_ = touched_count;
-  sliding_ = was_sliding;
+  restore(before_);
   for (int part = 1; part <= kParts; ++part) {
     solve(last + (device - last) * (static_cast<double>(part) / kParts));
   }
 }
 
-// Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
+void ProxyMethod::save(Stand& stand) const noexcept {
+  stand.proxy = proxy_;
+  stand.free = free_;
+  stand.sliding = sliding_;
+  std::copy_n(touching_.begin(), touching_count_, stand.touching.begin());
+  stand.touching_count = touching_count_;
+  stand.push = push_;
+  stand.pushing_count = pushing_count_;
+}
+
+void ProxyMethod::restore(const Stand& stand) noexcept {
+  proxy_ = stand.proxy;
+  free_ = stand.free;
+  sliding_ = stand.sliding;
+  std::copy_n(stand.touching.begin(), stand.touching_count, touching_.begin());
+  touching_count_ = stand.touching_count;
+  push_ = stand.push;
+  pushing_count_ = stand.pushing_count;
+}
+
 void ProxyMethod::solve(const Vec3& device) noexcept {
+  descend(device);
+  for (int i = 0; i < kMaxEscapes && !free_ && escape(device); ++i) ++counters_.escapes;
+}
+
+// Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
+void ProxyMethod::descend(const Vec3& device) noexcept {
   const double rest_of_motion = clearance_.tolerance;  // shorter motions are below the clearance's own slack
-  constexpr double kRounding = 0x1p-48;     // of a distance within the scene
-  constexpr double kNormalError = 0x1p-24;  // of the goal: what an edge's normal at hover distance may be off (point_triangle.h)
+  constexpr double kRounding = 0x1p-48;                // of a distance within the scene
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
-  bool tipped = false;
   int last_doubt = kMaxIterations;
   for (int i = 0; i < kMaxIterations; ++i) {
     if (touching_count_ == 0 && cross_emptiness(device)) return;
@@ -215,7 +231,10 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
     if (!arrives) wish *= kLongestMotion / distance;
     idle = distance < nearest - kRounding ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
-    if (idle > kMaxIdle) return;  // caged: moves back and forth within the clearance's slack
+    if (idle > kMaxIdle) {  // caged: moves back and forth within the clearance's slack
+      pushing_count_ = 0;
+      return;
+    }
     if (touching_count_ == 0) {
       if (advance(wish)) {
         free_ = false;
@@ -228,16 +247,12 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
     ++counters_.iterations;
     const ConstrainedMotion constrained = next_motion(wish);
     const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
-    if (motion.norm() <= rest_of_motion + kNormalError * distance) {
+    if (motion.norm() <= rest_of_motion + 16.0 * kNormalError * distance) {
       if (i < last_doubt && forget_doubtful(constrained)) {
         last_doubt = 0;
         continue;
       }
       bring_pushing_first(constrained);
-      if (constrained.active_count == 1 && !tipped && tip_over(device)) {
-        tipped = true;
-        continue;
-      }
       return;
     }
     if (!advance(motion) && constrained.active_count == 0 && arrives) {
@@ -302,20 +317,6 @@ Vec3 ProxyMethod::rub(const Vec3& wish, const Vec3& motion) noexcept {
   return motion * (1.0 - material.friction_dynamic * depth / way);
 }
 
-// A proxy balanced on the very tip of a vertex or ridge with the device on the far side stands on a maximum, not a minimum: push it
-// off, towards the inside of the triangle it touches, by less than the clearance's slack.
-bool ProxyMethod::tip_over(const Vec3& device) noexcept {
-  const Touch& touch = touching_[0];
-  if (touch.separation.feature == Feature::face) return false;
-  if ((device - touch.separation.nearest).dot(touch.separation.normal) >= 0.0) return false;
-  const Vec3 center = (geometry_.corner(touch.triangle, 0) + geometry_.corner(touch.triangle, 1) + geometry_.corner(touch.triangle, 2)) / 3.0;
-  Vec3 inward = center - touch.separation.nearest;
-  inward -= inward.dot(touch.separation.normal) * touch.separation.normal;
-  const double length = inward.norm();
-  if (!(length > 0.0)) return false;
-  return advance(inward * (clearance_.slack / length)) || true;
-}
-
 // Moves the proxy along `motion` until something blocks it; true when blocked. Afterwards touching_ holds what it touches.
 bool ProxyMethod::advance(const Vec3& motion) noexcept {
   const double t = sweep(proxy_, motion);
@@ -349,6 +350,7 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
     double first = kNever;
     const auto test = [&](const auto& shape, std::uint32_t triangle) {
       ++counters_.tests;
+      if (!is_point_) note_grazed(shape.separation(from), triangle);
       const double t = time_to_block(shape, from, motion, std::min(end, first), clearance_);
       if (t > 1.0 || !can_touch(triangle, from)) return;
       first = std::min(first, t);
@@ -357,7 +359,8 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
     if (near) {
       const int count = near_.find_meetings(start, part, clearance_.rest, way, meetings_);
       for (int i = 0; i < count; ++i) {
-        if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first) test(near_.shape(meetings_[i].place), meetings_[i].triangle);
+        if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first)
+          test(near_.shape(meetings_[i].place), meetings_[i].triangle);
       }
     } else {
       geometry_.for_each_overlapping(way, [&](std::uint32_t triangle) { test(TriangleView{geometry_, triangle}, triangle); });
@@ -387,10 +390,21 @@ bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion) noexcept {
   return true;
 }
 
+// A sphere at rest on a face touches what lies in one plane with it, though that never blocks its way.
+void ProxyMethod::note_grazed(const Separation& at, std::uint32_t triangle) noexcept {
+  if (at.distance > clearance_.rest + 2.0 * clearance_.tolerance || touching_count_ == kMaxTouching) return;
+  for (int i = 0; i < touching_count_; ++i) {
+    if (touching_[i].triangle == triangle) return;
+  }
+  const ContactTriangle shape(geometry_.corner(triangle, 0), geometry_.corner(triangle, 1), geometry_.corner(triangle, 2));
+  touching_[touching_count_++] = {triangle, shape, at};
+}
+
 void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
   int at = blocker_count_;
   if (at == kMaxTouching) {  // full: the latest gives way
-    const auto latest = std::max_element(blockers_.begin(), blockers_.end(), [](const Blocker& a, const Blocker& b) { return a.time < b.time; });
+    const auto latest =
+        std::max_element(blockers_.begin(), blockers_.end(), [](const Blocker& a, const Blocker& b) { return a.time < b.time; });
     if (t >= latest->time) return;
     at = static_cast<int>(latest - blockers_.begin());
   } else {
@@ -450,14 +464,17 @@ std::string ProxyMethod::describe() const {
                           100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);
   }
   return fmt::format(
-      "proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
-      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} refills a step; "
-      "{} caught up in parts, {} unconverged\n",
-      geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(), static_cast<double>(geometry_.bytes()) * 1e-6,
-      (clearance_.rest - hover_) * geometry_.unit_m(), hover_ * geometry_.unit_m(), counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n,
-      counters_.contact_steps, static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c,
-      static_cast<double>(counters_.tests) / c, static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.unconverged) +
-      shading;
+             "proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
+             "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle "
+             "tests, {:.3f} refills a step; "
+             "{} caught up in parts, {} escapes of {} tried, {} unconverged\n",
+             geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(), static_cast<double>(geometry_.bytes()) * 1e-6,
+             (clearance_.rest - hover_) * geometry_.unit_m(), hover_ * geometry_.unit_m(), counters_.steps,
+             100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps, static_cast<double>(counters_.iterations) / c,
+             static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
+             static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.escapes, counters_.attempts,
+             counters_.unconverged) +
+         shading;
 }
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -14,16 +15,18 @@ namespace hapton {
 // What the proxy did since the last reset of the counters. Steps unless named.
 struct ProxyCounters {
   std::uint64_t steps = 0;
-  std::uint64_t skipped = 0;        // free-space steps settled by the empty ball alone
+  std::uint64_t skipped = 0;  // free-space steps settled by the empty ball alone
   std::uint64_t contact_steps = 0;
-  std::uint64_t iterations = 0;     // constrained motions in contact steps
-  std::uint64_t sweeps = 0;         // continuous collision queries
-  std::uint64_t refills = 0;        // neighbourhoods copied
-  std::uint64_t tests = 0;          // triangle against moving sphere
-  std::uint64_t caught_up = 0;      // steps done again in parts
-  double shading_squared = 0.0;     // sum over contact steps of (|shaded - unshaded| / |unshaded|)^2
-  double shading_most = 0.0;        // and its largest
-  std::uint64_t unconverged = 0;    // stopped by the iteration bound: a valid proxy, short of the minimum
+  std::uint64_t iterations = 0;   // constrained motions in contact steps
+  std::uint64_t sweeps = 0;       // continuous collision queries
+  std::uint64_t refills = 0;      // neighbourhoods copied
+  std::uint64_t tests = 0;        // triangle against moving sphere
+  std::uint64_t caught_up = 0;    // steps done again in parts
+  double shading_squared = 0.0;   // sum over contact steps of (|shaded - unshaded| / |unshaded|)^2
+  double shading_most = 0.0;      // and its largest
+  std::uint64_t escapes = 0;      // rests left that are none to a point
+  std::uint64_t attempts = 0;     // and how often that was tried
+  std::uint64_t unconverged = 0;  // stopped by the iteration bound: a valid proxy, short of the minimum
 };
 
 // The god-object (point probe) and sphere probe done to convergence: in every step the proxy moves, never crossing a surface, to
@@ -54,10 +57,12 @@ class ProxyMethod final : public ForceMethod {
 
  private:
   static constexpr int kMaxTouching = 32;
+  static constexpr int kMaxExits = 64;
+  static constexpr int kMaxEscapes = 8;  // in a step
   static constexpr int kMaxIterations = 256;
   static constexpr double kLookAheadSteps = 500.0;  // an object is asked for half a second before the probe can be there, at 1 kHz
-  static constexpr double kLargestReach = 2.0;     // local units: the scene's size
-  static constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
+  static constexpr double kLargestReach = 2.0;      // local units: the scene's size
+  static constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
   static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 3.0;
   static constexpr int kParts = 4;
@@ -69,6 +74,21 @@ class ProxyMethod final : public ForceMethod {
     std::uint32_t triangle = 0;
     ContactTriangle shape;
     Separation separation;
+  };
+  // How the proxy stands: what a try that leads nowhere is undone to.
+  struct Stand {
+    Vec3 proxy = Vec3::Zero();
+    bool free = true;
+    bool sliding = false;
+    std::array<Touch, kMaxTouching> touching;
+    int touching_count = 0;
+    std::array<double, 3> push = {0, 0, 0};
+    int pushing_count = 0;
+  };
+  // A way that may lead out of a corner: along one of its edges.
+  struct Exit {
+    Vec3 direction = Vec3::Zero();  // unit
+    bool closed = false;            // was tried from here
   };
   struct Blocker {
     std::uint32_t triangle = 0;
@@ -82,13 +102,24 @@ class ProxyMethod final : public ForceMethod {
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
+  void descend(const Vec3& device) noexcept;
+  void save(Stand& stand) const noexcept;
+  void restore(const Stand& stand) noexcept;
+  bool escape(const Vec3& device) noexcept;
+  bool tip_over(const Vec3& device) noexcept;
+  bool tip(const Vec3& device, const Vec3& sideways) noexcept;
+  bool is_in_corner() const noexcept;
+  void find_exits() noexcept;
+  bool leave_corner(const Vec3& device) noexcept;
+  bool leave_along(const Vec3& device, const Vec3& motion, double height) noexcept;
+  bool is_better(const Vec3& device) const noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
   bool cross_emptiness(const Vec3& device) noexcept;
-  bool tip_over(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
   bool stay_near(const Vec3& start, const Vec3& motion) noexcept;
+  void note_grazed(const Separation& at, std::uint32_t triangle) noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
   void step_off_surface() noexcept;
   void settle_at(const Vec3& p) noexcept;
@@ -125,7 +156,11 @@ class ProxyMethod final : public ForceMethod {
   int touching_count_ = 0;
   std::array<double, 3> push_ = {0, 0, 0};  // of the first pushing_count_ of touching_, which hold the proxy
   int pushing_count_ = 0;
-  std::array<Touch, kMaxTouching> touched_before_;  // while a step is tried
+  Stand before_;  // the step
+  Stand rest_;    // what an escape is tried from
+  std::array<Exit, kMaxExits> exits_;
+  int exit_count_ = 0;
+  Vec3 exits_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   std::array<ContactPlane, kMaxTouching> planes_;
   std::array<Blocker, kMaxTouching> blockers_;  // what stopped the last sweep
   int blocker_count_ = 0;

@@ -38,7 +38,7 @@ bool make_edge_plane(const Vec3& a, const Vec3& b, const Vec3& na, const Vec3& n
     const double mm = m.squaredNorm();
     if (!(mm > 0.0)) return false;
     const Vec3 up = P - a;
-    const double beta = na.cross(up).dot(m);   // up = alpha na + beta nb + along m
+    const double beta = na.cross(up).dot(m);  // up = alpha na + beta nb + along m
     const double alpha = up.cross(nb).dot(m);
     const double sum = alpha + beta;
     const double t = sum > 0.0 ? std::clamp(beta / sum, 0.0, 1.0) : 0.5;

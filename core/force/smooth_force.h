@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// Algorithm 1 of fdh-rendering.txt: the force that a set of triangles exerts on a probe near it, with smooth normals. In the paper's symbols:
-// P the probe, T a triangle, B the nearest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i the
-// distance from it, D the virtual contact point (VCP), f the force law. Decisions where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
-// Frame S, metres, newtons. RT: all of it.
+// Algorithm 1 of fdh-rendering.txt: the force that a set of triangles exerts on a probe near it, with smooth normals. In the paper's
+// symbols: P the probe, T a triangle, B the nearest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i
+// the distance from it, D the virtual contact point (VCP), f the force law. Decisions where the paper leaves a choice:
+// docs/decisions/0003-fdh-smooth.md. Frame S, metres, newtons. RT: all of it.
 
 // Where a triangle pushes from.
 // Not initialized: hundreds of them live on the fast task's stack.
@@ -26,7 +26,8 @@ struct SmoothVcp {
   bool is_face;
 };
 
-// The triangle's VCP for P, if P lies over it: on a side that can be touched, nearer than radius, within the three planes R_i, and |DP| < radius.
+// The triangle's VCP for P, if P lies over it: on a side that can be touched, nearer than radius, within the three planes R_i, and |DP| <
+// radius.
 bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothVcp& vcp) noexcept;
 
 // The smooth normal at a point X on (or over) a face: the three n_i weighted by 1 / d_i. Unit, on the face's own side.
@@ -40,11 +41,11 @@ inline double smooth_f(double stiffness_n_per_m, double layer, double distance) 
 // What Algorithm 1 gives.
 struct SmoothForce {
   Vec3 force_n = Vec3::Zero();
-  Vec3 D = Vec3::Zero();         // the VCP that pushes most
-  Vec3 away = Vec3::Zero();      // unit, from it to P; zero when no triangle has a VCP
+  Vec3 D = Vec3::Zero();     // the VCP that pushes most
+  Vec3 away = Vec3::Zero();  // unit, from it to P; zero when no triangle has a VCP
   std::uint32_t vcps = 0;
-  std::uint32_t hidden = 0;      // removed, fig. 3
-  std::uint32_t crowded_out = 0; // beyond capacity: the farthest
+  std::uint32_t hidden = 0;       // removed, fig. 3
+  std::uint32_t crowded_out = 0;  // beyond capacity: the farthest
 };
 
 // Collects VCPs and combines them.

@@ -50,10 +50,12 @@ double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
   return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_reach(std::max(1U, set_size / 2)));
 }
 
-// Where between two points the way comes nearest to a face, from 0 to 1; of a stretch that is equally near, its beginning. The distance to a
-// triangle is convex along a line, so halving on its slope finds it.
+// Where between two points the way comes nearest to a face, from 0 to 1; of a stretch that is equally near, its beginning. The distance to
+// a triangle is convex along a line, so halving on its slope finds it.
 double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
-  const auto distance = [&](double at) { return triangle_distance_squared(from + at * (to - from), t.corner[0], t.corner[1], t.corner[2]); };
+  const auto distance = [&](double at) {
+    return triangle_distance_squared(from + at * (to - from), t.corner[0], t.corner[1], t.corner[2]);
+  };
   double low = 0.0;
   double high = 1.0;
   for (int i = 0; i < 60; ++i) {
@@ -93,7 +95,8 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
   if (!(settings.radius_m >= 0.0) || !std::isfinite(settings.radius_m)) {
     return fail("smooth: the radius {:g} m is not 0 or more", settings.radius_m);
   }
-  if (!(settings.layer >= 0.0 && settings.layer <= 1.0)) return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.layer);
+  if (!(settings.layer >= 0.0 && settings.layer <= 1.0))
+    return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.layer);
   auto prepared = SmoothScene::build(scene, settings.scene);
   if (!prepared) return fail("smooth: {}", prepared.error().what);
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
@@ -145,9 +148,7 @@ void SmoothMethod::offer(const LocalSet& set) noexcept {
 }
 
 // A set about p would hardly reach farther than the one at hand, taken nearby, does at its best.
-bool SmoothMethod::would_help(const Vec3& p, double radius) const {
-  return set_.radius > radius || set_.distance_to_way(p) > 0.5 * radius;
-}
+bool SmoothMethod::would_help(const Vec3& p, double radius) const { return set_.radius > radius || set_.distance_to_way(p) > 0.5 * radius; }
 
 void SmoothMethod::select_at(const Vec3& p) noexcept {
   ++counters_.selections;
@@ -188,8 +189,8 @@ void SmoothMethod::look_along(const Vec3& from, const Vec3& to, Visit&& visit) n
   scene_->for_each_along(from, to, skin, visit);
 }
 
-// The first face on the way of a free probe: one that it passes through, or one that it comes within a skin of at an edge or a corner, where
-// it ends, where it runs within a face, or where faces do not quite meet.
+// The first face on the way of a free probe: one that it passes through, or one that it comes within a skin of at an edge or a corner,
+// where it ends, where it runs within a face, or where faces do not quite meet.
 SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noexcept {
   Hit passed;
   Hit grazed;
@@ -239,7 +240,8 @@ SmoothMethod::Hit SmoothMethod::seen_from(const Vec3& from, const Hit& grazed) n
     if (!is_face(t) || !is_within(t, Q, least + 1e-6 * step)) return;
     const double height = t.face.dot(Q - t.corner[0]);
     if (!nearest.is_worse_than(-std::fabs(height), t)) return;
-    nearest = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], grazed.X).point, -std::fabs(height), height < 0.0 ? -1.0 : 1.0, true};
+    nearest = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], grazed.X).point, -std::fabs(height), height < 0.0 ? -1.0 : 1.0,
+               true};
   });
   if (!nearest.found) return grazed;
   if (nearest.side < 0.0 && !nearest.triangle.two_sided) return {};
@@ -562,7 +564,8 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
   const bool rides = inside_ && T_.object == object;
   const Vec3 weights = rides ? closest_point(T_.corner[0], T_.corner[1], T_.corner[2], V_).barycentric : Vec3(Vec3::Zero());
   std::vector<std::array<Vec3, 3>> before(started_ && !inside_ ? surface.face_count : 0);
-  for (std::size_t t = 0; t < before.size(); ++t) before[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
+  for (std::size_t t = 0; t < before.size(); ++t)
+    before[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
 
   const auto moved = scene_->move_vertices(object, vertices);
   if (!moved) return moved;
@@ -584,7 +587,8 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
     if (side < 0.0 && !now.two_sided) continue;
     if (side * now.face.dot(P_ - now.corner[0]) > 0.0) continue;
     const double skin = scene_->skin();
-    if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(now.corner[0]), of3(now.corner[1]), of3(now.corner[2])) <= skin * skin)) {
+    if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(now.corner[0]), of3(now.corner[1]), of3(now.corner[2])) <=
+          skin * skin)) {
       continue;
     }
     const ClosestPoint at = closest_point(now.corner[0], now.corner[1], now.corner[2], P_);

@@ -18,16 +18,16 @@ namespace hapton {
 // What happened since it was built.
 struct SmoothCounters {
   std::uint64_t steps = 0;
-  std::uint64_t skipped = 0;        // the probe was where the set knows that nothing is
-  std::uint64_t selections = 0;     // sets this task had to select itself
-  std::uint64_t offered = 0;        // sets taken over from the slow task
-  std::uint64_t late = 0;           // of the selections: a slow task was at work, but its set did not reach far enough
-  std::uint64_t overflows = 0;      // looks that not even a fresh set was large enough for, answered by the tree
-  std::uint64_t entries = 0;        // the probe went through the surface
-  std::uint64_t releases = 0;       // and came out again
-  std::uint64_t astray = 0;         // no intersection on the way outward: the VCP went to the surface's nearest point
-  std::uint64_t hidden = 0;         // VCPs removed under another triangle, fig. 3
-  std::uint64_t crowded_out = 0;    // VCPs beyond the capacity of one step
+  std::uint64_t skipped = 0;      // the probe was where the set knows that nothing is
+  std::uint64_t selections = 0;   // sets this task had to select itself
+  std::uint64_t offered = 0;      // sets taken over from the slow task
+  std::uint64_t late = 0;         // of the selections: a slow task was at work, but its set did not reach far enough
+  std::uint64_t overflows = 0;    // looks that not even a fresh set was large enough for, answered by the tree
+  std::uint64_t entries = 0;      // the probe went through the surface
+  std::uint64_t releases = 0;     // and came out again
+  std::uint64_t astray = 0;       // no intersection on the way outward: the VCP went to the surface's nearest point
+  std::uint64_t hidden = 0;       // VCPs removed under another triangle, fig. 3
+  std::uint64_t crowded_out = 0;  // VCPs beyond the capacity of one step
 };
 
 // fdh-rendering.txt whole: the fast task computes force on a small set of triangles near the probe (Algorithm 1: smooth normals, hidden

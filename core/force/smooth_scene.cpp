@@ -35,11 +35,20 @@ Result<SmoothScene> SmoothScene::build(const TouchScene& scene, const SmoothScen
   };
   Result<void> done;
   switch (settings.directions) {
-    case 6: done = build_with(std::integral_constant<int, 6>()); break;
-    case 14: done = build_with(std::integral_constant<int, 14>()); break;
-    case 18: done = build_with(std::integral_constant<int, 18>()); break;
-    case 26: done = build_with(std::integral_constant<int, 26>()); break;
-    default: return fail("hulls of {} directions are not known; choose 6, 14, 18 or 26", settings.directions);
+    case 6:
+      done = build_with(std::integral_constant<int, 6>());
+      break;
+    case 14:
+      done = build_with(std::integral_constant<int, 14>());
+      break;
+    case 18:
+      done = build_with(std::integral_constant<int, 18>());
+      break;
+    case 26:
+      done = build_with(std::integral_constant<int, 26>());
+      break;
+    default:
+      return fail("hulls of {} directions are not known; choose 6, 14, 18 or 26", settings.directions);
   }
   if (!done) return tl::unexpected(done.error());
   built.measure();
@@ -107,7 +116,8 @@ Result<void> SmoothScene::move_vertices(std::uint32_t object, std::span<const Ve
   if (object >= objects_.size()) return fail("there is no object {}; the scene has {}", object, objects_.size());
   Object& moved = objects_[object];
   if (vertices.size() != moved.vertex_count) {
-    return fail("object {} has {} vertices, not {}; build the scene anew when a mesh itself changes", object, moved.vertex_count, vertices.size());
+    return fail("object {} has {} vertices, not {}; build the scene anew when a mesh itself changes", object, moved.vertex_count,
+                vertices.size());
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!vertices[i].allFinite()) return fail("object {}: vertex {} is not finite", object, i);
@@ -152,13 +162,14 @@ std::string SmoothScene::describe() const {
     }
   }
   const FdhStats stats = tree_stats();
-  text += fmt::format("tree: hulls of {} directions, {} triangles ({} fake), {} nodes, depth {}, {:.1f} MB\n", directions_, stats.triangles,
-                      [this] {
-                        std::size_t fakes = 0;
-                        for (const Object& object : objects_) fakes += object.surface.mesh.triangles.size() - object.surface.face_count;
-                        return fakes;
-                      }(),
-                      stats.nodes, stats.depth, static_cast<double>(stats.bytes) * 1e-6);
+  text += fmt::format(
+      "tree: hulls of {} directions, {} triangles ({} fake), {} nodes, depth {}, {:.1f} MB\n", directions_, stats.triangles,
+      [this] {
+        std::size_t fakes = 0;
+        for (const Object& object : objects_) fakes += object.surface.mesh.triangles.size() - object.surface.face_count;
+        return fakes;
+      }(),
+      stats.nodes, stats.depth, static_cast<double>(stats.bytes) * 1e-6);
   return text;
 }
 

@@ -37,16 +37,22 @@ class SmoothScene {
   // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.
   template <class Visit>
   void for_each_near(const Vec3& center, double radius, Visit&& visit) const noexcept {
-    std::visit([&](const auto& tree) {
-      tree.for_each_overlapping(FdhBall{center, radius}, [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
-    }, tree_);
+    std::visit(
+        [&](const auto& tree) {
+          tree.for_each_overlapping(FdhBall{center, radius},
+                                    [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
+        },
+        tree_);
   }
   // Calls visit(SetTriangle) for every triangle at most `radius` from the segment.
   template <class Visit>
   void for_each_along(const Vec3& from, const Vec3& to, double radius, Visit&& visit) const noexcept {
-    std::visit([&](const auto& tree) {
-      tree.for_each_overlapping(FdhSweep{from, to, radius}, [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
-    }, tree_);
+    std::visit(
+        [&](const auto& tree) {
+          tree.for_each_overlapping(FdhSweep{from, to, radius},
+                                    [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
+        },
+        tree_);
   }
   // Calls visit(SetTriangle) for every triangle of the scene, fake ones too: the brute-force twin of the queries.
   template <class Visit>

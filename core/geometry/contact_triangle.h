@@ -25,6 +25,21 @@ class ContactTriangle {
   }
 
   const Vec3& corner(int k) const { return corner_[k]; }
+  const Vec3& edge(int k) const { return edge_[k]; }  // from corner k to the next
+
+  // The edge that a point of the face is nearest to, and how near.
+  struct Border {
+    int edge = 0;
+    double distance = 0.0;
+  };
+  Border border(const Vec3& on_face) const {
+    Border nearest{0, std::numeric_limits<double>::infinity()};
+    for (int k = 0; k < 3; ++k) {
+      const double distance = std::fabs(inward_[k].dot(on_face - corner_[k])) * std::sqrt(inverse_squared_[k]);
+      if (distance < nearest.distance) nearest = {k, distance};
+    }
+    return nearest;
+  }
 
   Separation separation(const Vec3& p) const {
     const Vec3 from[3] = {p - corner_[0], p - corner_[1], p - corner_[2]};
@@ -36,26 +51,32 @@ class ContactTriangle {
       return {distance, unit, p - distance * unit, Feature::face};
     }
     double best = std::numeric_limits<double>::infinity();
-    Vec3 best_off = Vec3::Zero();
     int best_edge = 0;
     double best_t = 0.0;
     for (int k = 0; k < 3; ++k) {
       if (inside[k]) continue;
       const double t = std::min(1.0, std::max(0.0, from[k].dot(edge_[k]) * inverse_squared_[k]));
-      const Vec3 off = from[k] - t * edge_[k];
-      const double squared = off.squaredNorm();
+      const double squared = (from[k] - t * edge_[k]).squaredNorm();
       if (!(squared < best)) continue;
       best = squared;
-      best_off = off;
       best_edge = k;
       best_t = t;
     }
     Separation result;
-    result.distance = std::sqrt(best);
-    result.nearest = corner_[best_edge] + best_t * edge_[best_edge];
-    result.feature = best_t > 0.0 && best_t < 1.0 ? Feature::edge : Feature::vertex;
+    Vec3 off;
+    if (best_t > 0.0 && best_t < 1.0) {
+      result.feature = Feature::edge;
+      result.nearest = corner_[best_edge] + best_t * edge_[best_edge];
+      off = detail::way_from_line(p, corner_[best_edge], edge_[best_edge], best_t, inverse_squared_[best_edge]);
+    } else {
+      const int end = best_t > 0.0 ? (best_edge + 1) % 3 : best_edge;
+      result.feature = Feature::vertex;
+      result.nearest = corner_[end];
+      off = from[end];
+    }
+    result.distance = off.norm();
     if (result.distance > 0.0) {
-      result.normal = best_off / result.distance;
+      result.normal = off / result.distance;
     } else if (!normal_.isZero(0.0)) {
       result.normal = normal_;
     } else {
@@ -66,9 +87,9 @@ class ContactTriangle {
 
  private:
   Vec3 corner_[3];
-  Vec3 edge_[3];     // from corner k to the next
-  Vec3 normal_;      // unit; zero without area
-  Vec3 inward_[3];   // in the plane, across edge k towards the inside
+  Vec3 edge_[3];    // from corner k to the next
+  Vec3 normal_;     // unit; zero without area
+  Vec3 inward_[3];  // in the plane, across edge k towards the inside
   double inverse_squared_[3];
 };
 

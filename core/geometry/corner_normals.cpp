@@ -125,7 +125,8 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
 void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
   average_normals(mesh, faces);
   const std::size_t first_middle = mesh.normals.size() - mesh.middle_normals.size();
-  for (std::size_t i = 0; i < mesh.middle_normals.size(); ++i) mesh.normals[first_middle + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
+  for (std::size_t i = 0; i < mesh.middle_normals.size(); ++i)
+    mesh.normals[first_middle + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
 }
 
 Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between) {
@@ -152,11 +153,13 @@ NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
 }
 
 std::string CornerNormalReport::describe() const {
-  return fmt::format("normals: filled {} corners with {} normals; {} sharp edges, {} vertices with several", filled, normals, sharp_edges, creased);
+  return fmt::format("normals: filled {} corners with {} normals; {} sharp edges, {} vertices with several", filled, normals, sharp_edges,
+                     creased);
 }
 
 std::string NormalCheckReport::describe() const {
-  return fmt::format("validation: {} normals were not unit vectors, {} turned away from their face; both now the face's", not_unit, turned_away);
+  return fmt::format("validation: {} normals were not unit vectors, {} turned away from their face; both now the face's", not_unit,
+                     turned_away);
 }
 
 }  // namespace hapton

@@ -23,7 +23,8 @@ struct CornerNormalReport {
 // crease_angle: radians, 0..pi: the turn between two faces above which their edge is sharp.
 // Pre: welded vertices, consistent winding where there is one. RT: set-up only.
 // Source: fdh-rendering.txt, 4.1: "with respect to sharp edges fix or fill missing vertex normals".
-ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle, CornerNormalReport& report);
+ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle,
+                               CornerNormalReport& report);
 
 // The same for vertices that have moved: which corners share a normal stays, the normals follow.
 // faces: the first so many triangles are the mesh's own (fans behind them have no say). Pre: mesh.vertices are the new ones.
@@ -34,8 +35,8 @@ void update_corner_normals(ShadedMesh& mesh, std::size_t faces);
 Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between);
 
 struct NormalCheckReport {
-  std::size_t not_unit = 0;      // was not finite or not of length one: made the face's
-  std::size_t turned_away = 0;   // 85 degrees or more off its own face: the corner gets the face's normal instead
+  std::size_t not_unit = 0;     // was not finite or not of length one: made the face's
+  std::size_t turned_away = 0;  // 85 degrees or more off its own face: the corner gets the face's normal instead
   std::size_t repaired() const { return not_unit + turned_away; }
   std::string describe() const;
 };

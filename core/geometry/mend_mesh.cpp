@@ -59,7 +59,8 @@ class KeyTable {
 
 Bits bits_of(const Vec3& v) {
   // Adding zero makes -0 into 0.
-  return {{std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)}};
+  return {
+      {std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)}};
 }
 
 // The triangle starting at its lowest vertex, the same way round.

@@ -10,10 +10,10 @@ namespace hapton {
 
 // What was found wrong with a mesh and what was done about it.
 struct MendReport {
-  std::size_t welded_vertices = 0;      // equal to the bit (0 and -0 are equal), made one
-  std::size_t dropped_empty = 0;        // triangles that repeat a vertex: no area, no edge of their own
-  std::size_t dropped_duplicates = 0;   // same three vertices, same way round, as an earlier one
-  std::size_t turned = 0;               // turned round so that their piece is wound one way
+  std::size_t welded_vertices = 0;     // equal to the bit (0 and -0 are equal), made one
+  std::size_t dropped_empty = 0;       // triangles that repeat a vertex: no area, no edge of their own
+  std::size_t dropped_duplicates = 0;  // same three vertices, same way round, as an earlier one
+  std::size_t turned = 0;              // turned round so that their piece is wound one way
   // Left as they are: no safe mending.
   std::size_t double_faces = 0;         // same three vertices as an earlier one, other way round: a sheet with two sides
   std::size_t empty_area = 0;           // three different vertices on a line: they close seams, and are kept

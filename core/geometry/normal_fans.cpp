@@ -83,7 +83,8 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
       }
     }
   }
-  std::sort(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.vertex != b.vertex ? a.vertex < b.vertex : a.from < b.from; });
+  std::sort(turns.begin(), turns.end(),
+            [](const Turn& a, const Turn& b) { return a.vertex != b.vertex ? a.vertex < b.vertex : a.from < b.from; });
   for (std::size_t first = 0; first < turns.size();) {
     std::size_t last = first;
     while (last < turns.size() && turns[last].vertex == turns[first].vertex) ++last;

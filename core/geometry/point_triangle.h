@@ -15,21 +15,31 @@ enum class Feature : std::uint8_t { face, edge, vertex };
 
 // How a point stands to a triangle.
 struct Separation {
-  double distance = 0.0;         // >= 0
-  Vec3 normal = Vec3::Zero();    // unit, from the nearest point to the query point: the gradient of the distance
-  Vec3 nearest = Vec3::Zero();   // on the triangle
+  double distance = 0.0;        // >= 0
+  Vec3 normal = Vec3::Zero();   // unit, from the nearest point to the query point: the gradient of the distance
+  Vec3 nearest = Vec3::Zero();  // on the triangle
   Feature feature = Feature::face;
 };
 
-// How far the computed normal may be off the true one (rad), in TouchGeometry's local units: a face's normal comes from exact edges, an
-// edge's or vertex's from the short way between two rounded points.
-inline double normal_error(const Separation& s) {
-  constexpr double kFaceError = 0x1p-48;
-  constexpr double kPlaceError = 0x1p-50;
-  return s.feature == Feature::face ? kFaceError : s.distance > kPlaceError ? kPlaceError / s.distance : 1.0;
-}
+// How far the computed normal may be off the true one (rad), whatever the feature and the distance.
+constexpr double kNormalError = 0x1p-48;
 
 namespace detail {
+
+// p - (a + t * edge), t being where p is nearest on the line: its size and direction are right to a few units in the last place however
+// small it is against p, a and the edge. Differences keep their rounding (Knuth's two-sum), what t's own rounding leaves along the edge
+// is taken off again. Pre: the edge is exact (see TouchGeometry).
+inline Vec3 way_from_line(const Vec3& p, const Vec3& a, const Vec3& edge, double t, double inverse_squared) {
+  Vec3 off;
+  for (int i = 0; i < 3; ++i) {
+    const double difference = p[i] - a[i];
+    const double back = p[i] - difference;
+    const double rounding = (back - a[i]) + (p[i] - (difference + back));
+    off[i] = std::fma(-t, edge[i], difference) + rounding;
+  }
+  const double along = off.dot(edge) * inverse_squared;
+  return off - along * edge;
+}
 
 struct NearestOnEdge {
   double distance_squared;
@@ -38,13 +48,15 @@ struct NearestOnEdge {
   bool inner;  // not an end
 };
 
-inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& edge) {
+inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 edge = b - a;
   const double length_squared = edge.squaredNorm();
-  const Vec3 ap = p - a;
-  const double dot = ap.dot(edge);
-  const double t = length_squared > 0.0 ? std::min(1.0, std::max(0.0, dot / length_squared)) : 0.0;
-  const Vec3 off = ap - t * edge;
-  return {off.squaredNorm(), off, a + t * edge, t > 0.0 && t < 1.0};
+  const double dot = (p - a).dot(edge);
+  if (!(dot > 0.0)) return {(p - a).squaredNorm(), p - a, a, false};
+  if (!(dot < length_squared)) return {(p - b).squaredNorm(), p - b, b, false};
+  const double t = dot / length_squared;
+  const Vec3 off = way_from_line(p, a, edge, t, 1.0 / length_squared);
+  return {off.squaredNorm(), off, a + t * edge, true};
 }
 
 }  // namespace detail
@@ -74,15 +86,15 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   }
   detail::NearestOnEdge best{std::numeric_limits<double>::infinity(), Vec3::Zero(), Vec3::Zero(), false};
   Vec3 along = ab;
-  const auto consider = [&](const Vec3& from, const Vec3& edge) {
-    const detail::NearestOnEdge on_edge = detail::nearest_on_edge(p, from, edge);
+  const auto consider = [&](const Vec3& from, const Vec3& to) {
+    const detail::NearestOnEdge on_edge = detail::nearest_on_edge(p, from, to);
     if (!(on_edge.distance_squared < best.distance_squared)) return;
     best = on_edge;
-    along = edge;
+    along = to - from;
   };
-  if (outside_ab) consider(a, ab);
-  if (outside_bc) consider(b, bc);
-  if (outside_ca) consider(c, ca);
+  if (outside_ab) consider(a, b);
+  if (outside_bc) consider(b, c);
+  if (outside_ca) consider(c, a);
   Separation result;
   result.distance = std::sqrt(best.distance_squared);
   result.nearest = best.nearest;

@@ -28,7 +28,9 @@ class SharedEdges {
   std::span<const HalfEdge> operator[](std::size_t edge) const { return {sides_.data() + first_[edge], first_[edge + 1] - first_[edge]}; }
 
   // The edge that side `corner` of a triangle lies on.
-  std::uint32_t edge_of(std::uint32_t triangle, int corner) const { return edge_of_[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)]; }
+  std::uint32_t edge_of(std::uint32_t triangle, int corner) const {
+    return edge_of_[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)];
+  }
 
   // The triangle across that side and which of its sides it is, when exactly two share the edge; else nullptr.
   const HalfEdge* across(std::uint32_t triangle, int corner) const;

@@ -65,8 +65,13 @@ void SmoothSurface::move_vertices(std::span<const Vec3> vertices) {
 }
 
 std::vector<std::string> SmoothSurfaceReport::lines() const {
-  return {mend.describe(),  simplify.describe(), normals.describe(), check.describe(),
-          split.describe(), fans.describe(),     "final " + final_check.describe()};
+  return {mend.describe(),
+          simplify.describe(),
+          normals.describe(),
+          check.describe(),
+          split.describe(),
+          fans.describe(),
+          "final " + final_check.describe()};
 }
 
 }  // namespace hapton

@@ -17,9 +17,9 @@ namespace hapton {
 
 struct SmoothSurfaceSettings {
   double crease_angle_rad = 40.0 * 3.14159265358979323846 / 180.0;  // faces that turn by more meet in a sharp edge
-  double longest_edge = 1.0 / 16.0;  // of the box's diagonal: longer edges are halved; 0: never
-  double simplify_error = 0.0;       // of the longest side: how far merging small triangles may move the surface; 0: never
-  double growth = 4.0;               // splitting stops before there are so many times the triangles (and 100,000 more)
+  double longest_edge = 1.0 / 16.0;                                 // of the box's diagonal: longer edges are halved; 0: never
+  double simplify_error = 0.0;  // of the longest side: how far merging small triangles may move the surface; 0: never
+  double growth = 4.0;          // splitting stops before there are so many times the triangles (and 100,000 more)
 };
 
 // What each pass did.
@@ -44,8 +44,8 @@ enum class SurfaceKind : std::uint8_t {
 
 // A mesh prepared for fdh-rendering.txt, section 4.1: mended, every corner with its normal, large triangles split, fake triangles between
 // normals that disagree. Faces first, then edge fans, then corner fans.
-// The passes run in this order: mend (list of triangles, common edges), simplify, normals, check, split, fans, final check. The paper splits
-// after it adds the fake triangles; here it is before, so that nothing fake needs splitting. The result is the same.
+// The passes run in this order: mend (list of triangles, common edges), simplify, normals, check, split, fans, final check. The paper
+// splits after it adds the fake triangles; here it is before, so that nothing fake needs splitting. The result is the same.
 struct SmoothSurface {
   ShadedMesh mesh;
   std::size_t face_count = 0;

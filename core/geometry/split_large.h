@@ -8,10 +8,10 @@
 namespace hapton {
 
 struct SplitReport {
-  double longest_edge = 0.0;   // of what was asked for, metres
-  std::size_t edges = 0;       // halved, those of earlier rounds' halves included
-  std::size_t triangles = 0;   // how many more there are now
-  bool complete = true;        // false: the limit on triangles was reached first
+  double longest_edge = 0.0;  // of what was asked for, metres
+  std::size_t edges = 0;      // halved, those of earlier rounds' halves included
+  std::size_t triangles = 0;  // how many more there are now
+  bool complete = true;       // false: the limit on triangles was reached first
   std::string describe() const;
 };
 

@@ -75,9 +75,9 @@ inline T triangle_distance_squared(const detail::Of3<T>& p, const detail::Of3<T>
   const T u = 1.0 - v - w;
   const Of3<T> off = ap - (v * ab + w * ac);
   const T plane = off.dot(off);
-  const T edges = detail::lane_min(
-      detail::segment_distance_squared<T>(ap, ab),
-      detail::lane_min(detail::segment_distance_squared<T>(ap, ac), detail::segment_distance_squared<T>(p - b, c - b)));
+  const T edges =
+      detail::lane_min(detail::segment_distance_squared<T>(ap, ab),
+                       detail::lane_min(detail::segment_distance_squared<T>(ap, ac), detail::segment_distance_squared<T>(p - b, c - b)));
   const T worst = detail::lane_min(u, detail::lane_min(v, w));
   return worst > zero ? detail::lane_min(plane, edges) : edges;
 }
@@ -115,8 +115,8 @@ inline T segment_segment_distance_squared(const Of3<T>& p, const Of3<T>& d, cons
 template <class T>
 inline T segment_triangle_distance_squared(const detail::Of3<T>& p, const detail::Of3<T>& q, const detail::Of3<T>& a,
                                            const detail::Of3<T>& b, const detail::Of3<T>& c) {
-  using detail::Of3;
   using detail::lane_min;
+  using detail::Of3;
   const T zero = detail::zero_lanes<T>();
   const Of3<T> d = q - p;
   const Of3<T> ab = b - a;

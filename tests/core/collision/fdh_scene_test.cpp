@@ -82,8 +82,8 @@ void check_queries(const Objects& objects, const FdhScene<K>& scene, Objects& dr
     scene.for_each_overlapping(FdhSweep{p, q, 0.003}, [&](std::uint32_t o, std::uint32_t t) { visited.insert({o, t}); });
     objects.for_each([&](std::uint32_t o, std::uint32_t t) {
       const TriangleMesh& mesh = objects.meshes[o];
-      const double d = segment_triangle_distance_squared<double>(of3(p), of3(q), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)),
-                                                                 of3(mesh.corner(t, 2)));
+      const double d =
+          segment_triangle_distance_squared<double>(of3(p), of3(q), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)), of3(mesh.corner(t, 2)));
       EXPECT_EQ(std::sqrt(d) <= 0.003, visited.count({o, t}) > 0);
     });
   }

@@ -31,7 +31,8 @@ const std::vector<NamedMesh>& meshes() {
     all.push_back({"wingnut", made::obj_mesh("wingnut.obj")});
     all.push_back({"one triangle", {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}}});
     all.push_back({"one point many times", {{Vec3(3, 4, 5)}, std::vector<Triangle>(50, Triangle{0, 0, 0})}});
-    all.push_back({"same triangle many times", {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, std::vector<Triangle>(50, Triangle{0, 1, 2})}});
+    all.push_back(
+        {"same triangle many times", {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, std::vector<Triangle>(50, Triangle{0, 1, 2})}});
     all.push_back({"far away", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1.0, {1e6, -1e6, 1e6})});
     all.push_back({"tiny", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1e-6, {0, 0, 0})});
     all.push_back({"tiny and off", scaled_and_moved(made::sphere(1.0, 16, 0.1), 1e-6, {1, 2, 3})});
@@ -83,7 +84,8 @@ TYPED_TEST_SUITE(FdhTreeOf, AllDirections);
 
 // Everything wanted is visited, once, and nothing beyond what is allowed.
 template <class Tree, class Query, class Wanted, class Allowed>
-void expect_twin(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Wanted&& wanted, Allowed&& allowed) {
+void expect_twin(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Wanted&& wanted,
+                 Allowed&& allowed) {
   Ids visited;
   tree.for_each_overlapping(query, [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << what << ": twice"; });
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {

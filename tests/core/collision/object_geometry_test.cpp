@@ -15,7 +15,9 @@ TEST(ObjectGeometry, HoldsTheMeshesTriangles) {
   const LocalFrame frame{.origin = Vec3(0.01, 0, 0), .unit_m = 0.0625};
   const ObjectGeometry object(mesh, frame);
   ASSERT_EQ(object.triangle_count(), mesh.triangles.size());
-  const auto less = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
+  const auto less = [](const Vec3& a, const Vec3& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
   std::vector<Vec3> expected;
   std::vector<Vec3> found;
   for (std::uint32_t t = 0; t < object.triangle_count(); ++t) {
@@ -24,7 +26,8 @@ TEST(ObjectGeometry, HoldsTheMeshesTriangles) {
   }
   std::sort(expected.begin(), expected.end(), less);
   for (const Vec3& centroid : found) {
-    const auto nearest = std::min_element(expected.begin(), expected.end(), [&](const Vec3& a, const Vec3& b) { return (a - centroid).norm() < (b - centroid).norm(); });
+    const auto nearest = std::min_element(expected.begin(), expected.end(),
+                                          [&](const Vec3& a, const Vec3& b) { return (a - centroid).norm() < (b - centroid).norm(); });
     EXPECT_LE((*nearest - centroid).norm(), 1e-15);
   }
 }

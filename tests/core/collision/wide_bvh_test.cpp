@@ -138,7 +138,10 @@ TEST(WideBvh, QueriesTakeNothingFromTheHeap) {
   std::size_t seen = 0;
   const AllocationGuard guard;
   tree.for_each_overlapping(Box::around({-1, -1, -1}, {1, 1, 1}), [&](std::uint32_t) { ++seen; });
-  tree.visit_nearest({3, 0, 0}, 1e9, [&](std::uint32_t, double bound) { ++seen; return bound; });
+  tree.visit_nearest({3, 0, 0}, 1e9, [&](std::uint32_t, double bound) {
+    ++seen;
+    return bound;
+  });
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(seen, boxes.size() / 2);
 }

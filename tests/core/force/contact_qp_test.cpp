@@ -102,7 +102,8 @@ TEST(ContactQp, NothingInTheWayLeavesTheWish) {
 }
 
 TEST(ContactQp, ThreePlanesThatCloseLeaveNoMotion) {
-  const std::vector<ContactPlane> pit = {{Vec3(1, 0, 1).normalized(), 0.0}, {Vec3(-1, 1, 1).normalized(), 0.0}, {Vec3(0, -1, 1).normalized(), 0.0}};
+  const std::vector<ContactPlane> pit = {
+      {Vec3(1, 0, 1).normalized(), 0.0}, {Vec3(-1, 1, 1).normalized(), 0.0}, {Vec3(0, -1, 1).normalized(), 0.0}};
   const ConstrainedMotion found = constrain_motion(Vec3(0.01, 0.02, -1), pit);
   EXPECT_TRUE(found.solved);
   EXPECT_EQ(found.active_count, 3);

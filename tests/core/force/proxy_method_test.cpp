@@ -236,7 +236,7 @@ TEST(Proxy, DampingIsUsedAndNeverPullsIn) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4), damped));
   proxy->reset({0, 0, 0.001});
   proxy->step({.p_SD = Vec3(0, 0, -0.001)});
-  const MethodOutput in = proxy->step({.p_SD = Vec3(0, 0, -0.0012)});   // 0.2 m/s inward
+  const MethodOutput in = proxy->step({.p_SD = Vec3(0, 0, -0.0012)});  // 0.2 m/s inward
   EXPECT_NEAR(in.force_n.z(), 1.2 + 1.0, 1e-6);
   const MethodOutput out = proxy->step({.p_SD = Vec3(0, 0, -0.0002)});  // 1 m/s outward: damping alone would pull
   EXPECT_GE(out.force_n.z(), 0.0);

@@ -39,8 +39,8 @@ TEST(SmoothForce, OverAPlaneIsExact) {
   std::uniform_real_distribution<double> unit(-0.04, 0.04);
   for (int i = 0; i < 2000; ++i) {
     Vec3 P(unit(random), unit(random), 1e-5 + 0.004 * (i % 7) / 7.0);
-    if (i % 3 == 0) P.x() = 0.01 * std::round(P.x() * 100.0);                                   // over an edge
-    if (i % 6 == 0) P.y() = 0.01 * std::round(P.y() * 100.0);                                   // over a vertex
+    if (i % 3 == 0) P.x() = 0.01 * std::round(P.x() * 100.0);  // over an edge
+    if (i % 6 == 0) P.y() = 0.01 * std::round(P.y() * 100.0);  // over a vertex
     const SmoothForce felt = force_at(triangles, P, 0.005, 0.005);
     EXPECT_GE(felt.vcps, 1U);
     EXPECT_LT((felt.force_n - Vec3(0, 0, kStiffness * (0.005 - P.z()))).norm(), 1e-9) << P.transpose();
@@ -48,7 +48,8 @@ TEST(SmoothForce, OverAPlaneIsExact) {
   }
 }
 
-// Round a sphere at one height: the force points outward within a fraction of the facets' own error, and turns as evenly as the probe moves.
+// Round a sphere at one height: the force points outward within a fraction of the facets' own error, and turns as evenly as the probe
+// moves.
 TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   constexpr double kRadius = 0.05;
   const auto triangles = triangles_of(make_icosphere(kRadius, 3));

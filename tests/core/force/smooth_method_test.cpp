@@ -100,7 +100,8 @@ TEST(SmoothMethod, APlaneIsTouchedFromEitherSideUnlessOneSided) {
   }
 }
 
-// Inside a sphere the force is radial far closer than the facets are, and turns as evenly as the probe goes round: no bouncing across edges.
+// Inside a sphere the force is radial far closer than the facets are, and turns as evenly as the probe goes round: no bouncing across
+// edges.
 TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   constexpr double kRadius = 0.05;
   const TriangleMesh mesh = make_icosphere(kRadius, 3);
@@ -224,8 +225,8 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
   EXPECT_GT(method->counters().overflows, 0U);
 }
 
-// Both tasks under a simulated clock: the slow one starts every `period` steps and its set arrives `latency` steps later. However late it is,
-// the force is that of one task alone; how late it was shows in the counters.
+// Both tasks under a simulated clock: the slow one starts every `period` steps and its set arrives `latency` steps later. However late it
+// is, the force is that of one task alone; how late it was shows in the counters.
 TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const TouchScene scene = scene_of(mesh);
@@ -398,8 +399,8 @@ TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   const TriangleMesh fish = made::obj_mesh("fish_22k.obj");
   ASSERT_EQ(wingnut.triangles.size(), 6090U);
   int seed = 200;
-  for (const TriangleMesh& mesh : {wingnut, fish, made::sphere(0.05, 24, 0.2), make_staircase(0.1, 5, 4), make_pit(0.1, 0.05), make_thin_wall(0.1, 0.002, 12),
-                                   make_torus(0.05, 0.01, 40, 16)}) {
+  for (const TriangleMesh& mesh : {wingnut, fish, made::sphere(0.05, 24, 0.2), make_staircase(0.1, 5, 4), make_pit(0.1, 0.05),
+                                   make_thin_wall(0.1, 0.002, 12), make_torus(0.05, 0.01, 40, 16)}) {
     const auto method = make(scene_of(mesh));
     const auto near = std::make_unique<LocalSet>();
     const double allowed = 0.0025 * method->scene().diagonal();
@@ -509,7 +510,8 @@ TEST(SmoothMethod, MovingAndDeformingSurfacesAreFelt) {
   const std::vector<Vec3> rest = mesh.vertices;
   for (int i = 1; i <= 60; ++i) {
     // It swells along x and drifts along y.
-    for (std::size_t v = 0; v < rest.size(); ++v) mesh.vertices[v] = Vec3(rest[v].x() * (1.0 + 2e-4 * i), rest[v].y() + 1e-5 * i, rest[v].z());
+    for (std::size_t v = 0; v < rest.size(); ++v)
+      mesh.vertices[v] = Vec3(rest[v].x() * (1.0 + 2e-4 * i), rest[v].y() + 1e-5 * i, rest[v].z());
     ASSERT_TRUE(method->move_vertices(0, mesh.vertices));
     const Vec3 felt = method->step({.p_SD = still}).force_n;
     const auto anew = make(scene_of(mesh));
@@ -570,7 +572,8 @@ TEST(SmoothMethod, DescribesWhatItDid) {
   method->reset(Vec3(0.06, 0, 0));
   method->step({.p_SD = Vec3(0.049, 0, 0)});
   const std::string text = method->describe();
-  for (const char* word : {"RADIUS", "mend:", "hulls of 14", "1 entries", "selected here"}) EXPECT_NE(text.find(word), std::string::npos) << word;
+  for (const char* word : {"RADIUS", "mend:", "hulls of 14", "1 entries", "selected here"})
+    EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
 TEST(SmoothMethod, SaysThatItLeavesOutFriction) {

@@ -18,7 +18,8 @@ using Id = std::pair<std::uint32_t, std::uint32_t>;
 TouchScene two_objects() {
   TouchScene scene;
   scene.objects.push_back({made::shared(made::sphere(0.05, 16, 0.05)), {}});
-  scene.objects.push_back({made::shared(scaled_and_moved(make_box(Vec3(0.05, 0.05, 0.05)), 1.0, Vec3(0.08, 0, 0))), {.stiffness_n_per_m = 500.0}});
+  scene.objects.push_back(
+      {made::shared(scaled_and_moved(make_box(Vec3(0.05, 0.05, 0.05)), 1.0, Vec3(0.08, 0, 0))), {.stiffness_n_per_m = 500.0}});
   return scene;
 }
 
@@ -40,7 +41,8 @@ TEST(SmoothScene, SelectsTheNearestAndKnowsHowFarTheyAreComplete) {
       for (std::uint32_t t = 0; t < set->count; ++t) ids.insert({set->triangles[t].object, set->triangles[t].triangle});
       double least = 1e9;
       scene->for_each([&](const SetTriangle& t) {
-        const double d = std::sqrt(segment_triangle_distance_squared<double>(of3(p), of3(q), of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])));
+        const double d =
+            std::sqrt(segment_triangle_distance_squared<double>(of3(p), of3(q), of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])));
         least = std::min(least, d);
         if (d < set->radius) {
           EXPECT_TRUE(ids.count({t.object, t.triangle}));
@@ -105,7 +107,8 @@ TEST(SmoothScene, RefusesDirectionsItDoesNotHave) {
 TEST(SmoothScene, DescribesEveryPassAndTheTree) {
   const auto scene = SmoothScene::build(two_objects(), {});
   const std::string text = scene->describe();
-  for (const char* word : {"object 1: mend:", "split:", "fans:", "tree: hulls of 14 directions"}) EXPECT_NE(text.find(word), std::string::npos) << word;
+  for (const char* word : {"object 1: mend:", "split:", "fans:", "tree: hulls of 14 directions"})
+    EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
 // The typical reach is about where half a thousand and a half triangles meet: doubling the count on a plane widens it by sqrt 2.

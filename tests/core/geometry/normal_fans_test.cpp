@@ -30,8 +30,8 @@ TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
 // The fans close the surface of normals: at every side of every triangle, fake or not, another one runs the other way with the same
 // normals, so no direction is left out and none is covered twice.
 TEST(NormalFans, FansLeaveNoGapBetweenNormals) {
-  for (const TriangleMesh& mesh : {make_box(Vec3(1, 2, 3), 2), make_cylinder(1.0, 2.0, 12), make_prism({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}}, 1.0, 2),
-                                   make_staircase(1.0, 3, 2)}) {
+  for (const TriangleMesh& mesh : {make_box(Vec3(1, 2, 3), 2), make_cylinder(1.0, 2.0, 12),
+                                   make_prism({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}}, 1.0, 2), make_staircase(1.0, 3, 2)}) {
     SmoothSurfaceReport report;
     const auto surface = make_smooth_surface(mesh, {}, report);
     ASSERT_TRUE(surface);

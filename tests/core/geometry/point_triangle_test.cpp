@@ -70,7 +70,8 @@ TEST(PointTriangle, NormalIsTheGradientOfTheDistance) {
     const double h = 1e-6;
     for (int k = 0; k < 3; ++k) {
       const Vec3 step = h * Vec3::Unit(k);
-      const double slope = (separation_from_triangle(p + step, a, b, c).distance - separation_from_triangle(p - step, a, b, c).distance) / (2 * h);
+      const double slope =
+          (separation_from_triangle(p + step, a, b, c).distance - separation_from_triangle(p - step, a, b, c).distance) / (2 * h);
       EXPECT_NEAR(slope, s.normal[k], 1e-3);
     }
   }
@@ -86,7 +87,8 @@ TEST(PointTriangle, EveryOrderOfTheCornersGivesTheSameDistance) {
     const std::array<Vec3, 3> t = {point(), point(), point()};
     const Vec3 p = point();
     const double d = separation_from_triangle(p, t[0], t[1], t[2]).distance;
-    for (const auto& [x, y, z] : {std::array{1, 2, 0}, std::array{2, 0, 1}, std::array{0, 2, 1}, std::array{2, 1, 0}, std::array{1, 0, 2}}) {
+    for (const auto& [x, y, z] :
+         {std::array{1, 2, 0}, std::array{2, 0, 1}, std::array{0, 2, 1}, std::array{2, 1, 0}, std::array{1, 0, 2}}) {
       EXPECT_NEAR(separation_from_triangle(p, t[x], t[y], t[z]).distance, d, 1e-15);
     }
   }

@@ -18,7 +18,8 @@ TriangleMesh faces_of(const SmoothSurface& surface) {
 }
 
 TEST(SplitLarge, SplittingKeepsTheSurfaceAndClosesNoCrack) {
-  for (const TriangleMesh& mesh : {make_box(Vec3(1, 1, 1)), make_cylinder(0.02, 1.0, 24), make_gutter(1.0, 0.5, 1.0, 1), made::obj_mesh("wingnut.obj")}) {
+  for (const TriangleMesh& mesh :
+       {make_box(Vec3(1, 1, 1)), make_cylinder(0.02, 1.0, 24), make_gutter(1.0, 0.5, 1.0, 1), made::obj_mesh("wingnut.obj")}) {
     SmoothSurfaceReport report;
     const auto surface = make_smooth_surface(mesh, {.longest_edge = 0.02, .growth = 1000.0}, report);
     ASSERT_TRUE(surface);

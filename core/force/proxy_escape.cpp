@@ -1,0 +1,133 @@
+// How the proxy gets out of rests that are none. The hover keeps it off the surface; on an edge, or where a fold narrows at a corner, so
+// small a ball can come to rest on a maximum or against a step no higher than itself, where a point would go on.
+#include <algorithm>
+#include <cmath>
+
+#include "core/force/proxy_method.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kBeside = 512.0;     // hovers: an edge or corner as near as this has a say
+constexpr double kLeastGain = 4.0;    // hovers: a step that nobody feels
+constexpr double kTip = 0x1p-6;       // of the probe: how far it is tipped
+constexpr double kFlat = 0x1p-20;     // slopes below this are level
+constexpr double kHeights[] = {8.0, 256.0};  // hovers
+
+}  // namespace
+
+// True when the proxy now rests nearer to the device. Friction holds it where it is.
+bool ProxyMethod::escape(const Vec3& device) noexcept {
+  if (has_friction_) return false;
+  return tip_over(device) || (is_point_ && is_in_corner() && leave_corner(device));
+}
+
+bool ProxyMethod::is_better(const Vec3& device) const noexcept {
+  return free_ || (device - proxy_).norm() < (device - rest_.proxy).norm() - kLeastGain * hover_;
+}
+
+// A proxy held by an edge or corner with the device beyond it stands like a ball on a ridge: it is pushed to either side. So does one on
+// the very border of a face, and a sphere held so by two, which has only their line to go along.
+bool ProxyMethod::tip_over(const Vec3& device) noexcept {
+  if (pushing_count_ < 1 || pushing_count_ > (is_point_ ? 1 : 2)) return false;
+  int balanced = -1;
+  for (int i = 0; i < pushing_count_; ++i) {
+    const Separation& at = touching_[i].separation;
+    if ((device - at.nearest).dot(at.normal) >= 0.0) continue;
+    if (at.feature != Feature::face || touching_[i].shape.border(at.nearest).distance <= kBeside * hover_) balanced = i;
+  }
+  if (balanced < 0) return false;
+  const Touch touch = touching_[balanced];
+  const Vec3& normal = touch.separation.normal;
+  Vec3 first = pushing_count_ == 2 ? touching_[0].separation.normal.cross(touching_[1].separation.normal)
+               : touch.separation.feature == Feature::vertex
+                   ? Vec3::Zero()
+                   : normal.cross(touch.shape.edge(touch.shape.border(touch.separation.nearest).edge));
+  first = first.isZero(0.0) ? normal.unitOrthogonal() : Vec3(first.normalized());
+  const Vec3 second = normal.cross(first);
+  const double far = std::max(kTip * clearance_.rest, 2.0 * kBeside * hover_);
+  save(rest_);
+  for (const Vec3& sideways : {first, Vec3(-first), second, Vec3(-second)}) {
+    if (tip(device, far * sideways)) return true;
+    restore(rest_);
+    if (pushing_count_ == 2 && sideways == -first) break;
+  }
+  return false;
+}
+
+bool ProxyMethod::tip(const Vec3& device, const Vec3& sideways) noexcept {
+  ++counters_.attempts;
+  if (advance(sideways)) return false;
+  descend(device);
+  return is_better(device);
+}
+
+bool ProxyMethod::is_in_corner() const noexcept {
+  if (pushing_count_ == 0) return true;  // caged
+  for (int i = 0; i < pushing_count_; ++i) {
+    const Touch& touch = touching_[i];
+    for (int k = 0; k < 3; ++k) {
+      if ((touch.separation.nearest - touch.shape.corner(k)).norm() <= kBeside * hover_) return true;
+    }
+  }
+  return false;
+}
+
+// All edges that begin here. A point that can get any nearer to the device without leaving the surface can do so along one of them: the
+// way along a face lies between two of its edges, and one of those leads nearer, too.
+void ProxyMethod::find_exits() noexcept {
+  if ((proxy_ - exits_from_).norm() <= kLeastGain * hover_) return;
+  exits_from_ = proxy_;
+  exit_count_ = 0;
+  const double near = kBeside * hover_ + clearance_.rest;
+  geometry_.for_each_overlapping(Box{proxy_.array() - near, proxy_.array() + near}, [&](std::uint32_t triangle) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = geometry_.corner(triangle, k);
+      if ((corner - proxy_).norm() > near) continue;
+      for (const int other : {(k + 1) % 3, (k + 2) % 3}) {
+        const Vec3 edge = geometry_.corner(triangle, other) - corner;
+        if (exit_count_ < kMaxExits && !edge.isZero(0.0)) exits_[exit_count_++] = {edge.normalized(), false};
+      }
+    }
+  });
+}
+
+bool ProxyMethod::leave_corner(const Vec3& device) noexcept {
+  find_exits();
+  const Vec3 wish = device - proxy_;
+  const double least = kFlat * wish.norm() + kLeastGain * hover_;
+  for (int i = 0; i < exit_count_; ++i) {
+    Exit& exit = exits_[i];
+    const double gain = exit.direction.dot(wish);
+    if (exit.closed || gain <= least) continue;
+    exit.closed = true;
+    save(rest_);
+    for (const double height : kHeights) {
+      if (leave_along(device, gain * exit.direction, height * hover_)) return true;
+      restore(rest_);
+    }
+  }
+  return false;
+}
+
+// Lifted over everything near, then along the motion.
+bool ProxyMethod::leave_along(const Vec3& device, const Vec3& motion, double height) noexcept {
+  ++counters_.attempts;
+  const double near = 2.0 * height;
+  int count = 0;
+  geometry_.for_each_overlapping(Box{proxy_.array() - near, proxy_.array() + near}, [&](std::uint32_t triangle) {
+    const Separation s = geometry_.separation(triangle, proxy_);
+    if (count < kMaxTouching && s.distance <= near && can_touch(triangle, proxy_)) planes_[count++] = {s.normal, height - s.distance};
+  });
+  const ConstrainedMotion lift =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(count)));
+  if (!lift.solved || lift.motion.norm() > 64.0 * height || advance(lift.motion)) return false;
+  const Vec3 lifted = proxy_;
+  touching_count_ = 0;
+  advance(motion);
+  if ((proxy_ - lifted).norm() < 8.0 * height) return false;
+  descend(device);
+  return is_better(device);
+}
+
+}  // namespace hapton
