@@ -8,10 +8,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kBeside = 512.0;     // hovers: an edge or corner as near as this has a say
-constexpr double kLeastGain = 4.0;    // hovers: a step that nobody feels
-constexpr double kTip = 0x1p-6;       // of the probe: how far it is tipped
-constexpr double kFlat = 0x1p-20;     // slopes below this are level
+constexpr double kBeside = 512.0;            // hovers: an edge or corner as near as this has a say
+constexpr double kLeastGain = 4.0;           // hovers: a step that nobody feels
+constexpr double kTip = 0x1p-6;              // of the probe: how far it is tipped
+constexpr double kFlat = 0x1p-20;            // slopes below this are level
 constexpr double kHeights[] = {8.0, 256.0};  // hovers
 
 }  // namespace
@@ -29,7 +29,8 @@ bool ProxyMethod::is_better(const Vec3& device) const noexcept {
 // A proxy held by an edge or corner with the device beyond it stands like a ball on a ridge: it is pushed to either side. So does one on
 // the very border of a face, and a sphere held so by two, which has only their line to go along.
 bool ProxyMethod::tip_over(const Vec3& device) noexcept {
-  if (pushing_count_ < 1 || pushing_count_ > (is_point_ ? 1 : 2)) return false;
+  if (pushing_count_ < 1 || pushing_count_ > 2) return false;
+  if (pushing_count_ == 2 && is_point_ && !is_in_corner()) return false;  // a fold
   int balanced = -1;
   for (int i = 0; i < pushing_count_; ++i) {
     const Separation& at = touching_[i].separation;
@@ -63,7 +64,6 @@ bool ProxyMethod::tip(const Vec3& device, const Vec3& sideways) noexcept {
 }
 
 bool ProxyMethod::is_in_corner() const noexcept {
-  if (pushing_count_ == 0) return true;  // caged
   for (int i = 0; i < pushing_count_; ++i) {
     const Touch& touch = touching_[i];
     for (int k = 0; k < 3; ++k) {

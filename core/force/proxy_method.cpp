@@ -12,10 +12,19 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
 
 namespace {
 
+constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
+constexpr double kFarthestGoal = 0x1p10;  // local units
+
 std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& scene) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const TouchObject& object : scene.objects) meshes.push_back(object.mesh);
   return meshes;
+}
+
+// No motion need be longer than to cross the scene.
+Vec3 shortened(const Vec3& motion) {
+  const double length = motion.norm();
+  return length > kLongestMotion ? Vec3(motion * (kLongestMotion / length)) : motion;
 }
 
 // A device farther out than a billion scenes is taken to be there: its squares must stay finite.
@@ -227,16 +236,17 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
     if (touching_count_ == 0 && cross_emptiness(device)) return;
     Vec3 wish = device - proxy_;
     const double distance = wish.norm();
-    const bool arrives = distance <= kLongestMotion;  // a device far away must not cost the digits of what is near
-    if (!arrives) wish *= kLongestMotion / distance;
+    const bool arrives = distance <= kLongestMotion;
+    if (distance > kFarthestGoal) wish *= kFarthestGoal / distance;  // a device far away must not cost the digits of what is near
     idle = distance < nearest - kRounding ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
-    if (idle > kMaxIdle) {  // caged: moves back and forth within the clearance's slack
-      pushing_count_ = 0;
+    if (idle > kMaxIdle && touching_count_ > 0) {  // caged: moves back and forth within the clearance's slack
+      pushing_count_ = 1;
+      push_[0] = distance;
       return;
     }
     if (touching_count_ == 0) {
-      if (advance(wish)) {
+      if (advance(shortened(wish))) {
         free_ = false;
       } else if (arrives) {
         settle_at(device);
@@ -255,7 +265,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
       bring_pushing_first(constrained);
       return;
     }
-    if (!advance(motion) && constrained.active_count == 0 && arrives) {
+    if (!advance(shortened(motion)) && constrained.active_count == 0 && arrives) {
       settle_at(device);
       return;
     }

@@ -289,7 +289,8 @@ struct StressRun::Inside {
   Inside(const StressBody& body_, const StressSettings& settings_, const MethodSettings& method_settings)
       : settings(settings_),
         extent(compute_bounds(body_.touched).extent() * settings_.scale),
-        body(placed(body_, settings_.scale, settings_.offset_extents * extent * Vec3(1.0, -1.0, 1.0))),
+        place(settings_.offset_extents * extent * Vec3(1.0, -1.0, 1.0)),
+        body(placed(body_, settings_.scale, place)),
         walk_mesh(body.solid.triangles.empty() ? body.touched : body.solid),
         walk(walk_mesh) {
     probe_radius = body.probe_share * extent;
@@ -347,6 +348,7 @@ struct StressRun::Inside {
 
   StressSettings settings;
   double extent;
+  Vec3 place;
   StressBody body;
   TriangleMesh walk_mesh;
   SurfaceWalk walk;
@@ -406,7 +408,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       if (felt.contact || !felt.force_n.isZero(0.0)) note(StressFault::kBroken, 0.0);
       continue;
     }
-    const double far = device.cwiseAbs().maxCoeff() - in.settings.offset_extents * extent;
+    const double far = (device - in.place).cwiseAbs().maxCoeff();
     if (far > 1e3 * extent) {  // a proxy so far behind has no digits left to be judged by
       before = device;
       felt_before = felt;
