@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 
+#include "link/seal_counts.h"
+
 namespace hapton {
 
 // Where a datagram goes to or came from: IPv4 or IPv6 address and port.
@@ -40,6 +42,9 @@ class Endpoint {
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 
   virtual Address local_address() const = 0;
+
+  // What a sealed endpoint has passed and refused; all zero for others.
+  virtual SealCounts seal_counts() const noexcept { return {}; }
 };
 
 }  // namespace hapton

@@ -99,6 +99,8 @@ class HubPeers {
   bool has_haptics() const noexcept { return peers_[kHapticsPlace].present; }
   std::uint64_t session() const noexcept { return session_; }
   const HubCounts& counts() const noexcept { return counts_; }
+  // All zero where nothing is sealed.
+  SealCounts seal_counts() const noexcept { return endpoint_.seal_counts(); }
 
  private:
   PeerEvent welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;

@@ -348,7 +348,7 @@ TEST_F(CodecTest, TellsAnotherVersion) {
   bytes[1] = std::byte{kProtocolVersion + 1};
   EXPECT_EQ(decode(bytes), DecodeStatus::wrong_version);
   // Whatever a later version puts behind its number.
-  EXPECT_EQ(decode({std::byte{0x08}, std::byte{0x02}, std::byte{0xFF}, std::byte{0xFF}}), DecodeStatus::wrong_version);
+  EXPECT_EQ(decode({std::byte{0x08}, std::byte{kProtocolVersion + 1}, std::byte{0xFF}, std::byte{0xFF}}), DecodeStatus::wrong_version);
   EXPECT_EQ(decode({std::byte{0x08}, std::byte{0x80}, std::byte{0x01}}), DecodeStatus::wrong_version);
   EXPECT_EQ(decode({std::byte{0x08}, std::byte{0x00}}), DecodeStatus::wrong_version);
 }

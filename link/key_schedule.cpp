@@ -1,0 +1,97 @@
+#include "link/key_schedule.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+
+#include "link/codec.h"
+#include "runtime/log.h"
+
+namespace hapton::seal {
+namespace {
+
+constexpr std::string_view kHandshakeLabel = "hapton handshake";
+constexpr std::string_view kSessionLabel = "hapton session";
+constexpr char kSubkeyContext[crypto_kdf_CONTEXTBYTES + 1] = "hapton-k";
+
+static_assert(std::tuple_size_v<Secret> == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
+static_assert(std::tuple_size_v<Secret> == crypto_kdf_KEYBYTES);
+static_assert(kProtocolVersion < 128);  // one byte, as here as at the start of a datagram
+
+class Hash {
+ public:
+  Hash(std::span<const std::uint8_t> key, std::size_t size) : size_(size) {
+    crypto_generichash_init(&state_, key.data(), key.size(), size);
+  }
+  ~Hash() { sodium_memzero(&state_, sizeof state_); }
+  Hash(const Hash&) = delete;
+  Hash& operator=(const Hash&) = delete;
+
+  void add(std::span<const std::uint8_t> bytes) { crypto_generichash_update(&state_, bytes.data(), bytes.size()); }
+  void add(std::string_view label) {
+    crypto_generichash_update(&state_, reinterpret_cast<const std::uint8_t*>(label.data()), label.size());
+    const auto version = static_cast<std::uint8_t>(kProtocolVersion);
+    crypto_generichash_update(&state_, &version, 1);
+  }
+  void finish(std::uint8_t* into) { crypto_generichash_final(&state_, into, size_); }
+
+ private:
+  crypto_generichash_state state_;
+  std::size_t size_;
+};
+
+void derive_subkey(const Secret& master, std::uint64_t number, Secret& into) {
+  crypto_kdf_derive_from_key(into.data(), into.size(), number, kSubkeyContext, master.data());
+}
+
+}  // namespace
+
+SessionKeys::~SessionKeys() {
+  wipe(client_to_hub);
+  wipe(hub_to_client);
+  wipe(answer);
+}
+
+Secret derive_handshake_key(const LinkKey& key) noexcept {
+  Secret derived;
+  Hash hash(key.bytes(), derived.size());
+  hash.add(kHandshakeLabel);
+  hash.finish(derived.data());
+  return derived;
+}
+
+SessionKeys derive_session_keys(const LinkKey& key, const Nonce& client_nonce, const Nonce& hub_nonce) noexcept {
+  Secret master;
+  Hash hash(key.bytes(), master.size());
+  hash.add(kSessionLabel);
+  hash.add(client_nonce);
+  hash.add(hub_nonce);
+  hash.finish(master.data());
+  SessionKeys keys;
+  derive_subkey(master, 1, keys.client_to_hub);
+  derive_subkey(master, 2, keys.hub_to_client);
+  derive_subkey(master, 3, keys.answer);
+  wipe(master);
+  return keys;
+}
+
+Tag compute_tag(const Secret& key, std::span<const std::uint8_t> bytes) noexcept {
+  Tag tag;
+  crypto_generichash(tag.data(), tag.size(), bytes.data(), bytes.size(), key.data(), key.size());
+  return tag;
+}
+
+bool is_tag(const Tag& expected, const std::uint8_t* found) noexcept { return sodium_memcmp(expected.data(), found, expected.size()) == 0; }
+
+void wipe(Secret& secret) noexcept { sodium_memzero(secret.data(), secret.size()); }
+
+void start_crypto() {
+  if (sodium_init() < 0) {
+    log_error("libsodium does not start: the system gives no random numbers");
+    std::abort();
+  }
+}
+
+}  // namespace hapton::seal

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// The secret that all nodes of a system share: who has it belongs to it. Wiped from memory when it goes.
+class LinkKey {
+ public:
+  static constexpr std::size_t kBytes = 32;
+  using Bytes = std::array<std::uint8_t, kBytes>;
+
+  explicit LinkKey(const Bytes& bytes) : bytes_(bytes) {}
+  ~LinkKey();
+  LinkKey(const LinkKey&) = default;
+  LinkKey& operator=(const LinkKey&) = default;
+
+  // From the system's random source.
+  static LinkKey make_random();
+
+  const Bytes& bytes() const { return bytes_; }
+
+ private:
+  Bytes bytes_;
+};
+
+// A key file is the 32 bytes of a key, a regular file of the user who reads it, closed to everyone else.
+// Error: one line that says what is wrong with the file and how to mend it. RT: set-up only.
+Result<LinkKey> read_key_file(const std::filesystem::path& path);
+
+// Writes a new random key, mode 0600. Error: the file is there already, or cannot be written.
+Result<void> make_key_file(const std::filesystem::path& path);
+
+// The key that the nodes of one user on one host share without being told: FOLDER/key, made by the first who asks, however many ask at
+// once.
+Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
+
+// $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither variable says where.
+Result<std::filesystem::path> find_shared_key_folder();
+
+// True for 127.0.0.0/8 and ::1.
+bool is_loopback(const Address& address);
+
+// The key for a hub at this address (where it listens, or where a node looks for it): from the file where one was named; on loopback the
+// user's shared key; beyond loopback a file must be named. Error: see above.
+Result<LinkKey> find_link_key(const std::string& key_file, const Address& hub);
+
+// What --key says in every program's --help.
+constexpr const char* kKeyHelp = "Key file that all nodes share (hapton keygen); needed beyond this machine, else the user's own is used";
+
+}  // namespace hapton

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace hapton {
+
+// Which of a session's counters have been seen, counted from 1: each is let through once, and none that is kSpan or more behind the newest.
+// Ask first, open the seal, then mark: what is forged must leave no mark. RT: yes. Threads: one.
+class ReplayWindow {
+ public:
+  static constexpr std::uint64_t kSpan = 1024;  // 100 ms at 10 kHz
+
+  bool is_fresh(std::uint64_t counter) const noexcept {
+    if (counter > newest_) return true;
+    return counter != 0 && newest_ - counter < kSpan && (word(counter) & bit(counter)) == 0;
+  }
+
+  // Pre: is_fresh(counter).
+  void mark(std::uint64_t counter) noexcept {
+    if (counter > newest_) {
+      if (counter - newest_ >= kSpan) {
+        seen_ = {};
+      } else {
+        for (std::uint64_t skipped = newest_ + 1; skipped <= counter; ++skipped) seen_[place(skipped)] &= ~bit(skipped);
+      }
+      newest_ = counter;
+    }
+    seen_[place(counter)] |= bit(counter);
+  }
+
+ private:
+  static constexpr std::size_t place(std::uint64_t counter) noexcept { return counter % kSpan / 64; }
+  static constexpr std::uint64_t bit(std::uint64_t counter) noexcept { return std::uint64_t{1} << (counter % 64); }
+  std::uint64_t word(std::uint64_t counter) const noexcept { return seen_[place(counter)]; }
+
+  std::uint64_t newest_ = 0;
+  std::array<std::uint64_t, kSpan / 64> seen_ = {};
+};
+
+}  // namespace hapton

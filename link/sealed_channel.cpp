@@ -1,0 +1,79 @@
+#include "link/sealed_channel.h"
+
+#include <sodium.h>
+
+#include <utility>
+
+namespace hapton {
+namespace {
+
+using namespace seal;
+
+std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce_of(std::uint64_t counter) {
+  std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce = {};
+  store(counter, nonce.data() + 4);
+  return nonce;
+}
+
+}  // namespace
+
+SealedChannel::SealedChannel(const SessionKeys& keys, std::uint32_t connection, Side side)
+    : is_open_(true),
+      connection_(connection),
+      seal_key_(side == Side::client ? keys.client_to_hub : keys.hub_to_client),
+      open_key_(side == Side::client ? keys.hub_to_client : keys.client_to_hub) {}
+
+SealedChannel::~SealedChannel() { close(); }
+
+SealedChannel::SealedChannel(SealedChannel&& other) noexcept { *this = std::move(other); }
+
+SealedChannel& SealedChannel::operator=(SealedChannel&& other) noexcept {
+  is_open_ = other.is_open_;
+  connection_ = other.connection_;
+  counter_ = other.counter_;
+  seal_key_ = other.seal_key_;
+  open_key_ = other.open_key_;
+  window_ = other.window_;
+  if (this != &other) other.close();
+  return *this;
+}
+
+void SealedChannel::close() noexcept {
+  is_open_ = false;
+  wipe(seal_key_);
+  wipe(open_key_);
+}
+
+std::size_t SealedChannel::seal(std::span<const std::byte> payload, std::span<std::byte> into) noexcept {
+  const std::size_t bytes = payload.size() + kOverheadBytes;
+  if (!is_open_ || payload.size() > kMaxPayloadBytes || into.size() < bytes) return 0;
+  std::uint8_t* const out = bytes_of(into);
+  write_lead(Kind::data, out);
+  store(connection_, out + kConnectionAt);
+  store(++counter_, out + kCounterAt);
+  crypto_aead_chacha20poly1305_ietf_encrypt_detached(out + kHeaderBytes, out + kHeaderBytes + payload.size(), nullptr, bytes_of(payload),
+                                                     payload.size(), out, kHeaderBytes, nullptr, nonce_of(counter_).data(),
+                                                     seal_key_.data());
+  return bytes;
+}
+
+OpenStatus SealedChannel::open(std::span<const std::byte> datagram, std::span<std::byte> into, std::size_t& bytes) noexcept {
+  const SealedKind found = classify_sealed(datagram);
+  if (found.status != OpenStatus::opened) return found.status;
+  if (found.kind != Kind::data) return OpenStatus::malformed;
+  const std::uint8_t* const in = bytes_of(datagram);
+  if (!is_open_ || load<std::uint32_t>(in + kConnectionAt) != connection_) return OpenStatus::unknown_session;
+  const auto counter = load<std::uint64_t>(in + kCounterAt);
+  if (!window_.is_fresh(counter)) return OpenStatus::replayed;
+  const std::size_t payload = datagram.size() - kOverheadBytes;
+  if (into.size() < payload) return OpenStatus::malformed;
+  if (crypto_aead_chacha20poly1305_ietf_decrypt_detached(bytes_of(into), nullptr, in + kHeaderBytes, payload, in + kHeaderBytes + payload,
+                                                         in, kHeaderBytes, nonce_of(counter).data(), open_key_.data()) != 0) {
+    return OpenStatus::forged;
+  }
+  window_.mark(counter);
+  bytes = payload;
+  return OpenStatus::opened;
+}
+
+}  // namespace hapton

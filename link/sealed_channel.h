@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "link/key_schedule.h"
+#include "link/replay_window.h"
+#include "link/seal_format.h"
+
+namespace hapton {
+
+// One side of one session: seals what goes to the other side and opens what comes from there. ChaCha20-Poly1305 (RFC 8439) with a key each
+// way and a counter for the nonce, which is never used twice; the whole header is authenticated. A datagram opens once, in this session, on
+// the side that it was meant for, unchanged, or not at all.
+// RT: yes (no heap, lock, throw or system call). Threads: one.
+class SealedChannel {
+ public:
+  enum class Side : std::uint8_t { client, hub };
+
+  // Seals and opens nothing.
+  SealedChannel() = default;
+  // Pre: these keys were never given to a channel of this side before.
+  SealedChannel(const seal::SessionKeys& keys, std::uint32_t connection, Side side);
+  ~SealedChannel();
+  // There is one of each: a copy would use its counters twice. What was moved from seals and opens nothing.
+  SealedChannel(SealedChannel&& other) noexcept;
+  SealedChannel& operator=(SealedChannel&& other) noexcept;
+
+  bool is_open() const noexcept { return is_open_; }
+  // The number that the hub gave to the session, in clear in every datagram.
+  std::uint32_t connection() const noexcept { return connection_; }
+
+  // Writes the sealed datagram and gives its bytes, payload + seal::kOverheadBytes; 0 when that does not fit, or this is no session.
+  std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> into) noexcept;
+
+  // Post: unless opened, `into` holds nothing of the datagram and the channel is unchanged. Pre: into and datagram do not overlap.
+  OpenStatus open(std::span<const std::byte> datagram, std::span<std::byte> into, std::size_t& bytes) noexcept;
+
+ private:
+  void close() noexcept;
+
+  bool is_open_ = false;
+  std::uint32_t connection_ = 0;
+  std::uint64_t counter_ = 0;
+  seal::Secret seal_key_ = {};
+  seal::Secret open_key_ = {};
+  ReplayWindow window_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,207 @@
+#include "link/link_key.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <optional>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+mode_t mode_of(const std::filesystem::path& path) {
+  struct stat found = {};
+  EXPECT_EQ(stat(path.c_str(), &found), 0) << path;
+  return found.st_mode & 07777;
+}
+
+class LinkKeyTest : public testing::Test {
+ protected:
+  std::filesystem::path write_key(const std::string& name, std::size_t bytes, mode_t mode) {
+    const auto path = folder_.write(name, std::string(bytes, 'k'));
+    EXPECT_EQ(chmod(path.c_str(), mode), 0);
+    return path;
+  }
+
+  static std::string refusal(const std::filesystem::path& path) {
+    const auto key = read_key_file(path);
+    EXPECT_FALSE(key) << path;
+    if (key) return {};
+    EXPECT_THAT(key.error().what, HasSubstr(path.string()));
+    EXPECT_EQ(key.error().what.find('\n'), std::string::npos);
+    return key.error().what;
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(LinkKeyTest, MakesAFileThatOnlyItsUserCanRead) {
+  const auto path = folder_.path() / "key";
+  const mode_t old_mask = umask(0);
+  const auto made = make_key_file(path);
+  umask(old_mask);
+  ASSERT_TRUE(made) << made.error().what;
+  EXPECT_EQ(mode_of(path), mode_t{0600});
+  EXPECT_EQ(std::filesystem::file_size(path), LinkKey::kBytes);
+  const auto key = read_key_file(path);
+  ASSERT_TRUE(key) << key.error().what;
+  EXPECT_EQ(key->bytes(), read_key_file(path)->bytes());
+}
+
+TEST_F(LinkKeyTest, TwoKeysAreNeverAlike) {
+  std::set<LinkKey::Bytes> seen;
+  for (int i = 0; i < 100; ++i) seen.insert(LinkKey::make_random().bytes());
+  EXPECT_EQ(seen.size(), 100U);
+}
+
+TEST_F(LinkKeyTest, LeavesAFileThatIsThereAsItIs) {
+  const auto path = folder_.write("key", "something dear");
+  const auto made = make_key_file(path);
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().what, HasSubstr("there already"));
+  EXPECT_EQ(std::filesystem::file_size(path), 14U);
+  // Not through a link either.
+  std::filesystem::create_symlink(folder_.path() / "elsewhere", folder_.path() / "link");
+  EXPECT_FALSE(make_key_file(folder_.path() / "link"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "elsewhere"));
+}
+
+TEST_F(LinkKeyTest, APlaceThatIsNotThereIsAnError) {
+  const auto made = make_key_file(folder_.path() / "no" / "such" / "key");
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().what, HasSubstr("No such file"));
+}
+
+TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
+  for (const std::size_t bytes : {0U, 1U, 31U, 33U, 4096U}) {
+    const std::string told = refusal(write_key("key", bytes, 0600));
+    EXPECT_THAT(told, HasSubstr(std::to_string(bytes)));
+    EXPECT_THAT(told, HasSubstr("hapton keygen"));
+  }
+}
+
+TEST_F(LinkKeyTest, RefusesAModeThatLetsOthersInWithTheRemedy) {
+  for (const mode_t mode : {0644, 0640, 0660, 0666, 0604, 0601, 0777}) {
+    EXPECT_THAT(refusal(write_key("key", 32, mode)), HasSubstr("chmod 600"));
+  }
+  for (const mode_t mode : {0600, 0400}) EXPECT_TRUE(read_key_file(write_key("key", 32, mode)));
+}
+
+TEST_F(LinkKeyTest, RefusesAnotherUsersFileWithTheRemedy) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  const auto path = write_key("key", 32, 0600);
+  ASSERT_EQ(chown(path.c_str(), 12345, 12345), 0);
+  EXPECT_THAT(refusal(path), HasSubstr("chown"));
+}
+
+TEST_F(LinkKeyTest, RefusesWhatIsNoRegularFile) {
+  EXPECT_THAT(refusal(folder_.path()), HasSubstr("regular"));
+  const auto fifo = folder_.path() / "fifo";
+  ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_THAT(refusal(fifo), HasSubstr("regular"));
+  EXPECT_THAT(refusal(folder_.path() / "gone"), HasSubstr("hapton keygen"));
+}
+
+TEST_F(LinkKeyTest, RefusesAKeyOfZeros) {
+  const auto path = folder_.write("key", std::string(32, '\0'));
+  ASSERT_EQ(chmod(path.c_str(), 0600), 0);
+  EXPECT_THAT(refusal(path), HasSubstr("zeros"));
+}
+
+TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
+  constexpr int kThreads = 8;
+  for (int round = 0; round < 20; ++round) {
+    const auto folder = folder_.path() / std::to_string(round) / "hapton";
+    std::atomic<int> ready = 0;
+    std::vector<LinkKey::Bytes> keys(kThreads);
+    std::vector<std::thread> threads;
+    for (LinkKey::Bytes& bytes : keys) {
+      threads.emplace_back([&] {
+        ++ready;
+        while (ready < kThreads) std::this_thread::yield();
+        const auto key = find_or_make_shared_key(folder);
+        if (key) bytes = key->bytes();
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (const LinkKey::Bytes& bytes : keys) {
+      EXPECT_EQ(bytes, keys.front());
+      EXPECT_NE(bytes, LinkKey::Bytes{});
+    }
+    EXPECT_EQ(mode_of(folder / "key"), mode_t{0600});
+    // Nothing is left beside it.
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  }
+}
+
+TEST_F(LinkKeyTest, ASharedKeyThatIsOpenToOthersIsRefused) {
+  const auto folder = folder_.path() / "hapton";
+  ASSERT_TRUE(find_or_make_shared_key(folder));
+  ASSERT_EQ(chmod((folder / "key").c_str(), 0644), 0);
+  EXPECT_FALSE(find_or_make_shared_key(folder));
+}
+
+TEST_F(LinkKeyTest, TellsLoopbackFromEverywhereElse) {
+  for (const char* address : {"127.0.0.1:1", "127.255.0.3:1", "[::1]:1"}) EXPECT_TRUE(is_loopback(*parse_address(address))) << address;
+  for (const char* address : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "128.0.0.1:1", "[::2]:1", "[fe80::1]:1", "126.255.255.255:1"}) {
+    EXPECT_FALSE(is_loopback(*parse_address(address))) << address;
+  }
+}
+
+TEST_F(LinkKeyTest, BeyondLoopbackAFileMustBeNamed) {
+  for (const char* address : {"0.0.0.0:4950", "192.168.1.2:4950", "[::]:4950"}) {
+    const auto key = find_link_key("", *parse_address(address));
+    ASSERT_FALSE(key);
+    EXPECT_THAT(key.error().what, HasSubstr(address));
+    EXPECT_THAT(key.error().what, HasSubstr("--key"));
+  }
+  EXPECT_TRUE(find_link_key(write_key("key", 32, 0600).string(), *parse_address("0.0.0.0:4950")));
+}
+
+// Changes the environment of this process, which is why it is one test.
+TEST_F(LinkKeyTest, OnLoopbackTheUsersOwnKeyIsFound) {
+  const auto keep = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? std::optional<std::string>() : std::optional<std::string>(value);
+  };
+  const auto old_runtime = keep("XDG_RUNTIME_DIR");
+  const auto old_home = keep("HOME");
+  const auto runtime = folder_.path() / "run";
+  const auto home = folder_.path() / "home";
+  const Address loopback = *parse_address("127.0.0.1:4950");
+
+  setenv("XDG_RUNTIME_DIR", runtime.c_str(), 1);
+  setenv("HOME", home.c_str(), 1);
+  const auto key = find_link_key("", loopback);
+  ASSERT_TRUE(key) << key.error().what;
+  EXPECT_EQ(key->bytes(), read_key_file(runtime / "hapton" / "key")->bytes());
+  EXPECT_EQ(key->bytes(), find_link_key("", loopback)->bytes());
+
+  unsetenv("XDG_RUNTIME_DIR");
+  const auto home_key = find_link_key("", loopback);
+  ASSERT_TRUE(home_key) << home_key.error().what;
+  EXPECT_EQ(home_key->bytes(), read_key_file(home / ".config" / "hapton" / "key")->bytes());
+
+  unsetenv("HOME");
+  EXPECT_FALSE(find_link_key("", loopback));
+
+  const auto restore = [](const char* name, const std::optional<std::string>& value) {
+    value ? setenv(name, value->c_str(), 1) : unsetenv(name);
+  };
+  restore("XDG_RUNTIME_DIR", old_runtime);
+  restore("HOME", old_home);
+}
+
+}  // namespace
+}  // namespace hapton

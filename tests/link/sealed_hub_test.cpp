@@ -1,0 +1,463 @@
+#include "link/sealed_hub.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "link/memory_endpoint.h"
+#include "link/sealed_client.h"
+#include "tests/link/tapped_endpoint.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+LinkKey key_of(std::uint8_t number) {
+  LinkKey::Bytes bytes;
+  bytes.fill(number);
+  return LinkKey(bytes);
+}
+
+Bytes text(const std::string& words) {
+  Bytes bytes(words.size());
+  std::transform(words.begin(), words.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+  return bytes;
+}
+
+std::string words(std::span<const std::byte> bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) text += static_cast<char>(byte);
+  return text;
+}
+
+// A node with a sealed way to the hub.
+struct Node {
+  Node(MemoryNetwork& network, const Clock& clock, const Address& at, const Address& hub, const LinkKey& key = key_of(1))
+      : endpoint(*network.open(at)), sealed(endpoint, clock, key, hub) {}
+
+  TappedEndpoint endpoint;
+  SealedClient sealed;
+};
+
+class SealedHubTest : public testing::Test {
+ protected:
+  SealedHubTest() : hub_endpoint_(*network_.open(memory_address(1, 4950))) { start_hub(); }
+
+  void start_hub(const LinkKey& key = key_of(1)) { hub_.emplace(hub_endpoint_, clock_, key); }
+  const Address& at() { return hub_at_; }
+
+  std::unique_ptr<Node> make_node(std::uint8_t host, const LinkKey& key = key_of(1)) {
+    return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_at_, key);
+  }
+
+  // All that is sealed for the hub now, by who said it.
+  std::multimap<std::string, Address> hub_hears() {
+    std::multimap<std::string, Address> all;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    for (Received received = hub_->receive(into, 0); received.bytes != 0; received = hub_->receive(into, 0)) {
+      all.emplace(words(std::span(into).first(received.bytes)), received.from);
+    }
+    return all;
+  }
+
+  static std::vector<std::string> node_hears(Node& node) {
+    std::vector<std::string> all;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    for (Received received = node.sealed.receive(into, 0); received.bytes != 0; received = node.sealed.receive(into, 0)) {
+      all.push_back(words(std::span(into).first(received.bytes)));
+    }
+    return all;
+  }
+
+  void say(Node& node, const std::string& what) { EXPECT_TRUE(node.sealed.send(hub_at_, text(what))); }
+  bool answer(const Node& node, const std::string& what) { return hub_->send(node.endpoint.local_address(), text(what)); }
+
+  // Until both have said all they have to say by themselves.
+  std::multimap<std::string, Address> meet(Node& node) {
+    std::multimap<std::string, Address> all;
+    for (int turn = 0; turn < 4; ++turn) {
+      all.merge(hub_hears());
+      node_hears(node);
+    }
+    return all;
+  }
+
+  void join(Node& node) {
+    say(node, "first");
+    ASSERT_EQ(meet(node).count("first"), 1U);
+    ASSERT_TRUE(answer(node, "welcome"));
+    ASSERT_EQ(node_hears(node), std::vector<std::string>{"welcome"});
+  }
+
+  // Time in steps, the nodes speaking and listening as HubClient would, the hub answering every word.
+  void live(std::vector<Node*> nodes, int ms) {
+    for (int i = 0; i < ms; ++i) {
+      clock_.advance_ns(kMs);
+      for (Node* node : nodes) {
+        if (i % 100 == 0) say(*node, "hello");
+      }
+      for (const auto& [what, from] : hub_hears()) hub_->send(from, text("re " + what));
+      for (Node* node : nodes) answers_ += static_cast<int>(node_hears(*node).size());
+    }
+  }
+
+  SimulatedClock clock_{1000 * kNanosecondsPerSecond};
+  MemoryNetwork network_{clock_};
+  Address hub_at_ = memory_address(1, 4950);
+  TappedEndpoint hub_endpoint_;
+  std::optional<SealedHub> hub_;
+  int answers_ = 0;
+};
+
+TEST_F(SealedHubTest, TheFirstWordIsHeldUntilThereIsASession) {
+  const auto node = make_node(2);
+  say(*node, "hello hub");
+  EXPECT_EQ(meet(*node).count("hello hub"), 1U);
+  EXPECT_TRUE(answer(*node, "hello node"));
+  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"hello node"});
+  EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
+  EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
+  EXPECT_EQ(hub_->seal_counts().refused(), 0U);
+}
+
+TEST_F(SealedHubTest, NoWordIsReadableOnTheWire) {
+  const auto node = make_node(2);
+  say(*node, "a very plain secret");
+  meet(*node);
+  for (const auto& heard : hub_endpoint_.heard()) EXPECT_EQ(words(heard.bytes).find("plain"), std::string::npos);
+}
+
+TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
+  std::vector<std::unique_ptr<Node>> nodes;
+  for (std::uint8_t i = 0; i < 16; ++i) nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
+  for (const auto& node : nodes) join(*node);
+  for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "to you"));
+  for (const auto& node : nodes) EXPECT_EQ(node_hears(*node), std::vector<std::string>{"to you"});
+  // What one was sent opens for nobody else.
+  ASSERT_TRUE(answer(*nodes[0], "yours alone"));
+  node_hears(*nodes[0]);
+  nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.heard().back().bytes);
+  EXPECT_TRUE(node_hears(*nodes[1]).empty());
+  EXPECT_GT(nodes[1]->sealed.seal_counts().refused(), 0U);
+}
+
+TEST_F(SealedHubTest, WithAnotherKeyThereIsSilenceAndACount) {
+  const auto stranger = make_node(2, key_of(2));
+  say(*stranger, "let me in");
+  const std::size_t before = hub_endpoint_.sent();
+  EXPECT_TRUE(meet(*stranger).empty());
+  EXPECT_EQ(hub_endpoint_.sent(), before);
+  EXPECT_GT(hub_->seal_counts().wrong_key, 0U);
+  EXPECT_FALSE(answer(*stranger, "no"));
+}
+
+TEST_F(SealedHubTest, AnotherVersionAndJunkGetSilenceAndACount) {
+  const Address from = memory_address(9, 9);
+  hub_endpoint_.put_in(from, {std::byte{0x08}, std::byte{0x01}, std::byte{0x42}});
+  hub_endpoint_.put_in(from, text("GET / HTTP/1.1"));
+  hub_endpoint_.put_in(from, Bytes(1));
+  Bytes data(100);
+  data[0] = std::byte{0x08};
+  data[1] = std::byte{0x02};
+  data[2] = static_cast<std::byte>(seal::Kind::data);
+  hub_endpoint_.put_in(from, data);
+  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_EQ(hub_endpoint_.sent(), 0U);
+  EXPECT_EQ(hub_->seal_counts().wrong_version, 1U);
+  EXPECT_EQ(hub_->seal_counts().malformed, 2U);
+  EXPECT_EQ(hub_->seal_counts().unknown_session, 1U);
+}
+
+TEST_F(SealedHubTest, WhatWasRecordedIsNotHeardAgain) {
+  const auto node = make_node(2);
+  join(*node);
+  say(*node, "open the gate");
+  EXPECT_EQ(hub_hears().count("open the gate"), 1U);
+  const auto recorded = hub_endpoint_.heard();
+  const SealCounts before = hub_->seal_counts();
+  for (int times = 0; times < 3; ++times) {
+    for (const auto& heard : recorded) hub_endpoint_.put_in(heard.from, heard.bytes);
+    EXPECT_TRUE(hub_hears().empty());
+  }
+  EXPECT_GT(hub_->seal_counts().replayed, before.replayed);
+  // And the session goes on.
+  node_hears(*node);
+  say(*node, "still here");
+  EXPECT_EQ(hub_hears().count("still here"), 1U);
+  EXPECT_TRUE(answer(*node, "yes"));
+  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"yes"});
+}
+
+TEST_F(SealedHubTest, AWholeRecordedSessionOpensNothingOnARestartedHub) {
+  auto node = make_node(2);
+  join(*node);
+  say(*node, "open the gate");
+  hub_hears();
+  const auto recorded = hub_endpoint_.heard();
+  node.reset();
+  start_hub();
+  for (const auto& heard : recorded) hub_endpoint_.put_in(heard.from, heard.bytes);
+  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
+}
+
+TEST_F(SealedHubTest, ARecordedHandshakeDoesNotEndALiveSession) {
+  auto first = make_node(2);
+  join(*first);
+  const auto recorded = hub_endpoint_.heard();
+  // The same node once more, restarted: its session is the living one now.
+  first.reset();
+  const auto second = make_node(2);
+  join(*second);
+  EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
+  for (int times = 0; times < 20; ++times) {
+    for (const auto& heard : recorded) hub_endpoint_.put_in(heard.from, heard.bytes);
+    EXPECT_TRUE(hub_hears().empty());
+    node_hears(*second);
+    say(*second, "here");
+    EXPECT_EQ(hub_hears().count("here"), 1U);
+    EXPECT_TRUE(answer(*second, "good"));
+    EXPECT_EQ(node_hears(*second), std::vector<std::string>{"good"});
+  }
+  EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
+}
+
+TEST_F(SealedHubTest, WordsReflectedToWhoSaidThemAreNotHeard) {
+  const auto node = make_node(2);
+  join(*node);
+  say(*node, "up");
+  EXPECT_EQ(hub_hears().size(), 1U);
+  node->endpoint.put_in(hub_at_, hub_endpoint_.heard().back().bytes);
+  EXPECT_TRUE(node_hears(*node).empty());
+  EXPECT_EQ(node->sealed.seal_counts().refused(), 1U);
+  ASSERT_TRUE(answer(*node, "down"));
+  node_hears(*node);
+  hub_endpoint_.put_in(node->endpoint.local_address(), node->endpoint.heard().back().bytes);
+  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_EQ(hub_->seal_counts().refused(), 1U);
+}
+
+TEST_F(SealedHubTest, ASessionIsGoodForItsAddressOnly) {
+  const auto node = make_node(2);
+  join(*node);
+  say(*node, "mine");
+  Bytes taken;
+  {
+    std::array<std::byte, kMaxDatagramBytes> into;
+    hub_hears();
+    say(*node, "fresh");
+    const Received received = hub_endpoint_.receive(into, 0);
+    taken.assign(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes));
+  }
+  hub_endpoint_.put_in(memory_address(66, 6), taken);
+  EXPECT_TRUE(hub_hears().empty());
+  EXPECT_EQ(hub_->seal_counts().unknown_session, 1U);
+  hub_endpoint_.put_in(node->endpoint.local_address(), taken);
+  EXPECT_EQ(hub_hears().count("fresh"), 1U);
+}
+
+TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRefusedAndCounted) {
+  const auto node = make_node(2);
+  join(*node);
+  say(*node, "some words");
+  std::array<std::byte, kMaxDatagramBytes> into;
+  const Received received = hub_endpoint_.receive(into, 0);
+  const Bytes sealed(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes));
+  const auto expect_refused = [&](const Bytes& bytes) {
+    const std::uint64_t before = hub_->seal_counts().refused();
+    hub_endpoint_.put_in(received.from, bytes);
+    ASSERT_TRUE(hub_hears().empty());
+    ASSERT_EQ(hub_->seal_counts().refused(), before + 1);
+  };
+  const std::size_t sent = hub_endpoint_.sent();
+  for (std::size_t size = 1; size < sealed.size(); ++size) {
+    expect_refused(Bytes(sealed.begin(), sealed.begin() + static_cast<std::ptrdiff_t>(size)));
+  }
+  for (std::size_t bit = 0; bit < 8 * sealed.size(); ++bit) {
+    Bytes flipped = sealed;
+    flipped[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
+    expect_refused(flipped);
+  }
+  EXPECT_EQ(hub_endpoint_.sent(), sent) << "a stranger was answered";
+  hub_endpoint_.put_in(received.from, sealed);
+  EXPECT_EQ(hub_hears().count("some words"), 1U);
+}
+
+TEST_F(SealedHubTest, ARestartedHubIsFoundAgain) {
+  const auto one = make_node(2);
+  const auto two = make_node(3);
+  live({one.get(), two.get()}, 500);
+  start_hub();
+  live({one.get(), two.get()}, 350);
+  answers_ = 0;
+  live({one.get(), two.get()}, 200);
+  EXPECT_EQ(answers_, 4);
+  EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
+}
+
+TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
+  const auto node = make_node(2);
+  live({node.get()}, 10);
+  const std::uint64_t handshakes = hub_->seal_counts().handshakes;
+  // 150 ms without a word from the hub, shorter than its silence: nothing is asked anew.
+  for (int i = 0; i < 150; ++i) {
+    clock_.advance_ns(kMs);
+    node_hears(*node);
+  }
+  EXPECT_TRUE(answer(*node, "here again"));
+  EXPECT_EQ(node_hears(*node).size(), 1U);
+  // 400 ms: it asks anew, and meanwhile what comes in the old session is still heard, and what it says too.
+  for (int i = 0; i < 400; ++i) {
+    clock_.advance_ns(kMs);
+    node_hears(*node);
+  }
+  EXPECT_TRUE(answer(*node, "old keys"));
+  say(*node, "old keys too");
+  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"old keys"});
+  EXPECT_GE(hub_hears().count("old keys too"), 1U);
+  live({node.get()}, 300);
+  EXPECT_EQ(hub_->seal_counts().handshakes, handshakes + 1);
+}
+
+TEST_F(SealedHubTest, ARestartedNodeAtTheSameAddressReplacesItsOwnSession) {
+  for (int life = 1; life <= 100; ++life) {
+    const auto node = make_node(2);
+    join(*node);
+    EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(life));
+  }
+  EXPECT_EQ(hub_->seal_counts().no_place, 0U);
+}
+
+TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    network_.set_impairments({.seed = seed, .loss = 0.3, .duplicate = 0.1, .reorder = 0.1});
+    auto node = make_node(2);
+    answers_ = 0;
+    live({node.get()}, 3000);
+    EXPECT_GT(answers_, 5);
+    EXPECT_EQ(hub_->seal_counts().forged, 0U);
+  }
+}
+
+TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
+  std::vector<std::unique_ptr<Node>> crowd;
+  for (std::size_t i = 0; i < SealedHub::kPlaces; ++i) {
+    crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
+    join(*crowd.back());
+  }
+  const auto late = make_node(200);
+  say(*late, "any room?");
+  EXPECT_TRUE(meet(*late).empty());
+  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  for (const auto& node : crowd) EXPECT_TRUE(answer(*node, "you stay"));
+  live({late.get()}, 2500);
+  EXPECT_GT(answers_, 0);
+}
+
+TEST_F(SealedHubTest, RecordedHandshakesCannotCrowdOutTheLiving) {
+  const auto node = make_node(2);
+  join(*node);
+  // Requests with good cookies whose nodes never come back: as many as someone with the key, or a recording, can bring.
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    auto ghost = make_node(static_cast<std::uint8_t>(100 + i));
+    say(*ghost, "boo");
+    hub_hears();         // its request gets a cookie
+    node_hears(*ghost);  // it asks with the cookie
+    ghost->sealed.send(hub_at_, text("never mind"));
+    std::array<std::byte, kMaxDatagramBytes> into;
+    EXPECT_EQ(hub_->receive(into, 0).bytes, 0U);
+  }
+  EXPECT_TRUE(answer(*node, "you stay"));
+  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"you stay"});
+  const auto late = make_node(3);
+  join(*late);
+}
+
+TEST_F(SealedHubTest, AFloodIsBoundedAndHoldsNoPoll) {
+  const auto node = make_node(2);
+  join(*node);
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 1000; ++i) {
+    Bytes junk(1 + random() % 300);
+    for (std::byte& byte : junk) byte = static_cast<std::byte>(random());
+    hub_endpoint_.put_in(memory_address(66, 6), junk);
+  }
+  std::array<std::byte, kMaxDatagramBytes> into;
+  EXPECT_EQ(hub_->receive(into, 0).bytes, 0U);
+  EXPECT_LT(hub_->seal_counts().refused(), 100U);
+  say(*node, "through it all");
+  EXPECT_GT(hub_->receive(into, clock_.now_ns() + 5 * kMs).bytes, 0U);
+  EXPECT_EQ(hub_->seal_counts().refused(), 1000U);
+}
+
+// Endpoints that keep nothing, so that only sealing's own heap use counts.
+class LoopEndpoint final : public Endpoint {
+ public:
+  explicit LoopEndpoint(const Address& at) : at_(at) {}
+  void connect(LoopEndpoint& other) { other_ = &other; }
+
+  bool send(const Address&, std::span<const std::byte> datagram) noexcept override {
+    if (other_->count_ == other_->queue_.size()) return false;
+    auto& slot = other_->queue_[other_->count_++];
+    std::copy(datagram.begin(), datagram.end(), slot.bytes.begin());
+    slot.size = datagram.size();
+    return true;
+  }
+  Received receive(std::span<std::byte> into, std::int64_t) noexcept override {
+    if (count_ == 0) return {};
+    const auto& slot = queue_[0];
+    std::copy_n(slot.bytes.begin(), slot.size, into.begin());
+    const Received received{.bytes = slot.size, .from = other_->at_};
+    std::move(queue_.begin() + 1, queue_.begin() + static_cast<std::ptrdiff_t>(count_), queue_.begin());
+    --count_;
+    return received;
+  }
+  Address local_address() const override { return at_; }
+
+ private:
+  struct Slot {
+    std::array<std::byte, kMaxDatagramBytes> bytes = {};
+    std::size_t size = 0;
+  };
+  Address at_;
+  LoopEndpoint* other_ = nullptr;
+  std::array<Slot, 8> queue_ = {};
+  std::size_t count_ = 0;
+};
+
+TEST(SealedHubHeapTest, NeitherSideUsesTheHeapOnceBuilt) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  SimulatedClock clock;
+  LoopEndpoint hub_end(memory_address(1, 4950));
+  LoopEndpoint node_end(memory_address(2, 9));
+  hub_end.connect(node_end);
+  node_end.connect(hub_end);
+  SealedHub hub(hub_end, clock, key_of(1));
+  SealedClient node(node_end, clock, key_of(1), hub_end.local_address());
+  const std::array<std::byte, 120> payload = {};
+  std::array<std::byte, kMaxDatagramBytes> into;
+  int heard = 0;
+  const AllocationGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    clock.advance_ns(i == 500 ? kNanosecondsPerSecond : kMs);  // one silence, one handshake more
+    node.send(hub_end.local_address(), payload);
+    while (hub.receive(into, 0).bytes != 0) ++heard;
+    hub.send(node_end.local_address(), payload);
+    while (node.receive(into, 0).bytes != 0) ++heard;
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(heard, 1900);
+  EXPECT_EQ(hub.seal_counts().handshakes, 2U);
+}
+
+}  // namespace
+}  // namespace hapton

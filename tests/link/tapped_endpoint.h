@@ -1,0 +1,56 @@
+#pragma once
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// An endpoint with someone on the line: he hears all that comes in, and puts in what he likes under any address.
+class TappedEndpoint final : public Endpoint {
+ public:
+  struct Heard {
+    Address from;
+    std::vector<std::byte> bytes;
+  };
+
+  explicit TappedEndpoint(std::unique_ptr<Endpoint> endpoint) : endpoint_(std::move(endpoint)) {}
+
+  void put_in(const Address& from, std::vector<std::byte> bytes) { put_in_.push_back({from, std::move(bytes)}); }
+  const std::vector<Heard>& heard() const { return heard_; }
+  // How many datagrams were sent from here.
+  std::size_t sent() const { return sent_; }
+
+  bool send(const Address& to, std::span<const std::byte> datagram) noexcept override {
+    ++sent_;
+    return endpoint_->send(to, datagram);
+  }
+
+  Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
+    if (!put_in_.empty()) {
+      const Heard next = put_in_.front();
+      put_in_.pop_front();
+      std::copy(next.bytes.begin(), next.bytes.end(), into.begin());
+      return {.bytes = next.bytes.size(), .from = next.from};
+    }
+    const Received received = endpoint_->receive(into, deadline_ns);
+    if (received.bytes != 0) {
+      heard_.push_back({received.from, {into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes)}});
+    }
+    return received;
+  }
+
+  Address local_address() const override { return endpoint_->local_address(); }
+
+ private:
+  std::unique_ptr<Endpoint> endpoint_;
+  std::deque<Heard> put_in_;
+  std::vector<Heard> heard_;
+  std::size_t sent_ = 0;
+};
+
+}  // namespace hapton
