@@ -101,6 +101,7 @@ void write(const Drawn& from, wire::Drawn& to) {
   to.set_echo_sample(from.echo_sample);
   to.set_echo_sample_time_ns(from.echo_sample_time_ns);
   to.set_frame_rate_hz(from.frame_rate_hz);
+  to.set_held_ns(from.held_ns);
 }
 
 void write(const HandTarget& from, wire::HandTarget& to) {
@@ -131,6 +132,20 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   write_text(from.scene, *to.mutable_scene());
   write_text(from.build, *to.mutable_build());
   write_text(from.method, *to.mutable_method());
+}
+
+void write(const ReportAsk& from, wire::ReportAsk& to) {
+  to.set_document(static_cast<std::uint32_t>(from.document));
+  to.set_revision(from.revision);
+  to.set_part(from.part);
+}
+
+void write(const ReportPart& from, wire::ReportPart& to) {
+  to.set_document(static_cast<std::uint32_t>(from.document));
+  to.set_revision(from.revision);
+  to.set_part(from.part);
+  to.set_parts(from.parts);
+  to.mutable_text()->assign(from.text.data(), std::min<std::size_t>(from.size, from.text.size()));
 }
 
 // --- reading: false for a value the contract rules out ---
@@ -228,6 +243,7 @@ bool read(const wire::Drawn& from, Drawn& to) {
   to.echo_sample = from.echo_sample();
   to.echo_sample_time_ns = from.echo_sample_time_ns();
   to.frame_rate_hz = from.frame_rate_hz();
+  to.held_ns = from.held_ns();
   return is_rate(to.frame_rate_hz);
 }
 
@@ -251,7 +267,8 @@ bool read(const wire::Settings& from, Settings& to) {
 // The last place stays NUL.
 template <std::size_t N>
 bool read_text(const std::string& from, std::array<char, N>& to) {
-  if (from.size() >= N || std::any_of(from.begin(), from.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; })) {
+  if (from.size() >= N ||
+      std::any_of(from.begin(), from.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; })) {
     return false;
   }
   to = {};
@@ -265,6 +282,30 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.scene_hash = from.scene_hash();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
          read_text(from.method(), to.method);
+}
+
+bool read_document(std::uint32_t from, ReportDocument& to) {
+  to = static_cast<ReportDocument>(from);
+  return from <= static_cast<std::uint32_t>(ReportDocument::csv);
+}
+
+bool read(const wire::ReportAsk& from, ReportAsk& to) {
+  to.revision = from.revision();
+  to.part = from.part();
+  return read_document(from.document(), to.document);
+}
+
+bool read(const wire::ReportPart& from, ReportPart& to) {
+  to.revision = from.revision();
+  to.part = from.part();
+  to.parts = from.parts();
+  const std::string& text = from.text();
+  if (text.size() > to.text.size() || to.part >= to.parts) {
+    return false;
+  }
+  to.size = static_cast<std::uint16_t>(text.size());
+  std::copy(text.begin(), text.end(), to.text.begin());
+  return read_document(from.document(), to.document);
 }
 
 template <class Ours, class Theirs>
@@ -281,7 +322,8 @@ DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Da
 
 DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
   const int kinds = e.has_hello() + e.has_welcome() + e.has_bye() + e.has_device_state() + e.has_force_command() + e.has_view_transform() +
-                    e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings() + e.has_haptics_setup();
+                    e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings() + e.has_haptics_setup() +
+                    e.has_report_ask() + e.has_report_part();
   if (kinds != 1) {
     return kinds == 0 ? DecodeStatus::unknown_message : DecodeStatus::bad_value;
   }
@@ -295,6 +337,8 @@ DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
   if (e.has_hand_target()) return read_message<HandTarget>(e, e.hand_target(), datagram);
   if (e.has_settings()) return read_message<Settings>(e, e.settings(), datagram);
   if (e.has_haptics_setup()) return read_message<HapticsSetup>(e, e.haptics_setup(), datagram);
+  if (e.has_report_ask()) return read_message<ReportAsk>(e, e.report_ask(), datagram);
+  if (e.has_report_part()) return read_message<ReportPart>(e, e.report_part(), datagram);
   return read_message<Bye>(e, e.bye(), datagram);
 }
 
@@ -383,6 +427,9 @@ struct Codec::Wire {
     e.mutable_haptics_setup()->mutable_scene()->reserve(kMaxDatagramBytes);
     e.mutable_haptics_setup()->mutable_build()->reserve(kMaxDatagramBytes);
     e.mutable_haptics_setup()->mutable_method()->reserve(kMaxDatagramBytes);
+    reserve_unknown(*e.mutable_report_ask());
+    reserve_unknown(*e.mutable_report_part());
+    e.mutable_report_part()->mutable_text()->reserve(kMaxDatagramBytes);
     e.Clear();
   }
 };
@@ -417,14 +464,15 @@ std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) n
   e.set_sequence(datagram.header.sequence);
   e.set_send_time_ns(datagram.header.send_time_ns);
   std::visit(
-      Overloaded{[&](const Hello& m) { write(m, *e.mutable_hello()); }, [&](const Welcome& m) { write(m, *e.mutable_welcome()); },
-                 [&](const Bye& m) { write(m, *e.mutable_bye()); }, [&](const DeviceState& m) { write(m, *e.mutable_device_state()); },
-                 [&](const ForceCommand& m) { write(m, *e.mutable_force_command()); },
-                 [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
-                 [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); }, [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
-                 [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); },
-                 [&](const Settings& m) { write(m, *e.mutable_settings()); },
-                 [&](const HapticsSetup& m) { write(m, *e.mutable_haptics_setup()); }},
+      Overloaded{
+          [&](const Hello& m) { write(m, *e.mutable_hello()); }, [&](const Welcome& m) { write(m, *e.mutable_welcome()); },
+          [&](const Bye& m) { write(m, *e.mutable_bye()); }, [&](const DeviceState& m) { write(m, *e.mutable_device_state()); },
+          [&](const ForceCommand& m) { write(m, *e.mutable_force_command()); },
+          [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
+          [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); }, [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
+          [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); }, [&](const Settings& m) { write(m, *e.mutable_settings()); },
+          [&](const HapticsSetup& m) { write(m, *e.mutable_haptics_setup()); },
+          [&](const ReportAsk& m) { write(m, *e.mutable_report_ask()); }, [&](const ReportPart& m) { write(m, *e.mutable_report_part()); }},
       datagram.message);
   const std::size_t bytes = e.ByteSizeLong();
   if (bytes > into.size() || bytes > kMaxDatagramBytes) {

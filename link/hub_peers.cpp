@@ -14,7 +14,8 @@ bool may_send(NodeRole role, const Message& message) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message);
   }
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<Drawn>(message) ||
-         std::holds_alternative<HandTarget>(message) || std::holds_alternative<Settings>(message);
+         std::holds_alternative<HandTarget>(message) || std::holds_alternative<Settings>(message) ||
+         std::holds_alternative<ReportAsk>(message);
 }
 
 }  // namespace
@@ -190,8 +191,9 @@ bool HubPeers::transmit(const Address& to, std::uint64_t sequence, const Message
   std::array<std::byte, kMaxDatagramBytes> bytes;
   const std::size_t size = codec_.encode(outgoing_, bytes);
   if (size == 0) return false;
-  if (tap_ != nullptr) tap_->on_sent(to, std::span(bytes).first(size), now_ns);
-  return endpoint_.send(to, std::span(bytes).first(size));
+  const bool sent = endpoint_.send(to, std::span(bytes).first(size));
+  if (tap_ != nullptr && sent) tap_->on_sent(to, std::span(bytes).first(size), now_ns);
+  return sent;
 }
 
 std::size_t HubPeers::count(NodeRole role) const noexcept {

@@ -77,6 +77,7 @@ struct Drawn {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;
   float frame_rate_hz = 0.0F;
+  std::uint32_t held_ns = 0;  // from hearing the state to this message, vision's clock; 0: not told
 };
 
 // vision -> hub: where the mouse asks the simulated device's hand to go.
@@ -103,13 +104,31 @@ struct HapticsSetup {
   std::uint32_t view_revision = 0;
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   std::uint64_t scene_hash = 0;
-  Text scene = {};   // the file's path
+  Text scene = {};  // the file's path
   Text build = {};
   Text method = {};  // "name=proxy probe_radius_m=0 ..."
 };
 
-using Message =
-    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings, HapticsSetup>;
+// tool -> hub: a part of the hub's report.
+enum class ReportDocument : std::uint8_t { json = 0, csv = 1 };
+struct ReportAsk {
+  ReportDocument document = ReportDocument::json;
+  std::uint32_t revision = 0;  // 0: a fresh one, its first part
+  std::uint32_t part = 0;
+};
+
+// hub -> the tool that asked.
+struct ReportPart {
+  ReportDocument document = ReportDocument::json;
+  std::uint32_t revision = 0;  // counts the hub's reports, from 1
+  std::uint32_t part = 0;
+  std::uint32_t parts = 0;  // of the whole document
+  std::uint16_t size = 0;   // of text that is used
+  std::array<char, 896> text = {};
+};
+
+using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
+                             HapticsSetup, ReportAsk, ReportPart>;
 
 // In front of every message.
 struct Header {

@@ -61,14 +61,29 @@ class RandomDatagrams {
       case 6:
         return ProbeState{bits(), time, vector(), rotation(), vector(), vector(), flag(), bits32(), rate(), rate(), rate(), bits32()};
       case 7:
-        return Drawn{bits(), time, rate()};
+        return Drawn{bits(), time, rate(), bits32()};
       case 8:
         return HandTarget{flag(), vector()};
       case 9:
         return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag()};
-      default:
+      case 10:
         return draw_setup();
+      case 11:
+        return ReportAsk{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
+      default:
+        return draw_part();
     }
+  }
+
+  ReportPart draw_part() {
+    ReportPart part;
+    part.document = flag() ? ReportDocument::csv : ReportDocument::json;
+    part.revision = bits32();
+    part.part = bits32() % 100;
+    part.parts = part.part + 1 + bits32() % 5;
+    part.size = static_cast<std::uint16_t>(bits() % (part.text.size() + 1));
+    std::fill_n(part.text.begin(), part.size, static_cast<char>(bits()));
+    return part;
   }
 
   HapticsSetup draw_setup() {
@@ -142,6 +157,7 @@ void expect_equal(const Drawn& a, const Drawn& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);
   EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
   EXPECT_EQ(a.frame_rate_hz, b.frame_rate_hz);
+  EXPECT_EQ(a.held_ns, b.held_ns);
 }
 void expect_equal(const HandTarget& a, const HandTarget& b) {
   EXPECT_EQ(a.active, b.active);
@@ -160,6 +176,19 @@ void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.scene, b.scene);
   EXPECT_EQ(a.build, b.build);
   EXPECT_EQ(a.method, b.method);
+}
+
+void expect_equal(const ReportAsk& a, const ReportAsk& b) {
+  EXPECT_EQ(a.document, b.document);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.part, b.part);
+}
+void expect_equal(const ReportPart& a, const ReportPart& b) {
+  EXPECT_EQ(a.document, b.document);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.part, b.part);
+  EXPECT_EQ(a.parts, b.parts);
+  EXPECT_EQ(std::string_view(a.text.data(), a.size), std::string_view(b.text.data(), b.size));
 }
 
 void expect_equal(const Datagram& a, const Datagram& b) {
@@ -193,6 +222,9 @@ void expect_sane(const Datagram& datagram) {
   } else if (const auto* settings = std::get_if<Settings>(&datagram.message)) {
     EXPECT_TRUE(settings->servo_rate_hz == 0.0 ||
                 (settings->servo_rate_hz >= kMinServoRateHz && settings->servo_rate_hz <= kMaxServoRateHz));
+  } else if (const auto* part = std::get_if<ReportPart>(&datagram.message)) {
+    EXPECT_LE(part->size, part->text.size());
+    EXPECT_LT(part->part, part->parts);
   }
 }
 
@@ -231,8 +263,8 @@ TEST_F(CodecTest, RoundTripsEveryMessage) {
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    // A setup, once a second, carries texts.
-    const std::size_t most = kind == 10 ? 900U : 300U;
+    // A setup, once a second, carries texts; so does a part of a report, when a tool asks for it.
+    const std::size_t most = kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     EXPECT_LE(encode(random_.draw(kind)).size(), most) << "kind " << kind;
   }
 }
@@ -412,6 +444,8 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(Settings{.servo_rate_hz = 20'000.0}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Settings{.method = {'a', '\n'}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(ReportAsk{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
 }
 
 TEST_F(CodecTest, RefusesMoreThanADatagramHolds) {
@@ -483,7 +517,7 @@ TEST_F(CodecTest, HostileBytesDoNotReachTheHeapEither) {
     codec_.decode(std::span(buffer).first(length), decoded_);
   }
   // Well-formed floods: every field of every message that can grow, filled with one whole datagram.
-  for (int message = 16; message < 26; ++message) {
+  for (int message = 16; message < 29; ++message) {
     for (int field = 1; field < 16; ++field) {
       for (const int wire_type : {0, 1, 2, 3, 5}) {
         std::size_t length = 0;

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+
+namespace hapton {
+
+// How far the clock of another host is ahead of ours, from datagrams that go there and back, and how far off that may be.
+//
+// An exchange leaves us at t1 and arrives there at t2 on their clock; the answer leaves at t3 on theirs and is here at t4. Whatever the two
+// ways took, the offset lies between t3 - t4 and t2 - t1; its middle is the estimate, and half the time on the wire its error bound.
+// The shortest exchange says most; what it said grows older, and the bound with it, by kDriftShare of its age: two clocks that the
+// kernel may each slew by that much part no faster. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter.
+// Units: ns. RT: yes. Threads: one.
+class ClockOffset {
+ public:
+  static constexpr double kDriftShare = 1e-3;  // 500 ppm each, the most that adjtime(2) slews
+
+  struct Exchange {
+    std::int64_t t1_ns = 0;  // ours: leaves
+    std::int64_t t2_ns = 0;  // theirs: arrives
+    std::int64_t t3_ns = 0;  // theirs: the answer leaves
+    std::int64_t t4_ns = 0;  // ours: it is here
+  };
+
+  // Takes an exchange into account; one whose times cannot be (or whose difference no number holds) is left out.
+  void add(const Exchange& exchange) noexcept;
+  // Another process is there: its clock is another one.
+  void forget() noexcept { *this = ClockOffset(); }
+
+  bool is_known() const noexcept { return is_known_; }
+  // Theirs minus ours. Pre: is_known().
+  std::int64_t offset_ns() const noexcept { return offset_ns_; }
+  // The true offset is no further away than this at now_ns, our clock.
+  std::int64_t error_bound_ns(std::int64_t now_ns) const noexcept;
+
+ private:
+  bool is_known_ = false;
+  std::int64_t offset_ns_ = 0;
+  std::int64_t bound_ns_ = 0;
+  std::int64_t taken_ns_ = 0;
+};
+
+}  // namespace hapton

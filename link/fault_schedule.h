@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "link/fault_injector.h"
+
+namespace hapton {
+
+// A stretch of time in which the network is bad in one way.
+struct FaultPhase {
+  static constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
+
+  std::string name;
+  std::int64_t duration_ns = kForever;
+  LinkFaults to_hub;
+  LinkFaults to_nodes;
+};
+
+// Phases one after the other; behind the last nothing bad happens any more, or all of it again.
+struct FaultSchedule {
+  std::vector<FaultPhase> phases;
+  bool repeat = false;
+
+  // The phase of the time since the start: its place, or phases.size() behind the last. Pre: elapsed_ns >= 0, durations above 0.
+  std::size_t find_phase(std::int64_t elapsed_ns) const noexcept;
+};
+
+}  // namespace hapton

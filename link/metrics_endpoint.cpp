@@ -1,0 +1,145 @@
+#include "link/metrics_endpoint.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http.hpp>
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "link/link_key.h"
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+constexpr auto kPatience = std::chrono::seconds(2);  // for a client to ask and to read
+constexpr std::size_t kMostClients = 16;
+constexpr std::size_t kMostRequestBytes = 8192;
+
+asio::ip::address to_asio(const Address& address) {
+  const bool is_v4 = address.ip[10] == 0xFF && address.ip[11] == 0xFF;
+  if (is_v4) return asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]});
+  return asio::ip::address_v6(address.ip);
+}
+
+using Response = http::response<http::string_body>;
+
+Response respond(const http::request<http::empty_body>& request, std::string text) {
+  const bool is_get = request.method() == http::verb::get || request.method() == http::verb::head;
+  const bool is_there = request.target() == "/metrics" || request.target() == "/";
+  const http::status status = !is_get ? http::status::method_not_allowed : is_there ? http::status::ok : http::status::not_found;
+  Response response(status, 11);
+  response.set(http::field::content_type, status == http::status::ok ? "text/plain; version=0.0.4" : "text/plain");
+  response.body() = status == http::status::ok ? std::move(text) : "GET /metrics is what there is\n";
+  response.keep_alive(false);
+  response.prepare_payload();
+  if (request.method() == http::verb::head) response.body().clear();
+  return response;
+}
+
+}  // namespace
+
+struct MetricsEndpoint::State {
+  // One question and its answer. Kept by its own callbacks.
+  struct Client : std::enable_shared_from_this<Client> {
+    Client(State& state_in, tcp::socket socket) : state(state_in), stream(std::move(socket)) { ++state.clients; }
+    ~Client() { --state.clients; }
+
+    void start() {
+      parser.body_limit(0);
+      parser.header_limit(kMostRequestBytes);
+      stream.expires_after(kPatience);
+      http::async_read_header(stream, buffer, parser, [self = shared_from_this()](const error_code& error, std::size_t) {
+        if (!error) self->answer();
+      });
+    }
+
+    void answer() {
+      response = respond(parser.get(), state.text());
+      stream.expires_after(kPatience);
+      http::async_write(stream, response, [self = shared_from_this()](const error_code&, std::size_t) {
+        error_code ignored;
+        self->stream.socket().shutdown(tcp::socket::shutdown_both, ignored);
+      });
+    }
+
+    State& state;
+    beast::tcp_stream stream;
+    beast::flat_buffer buffer{kMostRequestBytes};
+    http::request_parser<http::empty_body> parser;
+    Response response;
+  };
+
+  void listen() {
+    acceptor.async_accept([this](const error_code& error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      // One more than may be is let go without an answer.
+      if (!error && clients < kMostClients) std::make_shared<Client>(*this, std::move(socket))->start();
+      listen();
+    });
+  }
+
+  std::string text() {
+    const std::lock_guard lock(mutex);
+    return served;
+  }
+
+  std::size_t clients = 0;
+  std::mutex mutex;
+  std::string served;
+  Address local;
+  asio::io_context context{1};
+  tcp::acceptor acceptor{context};
+  std::thread thread;
+};
+
+MetricsEndpoint::MetricsEndpoint(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+MetricsEndpoint::~MetricsEndpoint() {
+  state_->context.stop();
+  if (state_->thread.joinable()) state_->thread.join();
+}
+
+Result<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::open(std::string_view bind_address) {
+  const auto at = parse_address(bind_address, 0);
+  if (!at) return tl::unexpected(at.error());
+  if (!is_loopback(*at)) {
+    return fail("metrics are served to this machine only, not at {}; give a loopback address, for example 127.0.0.1:9464", bind_address);
+  }
+  auto state = std::make_unique<State>();
+  const tcp::endpoint endpoint(to_asio(*at), at->port);
+  error_code error;
+  state->acceptor.open(endpoint.protocol(), error);
+  if (!error) state->acceptor.set_option(asio::socket_base::reuse_address(true), error);
+  if (!error) state->acceptor.bind(endpoint, error);
+  if (!error) state->acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) {
+    return fail("cannot serve metrics at TCP {}: {}; choose another port", to_string(*at), error.message());
+  }
+  state->local = *at;
+  state->local.port = state->acceptor.local_endpoint(error).port();
+  state->listen();
+  State& running = *state;
+  state->thread = std::thread([&running] { running.context.run(); });
+  return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(std::move(state)));
+}
+
+void MetricsEndpoint::set_text(std::string text) {
+  const std::lock_guard lock(state_->mutex);
+  state_->served = std::move(text);
+}
+
+const Address& MetricsEndpoint::local_address() const { return state_->local; }
+
+}  // namespace hapton

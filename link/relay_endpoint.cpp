@@ -1,0 +1,312 @@
+#include "link/relay_endpoint.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <map>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
+
+constexpr int kBufferBytes = 1 << 20;
+// So that the two ways draw different numbers from one seed: 2^64 over the golden ratio.
+constexpr std::uint64_t kOtherWay = 0x9E3779B97F4A7C15ULL;
+
+bool is_v4_mapped(const Address& address) { return address.ip[10] == 0xFF && address.ip[11] == 0xFF; }
+
+udp::endpoint endpoint_of(const Address& address) {
+  if (is_v4_mapped(address)) {
+    return {asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]}), address.port};
+  }
+  return {asio::ip::address_v6(address.ip), address.port};
+}
+
+enum class Way : std::uint8_t { to_hub, to_nodes };
+
+struct InFlight {
+  std::int64_t due_ns = 0;
+  std::uint64_t order = 0;  // breaks ties: first come, first gone
+  Way way = Way::to_hub;
+  udp::endpoint client;
+  std::vector<std::byte> bytes;
+};
+
+struct LaterFirst {
+  bool operator()(const InFlight& a, const InFlight& b) const { return a.due_ns != b.due_ns ? a.due_ns > b.due_ns : a.order > b.order; }
+};
+
+// A node, and the socket under which the hub knows it.
+struct Client {
+  explicit Client(asio::io_context& context) : upstream(context) {}
+  udp::endpoint address;
+  udp::socket upstream;
+  std::int64_t heard_ns = 0;
+  std::array<std::byte, RelayEndpoint::kMaxBytes + 1> buffer = {};
+};
+
+}  // namespace
+
+struct RelayEndpoint::State {
+  explicit State(RelaySettings settings_in)
+      : settings(std::move(settings_in)),
+        injectors{FaultInjector(settings.seed), FaultInjector(settings.seed ^ kOtherWay)},
+        hub(endpoint_of(settings.hub)),
+        socket(context),
+        timer(context) {}
+
+  error_code open(const udp::endpoint& at);
+  void listen();
+  void listen_to_hub(const std::shared_ptr<Client>& client);
+  Client* find_client(const udp::endpoint& from, std::int64_t now_ns);
+  bool make_room(std::int64_t now_ns);
+  void enter_phase(std::int64_t now_ns);
+  void judge(Way way, const udp::endpoint& client, std::span<const std::byte> bytes, std::int64_t now_ns);
+  void send(Way way, const udp::endpoint& client, std::span<const std::byte> bytes);
+  void deliver_due();
+  void set_timer();
+
+  RelayCounts& counts(Way way) { return way == Way::to_hub ? to_hub : to_nodes; }
+
+  RelaySettings settings;
+  std::array<FaultInjector, 2> injectors;
+  udp::endpoint hub;
+  asio::io_context context;
+  udp::socket socket;
+  asio::steady_timer timer;
+  Address local;
+  SteadyClock clock;
+  std::int64_t start_ns = 0;
+  std::size_t phase = static_cast<std::size_t>(-1);
+  std::map<udp::endpoint, std::shared_ptr<Client>> clients;
+  std::uint64_t clients_seen = 0;
+  std::priority_queue<InFlight, std::vector<InFlight>, LaterFirst> queue;
+  std::uint64_t order = 0;
+  std::int64_t timer_ns = 0;  // 0: not set
+  RelayCounts to_hub;
+  RelayCounts to_nodes;
+  udp::endpoint from;
+  std::array<std::byte, kMaxBytes + 1> buffer = {};
+};
+
+error_code RelayEndpoint::State::open(const udp::endpoint& at) {
+  error_code error;
+  socket.open(at.protocol(), error);
+  if (error) return error;
+  // Less than asked for costs no more than losses under a flood.
+  socket.set_option(asio::socket_base::receive_buffer_size(kBufferBytes), error);
+  socket.bind(at, error);
+  if (error) return error;
+  socket.non_blocking(true, error);
+  start_ns = clock.now_ns();
+  enter_phase(start_ns);
+  return error;
+}
+
+void RelayEndpoint::State::listen() {
+  socket.async_receive_from(asio::buffer(buffer), from, [this](const error_code& error, std::size_t bytes) {
+    if (error == asio::error::operation_aborted) return;
+    // Other errors tell of a node that is gone: nothing to forward, no reason to end.
+    if (!error) {
+      const std::int64_t now_ns = clock.now_ns();
+      ++to_hub.received;
+      if (bytes > kMaxBytes || find_client(from, now_ns) == nullptr) {
+        ++to_hub.refused;
+      } else {
+        judge(Way::to_hub, from, std::span(buffer).first(bytes), now_ns);
+      }
+    }
+    listen();
+  });
+}
+
+void RelayEndpoint::State::listen_to_hub(const std::shared_ptr<Client>& client) {
+  client->upstream.async_receive(asio::buffer(client->buffer), [this, client](const error_code& error, std::size_t bytes) {
+    if (error == asio::error::operation_aborted || !client->upstream.is_open()) return;
+    // Other errors tell that the hub is not there at the moment.
+    if (!error) {
+      ++to_nodes.received;
+      if (bytes > kMaxBytes) {
+        ++to_nodes.refused;
+      } else {
+        judge(Way::to_nodes, client->address, std::span(client->buffer).first(bytes), clock.now_ns());
+      }
+    }
+    listen_to_hub(client);
+  });
+}
+
+bool RelayEndpoint::State::make_room(std::int64_t now_ns) {
+  if (clients.size() < kMaxClients) return true;
+  const auto idle =
+      std::find_if(clients.begin(), clients.end(), [&](const auto& entry) { return now_ns - entry.second->heard_ns > kIdleNs; });
+  if (idle == clients.end()) return false;
+  error_code ignored;
+  idle->second->upstream.close(ignored);
+  clients.erase(idle);
+  return true;
+}
+
+Client* RelayEndpoint::State::find_client(const udp::endpoint& node, std::int64_t now_ns) {
+  if (const auto known = clients.find(node); known != clients.end()) {
+    known->second->heard_ns = now_ns;
+    return known->second.get();
+  }
+  if (!make_room(now_ns)) return nullptr;
+  auto client = std::make_shared<Client>(context);
+  client->address = node;
+  client->heard_ns = now_ns;
+  error_code error;
+  client->upstream.open(hub.protocol(), error);
+  if (!error) client->upstream.connect(hub, error);
+  if (!error) client->upstream.non_blocking(true, error);
+  if (error) return nullptr;
+  ++clients_seen;
+  listen_to_hub(client);
+  return clients.emplace(node, std::move(client)).first->second.get();
+}
+
+void RelayEndpoint::State::enter_phase(std::int64_t now_ns) {
+  const std::size_t now = settings.schedule.find_phase(now_ns - start_ns);
+  if (now == phase) return;
+  phase = now;
+  const bool is_over = now >= settings.schedule.phases.size();
+  injectors[0].set(is_over ? LinkFaults() : settings.schedule.phases[now].to_hub);
+  injectors[1].set(is_over ? LinkFaults() : settings.schedule.phases[now].to_nodes);
+}
+
+void RelayEndpoint::State::judge(Way way, const udp::endpoint& client, std::span<const std::byte> bytes, std::int64_t now_ns) {
+  enter_phase(now_ns);
+  RelayCounts& told = counts(way);
+  const Fate fate = injectors[static_cast<std::size_t>(way)].draw(now_ns);
+  switch (fate.kind) {
+    case Fate::Kind::lost:
+      ++told.lost;
+      return;
+    case Fate::Kind::lost_in_burst:
+      ++told.lost_in_burst;
+      return;
+    case Fate::Kind::partitioned:
+      ++told.partitioned;
+      return;
+    case Fate::Kind::passed:
+      break;
+  }
+  told.held_back += fate.held_back ? 1 : 0;
+  told.duplicated += fate.copies > 1 ? 1 : 0;
+  told.corrupted += fate.corrupt ? 1 : 0;
+  std::array<std::byte, kMaxBytes> spoilt;
+  if (fate.corrupt) {
+    std::copy(bytes.begin(), bytes.end(), spoilt.begin());
+    bytes = std::span(spoilt).first(bytes.size());
+    damage_bytes(std::span(spoilt).first(bytes.size()), fate.damage);
+  }
+  for (std::size_t copy = 0; copy < fate.copies; ++copy) {
+    if (fate.due_ns[copy] <= now_ns) {
+      send(way, client, bytes);
+    } else if (queue.size() >= kMaxQueued) {
+      ++told.overflowed;
+    } else {
+      queue.push({fate.due_ns[copy], ++order, way, client, {bytes.begin(), bytes.end()}});
+    }
+  }
+  set_timer();
+}
+
+void RelayEndpoint::State::send(Way way, const udp::endpoint& client, std::span<const std::byte> bytes) {
+  error_code error;
+  const auto known = clients.find(client);
+  if (known == clients.end()) {
+    ++counts(way).send_failures;
+    return;
+  }
+  // What an earlier datagram brought back (nobody is there) is told on the next call and says nothing about this one: try again.
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    if (way == Way::to_hub) {
+      known->second->upstream.send(asio::buffer(bytes.data(), bytes.size()), 0, error);
+    } else {
+      socket.send_to(asio::buffer(bytes.data(), bytes.size()), client, 0, error);
+    }
+    if (error != asio::error::connection_refused) break;
+  }
+  ++(error ? counts(way).send_failures : counts(way).forwarded);
+}
+
+void RelayEndpoint::State::deliver_due() {
+  const std::int64_t now_ns = clock.now_ns();
+  while (!queue.empty() && queue.top().due_ns <= now_ns) {
+    const InFlight datagram = queue.top();
+    queue.pop();
+    send(datagram.way, datagram.client, datagram.bytes);
+  }
+  set_timer();
+}
+
+void RelayEndpoint::State::set_timer() {
+  const std::int64_t wanted_ns = queue.empty() ? 0 : queue.top().due_ns;
+  if (wanted_ns == timer_ns) return;
+  timer_ns = wanted_ns;
+  if (wanted_ns == 0) return;
+  timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wanted_ns)));
+  timer.async_wait([this](const error_code& error) {
+    if (error) return;  // set anew meanwhile
+    timer_ns = 0;
+    deliver_due();
+  });
+}
+
+RelayEndpoint::RelayEndpoint(std::unique_ptr<State> state) : state_(std::move(state)) {}
+RelayEndpoint::~RelayEndpoint() = default;
+RelayEndpoint::RelayEndpoint(RelayEndpoint&&) noexcept = default;
+
+Result<RelayEndpoint> RelayEndpoint::open(RelaySettings settings) {
+  const auto at = parse_address(settings.listen);
+  if (!at) {
+    return tl::unexpected(at.error());
+  }
+  for (const FaultPhase& phase : settings.schedule.phases) {
+    for (const LinkFaults* faults : {&phase.to_hub, &phase.to_nodes}) {
+      if (const auto checked = check_faults(*faults); !checked) {
+        return fail("phase '{}': {}", phase.name, checked.error().what);
+      }
+    }
+  }
+  auto state = std::make_unique<State>(std::move(settings));
+  error_code error = state->open(endpoint_of(*at));
+  if (error == asio::error::address_in_use) {
+    return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*at));
+  }
+  if (error) {
+    return fail("cannot listen on UDP {}: {}", to_string(*at), error.message());
+  }
+  state->local = *at;
+  state->local.port = state->socket.local_endpoint(error).port();
+  state->listen();
+  return RelayEndpoint(std::move(state));
+}
+
+void RelayEndpoint::run_for_ns(std::int64_t duration_ns) {
+  state_->context.restart();
+  state_->context.run_for(std::chrono::nanoseconds(duration_ns));
+  state_->enter_phase(state_->clock.now_ns());
+}
+
+const Address& RelayEndpoint::local_address() const { return state_->local; }
+const RelayCounts& RelayEndpoint::to_hub() const { return state_->to_hub; }
+const RelayCounts& RelayEndpoint::to_nodes() const { return state_->to_nodes; }
+std::uint64_t RelayEndpoint::clients() const { return state_->clients_seen; }
+std::size_t RelayEndpoint::phase() const { return state_->phase; }
+
+}  // namespace hapton

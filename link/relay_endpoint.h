@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "link/endpoint.h"
+#include "link/fault_schedule.h"
+
+namespace hapton {
+
+struct RelaySettings {
+  std::string listen = "127.0.0.1:0";  // where the nodes look for the hub
+  Address hub;
+  FaultSchedule schedule;
+  std::uint64_t seed = 1;
+};
+
+// What became of the datagrams that went one way.
+struct RelayCounts {
+  std::uint64_t received = 0;
+  std::uint64_t forwarded = 0;      // copies included
+  std::uint64_t lost = 0;           // by chance, each by itself
+  std::uint64_t lost_in_burst = 0;  // in a bad spell
+  std::uint64_t partitioned = 0;
+  std::uint64_t held_back = 0;
+  std::uint64_t duplicated = 0;
+  std::uint64_t corrupted = 0;
+  std::uint64_t overflowed = 0;  // the queue was full
+  std::uint64_t refused = 0;     // too long, or from one node too many
+  std::uint64_t send_failures = 0;
+};
+
+// A bad network between the nodes and their hub: a UDP relay that loses, delays, reorders, copies and spoils what it forwards, as the
+// schedule and the seed say. It looks at no datagram: bytes in, bytes out. The hub sees each node under a port of its own.
+// Bounded: at most kMaxQueued datagrams wait, at most kMaxClients nodes are known; one silent for kIdleNs makes room for another.
+// RT: no. Threads: one.
+class RelayEndpoint {
+ public:
+  static constexpr std::size_t kMaxQueued = 16'384;
+  static constexpr std::size_t kMaxClients = 64;
+  static constexpr std::size_t kMaxBytes = 2048;  // of a datagram
+  static constexpr std::int64_t kIdleNs = 10'000'000'000;
+
+  // Error: one line: bad address, port in use.
+  static Result<RelayEndpoint> open(RelaySettings settings);
+
+  ~RelayEndpoint();
+  RelayEndpoint(RelayEndpoint&&) noexcept;
+  RelayEndpoint& operator=(RelayEndpoint&&) = delete;
+
+  // Forwards for so long. The schedule began when it was opened.
+  void run_for_ns(std::int64_t duration_ns);
+
+  const Address& local_address() const;
+  const RelayCounts& to_hub() const;
+  const RelayCounts& to_nodes() const;
+  // Nodes seen so far.
+  std::uint64_t clients() const;
+  // The phase that holds now: its place in the schedule, or one behind the last.
+  std::size_t phase() const;
+
+ private:
+  struct State;
+  explicit RelayEndpoint(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,91 @@
+#include "link/metrics_endpoint.h"
+
+#include <arpa/inet.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <vector>
+
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// A client that says these bytes; -1 where the system has no socket for it.
+int say(const Address& to, const std::string& text) {
+  const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(to.port);
+  EXPECT_EQ(::connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  EXPECT_EQ(::send(client, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+  return client;
+}
+
+std::string read_all(int client) {
+  std::string heard;
+  char buffer[4096];
+  for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;) heard.append(buffer, static_cast<std::size_t>(bytes));
+  ::close(client);
+  return heard;
+}
+
+std::string ask(const Address& to, const std::string& text) { return read_all(say(to, text)); }
+
+TEST(MetricsEndpointTest, ServesTheNewestText) {
+  const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  const Address at = (*endpoint)->local_address();
+  ASSERT_NE(at.port, 0);
+  for (const char* text : {"a 1\n", "a 2\n"}) {
+    (*endpoint)->set_text(text);
+    const std::string heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_THAT(heard, StartsWith("HTTP/1.1 200 OK\r\n"));
+    EXPECT_THAT(heard, HasSubstr("text/plain; version=0.0.4"));
+    EXPECT_THAT(heard, EndsWith(std::string("\r\n\r\n") + text));
+  }
+  EXPECT_THAT(ask(at, "GET /secrets HTTP/1.1\r\nHost: x\r\n\r\n"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(ask(at, "POST /metrics HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n"), StartsWith("HTTP/1.1 405"));
+}
+
+TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
+  const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  (*endpoint)->set_text("alive 1\n");
+  const Address at = (*endpoint)->local_address();
+  EXPECT_THAT(ask(at, std::string(20'000, 'x') + "\r\n\r\n"), testing::Not(HasSubstr("200 OK")));
+  // More than may be at once, none of them ever asking to the end.
+  std::vector<int> silent;
+  for (int n = 0; n < 40; ++n) silent.push_back(say(at, "GET /met"));
+  for (const int client : silent) ::close(client);
+  std::string heard;
+  for (int n = 0; n < 200 && heard.find("alive 1") == std::string::npos; ++n) {
+    heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+    if (heard.empty()) ::usleep(20'000);
+  }
+  EXPECT_THAT(heard, HasSubstr("alive 1"));
+}
+
+TEST(MetricsEndpointTest, StaysOnThisMachine) {
+  for (const char* elsewhere : {"0.0.0.0:0", "192.0.2.1:0", "[::]:0"}) {
+    const auto endpoint = MetricsEndpoint::open(elsewhere);
+    ASSERT_FALSE(endpoint) << elsewhere;
+    EXPECT_THAT(endpoint.error().what, HasSubstr("this machine only"));
+  }
+  const auto taken = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(taken);
+  const auto refused = MetricsEndpoint::open(to_string((*taken)->local_address()));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("cannot serve metrics"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,167 @@
+#include "link/relay_endpoint.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+constexpr std::int64_t kPatienceNs = 10'000 * kMs;
+
+std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text.data(), text.size())); }
+
+// A hub, some nodes and the relay between them, all in this thread.
+struct Relays : testing::Test {
+  void open(const LinkFaults& to_hub, const LinkFaults& to_nodes = {}) {
+    FaultPhase phase{.name = "test", .to_hub = to_hub, .to_nodes = to_nodes};
+    relay.emplace(*RelayEndpoint::open({.listen = "127.0.0.1:0", .hub = hub->local_address(), .schedule = {{phase}, false}, .seed = 3}));
+  }
+
+  // The next datagram there; empty when none comes.
+  std::string receive(Endpoint& at, std::int64_t patience_ns = kPatienceNs) {
+    const std::int64_t end_ns = clock.now_ns() + patience_ns;
+    do {
+      relay->run_for_ns(kMs);
+      last = at.receive(buffer, 0);
+      if (last.bytes > 0) return {reinterpret_cast<const char*>(buffer.data()), last.bytes};
+    } while (clock.now_ns() < end_ns);
+    return {};
+  }
+
+  // Sends so many numbered datagrams to the hub and lets the relay deal with all of them.
+  void send_numbered(Endpoint& from, int count) {
+    for (int n = 0; n < count; ++n) {
+      const auto before = relay->to_hub().received;
+      ASSERT_TRUE(from.send(relay->local_address(), bytes_of(std::to_string(n))));
+      const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+      while (relay->to_hub().received == before && clock.now_ns() < end_ns) relay->run_for_ns(kMs / 10);
+    }
+  }
+
+  std::vector<std::string> receive_rest(Endpoint& at) {
+    std::vector<std::string> texts;
+    for (std::string text = receive(at, 100 * kMs); !text.empty(); text = receive(at, 100 * kMs)) texts.push_back(text);
+    return texts;
+  }
+
+  SteadyClock clock;
+  std::unique_ptr<Endpoint> hub = *open_udp_endpoint("127.0.0.1:0");
+  std::unique_ptr<Endpoint> node = *open_udp_endpoint("127.0.0.1:0");
+  std::unique_ptr<Endpoint> other = *open_udp_endpoint("127.0.0.1:0");
+  std::optional<RelayEndpoint> relay;
+  std::array<std::byte, kMaxDatagramBytes> buffer = {};
+  Received last;
+};
+
+TEST_F(Relays, carry_both_ways_and_give_each_node_a_port_of_its_own) {
+  open({});
+  ASSERT_TRUE(node->send(relay->local_address(), bytes_of("from node")));
+  EXPECT_EQ(receive(*hub), "from node");
+  const Address node_seen = last.from;
+  ASSERT_TRUE(other->send(relay->local_address(), bytes_of("from other")));
+  EXPECT_EQ(receive(*hub), "from other");
+  EXPECT_NE(last.from, node_seen);
+  ASSERT_TRUE(hub->send(node_seen, bytes_of("to node")));
+  EXPECT_EQ(receive(*node), "to node");
+  EXPECT_EQ(last.from, relay->local_address());
+  EXPECT_EQ(relay->clients(), 2U);
+  EXPECT_EQ(relay->to_hub().forwarded, 2U);
+  EXPECT_EQ(relay->to_nodes().forwarded, 1U);
+}
+
+TEST_F(Relays, lose_what_they_count_as_lost_and_nothing_else) {
+  open({.loss = 0.5});
+  send_numbered(*node, 200);
+  const auto arrived = receive_rest(*hub);
+  EXPECT_EQ(arrived.size(), relay->to_hub().forwarded);
+  EXPECT_EQ(relay->to_hub().forwarded + relay->to_hub().lost, 200U);
+  EXPECT_GT(relay->to_hub().lost, 60U);
+  EXPECT_GT(relay->to_hub().forwarded, 60U);
+}
+
+TEST_F(Relays, copy_and_spoil) {
+  open({.duplicate = 1.0});
+  send_numbered(*node, 20);
+  EXPECT_EQ(receive_rest(*hub).size(), 40U);
+  open({.corrupt = 1.0});
+  ASSERT_TRUE(node->send(relay->local_address(), bytes_of("whole")));
+  const std::string spoilt = receive(*hub);
+  EXPECT_EQ(spoilt.size(), 5U);
+  EXPECT_NE(spoilt, "whole");
+}
+
+TEST_F(Relays, deliver_late_what_is_delayed_and_out_of_order_what_is_held_back) {
+  open({.delay_ns = 30 * kMs});
+  ASSERT_TRUE(node->send(relay->local_address(), bytes_of("late")));
+  const std::int64_t sent_ns = clock.now_ns();
+  EXPECT_EQ(receive(*hub), "late");
+  EXPECT_GE(clock.now_ns() - sent_ns, 29 * kMs);
+
+  open({.reorder = 0.3, .reorder_by_ns = 20 * kMs});
+  send_numbered(*node, 50);
+  const auto arrived = receive_rest(*hub);
+  EXPECT_EQ(std::set<std::string>(arrived.begin(), arrived.end()).size(), 50U);
+  EXPECT_GT(relay->to_hub().held_back, 0U);
+}
+
+TEST_F(Relays, keep_the_two_ways_apart) {
+  open({.partition = true}, {});
+  ASSERT_TRUE(node->send(relay->local_address(), bytes_of("x")));
+  EXPECT_EQ(receive(*hub, 50 * kMs), "");
+  EXPECT_EQ(relay->to_hub().partitioned, 1U);
+}
+
+TEST_F(Relays, go_on_while_the_hub_is_away) {
+  open({});
+  const std::string at = to_string(hub->local_address());
+  hub.reset();
+  send_numbered(*node, 10);
+  hub = *open_udp_endpoint(at);
+  // What comes back from a port that nobody holds may meet the next one or two.
+  std::string heard;
+  for (int n = 0; n < 100 && heard.empty(); ++n) {
+    send_numbered(*node, 1);
+    heard = receive(*hub, 20 * kMs);
+  }
+  EXPECT_EQ(heard, "0");
+}
+
+TEST_F(Relays, hold_no_more_than_they_may) {
+  open({.delay_ns = 60'000 * kMs});
+  std::uint64_t sent = 0;
+  while (relay->to_hub().overflowed == 0 && sent < 10 * RelayEndpoint::kMaxQueued) {
+    for (int n = 0; n < 100; ++n) sent += node->send(relay->local_address(), bytes_of("flood")) ? 1 : 0;
+    relay->run_for_ns(kMs);
+  }
+  EXPECT_GT(relay->to_hub().overflowed, 0U);
+  std::vector<std::unique_ptr<Endpoint>> crowd;
+  for (std::size_t n = 0; n < RelayEndpoint::kMaxClients + 5; ++n) {
+    crowd.push_back(*open_udp_endpoint("127.0.0.1:0"));
+    send_numbered(*crowd.back(), 1);
+  }
+  EXPECT_EQ(relay->clients(), RelayEndpoint::kMaxClients);
+  EXPECT_GE(relay->to_hub().refused, 5U);
+}
+
+TEST_F(Relays, say_what_is_wrong_in_one_line) {
+  const auto complaint = [](RelaySettings settings) {
+    const auto opened = RelayEndpoint::open(std::move(settings));
+    return opened ? std::string() : opened.error().what;
+  };
+  EXPECT_THAT(complaint({.listen = "nowhere:x", .hub = {}, .schedule = {}}), testing::HasSubstr("nowhere"));
+  EXPECT_THAT(complaint({.listen = to_string(hub->local_address()), .hub = {}, .schedule = {}}),
+              testing::HasSubstr("another program holds this port"));
+  FaultPhase bad{.name = "storm", .to_hub = {.loss = 2.0}, .to_nodes = {}};
+  EXPECT_THAT(complaint({.listen = "127.0.0.1:0", .hub = {}, .schedule = {{bad}, false}}), testing::HasSubstr("'storm': loss is 2"));
+}
+
+}  // namespace
+}  // namespace hapton
