@@ -64,6 +64,12 @@ nlohmann::ordered_json hop_json(const LatencyHistogram& histogram) {
           {"mean_us", in_us(histogram.mean_ns())}};
 }
 
+nlohmann::ordered_json node_json(const ReportNode& node) {
+  return {{"role", node.role},           {"address", node.address}, {"seconds", node.seconds},
+          {"received", node.received},   {"lost", node.lost},       {"reordered", node.reordered},
+          {"duplicate", node.duplicate}, {"sent", node.sent},       {"send_failures", node.send_failures}};
+}
+
 std::string hop_row(const LatencyHop& hop) {
   const LatencyHistogram& h = hop.histogram;
   return fmt::format("  {:<28} {:>10} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f}\n", hop.name, h.count(),
@@ -98,6 +104,10 @@ std::string to_json(const LatencyReport& report) {
   json["counters"] = report.counters;
   json["ratios"] = report.ratios;
   json["notes"] = report.notes;
+  json["nodes"] = nlohmann::ordered_json::array();
+  for (const ReportNode& node : report.nodes) {
+    json["nodes"].push_back(node_json(node));
+  }
   json["hops"] = nlohmann::ordered_json::object();
   for (const LatencyHop& hop : report.hops) {
     json["hops"][hop.name] = hop_json(hop.histogram);
@@ -125,6 +135,10 @@ std::string to_text(const LatencyReport& report) {
   }
   for (const LatencyHop& hop : report.hops) {
     text += hop_row(hop);
+  }
+  for (const ReportNode& node : report.nodes) {
+    text += fmt::format("  {:<8} {:<22} {} received, {} lost, {} reordered, {} sent\n", node.role, node.address, node.received, node.lost,
+                        node.reordered, node.sent);
   }
   for (const auto& [name, rate_hz] : report.rates_hz) {
     text += fmt::format("  {:<28} {:>10.1f} Hz\n", name, rate_hz);

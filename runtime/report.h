@@ -33,6 +33,19 @@ struct LatencyHop {
   LatencyHistogram histogram;
 };
 
+// A node that is there, and what came from it and went to it.
+struct ReportNode {
+  std::string role;
+  std::string address;
+  double seconds = 0.0;  // since it joined
+  std::int64_t received = 0;
+  std::int64_t lost = 0;
+  std::int64_t reordered = 0;
+  std::int64_t duplicate = 0;
+  std::int64_t sent = 0;
+  std::int64_t send_failures = 0;
+};
+
 // What a run was like. One format for nodes, tools and tests.
 struct LatencyReport {
   std::string program;
@@ -42,11 +55,12 @@ struct LatencyReport {
   std::map<std::string, std::int64_t> counters;
   std::map<std::string, double> ratios;      // "round_trip_over_echo_p50"
   std::map<std::string, std::string> notes;  // seed, scene, method, real-time state ...
+  std::vector<ReportNode> nodes;
   std::vector<LatencyHop> hops;
 };
 
-// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, ratios, notes, and per hop n and p50, p90, p99, p99_9, max,
-// mean in us.
+// JSON, schema kReportSchema: program, machine, seconds, rates_hz, counters, ratios, notes, nodes, and per hop n and p50, p90, p99, p99_9,
+// max, mean in us.
 std::string to_json(const LatencyReport& report);
 
 // Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.

@@ -23,6 +23,7 @@ LatencyReport sample_report() {
   report.counters = {{"force_lost", 3}, {"samples", 2500}};
   report.ratios = {{"round_trip_over_echo_p50", 1.25}};
   report.notes = {{"seed", "42"}, {"scene", "a \"quoted\" name"}};
+  report.nodes = {{"haptics", "10.0.0.2:4444", 2.0, 2000, 3, 1, 0, 2003, 0}};
   LatencyHistogram round_trip;
   for (int i = 1; i <= 1000; ++i) {
     round_trip.record(i * 1000);
@@ -41,6 +42,9 @@ TEST(ReportTest, JsonHoldsEveryFigure) {
   EXPECT_EQ(json["counters"]["force_lost"], 3);
   EXPECT_EQ(json["ratios"]["round_trip_over_echo_p50"], 1.25);
   EXPECT_EQ(json["notes"]["scene"], "a \"quoted\" name");
+  ASSERT_EQ(json["nodes"].size(), 1U);
+  EXPECT_EQ(json["nodes"][0]["role"], "haptics");
+  EXPECT_EQ(json["nodes"][0]["lost"], 3);
   const nlohmann::json& hop = json["hops"]["force_round_trip"];
   EXPECT_EQ(hop["n"], 1000);
   EXPECT_NEAR(hop["p50_us"].get<double>(), 500.0, 5.0);
@@ -89,7 +93,7 @@ TEST(ReportTest, CsvRowsAddUpToTheRecords) {
 TEST(ReportTest, TextNamesEverything) {
   const std::string text = to_text(sample_report());
   for (const char* part :
-       {"io_node", "force_round_trip", "p99.9", "servo", "force_lost", "round_trip_over_echo_p50", "1.25", "seed", "42"}) {
+       {"io_node", "force_round_trip", "p99.9", "servo", "force_lost", "round_trip_over_echo_p50", "1.25", "seed", "42", "10.0.0.2:4444"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }
