@@ -10,11 +10,12 @@ namespace {
 
 constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
+constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 
 }  // namespace
 
-AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder)
-    : hub_(hub), clock_(clock), step_(step), builder_(builder), start_ns_(clock.now_ns()) {}
+AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup)
+    : hub_(hub), clock_(clock), step_(step), builder_(builder), setup_(setup), start_ns_(clock.now_ns()) {}
 
 void AnswerLoop::run(const StopSignal& stop, double seconds) {
   const std::int64_t end_ns =
@@ -36,6 +37,7 @@ void AnswerLoop::turn(std::int64_t deadline_ns) {
     }
   }
   change_method();
+  tell_setup();
   tell_of_hub();
 }
 
@@ -78,8 +80,23 @@ void AnswerLoop::answer() noexcept {
 
 void AnswerLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
-    builder_.retire(step_.replace(std::move(built)));
+    built->step = step_.replace(std::move(built->step));
+    setup_.method = built->text;
+    next_setup_ns_ = 0;
+    builder_.retire(std::move(built));
   }
+}
+
+void AnswerLoop::tell_setup() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  const bool is_due = now_ns >= next_setup_ns_ || hub_.session() != told_session_;
+  if (!is_due || hub_.state() != JoinState::joined) return;
+  told_session_ = hub_.session();
+  next_setup_ns_ = now_ns + kSetupEveryNs;
+  setup_.method_serial = static_cast<std::uint32_t>(step_.counts().methods_taken);
+  setup_.view_revision = step_.view().revision;
+  setup_.X_WS = step_.view().X_WS;
+  hub_.send(setup_);
 }
 
 void AnswerLoop::tell_of_hub() {

@@ -12,10 +12,11 @@
 namespace hapton {
 
 // The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
+// Once a second, and when it has changed, it tells the hub its setup, for recordings.
 // RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
 class AnswerLoop {
  public:
-  AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder);
+  AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {});
 
   // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
   void run(const StopSignal& stop, double seconds);
@@ -31,12 +32,16 @@ class AnswerLoop {
   void hear(const Message& message) noexcept;
   void answer() noexcept;
   void change_method() noexcept;
+  void tell_setup() noexcept;
   void tell_of_hub();
 
   HubClient& hub_;
   const Clock& clock_;
   HapticsStep& step_;
   MethodBuilder& builder_;
+  HapticsSetup setup_;
+  std::int64_t next_setup_ns_ = 0;
+  std::uint64_t told_session_ = 0;  // of the setup
   Datagram datagram_;
   LatencyHistogram compute_times_;
   std::int64_t arrival_ns_ = 0;

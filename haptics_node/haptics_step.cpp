@@ -32,8 +32,11 @@ ForceCommand HapticsStep::answer() noexcept {
   last_time_ns_ = state_.sample_time_ns;
   if (!running_) {
     touch_->reset(input_);
-    running_ = true;
+  } else {
+    remember_answered();
   }
+  running_ = true;
+  last_sample_ = state_.sample;
   felt_ = touch_->step(input_);
 
   ++counts_.answered;
@@ -45,7 +48,20 @@ ForceCommand HapticsStep::answer() noexcept {
           .visual_offset_m = felt_.visual_offset_m,
           .contact = felt_.contact,
           .compute_ns = 0,
-          .skipped_samples = std::exchange(skipped_, 0U)};
+          .skipped_samples = std::exchange(skipped_, 0U),
+          .view_revision = view_.revision,
+          .method_serial = static_cast<std::uint32_t>(counts_.methods_taken),
+          .answered_before = answered_before_};
+}
+
+// Moves the answers known of on by as many samples as have passed, and adds the last one.
+void HapticsStep::remember_answered() noexcept {
+  const std::uint64_t passed = state_.sample - last_sample_;
+  if (passed == 0 || passed > 64) {
+    answered_before_ = 0;
+    return;
+  }
+  answered_before_ = (passed == 64 ? 0 : answered_before_ << passed) | (std::uint64_t{1} << (passed - 1));
 }
 
 bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
@@ -56,6 +72,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
   }
   ++counts_.views_taken;
   X_WS_ = *pose;
+  view_ = view;
   return true;
 }
 

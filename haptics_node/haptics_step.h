@@ -41,19 +41,30 @@ class HapticsStep {
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
 
   // Forgets contact and time: a new hub session begins, or samples were missing for long.
-  void restart() noexcept { running_ = false; }
+  void restart() noexcept {
+    running_ = false;
+    answered_before_ = 0;
+  }
+
+  // The newest view transform taken.
+  const ViewTransform& view() const noexcept { return view_; }
 
   const HapticsCounts& counts() const noexcept { return counts_; }
   const TouchStep& touch() const noexcept { return *touch_; }
 
  private:
+  void remember_answered() noexcept;
+
   std::unique_ptr<TouchStep> touch_;
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
+  ViewTransform view_;
   DeviceState state_;
   TouchInput input_;  // last answered
   TouchOutput felt_;  // last answered
   std::int64_t last_time_ns_ = 0;
+  std::uint64_t last_sample_ = 0;      // answered
+  std::uint64_t answered_before_ = 0;  // as in ForceCommand, of the answer to come: without last_sample_
   std::uint32_t skipped_ = 0;
   bool has_state_ = false;
   bool running_ = false;  // last answered is there

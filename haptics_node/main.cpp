@@ -5,10 +5,12 @@
 #include "haptics_node/answer_loop.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
+#include "haptics_node/haptics_setup.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
 #include "runtime/log.h"
 #include "scene/scene_file.h"
+#include "scene/scene_hash.h"
 
 namespace {
 
@@ -42,7 +44,7 @@ int run(const HapticsOptions& options) {
   HubClient client(**endpoint, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
-  AnswerLoop loop(client, clock, step, builder);
+  AnswerLoop loop(client, clock, step, builder, make_haptics_setup(options.scene, hash_scene(scene->touch_scene()), options.method));
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   log_info("{}", realtime->to_text());

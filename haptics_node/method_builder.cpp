@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "haptics_node/haptics_report.h"
+#include "haptics_node/haptics_setup.h"
+#include "haptics_node/method_text.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -20,12 +22,12 @@ MethodBuilder::~MethodBuilder() {
   delete built_.load();
 }
 
-std::unique_ptr<TouchStep> MethodBuilder::take() noexcept {
+std::unique_ptr<BuiltMethod> MethodBuilder::take() noexcept {
   // One place for what is retired: nothing new is handed out before the old one was collected.
   if (built_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_acquire) != nullptr) {
     return nullptr;
   }
-  return std::unique_ptr<TouchStep>(built_.exchange(nullptr, std::memory_order_acq_rel));
+  return std::unique_ptr<BuiltMethod>(built_.exchange(nullptr, std::memory_order_acq_rel));
 }
 
 void MethodBuilder::run() {
@@ -57,9 +59,11 @@ void MethodBuilder::build(const MethodName& name) {
   }
   log_info("built, in use from now on:");
   log_method(**method);
-  auto step = std::make_unique<TouchStep>(std::move(*method));
-  in_use_ = step->share_method();
-  delete built_.exchange(step.release(), std::memory_order_acq_rel);
+  auto ready = std::make_unique<BuiltMethod>();
+  ready->step = std::make_unique<TouchStep>(std::move(*method));
+  put_text(to_text(settings), ready->text);
+  in_use_ = ready->step->share_method();
+  delete built_.exchange(ready.release(), std::memory_order_acq_rel);
 }
 
 }  // namespace hapton

@@ -8,9 +8,16 @@
 #include "core/force/force_method.h"
 #include "core/force/touch_scene.h"
 #include "core/force/touch_step.h"
+#include "link/messages.h"
 #include "runtime/mailbox.h"
 
 namespace hapton {
+
+// A method ready to be put in place.
+struct BuiltMethod {
+  std::unique_ptr<TouchStep> step;
+  HapticsSetup::Text text = {};  // as in HapticsSetup::method
+};
 
 // Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
 // device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared here.
@@ -29,10 +36,10 @@ class MethodBuilder {
   void request(const MethodName& name) noexcept { requests_.publish(name); }
 
   // The method built last, once; none when there is no new one.
-  std::unique_ptr<TouchStep> take() noexcept;
+  std::unique_ptr<BuiltMethod> take() noexcept;
 
-  // Takes a method to be freed. Pre: it was replaced by what take() gave.
-  void retire(std::unique_ptr<TouchStep> step) noexcept { retired_.store(step.release(), std::memory_order_release); }
+  // Takes what take() gave, with the method that it replaced in it, to be freed.
+  void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
 
  private:
   void run();
@@ -44,8 +51,8 @@ class MethodBuilder {
   TouchScene scene_;
   Mailbox<MethodName> requests_;
   std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
-  std::atomic<TouchStep*> built_ = nullptr;
-  std::atomic<TouchStep*> retired_ = nullptr;
+  std::atomic<BuiltMethod*> built_ = nullptr;
+  std::atomic<BuiltMethod*> retired_ = nullptr;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

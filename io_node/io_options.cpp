@@ -36,6 +36,13 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
   app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
+  app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");
+  app.add_option("--flight", options.flight,
+                 "Folder for flight records, the last 2 s before a fault; off: none (default: OUT/flight, without --out the state folder)");
+  app.add_option("--overrun", options.overrun, "A cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")
+      ->check(CLI::IsMember({"skip", "catch-up", "stop"}))
+      ->capture_default_str();
+      ->capture_default_str();
       ->capture_default_str();
   app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority, 0: ordinary thread")
       ->check(CLI::Range(0, 99))

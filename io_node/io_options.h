@@ -20,6 +20,9 @@ struct IoOptions {
   std::uint64_t seed = 1;
   double max_force_n = 0.0;  // 0: the device's
   double max_slew_n_per_s = 0.0;
+  std::string record;      // file for the whole session; empty: none
+  std::string flight;      // folder for flight records; empty: see find_flight_folder; "off": none
+  std::string overrun = "skip";
   std::string echo_probe;  // responder of the bare echo; empty: not measured
   RealtimeSettings realtime;
 };

@@ -16,6 +16,18 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
   report.counters = {{"samples", whole(s.samples)},
                      {"states_sent", whole(s.states_sent)},
                      {"forces", whole(s.forces)},
+std::uint64_t missed_by(const ServoStats& stats, MissCause cause) { return stats.missed_by_cause[static_cast<std::size_t>(cause)]; }
+
+// "3 late wake-up, 1 machine stalled"
+std::string describe_causes(const ServoStats& stats) {
+  std::string text;
+  for (std::size_t cause = 1; cause < stats.missed_by_cause.size(); ++cause) {
+    if (stats.missed_by_cause[cause] == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", stats.missed_by_cause[cause], to_string(static_cast<MissCause>(cause)));
+  }
+  return text;
+}
+
                      {"contact_samples", whole(s.contact_samples)},
                      {"forces_in_time", whole(s.ledger.in_time)},
                      {"late", whole(s.ledger.late)},
@@ -31,6 +43,11 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"slewed", whole(s.guard.slewed)},
                      {"not_finite", whole(s.guard.not_finite)},
                      {"refused_old", whole(s.guard.refused_old)},
+                     {"caught_up_cycles", whole(s.caught_up_cycles)},
+                     {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
+                     {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
+                     {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
+                     {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
                      {"refused_future", whole(s.guard.refused_future)},
                      {"datagrams_received", whole(s.hub.received)},
                      {"datagrams_rejected", whole(rejected)},
@@ -92,6 +109,9 @@ std::string describe_run(const ServoStats& s) {
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
                       s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.guard.silences,
                       s.guard.clamped, s.guard.slewed);
+  if (s.missed_cycles + s.caught_up_cycles > 0) {
+    text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));
+  }
   text += fmt::format("round trip p50 {:.1f} us, p99 {:.1f} us, p99.9 {:.1f} us\n", us(s.round_trip, 0.5), us(s.round_trip, 0.99),
                       us(s.round_trip, 0.999));
   if (s.bare_echo.count() > 0 && s.round_trip.count() > 0) {

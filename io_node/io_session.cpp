@@ -1,5 +1,6 @@
 #include "io_node/io_session.h"
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <thread>
@@ -49,6 +50,11 @@ std::string describe(const ServoEvent& event) {
 }  // namespace
 
 IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options) {}
+std::string_view main_cause(const ServoStats& stats) {
+  const auto most = std::max_element(stats.missed_by_cause.begin(), stats.missed_by_cause.end());
+  return to_string(static_cast<MissCause>(most - stats.missed_by_cause.begin()));
+}
+
 
 void IoSession::servo_thread() {
   const auto realtime = enter_realtime(options_.realtime);
@@ -59,7 +65,7 @@ void IoSession::servo_thread() {
   if (realtime) servo_.start();
   is_started_.store(true, std::memory_order_release);
   if (realtime) {
-    while (!ends_.load(std::memory_order_relaxed) && servo_.device_status() == DeviceStatus::ready) servo_.step();
+    while (!ends_.load(std::memory_order_relaxed) && servo_.device_status() == DeviceStatus::ready && !servo_.has_overrun()) servo_.step();
     servo_.finish();
   }
   has_ended_.store(true, std::memory_order_release);
@@ -86,6 +92,10 @@ Result<void> IoSession::run(StopSignal& stop) {
   return reported;
 }
 
+  if (servo_.has_overrun()) {
+    return fail("a cycle was missed ({}) and --overrun stop asks for the end; allow the loop real time (--rt), or a lower --rate",
+                main_cause(stats));
+  }
 Result<void> IoSession::look_after(StopSignal& stop) {
   Result<void> reported;
   log_info("{}", realtime_);

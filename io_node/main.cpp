@@ -6,6 +6,8 @@
 #include "io_node/device_maker.h"
 #include "io_node/io_options.h"
 #include "io_node/io_session.h"
+#include "io_node/session_recorder.h"
+#include "io_node/session_setup.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
@@ -39,6 +41,21 @@ Result<Echo> open_echo(const IoOptions& options, const Clock& clock) {
   return echo;
 }
 
+OverrunPolicy overrun_policy(const IoOptions& options) {
+  if (options.overrun == "catch-up") return OverrunPolicy::catch_up;
+  return options.overrun == "stop" ? OverrunPolicy::stop : OverrunPolicy::skip;
+}
+
+void print_recording(const IoOptions& options, const SessionRecorder::Counts& counts) {
+  if (!options.record.empty()) {
+    fmt::print("recorded {} entries, {:.1f} MB, {} dropped: {}\n", counts.entries, 1e-6 * static_cast<double>(counts.file_bytes),
+               counts.dropped, options.record);
+  }
+  if (counts.flights + counts.flights_left_out > 0) {
+    fmt::print("faults: {} flight records written, {} more faults left out\n", counts.flights, counts.flights_left_out);
+  }
+}
+
 int run(const IoOptions& options) {
   StopSignal stop;
   SteadyClock clock;
@@ -49,9 +66,12 @@ int run(const IoOptions& options) {
   const auto echo = open_echo(options, clock);
   if (!echo) return give_up(echo.error());
 
-  HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
-  const Servo::Options limits{options.rate_hz, options.vision_rate_hz, options.max_force_n, options.max_slew_n_per_s};
-  const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get());
+  const std::uint64_t session_id = make_random_id();
+  SessionRecorder recorder({options.record, find_flight_folder(options)}, make_session_header(options, session_id, clock), clock);
+  HubPeers peers(**endpoint, clock, session_id, options.rate_hz);
+  const Servo::Options limits{options.rate_hz,     options.vision_rate_hz,  options.max_force_n,
+                              options.max_slew_n_per_s, overrun_policy(options)};
+  const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), &recorder);
   fmt::print("hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}\n", to_string((*endpoint)->local_address()), (*device)->name(),
              options.rate_hz, servo->force_limits().max_force_n, options.seed);
   std::fflush(stdout);
@@ -59,8 +79,13 @@ int run(const IoOptions& options) {
     log_warning("limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", (*device)->limits().max_force_n,
                 (*device)->limits().max_slew_n_per_s);
   IoSession session(*servo, clock, options);
+  if (const auto recording = recorder.start(); !recording) return give_up(recording.error());
   const auto ended = session.run(stop);
-  return ended ? 0 : give_up(ended.error());
+  const auto recorded = recorder.stop();
+  print_recording(options, recorder.counts());
+  if (!recorded) log_error("{}", recorded.error().what);
+  if (!ended) return give_up(ended.error());
+  return recorded ? 0 : 1;
 }
 
 }  // namespace

@@ -13,15 +13,18 @@ constexpr int kMostPolls = 32;                                            // dat
 
 }  // namespace
 
-Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo)
+Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo, ServoTap* tap)
     : device_(device),
       peers_(peers),
       clock_(clock),
       echo_(echo),
+      tap_(tap),
+      policy_(options.overrun),
       guard_({device.limits().max_force_n, device.limits().max_slew_n_per_s}),
       vision_period_ns_(options.vision_rate_hz > 0.0 ? std::llround(1e9 / options.vision_rate_hz) : 0) {
   guard_.tighten({options.max_force_n, options.max_slew_n_per_s});
   stats_.rate_hz = options.rate_hz;
+  peers_.set_tap(tap_);
   start();
 }
 
@@ -36,7 +39,8 @@ void Servo::start() noexcept {
 }
 
 void Servo::step() noexcept {
-  if (clock_.now_ns() >= tick_ns_) drain();
+  is_behind_ = clock_.now_ns() >= tick_ns_;
+  if (is_behind_) drain();
   receive_until(tick_ns_);
   begin_cycle();
   sample_device();
@@ -55,11 +59,37 @@ void Servo::begin_cycle() noexcept {
   const std::int64_t late_ns = clock_.now_ns() - tick_ns_;
   const std::int64_t period = period_ns();
   stats_.wake_lateness.record(late_ns);
+  cycle_.late_ns = late_ns;
   // A period changed while waiting may put the tick into the future: then this cycle is simply early.
-  const std::int64_t skipped = std::max<std::int64_t>(0, late_ns) / period;
-  stats_.missed_cycles += static_cast<std::uint64_t>(skipped);
-  tick_ns_ += skipped * period;
+  if (late_ns >= period) {
+    overrun(late_ns);
+  } else {
+    cycle_.missed = 0;
+    cycle_.cause = MissCause::none;
+  }
+  device_ns_ = 0;
   stats_.end_ns = tick_ns_ + period;
+}
+
+// One cycle or more is missed.
+void Servo::overrun(std::int64_t late_ns) noexcept {
+  const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
+  if (!is_catching_up) cycle_.cause = cause_of(late_ns);
+  const std::int64_t missed = late_ns / period_ns();
+  const std::int64_t kept = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMostCaughtUp) : 0;
+  tick_ns_ += (missed - kept) * period_ns();
+  cycle_.missed = static_cast<std::uint32_t>(missed - kept);
+  stats_.missed_cycles += static_cast<std::uint64_t>(missed - kept);
+  stats_.caught_up_cycles += kept > 0 ? 1 : 0;
+  stats_.missed_by_cause[static_cast<std::size_t>(cycle_.cause)] += static_cast<std::uint64_t>(missed - kept) + (kept > 0 ? 1 : 0);
+  has_overrun_ = has_overrun_ || policy_ == OverrunPolicy::stop;
+}
+
+// By the clock readings of the cycle before alone: nothing is asked of the system.
+MissCause Servo::cause_of(std::int64_t late_ns) const noexcept {
+  if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
+  if (late_ns >= kStallNs) return MissCause::machine_stalled;
+  return is_behind_ ? MissCause::work_long : MissCause::late_wake_up;
 }
 
 void Servo::sample_device() noexcept {
@@ -68,6 +98,7 @@ void Servo::sample_device() noexcept {
   // A sample is taken when the device has given it; how long that takes is a figure of its own.
   sample_.time_ns = clock_.now_ns();
   stats_.device_read.record(sample_.time_ns - begin_ns);
+  device_ns_ += sample_.time_ns - begin_ns;
   ++sample_number_;
   ++stats_.samples;
   const bool is_expected =
@@ -91,7 +122,9 @@ bool Servo::haptics_alive(std::int64_t now_ns) const noexcept {
 }
 
 void Servo::write_force(const Vec3& force_n) noexcept {
-  device_.write(force_n, clock_.now_ns());
+  const std::int64_t begin_ns = clock_.now_ns();
+  device_.write(force_n, begin_ns);
+  device_ns_ += clock_.now_ns() - begin_ns;
   written_n_ = force_n;
   stats_.max_force_n = std::max(stats_.max_force_n, force_n.norm());
 }
@@ -245,10 +278,27 @@ void Servo::send_probe() noexcept {
   probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
   probe_.force_n = written_n_;
   probe_.view_revision = view_ ? view_->revision : 0;
+  if (tap_ != nullptr) tell_tap(now_ns);
   stats_.probe_states_sent += peers_.send_to_role(NodeRole::vision, probe_);
 }
 
 void Servo::refresh_figures(std::int64_t now_ns) noexcept {
+void Servo::tell_tap(std::int64_t now_ns) noexcept {
+  cycle_.sample = sample_number_;
+  cycle_.written_n = written_n_;
+  tap_->on_cycle(cycle_, now_ns);
+  const ForceGuard::Counters& guard = guard_.counters();
+  // A node that has said goodbye is no fault.
+  const bool is_missed = last_force_.contact && peers_.has_haptics();
+  if (guard.silences > guard_told_.silences && is_missed) tap_->on_fault(SessionFault::silence, now_ns);
+  if (guard.not_finite > guard_told_.not_finite) tap_->on_fault(SessionFault::not_finite, now_ns);
+  if (guard.refused_future > guard_told_.refused_future) tap_->on_fault(SessionFault::refused_future, now_ns);
+  if (guard.clamped > guard_told_.clamped) tap_->on_fault(SessionFault::clamped, now_ns);
+  guard_told_ = guard;
+  if (cycle_.late_ns >= ForceGuard::kSilenceLimitNs) tap_->on_fault(SessionFault::stalled, now_ns);
+  if (has_overrun_) tap_->on_fault(SessionFault::overrun, now_ns);
+}
+
   next_figures_ns_ = now_ns + kFiguresNs;
   const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
   if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(stats_.samples - figures_samples_) / passed_s);
@@ -279,6 +329,7 @@ const ServoStats& Servo::collect_stats() noexcept {
   stats_.events_dropped = events_.dropped();
   if (echo_ != nullptr) {
     stats_.bare_echo = echo_->round_trip();
+  if (tap_ != nullptr && device_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
     stats_.echo = echo_->counts();
   }
   return stats_;

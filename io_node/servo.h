@@ -11,6 +11,7 @@
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "link/hub_peers.h"
+#include "io_node/servo_tap.h"
 #include "runtime/clock.h"
 #include "runtime/mailbox.h"
 
@@ -22,23 +23,33 @@ namespace hapton {
 //   wait on the hub's socket until the next tick; the instant the force for this sample is there: guard it, write it
 //   then what is left to do: the probe to the vision nodes, a repeat of the view, figures, halfway a bare echo
 //
-// A cycle that comes a period or more late skips whole periods and counts them. The newest force wins: one that answers an older
-// sample than the last is counted and dropped. Forces reach the device through the guard only.
+// A cycle that comes a period or more late follows the overrun policy, and is counted with its cause. The newest force wins: one that
+// answers an older sample than the last is counted and dropped. Forces reach the device through the guard only.
+// Overruns:
+//   skip      whole periods are left out, and the next tick is on time again
+//   catch_up  the cycles that were missed run at once, one after the other, up to kMostCaughtUp of them; what is beyond that is skipped
+//   stop      a missed cycle ends the session: has_overrun() from then on
 // RT: step and finish yes; making one is set-up only. Threads: one, but for ask_for_snapshot, snapshot and events (one other).
 class Servo {
  public:
+enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
+
   static constexpr double kLowestRateHz = 250.0;
   static constexpr double kHighestRateHz = 10'000.0;
 
   struct Options {
+  static constexpr std::int64_t kMostCaughtUp = 10;
+  // Later than any work, device or wake-up of a running machine makes a cycle.
+  static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
     double rate_hz = 1000.0;
     double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most; 0: none
     double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
     double max_slew_n_per_s = 0.0;
   };
 
-  // Pre: all outlive the servo; rates in range. echo may be null.
-  Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr);
+    OverrunPolicy overrun = OverrunPolicy::skip;
+  // Pre: all outlive the servo; rates in range. echo and tap may be null.
+  Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr, ServoTap* tap = nullptr);
 
   // Sets the first tick one period from now.
   void start() noexcept;
@@ -56,6 +67,8 @@ class Servo {
   // The other thread: asks for a copy, and takes it when it is there (within a few cycles).
   void ask_for_snapshot() noexcept { snapshot_asked_.store(true, std::memory_order_release); }
   bool take_snapshot() noexcept { return snapshots_.take(); }
+  // A cycle was missed under OverrunPolicy::stop.
+  bool has_overrun() const noexcept { return has_overrun_; }
   const ServoStats& snapshot() const noexcept { return snapshots_.value(); }
   // A tool wished for a report; true once for each wish.
   bool take_report_wish() noexcept { return report_wished_.exchange(false, std::memory_order_acq_rel); }
@@ -69,6 +82,9 @@ class Servo {
   void await_force(std::int64_t deadline_ns) noexcept;
   void receive_one(std::int64_t deadline_ns) noexcept;
   void hear(const PeerEvent& event, const Datagram& datagram) noexcept;
+  void overrun(std::int64_t late_ns) noexcept;
+  MissCause cause_of(std::int64_t late_ns) const noexcept;
+  void tell_tap(std::int64_t now_ns) noexcept;
   void hear_message(const PeerEvent& event, const Datagram& datagram) noexcept;
   void on_force(const ForceCommand& command) noexcept;
   void on_view(const ViewTransform& view) noexcept;
@@ -98,6 +114,8 @@ class Servo {
   std::int64_t vision_period_ns_ = 0;
 
   std::int64_t tick_ns_ = 0;
+  ServoTap* tap_;
+  OverrunPolicy policy_;
   std::int64_t next_vision_ns_ = 0;
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
@@ -106,6 +124,11 @@ class Servo {
 
   DeviceSample sample_;
   std::uint64_t sample_number_ = 0;
+  std::int64_t device_ns_ = 0;  // spent on the device since the last tick
+  bool is_behind_ = false;      // the loop came to wait for this tick when it had passed
+  bool has_overrun_ = false;
+  CycleNote cycle_;
+  ForceGuard::Counters guard_told_;
   Vec3 written_n_ = Vec3::Zero();
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "io_node/echo_probe.h"
@@ -7,6 +8,7 @@
 #include "io_node/sample_ledger.h"
 #include "link/hub_peers.h"
 #include "runtime/latency_histogram.h"
+#include "link/session_entry.h"
 
 namespace hapton {
 
@@ -41,6 +43,8 @@ struct ServoStats {
   ForceGuard::Counters guard;
   HubCounts hub;
   EchoProbe::Counts echo;
+  std::uint64_t caught_up_cycles = 0; // run late, one after the other, instead of being skipped
+  std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
   std::uint64_t events_dropped = 0;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }

@@ -18,6 +18,7 @@
 #include "tools/latency_command.h"
 #include "tools/plot_command.h"
 #include "tools/replay_command.h"
+#include "tools/session_command.h"
 #include "tools/set_command.h"
 #include "tools/stress_command.h"
 #include "tools/trajectory_command.h"
@@ -59,6 +60,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_latency_command(app, exit_code);
   add_plot_command(app, exit_code);
   add_replay_command(app, exit_code);
+  add_session_command(app, exit_code);
   add_set_command(app, exit_code);
   add_stress_command(app, exit_code);
   add_trajectory_command(app, exit_code);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "link/hub_peers.h"
 #include "link/memory_endpoint.h"
@@ -46,6 +47,7 @@ class AnswerLoopTest : public ::testing::Test {
           command = *got;
           ++commands_;
         }
+        if (const auto* got = std::get_if<HapticsSetup>(&datagram.message)) setups_.push_back(*got);
       }
     }
     return command;
@@ -68,7 +70,8 @@ class AnswerLoopTest : public ::testing::Test {
   HubClient client_{*endpoint_, clock_, NodeRole::haptics, memory_address(1, 4950)};
   HapticsStep step_{std::make_unique<TouchStep>(*make_method({.name = "sweep"}, one_sheet())), 1e-5};
   MethodBuilder builder_{{.name = "sweep"}, one_sheet()};
-  AnswerLoop loop_{client_, clock_, step_, builder_};
+  AnswerLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
+  std::vector<HapticsSetup> setups_;
   std::uint64_t sample_ = 0;
   int commands_ = 0;
 };
@@ -121,6 +124,25 @@ TEST_F(AnswerLoopTest, AMethodChangesWhileInContact) {
   }
   EXPECT_EQ(step_.counts().methods_taken, 1U);
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
+}
+
+TEST_F(AnswerLoopTest, TheHubIsToldTheSetupAtOnceOnceASecondAndWhenTheMethodChanges) {
+  ASSERT_EQ(setups_.size(), 1U);
+  EXPECT_EQ(setups_[0].scene_hash, 42U);
+  const std::int64_t begin_ns = clock_.now_ns();
+  while (clock_.now_ns() < begin_ns + 2050 * kMs) exchange({0.01, 0.01, 0.001});
+  EXPECT_EQ(setups_.size(), 3U);
+  Settings settings;
+  const std::string_view name = "sweep";
+  std::copy(name.begin(), name.end(), settings.method.begin());
+  send(settings);
+  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+    exchange({0.01, 0.01, 0.001});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+  }
+  exchange({0.01, 0.01, 0.001});
+  EXPECT_EQ(setups_.back().method_serial, 1U);
+  EXPECT_STREQ(setups_.back().method.data(), "name=sweep");
 }
 
 TEST_F(AnswerLoopTest, ANewHubSessionStartsInFreeSpace) {

@@ -63,6 +63,33 @@ TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
   EXPECT_EQ(answer(step, states.at({0, 0, 0.005})).skipped_samples, 0U);
 }
 
+TEST(HapticsStep, AnAnswerTellsWhichOfThe64SamplesBeforeItWereAnswered) {
+  HapticsStep step(make_touch(), kOffset);
+  const auto answer_sample = [&](std::uint64_t sample) {
+    return answer(step, {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample), .p_WD = {0, 0, 0.01}}).answered_before;
+  };
+  EXPECT_EQ(answer_sample(100), 0U);
+  EXPECT_EQ(answer_sample(101), 0b1U);
+  EXPECT_EQ(answer_sample(102), 0b11U);
+  EXPECT_EQ(answer_sample(105), 0b11100U);
+  EXPECT_EQ(answer_sample(164), 1ULL << 63 | 1ULL << 62 | 1ULL << 61 | 1ULL << 58);
+  EXPECT_EQ(answer_sample(228), 1ULL << 63);
+  EXPECT_EQ(answer_sample(400), 0U);
+  step.restart();
+  EXPECT_EQ(answer_sample(401), 0U);
+}
+
+TEST(HapticsStep, AnAnswerTellsItsViewAndItsMethod) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  EXPECT_EQ(answer(step, states.at({0, 0, 0.01})).view_revision, 0U);
+  ASSERT_TRUE(step.turn_scene({.revision = 7}));
+  step.replace(make_touch());
+  const ForceCommand command = answer(step, states.at({0, 0, 0.01}));
+  EXPECT_EQ(command.view_revision, 7U);
+  EXPECT_EQ(command.method_serial, 1U);
+}
+
 TEST(HapticsStep, TheFirstStateIsFreeSpaceWhereverItIs) {
   HapticsStep step(make_touch(), kOffset);
   States states;

@@ -20,7 +20,7 @@ MethodBuilder::MethodName name_of(std::string_view text) {
   return name;
 }
 
-std::unique_ptr<TouchStep> wait_for_method(MethodBuilder& builder) {
+std::unique_ptr<BuiltMethod> wait_for_method(MethodBuilder& builder) {
   for (int i = 0; i < 500; ++i) {
     if (auto built = builder.take()) {
       return built;
@@ -37,7 +37,7 @@ TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
     builder.request(name_of("sweep"));
     auto built = wait_for_method(builder);
     ASSERT_NE(built, nullptr);
-    EXPECT_NE(built->method().describe().find("sweep"), std::string::npos);
+    EXPECT_NE(built->step->method().describe().find("sweep"), std::string::npos);
     builder.retire(std::move(built));
   }
 }

@@ -7,7 +7,9 @@
 #include "io_node/devices/replay_device.h"
 #include "io_node/devices/simulated_phantom.h"
 #include "io_node/servo.h"
+#include "io_node/session_recorder.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
@@ -62,11 +64,11 @@ class FixedEndpoint final : public Endpoint {
   std::uint64_t sequence_ = 0;
 };
 
-std::uint64_t allocations_of_a_session(Device& device) {
+std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) {
   SimulatedClock clock;
   FixedEndpoint endpoint(clock);
   HubPeers peers(endpoint, clock, 5, 1000.0);
-  const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{});
+  const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{}, nullptr, tap);
   Settings settings{2000.0, {'p', 'r', 'o', 'x', 'y'}, true};
   AllocationGuard guard;
   for (int n = 0; n < 3000; ++n) {
@@ -101,6 +103,7 @@ std::uint64_t allocations_of_a_session(Device& device) {
   EXPECT_GT(servo->collect_stats().forces, 2000U);
   EXPECT_EQ(servo->rate_hz(), 2000.0);
   EXPECT_TRUE(servo->take_snapshot());
+  peers.set_tap(nullptr);
   return taken;
 }
 
@@ -114,6 +117,18 @@ TEST(ServoHeap, a_session_with_a_replay_allocates_nothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ReplayDevice device({{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3::UnitX(), Quat::Identity()}}, {.loop = true});
   EXPECT_EQ(allocations_of_a_session(device), 0U);
+}
+
+TEST(ServoHeap, a_recorded_session_allocates_nothing_in_the_servos_thread) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  ScratchFolder scratch;
+  const SteadyClock clock;
+  SessionRecorder recorder({scratch.path() / "session.hapton", scratch.path() / "flight"}, {}, clock);
+  ASSERT_TRUE(recorder.start());
+  SimulatedPhantom device({});
+  EXPECT_EQ(allocations_of_a_session(device, &recorder), 0U);
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_GT(recorder.counts().entries, 9000U);
 }
 
 TEST(ServoHeap, the_guard_sees_an_allocation) {

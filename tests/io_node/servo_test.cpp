@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "io_node/devices/simulated_phantom.h"
@@ -32,15 +33,19 @@ class BenchDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override {
     reads.push_back(now_ns);
+    if (clock != nullptr) clock->advance_ns(std::exchange(slow_read_ns, 0));
     return {now_ns, place, Quat::Identity(), 5};
   }
   void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
-  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  DeviceStatus status() const noexcept override { return state; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override {
     hand = p_WH;
     return true;
   }
   Vec3 place = Vec3(0.01, 0.02, 0.03);
+  SimulatedClock* clock = nullptr;
+  std::int64_t slow_read_ns = 0;  // of the next one
+  DeviceStatus state = DeviceStatus::ready;
   std::vector<Written> written;
   std::vector<std::int64_t> reads;
   std::optional<Vec3> hand;
@@ -76,8 +81,8 @@ struct Servos : testing::Test {
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) { hear(to, datagram); };
   }
 
-  void make(Servo::Options options = {}, EchoProbe* echo = nullptr) {
-    servo = std::make_unique<Servo>(device, peers, clock, options, echo);
+  void make(Servo::Options options = {}, EchoProbe* echo = nullptr, ServoTap* tap = nullptr) {
+    servo = std::make_unique<Servo>(device, peers, clock, options, echo, tap);
   }
 
   void hear(const Address&, const Datagram& datagram) {
@@ -408,6 +413,164 @@ TEST_F(Servos, a_cycle_that_comes_too_late_skips_whole_periods_and_counts_them) 
   EXPECT_EQ(device.reads[n - 1] - before, 11 * kMs);
   EXPECT_EQ(device.reads[n - 1] - device.reads[n - 2], kMs);
   EXPECT_NEAR(stats().seconds(), 0.111, 1e-12);
+}
+
+std::uint64_t missed_by(const ServoStats& stats, MissCause cause) { return stats.missed_by_cause[static_cast<std::size_t>(cause)]; }
+
+TEST_F(Servos, every_missed_cycle_has_its_cause) {
+  make();
+  device.clock = &clock;
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  device.slow_read_ns = 3 * kMs;
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::device_slow), 2U);
+  clock.advance_ns(3 * kMs);  // between a cycle's force and the wait for the next tick
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::work_long), 2U);
+  clock.advance_ns(30 * kMs);
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::machine_stalled), 29U);
+  EXPECT_EQ(stats().missed_cycles, 33U);
+}
+
+TEST_F(Servos, a_wait_that_ends_late_is_a_late_wake_up) {
+  class Oversleeping final : public Endpoint {
+   public:
+    explicit Oversleeping(SimulatedClock& c) : clock(c) {}
+    bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+    Received receive(std::span<std::byte>, std::int64_t deadline_ns) noexcept override {
+      clock.sleep_until_ns(deadline_ns + std::exchange(too_long_ns, 0));
+      return {};
+    }
+    Address local_address() const override { return {}; }
+    SimulatedClock& clock;
+    std::int64_t too_long_ns = 0;
+  };
+  Oversleeping sleepy(clock);
+  HubPeers nobody(sleepy, clock, kSession, 1000.0);
+  Servo alone(device, nobody, clock, {});
+  for (int n = 0; n < 10; ++n) alone.step();
+  sleepy.too_long_ns = 2 * kMs + 1;
+  for (int n = 0; n < 10; ++n) alone.step();
+  EXPECT_EQ(missed_by(alone.collect_stats(), MissCause::late_wake_up), 2U);
+  EXPECT_EQ(alone.collect_stats().missed_cycles, 2U);
+}
+
+TEST_F(Servos, catching_up_runs_every_missed_cycle_at_once) {
+  make({.overrun = OverrunPolicy::catch_up});
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  const std::size_t before = device.reads.size();
+  const std::int64_t next_tick_ns = device.reads.back() + kMs;
+  clock.advance_ns(5 * kMs);
+  run(20);
+  EXPECT_EQ(stats().missed_cycles, 0U);
+  EXPECT_EQ(missed_by(stats(), MissCause::work_long), stats().caught_up_cycles);
+  EXPECT_GE(stats().caught_up_cycles, 4U);
+  // On time again, and none was left out.
+  EXPECT_EQ(device.reads.back(), next_tick_ns + static_cast<std::int64_t>(device.reads.size() - 1 - before) * kMs);
+}
+
+TEST_F(Servos, catching_up_has_an_end) {
+  make({.overrun = OverrunPolicy::catch_up});
+  run(10);
+  clock.advance_ns(1000 * kMs);
+  run(1000);
+  EXPECT_GT(stats().missed_cycles, 980U);
+  EXPECT_LE(stats().caught_up_cycles, 11U);
+}
+
+TEST_F(Servos, a_missed_cycle_stops_the_session_where_that_is_asked_for) {
+  make({.overrun = OverrunPolicy::stop});
+  run(100);
+  EXPECT_FALSE(servo->has_overrun());
+  clock.advance_ns(3 * kMs);
+  run(1);
+  EXPECT_TRUE(servo->has_overrun());
+}
+
+// Remembers what it heard.
+class Heard final : public ServoTap {
+ public:
+  void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++received; }
+  void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++sent; }
+  void on_cycle(const CycleNote& note, std::int64_t) noexcept override { cycles.push_back(note); }
+  void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  int received = 0;
+  int sent = 0;
+  std::vector<CycleNote> cycles;
+  std::vector<SessionFault> faults;
+};
+
+TEST_F(Servos, a_tap_hears_datagrams_and_cycles) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  ASSERT_EQ(tap.cycles.size(), 200U);
+  EXPECT_EQ(tap.cycles.back().sample, states.back().sample);
+  EXPECT_EQ(tap.cycles.back().written_n, answer.force_n);
+  EXPECT_EQ(static_cast<std::uint64_t>(tap.received), stats().hub.received);
+  EXPECT_GE(tap.sent, 200);
+  EXPECT_TRUE(tap.faults.empty());
+  clock.advance_ns(3 * kMs);
+  run(1);
+  EXPECT_EQ(tap.cycles.back().missed, 2U);
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, a_tap_hears_each_fault_once) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = -1;
+  run(40);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::silence});
+  answer_delay_ns = 100 * kUs;
+  run(10);
+  tap.faults.clear();
+  answer.force_n = Vec3(0, 0, 100);
+  run(1);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::clamped});
+  answer.force_n = Vec3(0, 0, 1);
+  run(5);
+  tap.faults.clear();
+  clock.advance_ns(25 * kMs);
+  run(1);
+  EXPECT_EQ(tap.faults.back(), SessionFault::stalled);
+  tap.faults.clear();
+  device.state = DeviceStatus::fault;
+  servo->finish();
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, a_haptics_node_that_says_goodbye_in_contact_is_no_fault) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  say(kHaptics, Bye{});
+  for (int n = 0; n < 40; ++n) servo->step();
+  EXPECT_EQ(stats().guard.silences, 1U);
+  EXPECT_TRUE(tap.faults.empty());
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, a_silence_in_free_space_is_no_fault) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  answer.contact = false;
+  answer.force_n = Vec3::Zero();
+  run(200);
+  answer_delay_ns = -1;
+  run(40);
+  EXPECT_EQ(stats().guard.silences, 1U);
+  EXPECT_TRUE(tap.faults.empty());
+  peers.set_tap(nullptr);
 }
 
 TEST_F(Servos, a_flood_of_rubbish_does_not_hold_up_the_loop) {

@@ -28,7 +28,8 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"io_node", {"core/base", "core/math", "runtime", "link"}},
     {"haptics_node", {"core", "runtime", "link", "scene"}},
     {"vision_node", {"core", "runtime", "link", "scene"}},
-    {"tools", {"core", "runtime", "link", "scene", "bench"}},
+    // The haptic node's step itself, to feel a recording again.
+    {"tools", {"core", "runtime", "link", "scene", "bench", "haptics_node"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }
@@ -118,10 +119,10 @@ TEST(Layers, OwnHeadersAreQuotedFromTheRoot) {
               IsEmpty());
 }
 
-TEST(Layers, OnlyTheCodecSeesGeneratedProtobufCode) {
+TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
   EXPECT_THAT(
       find_wrong(kFolders, [](const SourceFile& file,
-                              const Include& include) { return is_generated_by_protobuf(include.path) && file.path != "link/codec.cpp"; }),
+                              const Include& include) { return is_generated_by_protobuf(include.path) && !file.path.ends_with("codec.cpp"); }),
       IsEmpty());
 }
 

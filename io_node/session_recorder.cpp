@@ -1,0 +1,239 @@
+#include "io_node/session_recorder.h"
+
+#include <fmt/chrono.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <ctime>
+#include <type_traits>
+#include <utility>
+
+#include "runtime/atomic_file.h"
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+constexpr auto kCollectEvery = std::chrono::milliseconds(10);
+constexpr std::size_t kWriteBytes = std::size_t{1} << 16;
+
+// What stands in the ring in front of a datagram or instead of it.
+struct Note {
+  SessionEntry::Kind kind = SessionEntry::Kind::received;
+  SessionFault fault = SessionFault::none;
+  std::uint16_t port = 0;
+  std::int64_t time_ns = 0;
+  std::array<std::uint8_t, 16> ip = {};
+};
+
+// Of CycleNote, without Eigen's types: plain memory.
+struct PlainCycle {
+  std::uint64_t sample = 0;
+  std::int64_t late_ns = 0;
+  std::array<double, 3> written_n = {};
+  std::uint32_t missed = 0;
+  MissCause cause = MissCause::none;
+};
+
+template <class T>
+std::span<const std::byte> bytes_of(const T& value) noexcept {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return std::as_bytes(std::span(&value, 1));
+}
+
+SessionEntry entry_of(std::span<const std::byte> record) {
+  Note note;
+  std::memcpy(&note, record.data(), sizeof note);
+  const auto body = record.subspan(sizeof note);
+  SessionEntry entry;
+  entry.kind = note.kind;
+  entry.time_ns = note.time_ns;
+  entry.fault = note.fault;
+  entry.peer = {note.ip, note.port};
+  if (note.kind == SessionEntry::Kind::cycle) {
+    PlainCycle cycle;
+    std::memcpy(&cycle, body.data(), sizeof cycle);
+    entry.cycle = {cycle.sample, cycle.late_ns, Vec3(cycle.written_n.data()), cycle.missed, cycle.cause};
+  } else {
+    entry.datagram = body;
+  }
+  return entry;
+}
+
+// Blocks hold records with their length in front, as the window keeps them.
+void append_record(std::vector<std::byte>& to, std::span<const std::byte> record) {
+  const auto size = static_cast<std::uint32_t>(record.size());
+  const auto prefix = bytes_of(size);
+  to.insert(to.end(), prefix.begin(), prefix.end());
+  to.insert(to.end(), record.begin(), record.end());
+}
+
+template <class Visit>
+void for_each_record(std::span<const std::byte> block, Visit&& visit) {
+  while (!block.empty()) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, block.data(), sizeof size);
+    visit(block.subspan(sizeof size, size));
+    block = block.subspan(sizeof size + size);
+  }
+}
+
+// "20261120T071500.123Z"
+std::string time_text(std::int64_t unix_ns) {
+  const std::time_t seconds = unix_ns / kNanosecondsPerSecond;
+  return fmt::format("{:%Y%m%dT%H%M%S}.{:03}Z", fmt::gmtime(seconds), unix_ns / kNanosecondsPerMillisecond % 1000);
+}
+
+}  // namespace
+
+SessionRecorder::SessionRecorder(Options options, SessionHeader header, const Clock& clock)
+    : options_(std::move(options)), header_(std::move(header)), clock_(clock), ring_(options_.ring_bytes), file_(nullptr, &std::fclose) {}
+
+SessionRecorder::~SessionRecorder() { (void)stop(); }
+
+Result<void> SessionRecorder::start() {
+  if (!options_.flight_folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options_.flight_folder, error);
+    if (error) {
+      return fail("{}: the folder for flight records cannot be made: {}; choose another with --flight, or --flight off",
+                  options_.flight_folder.string(), error.message());
+    }
+  }
+  if (!options_.record.empty()) {
+    file_.reset(std::fopen(options_.record.c_str(), "wb"));
+    if (!file_) return fail("{}: the session cannot be recorded there: {}", options_.record.string(), std::strerror(errno));
+    unwritten_ = kSessionMagic;
+    codec_.append(header_, unwritten_);
+    write_entries(true);
+    if (!written_) return written_;
+  }
+  thread_ = std::thread([this] { run(); });
+  return {};
+}
+
+Result<void> SessionRecorder::stop() {
+  if (!thread_.joinable()) return written_;
+  ends_.store(true, std::memory_order_release);
+  thread_.join();
+  if (file_ && std::fclose(file_.release()) != 0 && written_) {
+    written_ = fail("{}: the recording could not be written to its end: {}", options_.record.string(), std::strerror(errno));
+  }
+  return written_;
+}
+
+void SessionRecorder::run() {
+  while (!ends_.load(std::memory_order_acquire)) {
+    collect();
+    if (flight_ && clock_.now_ns() >= flight_->fault_ns + kAfterFaultNs) write_flight();
+    std::this_thread::sleep_for(kCollectEvery);
+  }
+  collect();
+  if (flight_) write_flight();
+  write_entries(true);
+}
+
+void SessionRecorder::collect() {
+  Block block;
+  // A block that has left the window lends its memory to the next.
+  if (!window_.empty() && window_.front().newest_ns < newest_ns_ - kFlightNs - kAfterFaultNs) {
+    block.bytes = std::move(window_.front().bytes);
+    block.bytes.clear();
+    window_.pop_front();
+  }
+  while (!window_.empty() && window_.front().newest_ns < newest_ns_ - kFlightNs - kAfterFaultNs) window_.pop_front();
+  ring_.drain([&](std::span<const std::byte> record) {
+    append_record(block.bytes, record);
+    take(entry_of(record));
+    block.newest_ns = newest_ns_;
+  });
+  if (!block.bytes.empty()) window_.push_back(std::move(block));
+  if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_told_) {
+    SessionEntry entry;
+    entry.kind = SessionEntry::Kind::dropped;
+    entry.time_ns = newest_ns_;
+    entry.dropped = dropped - dropped_told_;
+    if (file_) codec_.append(entry, unwritten_);
+    counts_.dropped = dropped_told_ = dropped;
+  }
+  write_entries(false);
+}
+
+void SessionRecorder::take(const SessionEntry& entry) {
+  newest_ns_ = std::max(newest_ns_, entry.time_ns);
+  ++counts_.entries;
+  if (file_) codec_.append(entry, unwritten_);
+  if (unwritten_.size() >= kWriteBytes) write_entries(false);
+  if (entry.kind == SessionEntry::Kind::fault && !options_.flight_folder.empty()) plan_flight(entry);
+}
+
+// A recording that cannot be written on is given up, and the session goes on without it.
+void SessionRecorder::write_entries(bool all) {
+  if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
+  const bool good = std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() &&
+                    (!all || std::fflush(file_.get()) == 0);
+  counts_.file_bytes += good ? unwritten_.size() : 0;
+  unwritten_.clear();
+  if (good) return;
+  written_ = fail("{}: the recording breaks off: {}", options_.record.string(), std::strerror(errno));
+  log_error("{}; the session goes on", written_.error().what);
+  file_.reset();
+}
+
+void SessionRecorder::plan_flight(const SessionEntry& fault) {
+  if (flight_) return;  // it will be in that one
+  std::int64_t& last_ns = last_flight_ns_[static_cast<std::size_t>(fault.fault)];
+  if ((last_ns != 0 && fault.time_ns - last_ns < kFlightEveryNs) || counts_.flights >= kMostFlights) {
+    ++counts_.flights_left_out;
+    return;
+  }
+  last_ns = fault.time_ns;
+  flight_ = Flight{fault.fault, fault.time_ns};
+}
+
+void SessionRecorder::write_flight() {
+  const Flight flight = *std::exchange(flight_, std::nullopt);
+  SessionHeader header = header_;
+  header.fault = to_string(flight.fault);
+  std::string bytes(kSessionMagic);
+  codec_.append(header, bytes);
+  for (const Block& block : window_) {
+    for_each_record(block.bytes, [&](std::span<const std::byte> record) {
+      const SessionEntry entry = entry_of(record);
+      if (entry.time_ns >= flight.fault_ns - kFlightNs) codec_.append(entry, bytes);
+    });
+  }
+  const std::int64_t unix_ns = header_.start_unix_ns + (flight.fault_ns - header_.start_ns);
+  const auto path = options_.flight_folder / fmt::format("flight-{}-{}.hapton", time_text(unix_ns), header.fault);
+  ++counts_.flights;
+  if (const auto written = write_file_atomically(path, bytes); !written) {
+    log_error("{}: no flight record: {}", header.fault, written.error().what);
+    return;
+  }
+  log_warning("fault: {}; its last 2 s are in {}", header.fault, path.string());
+}
+
+void SessionRecorder::on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept {
+  const Note note{.kind = SessionEntry::Kind::received, .port = from.port, .time_ns = time_ns, .ip = from.ip};
+  ring_.push(bytes_of(note), datagram);
+}
+
+void SessionRecorder::on_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept {
+  const Note note{.kind = SessionEntry::Kind::sent, .port = to.port, .time_ns = time_ns, .ip = to.ip};
+  ring_.push(bytes_of(note), datagram);
+}
+
+void SessionRecorder::on_cycle(const CycleNote& n, std::int64_t time_ns) noexcept {
+  const Note note{.kind = SessionEntry::Kind::cycle, .time_ns = time_ns};
+  const PlainCycle cycle{n.sample, n.late_ns, {n.written_n.x(), n.written_n.y(), n.written_n.z()}, n.missed, n.cause};
+  ring_.push(bytes_of(note), bytes_of(cycle));
+}
+
+void SessionRecorder::on_fault(SessionFault fault, std::int64_t time_ns) noexcept {
+  const Note note{.kind = SessionEntry::Kind::fault, .fault = fault, .time_ns = time_ns};
+  ring_.push(bytes_of(note), {});
+}
+
+}  // namespace hapton

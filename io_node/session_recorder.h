@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <cstdio>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/result.h"
+#include "io_node/servo_tap.h"
+#include "link/session_codec.h"
+#include "runtime/byte_ring.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Writes down all that a servo does, at full rate, in a thread of its own: into one file for the whole session, and, after a fault, the last
+// two seconds into a file of their own that is named after it. The servo only copies into a ring; what finds no room there is counted, in the
+// file too. Flight records are few: one of a kind in kFlightEveryNs, kMostFlights in all.
+// RT: the four on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
+class SessionRecorder final : public ServoTap {
+ public:
+  static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;
+  static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // of what follows a fault, in its flight record
+  static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
+  static constexpr int kMostFlights = 16;
+  static constexpr std::size_t kRingBytes = std::size_t{1} << 22;  // 0.8 s at 10 kHz
+
+  struct Options {
+    std::filesystem::path record = {};         // empty: no file of the whole session
+    std::filesystem::path flight_folder = {};  // empty: no flight records
+    std::size_t ring_bytes = kRingBytes;
+  };
+  struct Counts {
+    std::uint64_t entries = 0;  // that reached the writing thread
+    std::uint64_t dropped = 0;
+    std::uint64_t file_bytes = 0;
+    int flights = 0;
+    int flights_left_out = 0;  // faults with no record of their own, because of the limits above
+  };
+
+  // header: what stands in front of each file. Pre: clock outlives this.
+  SessionRecorder(Options options, SessionHeader header, const Clock& clock);
+  ~SessionRecorder() override;
+
+  // Opens the file and starts the thread. Error: the file or the flight folder cannot be written.
+  Result<void> start();
+  // Writes what there is and ends the thread. Error: the file could not be written to its end.
+  Result<void> stop();
+  // After stop.
+  const Counts& counts() const { return counts_; }
+
+  void on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept override;
+  void on_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept override;
+  void on_cycle(const CycleNote& note, std::int64_t time_ns) noexcept override;
+  void on_fault(SessionFault fault, std::int64_t time_ns) noexcept override;
+
+ private:
+  // What was drained at once, as it stood in the ring.
+  struct Block {
+    std::vector<std::byte> bytes;
+    std::int64_t newest_ns = 0;
+  };
+  struct Flight {
+    SessionFault fault = SessionFault::none;
+    std::int64_t fault_ns = 0;
+  };
+
+  void run();
+  void collect();
+  void take(const SessionEntry& entry);
+  void write_entries(bool all);
+  void plan_flight(const SessionEntry& fault);
+  void write_flight();
+
+  Options options_;
+  SessionHeader header_;
+  const Clock& clock_;
+  ByteRing ring_;
+  SessionCodec codec_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::string unwritten_;
+  std::deque<Block> window_;
+  std::int64_t newest_ns_ = 0;
+  std::uint64_t dropped_told_ = 0;
+  std::optional<Flight> flight_;
+  std::array<std::int64_t, 256> last_flight_ns_ = {};  // of each kind of fault; 0: none yet
+  Result<void> written_;
+  Counts counts_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#include "io_node/session_setup.h"
+
+#include <chrono>
+
+#include "runtime/build_id.h"
+#include "runtime/state_folder.h"
+
+namespace hapton {
+
+SessionHeader make_session_header(const IoOptions& options, std::uint64_t session, const Clock& clock) {
+  SessionHeader header;
+  header.build = build_id();
+  header.start_ns = clock.now_ns();
+  header.start_unix_ns =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  header.session = session;
+  header.settings = {{"bind", options.bind},
+                     {"device", options.device},
+                     {"rate", fmt::format("{}", options.rate_hz)},
+                     {"vision-rate", fmt::format("{}", options.vision_rate_hz)},
+                     {"seed", fmt::format("{}", options.seed)},
+                     {"max-force", fmt::format("{}", options.max_force_n)},
+                     {"max-slew", fmt::format("{}", options.max_slew_n_per_s)},
+                     {"overrun", options.overrun}};
+  if (!options.trajectory.empty()) header.settings.emplace_back("trajectory", options.trajectory);
+  return header;
+}
+
+std::filesystem::path find_flight_folder(const IoOptions& options) {
+  if (options.flight == "off") return {};
+  if (!options.flight.empty()) return options.flight;
+  if (!options.out.empty()) return std::filesystem::path(options.out) / "flight";
+  const std::filesystem::path state = find_state_folder();
+  return state.empty() ? state : state / "flight";
+}
+
+}  // namespace hapton

@@ -1,0 +1,189 @@
+#include "link/session_codec.h"
+
+#include <google/protobuf/io/coded_stream.h>
+
+#include <algorithm>
+#include <boost/crc.hpp>
+#include <cstring>
+
+#include "session.pb.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kCheckBytes = 5;  // one of tag, four of value
+constexpr char kCheckTag = 0x7D;        // field 15, fixed32
+// No message of ours comes near it; a length above it is damage.
+constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
+
+std::uint32_t check_of(std::string_view bytes) {
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
+
+template <class WireMessage>
+void append_checked(WireMessage& message, std::string& to) {
+  using google::protobuf::io::CodedOutputStream;
+  message.clear_check();
+  const std::size_t body = message.ByteSizeLong();
+  std::uint8_t length[10];
+  const std::uint8_t* end = CodedOutputStream::WriteVarint32ToArray(static_cast<std::uint32_t>(body + kCheckBytes), length);
+  to.append(reinterpret_cast<const char*>(length), static_cast<std::size_t>(end - length));
+  const std::size_t begin = to.size();
+  to.resize(begin + body + kCheckBytes);
+  message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(to.data() + begin));
+  to[begin + body] = kCheckTag;
+  CodedOutputStream::WriteLittleEndian32ToArray(check_of(std::string_view(to).substr(begin, body)),
+                                                reinterpret_cast<std::uint8_t*>(to.data() + begin + body + 1));
+}
+
+struct Frame {
+  SessionCodec::Read read;
+  std::string_view message;
+};
+
+Frame find_frame(std::string_view bytes) {
+  using google::protobuf::io::CodedInputStream;
+  CodedInputStream input(reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                         static_cast<int>(std::min<std::size_t>(bytes.size(), 2 * kMaxMessageBytes)));
+  std::uint32_t length = 0;
+  if (!input.ReadVarint32(&length)) {
+    return {{bytes.size() < 5 ? SessionCodec::Status::cut : SessionCodec::Status::damaged, 0}, {}};
+  }
+  if (length < kCheckBytes || length > kMaxMessageBytes) return {{SessionCodec::Status::damaged, 0}, {}};
+  const auto prefix = static_cast<std::size_t>(input.CurrentPosition());
+  if (bytes.size() - prefix < length) return {{SessionCodec::Status::cut, 0}, {}};
+  const std::string_view message = bytes.substr(prefix, length);
+  const std::string_view body = message.substr(0, length - kCheckBytes);
+  std::uint32_t check = 0;
+  CodedInputStream::ReadLittleEndian32FromArray(reinterpret_cast<const std::uint8_t*>(message.data() + body.size() + 1), &check);
+  if (message[body.size()] != kCheckTag || check != check_of(body)) return {{SessionCodec::Status::damaged, 0}, {}};
+  return {{SessionCodec::Status::ok, prefix + length}, message};
+}
+
+void write(const Address& from, std::span<const std::byte> bytes, session::Datagram& to) {
+  to.set_ip(from.ip.data(), from.ip.size());
+  to.set_port(from.port);
+  to.set_envelope(bytes.data(), bytes.size());
+}
+
+bool read(const session::Datagram& from, SessionEntry& to) {
+  if (from.ip().size() != to.peer.ip.size() || from.port() > 0xFFFF) return false;
+  std::memcpy(to.peer.ip.data(), from.ip().data(), to.peer.ip.size());
+  to.peer.port = static_cast<std::uint16_t>(from.port());
+  to.datagram = std::as_bytes(std::span(from.envelope().data(), from.envelope().size()));
+  return true;
+}
+
+bool read(const session::Cycle& from, CycleNote& to) {
+  if (from.written_n_size() != 3) return false;
+  to.sample = from.sample();
+  to.late_ns = from.late_ns();
+  to.written_n = Vec3(from.written_n(0), from.written_n(1), from.written_n(2));
+  to.missed = from.missed();
+  to.cause = static_cast<MissCause>(std::min(from.cause(), 255U));
+  return true;
+}
+
+void write(const CycleNote& from, session::Cycle& to) {
+  to.set_sample(from.sample);
+  to.set_late_ns(from.late_ns);
+  to.clear_written_n();
+  for (int i = 0; i < 3; ++i) to.add_written_n(from.written_n[i]);
+  to.set_missed(from.missed);
+  to.set_cause(static_cast<std::uint32_t>(from.cause));
+}
+
+}  // namespace
+
+struct SessionCodec::Wire {
+  session::Entry entry;
+  session::Header header;
+};
+
+SessionCodec::SessionCodec() : wire_(std::make_unique<Wire>()) {}
+SessionCodec::~SessionCodec() = default;
+SessionCodec::SessionCodec(SessionCodec&&) noexcept = default;
+SessionCodec& SessionCodec::operator=(SessionCodec&&) noexcept = default;
+
+void SessionCodec::append(const SessionHeader& header, std::string& to) {
+  session::Header& h = wire_->header;
+  h.Clear();
+  h.set_build(header.build);
+  h.set_start_ns(header.start_ns);
+  h.set_start_unix_ns(header.start_unix_ns);
+  h.set_session(header.session);
+  h.set_fault(header.fault);
+  for (const auto& [name, value] : header.settings) {
+    session::Setting& setting = *h.add_settings();
+    setting.set_name(name);
+    setting.set_value(value);
+  }
+  append_checked(h, to);
+}
+
+void SessionCodec::append(const SessionEntry& entry, std::string& to) {
+  session::Entry& e = wire_->entry;
+  e.Clear();
+  e.set_time_ns(entry.time_ns);
+  switch (entry.kind) {
+    case SessionEntry::Kind::received:
+      write(entry.peer, entry.datagram, *e.mutable_received());
+      break;
+    case SessionEntry::Kind::sent:
+      write(entry.peer, entry.datagram, *e.mutable_sent());
+      break;
+    case SessionEntry::Kind::cycle:
+      write(entry.cycle, *e.mutable_cycle());
+      break;
+    case SessionEntry::Kind::fault:
+      e.set_fault(static_cast<std::uint32_t>(entry.fault));
+      break;
+    case SessionEntry::Kind::dropped:
+      e.set_dropped(entry.dropped);
+      break;
+  }
+  append_checked(e, to);
+}
+
+SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionHeader& header) {
+  const Frame frame = find_frame(bytes);
+  if (frame.read.status != Status::ok) return frame.read;
+  session::Header& h = wire_->header;
+  if (!h.ParseFromArray(frame.message.data(), static_cast<int>(frame.message.size()))) return {Status::damaged, 0};
+  header = {h.build(), h.start_ns(), h.start_unix_ns(), h.session(), h.fault(), {}};
+  for (const session::Setting& setting : h.settings()) header.settings.emplace_back(setting.name(), setting.value());
+  return frame.read;
+}
+
+SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionEntry& entry) {
+  const Frame frame = find_frame(bytes);
+  if (frame.read.status != Status::ok) return frame.read;
+  session::Entry& e = wire_->entry;
+  if (!e.ParseFromArray(frame.message.data(), static_cast<int>(frame.message.size()))) return {Status::damaged, 0};
+  entry = {};
+  entry.time_ns = e.time_ns();
+  bool is_good = true;
+  if (e.has_received()) {
+    entry.kind = SessionEntry::Kind::received;
+    is_good = hapton::read(e.received(), entry);
+  } else if (e.has_sent()) {
+    entry.kind = SessionEntry::Kind::sent;
+    is_good = hapton::read(e.sent(), entry);
+  } else if (e.has_cycle()) {
+    entry.kind = SessionEntry::Kind::cycle;
+    is_good = hapton::read(e.cycle(), entry.cycle);
+  } else if (e.has_fault()) {
+    entry.kind = SessionEntry::Kind::fault;
+    entry.fault = static_cast<SessionFault>(std::min(e.fault(), 255U));
+  } else if (e.has_dropped()) {
+    entry.kind = SessionEntry::Kind::dropped;
+    entry.dropped = e.dropped();
+  } else {
+    return {Status::unknown, frame.read.bytes};
+  }
+  return is_good ? frame.read : Read{Status::damaged, 0};
+}
+
+}  // namespace hapton

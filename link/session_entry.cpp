@@ -1,0 +1,43 @@
+#include "link/session_entry.h"
+
+namespace hapton {
+
+std::string_view to_string(MissCause cause) noexcept {
+  switch (cause) {
+    case MissCause::none:
+      return "none";
+    case MissCause::late_wake_up:
+      return "late wake-up";
+    case MissCause::device_slow:
+      return "device slow";
+    case MissCause::work_long:
+      return "work long";
+    case MissCause::machine_stalled:
+      return "machine stalled";
+  }
+  return "unknown";
+}
+
+std::string_view to_string(SessionFault fault) noexcept {
+  switch (fault) {
+    case SessionFault::none:
+      return "none";
+    case SessionFault::silence:
+      return "silence";
+    case SessionFault::not_finite:
+      return "not-finite";
+    case SessionFault::refused_future:
+      return "refused-future";
+    case SessionFault::clamped:
+      return "clamped";
+    case SessionFault::stalled:
+      return "stalled";
+    case SessionFault::device:
+      return "device";
+    case SessionFault::overrun:
+      return "overrun";
+  }
+  return "unknown";
+}
+
+}  // namespace hapton

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/math/types.h"
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// Why cycles were left out.
+enum class MissCause : std::uint8_t {
+  none,
+  late_wake_up,     // the loop was waiting in time and woke late
+  device_slow,      // reading and writing the device took most of it
+  work_long,        // the loop's own work did
+  machine_stalled,  // late by more than anyone's work can be: the process or the machine stood still
+};
+std::string_view to_string(MissCause cause) noexcept;
+
+// What makes the flight recorder write.
+enum class SessionFault : std::uint8_t {
+  none,
+  silence,         // no force for 20 ms, in contact
+  not_finite,      // a force that is no number
+  refused_future,  // a force for a sample that was not taken
+  clamped,         // a force above the limit
+  stalled,         // the loop stood still longer than a force may be old
+  device,          // the device failed
+  overrun,         // a cycle was missed where none may be
+};
+std::string_view to_string(SessionFault fault) noexcept;
+
+// One cycle of the servo, when it was done.
+struct CycleNote {
+  std::uint64_t sample = 0;
+  std::int64_t late_ns = 0;
+  Vec3 written_n = Vec3::Zero();
+  std::uint32_t missed = 0;  // cycles left out before it
+  MissCause cause = MissCause::none;
+};
+
+// One thing that happened in a recorded session.
+struct SessionEntry {
+  enum class Kind : std::uint8_t { received, sent, cycle, fault, dropped };
+  Kind kind = Kind::received;
+  std::int64_t time_ns = 0;             // hub's clock
+  Address peer;                         // of received and sent
+  std::span<const std::byte> datagram;  // of received and sent: as it is before sealing and after opening; not owned
+  CycleNote cycle;
+  SessionFault fault = SessionFault::none;
+  std::uint64_t dropped = 0;  // entries that found no room since the one before
+};
+
+// What stands in front of them.
+struct SessionHeader {
+  std::string build = {};
+  std::int64_t start_ns = 0;
+  std::int64_t start_unix_ns = 0;
+  std::uint64_t session = 0;
+  std::string fault = {};  // of a flight record; empty: a whole session
+  std::vector<std::pair<std::string, std::string>> settings = {};
+};
+
+}  // namespace hapton

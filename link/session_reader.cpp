@@ -1,0 +1,64 @@
+#include "link/session_reader.h"
+
+#include <cerrno>
+#include <cstring>
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kRefillBytes = 1 << 20;
+
+}  // namespace
+
+// Moves what is not read yet to the front and reads on; false when there was nothing more.
+bool SessionReader::refill() {
+  buffer_.erase(0, begin_);
+  buffer_offset_ += begin_;
+  begin_ = 0;
+  const std::size_t before = buffer_.size();
+  buffer_.resize(before + kRefillBytes);
+  file_->read(buffer_.data() + before, kRefillBytes);
+  buffer_.resize(before + static_cast<std::size_t>(file_->gcount()));
+  return buffer_.size() > before;
+}
+
+Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return fail("{}: is a folder, not a recorded session", path.string());
+  SessionReader reader;
+  reader.path_ = path;
+  reader.file_ = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!*reader.file_) return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+  reader.refill();
+  const std::string_view bytes = reader.buffer_;
+  constexpr std::string_view kStem = kSessionMagic.substr(0, kSessionMagic.find('/') + 1);
+  if (!bytes.starts_with(kStem)) return fail("{}: is no recorded session; io_node --record FILE makes one", path.string());
+  if (!bytes.starts_with(kSessionMagic)) {
+    return fail("{}: is a recorded session of another schema than {}; read it with the build that wrote it", path.string(),
+                kSessionMagic.substr(0, kSessionMagic.size() - 1));
+  }
+  const SessionCodec::Read read = reader.codec_.read(bytes.substr(kSessionMagic.size()), reader.header_);
+  if (read.status != SessionCodec::Status::ok) return fail("{}: its header is damaged or cut short; nothing can be read", path.string());
+  reader.begin_ = kSessionMagic.size() + read.bytes;
+  return reader;
+}
+
+bool SessionReader::next(SessionEntry& entry) {
+  while (problem_.empty()) {
+    const SessionCodec::Read read = codec_.read(std::string_view(buffer_).substr(begin_), entry);
+    if (read.status == SessionCodec::Status::cut && refill()) continue;
+    if (read.status == SessionCodec::Status::cut && begin_ == buffer_.size()) return false;
+    if (read.status == SessionCodec::Status::cut || read.status == SessionCodec::Status::damaged) {
+      problem_ = fmt::format("{}: {} after {} entries, at byte {}; what stands before it was read", path_.string(),
+                             read.status == SessionCodec::Status::cut ? "is cut short" : "is damaged", entries_, buffer_offset_ + begin_);
+      return false;
+    }
+    begin_ += read.bytes;
+    if (read.status == SessionCodec::Status::unknown) continue;
+    ++entries_;
+    return true;
+  }
+  return false;
+}
+
+}  // namespace hapton

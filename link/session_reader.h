@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "link/session_codec.h"
+
+namespace hapton {
+
+// Reads a session file entry by entry, whatever its length.
+// RT: no. Threads: one.
+class SessionReader {
+ public:
+  // Error, in one line: no such file, no session, another schema, a header that cannot be read.
+  static Result<SessionReader> open(const std::filesystem::path& path);
+
+  const SessionHeader& header() const { return header_; }
+
+  // The next entry; false at the end of what can be read. Post: entry.datagram lives until the next call.
+  bool next(SessionEntry& entry);
+
+  // After next gave false: empty when the file ended with a whole entry, else one line that says where and how it breaks off.
+  const std::string& problem() const { return problem_; }
+
+ private:
+  SessionReader() = default;
+  bool refill();
+
+  std::filesystem::path path_;
+  std::unique_ptr<std::ifstream> file_;
+  SessionCodec codec_;
+  SessionHeader header_;
+  std::string buffer_;
+  std::size_t begin_ = 0;            // of what is not read yet, in the buffer
+  std::uint64_t buffer_offset_ = 0;  // of the buffer's front, in the file
+  std::uint64_t entries_ = 0;
+  std::string problem_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace hapton {
+
+// Records of any length from a thread that must keep time to one that has it. A record that finds no room is dropped and counted:
+// the writer never waits.
+// RT: push yes, wait-free; construction set-up only (all memory is taken and touched there). Threads: one pushes, one drains.
+class ByteRing {
+ public:
+  // Pre: capacity is a power of two, at least 64.
+  explicit ByteRing(std::size_t capacity) : bytes_(capacity) {}
+
+  // One record made of two parts. False when it was dropped.
+  bool push(std::span<const std::byte> head, std::span<const std::byte> body) noexcept {
+    const std::size_t size = head.size() + body.size();
+    const std::size_t end = end_.load(std::memory_order_relaxed);
+    const std::size_t to_wrap = bytes_.size() - place(end);
+    // A record lies in one piece: one that would not fit before the end of the memory begins again at its front.
+    const std::size_t skipped = kPrefix + size <= to_wrap ? 0 : to_wrap;
+    const std::size_t taken = skipped + padded(kPrefix + size);
+    if (end + taken - begin_seen_ > bytes_.size()) begin_seen_ = begin_.load(std::memory_order_acquire);
+    if (end + taken - begin_seen_ > bytes_.size() || size >= kSkip) {
+      dropped_.fetch_add(1, std::memory_order_relaxed);
+      return false;
+    }
+    if (skipped > 0) put_size(place(end), kSkip);
+    std::byte* to = bytes_.data() + place(end + skipped);
+    put_size(place(end + skipped), static_cast<std::uint32_t>(size));
+    if (!head.empty()) std::memcpy(to + kPrefix, head.data(), head.size());
+    if (!body.empty()) std::memcpy(to + kPrefix + head.size(), body.data(), body.size());
+    end_.store(end + taken, std::memory_order_release);
+    return true;
+  }
+
+  // Hands every record there is to visit(span) and frees its room; how many there were. The span lives as long as the call.
+  template <class Visit>
+  std::size_t drain(Visit&& visit) {
+    std::size_t count = 0;
+    std::size_t begin = begin_.load(std::memory_order_relaxed);
+    const std::size_t end = end_.load(std::memory_order_acquire);
+    while (begin != end) {
+      std::uint32_t size = 0;
+      std::memcpy(&size, bytes_.data() + place(begin), sizeof size);
+      if (size == kSkip) {
+        begin += bytes_.size() - place(begin);
+        continue;
+      }
+      visit(std::span<const std::byte>(bytes_).subspan(place(begin) + kPrefix, size));
+      begin += padded(kPrefix + size);
+      begin_.store(begin, std::memory_order_release);
+      ++count;
+    }
+    begin_.store(begin, std::memory_order_release);
+    return count;
+  }
+
+  std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::size_t kPrefix = 8;
+  static constexpr std::uint32_t kSkip = std::numeric_limits<std::uint32_t>::max();
+
+  static std::size_t padded(std::size_t size) noexcept { return (size + kPrefix - 1) / kPrefix * kPrefix; }
+  std::size_t place(std::size_t position) const noexcept { return position & (bytes_.size() - 1); }
+  void put_size(std::size_t at, std::uint32_t size) noexcept { std::memcpy(bytes_.data() + at, &size, sizeof size); }
+
+  std::vector<std::byte> bytes_;
+  alignas(64) std::atomic<std::size_t> begin_{0};
+  alignas(64) std::atomic<std::size_t> end_{0};
+  std::size_t begin_seen_ = 0;  // the writer's, so that it seldom reads the other thread's line
+  std::atomic<std::uint64_t> dropped_{0};
+};
+
+}  // namespace hapton

@@ -1,0 +1,168 @@
+#include "io_node/session_recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <vector>
+
+#include "link/session_reader.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+const std::array<std::byte, 4> kBytes = {std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}};
+const Address kPeer = {{1, 2, 3}, 4950};
+
+struct Recorders : testing::Test {
+  ScratchFolder scratch;
+  SimulatedClock clock{1'000'000'000};
+  std::filesystem::path file = scratch.path() / "session.hapton";
+  std::filesystem::path flights = scratch.path() / "flight";
+
+  SessionRecorder make(SessionRecorder::Options options) { return {std::move(options), {.build = "b", .start_ns = clock.now_ns()}, clock}; }
+
+  std::vector<SessionEntry> read(const std::filesystem::path& path) {
+    auto reader = SessionReader::open(path);
+    EXPECT_TRUE(reader) << reader.error().what;
+    std::vector<SessionEntry> entries;
+    for (SessionEntry entry; reader->next(entry);) {
+      EXPECT_TRUE(entry.datagram.empty() || std::equal(kBytes.begin(), kBytes.end(), entry.datagram.begin(), entry.datagram.end()));
+      entries.push_back(entry);
+    }
+    EXPECT_EQ(reader->problem(), "");
+    return entries;
+  }
+  std::vector<std::filesystem::path> flight_files() {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(flights)) files.push_back(entry.path());
+    return files;
+  }
+};
+
+TEST_F(Recorders, write_all_that_happens_in_order) {
+  auto recorder = make({file, {}});
+  ASSERT_TRUE(recorder.start());
+  recorder.on_sent(kPeer, kBytes, 5);
+  recorder.on_received(kPeer, kBytes, 6);
+  recorder.on_cycle({17, -3, Vec3(1, 2, 3), 4, MissCause::work_long}, 7);
+  recorder.on_fault(SessionFault::clamped, 8);
+  ASSERT_TRUE(recorder.stop());
+  const auto entries = read(file);
+  ASSERT_EQ(entries.size(), 4U);
+  EXPECT_EQ(entries[0].kind, SessionEntry::Kind::sent);
+  EXPECT_EQ(entries[0].peer, kPeer);
+  EXPECT_EQ(entries[1].kind, SessionEntry::Kind::received);
+  EXPECT_EQ(entries[1].time_ns, 6);
+  EXPECT_EQ(entries[2].cycle.sample, 17U);
+  EXPECT_EQ(entries[2].cycle.late_ns, -3);
+  EXPECT_EQ(entries[2].cycle.written_n, Vec3(1, 2, 3));
+  EXPECT_EQ(entries[2].cycle.missed, 4U);
+  EXPECT_EQ(entries[2].cycle.cause, MissCause::work_long);
+  EXPECT_EQ(entries[3].fault, SessionFault::clamped);
+  EXPECT_EQ(recorder.counts().entries, 4U);
+  EXPECT_EQ(recorder.counts().file_bytes, std::filesystem::file_size(file));
+}
+
+TEST_F(Recorders, never_wait_for_room_but_count_what_found_none) {
+  auto recorder = make({.record = file, .ring_bytes = 1024});
+  for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // nobody drains before start
+  ASSERT_TRUE(recorder.start());
+  ASSERT_TRUE(recorder.stop());
+  const auto entries = read(file);
+  EXPECT_GT(recorder.counts().dropped, 50U);
+  EXPECT_EQ(entries.size(), 100 - recorder.counts().dropped + 1);
+  EXPECT_EQ(entries.back().kind, SessionEntry::Kind::dropped);
+  EXPECT_EQ(entries.back().dropped, recorder.counts().dropped);
+}
+
+TEST_F(Recorders, take_nothing_from_the_heap_of_the_servos_thread) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  auto recorder = make({file, flights});
+  ASSERT_TRUE(recorder.start());
+  AllocationGuard guard;
+  for (int n = 0; n < 20'000; ++n) {
+    recorder.on_sent(kPeer, kBytes, n * kMs);
+    recorder.on_received(kPeer, kBytes, n * kMs);
+    recorder.on_cycle({}, n * kMs);
+    if (n % 1000 == 0) recorder.on_fault(SessionFault::silence, n * kMs);
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  ASSERT_TRUE(recorder.stop());
+}
+
+TEST_F(Recorders, a_fault_leaves_the_last_two_seconds_under_its_name) {
+  auto recorder = make({{}, flights});
+  ASSERT_TRUE(recorder.start());
+  for (int n = 0; n < 5000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n * kMs);
+  recorder.on_fault(SessionFault::silence, 5000 * kMs);
+  ASSERT_TRUE(recorder.stop());
+  const auto files = flight_files();
+  ASSERT_EQ(files.size(), 1U);
+  EXPECT_NE(files[0].filename().string().find("-silence.hapton"), std::string::npos) << files[0];
+  const auto entries = read(files[0]);
+  ASSERT_EQ(entries.size(), 2001U);
+  EXPECT_EQ(entries.front().time_ns, 3000 * kMs);
+  EXPECT_EQ(entries.back().fault, SessionFault::silence);
+  EXPECT_EQ(SessionReader::open(files[0])->header().fault, "silence");
+}
+
+TEST_F(Recorders, a_fault_is_followed_for_a_while_and_then_written_without_waiting_for_the_end) {
+  auto recorder = make({{}, flights});
+  ASSERT_TRUE(recorder.start());
+  const std::int64_t fault_ns = clock.now_ns();
+  recorder.on_fault(SessionFault::stalled, fault_ns);
+  recorder.on_cycle({}, fault_ns + 100 * kMs);
+  clock.advance_ns(SessionRecorder::kAfterFaultNs);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (flight_files().empty() && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+  ASSERT_EQ(flight_files().size(), 1U);
+  EXPECT_EQ(read(flight_files()[0]).size(), 2U);
+  ASSERT_TRUE(recorder.stop());
+}
+
+TEST_F(Recorders, flight_records_are_few) {
+  auto recorder = make({{}, flights});
+  ASSERT_TRUE(recorder.start());
+  const auto fault_and_wait = [&](std::int64_t time_ns) {
+    const auto before = flight_files().size();
+    clock.advance_ns(time_ns - clock.now_ns());
+    recorder.on_fault(SessionFault::clamped, time_ns);
+    clock.advance_ns(SessionRecorder::kAfterFaultNs);
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (flight_files().size() == before && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+    return flight_files().size() - before;
+  };
+  EXPECT_EQ(fault_and_wait(clock.now_ns() + kMs), 1U);
+  recorder.on_fault(SessionFault::clamped, clock.now_ns());  // within ten seconds
+  for (int n = 1; n < SessionRecorder::kMostFlights; ++n) ASSERT_EQ(fault_and_wait(clock.now_ns() + SessionRecorder::kFlightEveryNs), 1U);
+  recorder.on_fault(SessionFault::device, clock.now_ns());  // one too many
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_EQ(recorder.counts().flights, SessionRecorder::kMostFlights);
+  EXPECT_EQ(recorder.counts().flights_left_out, 2);
+  EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMostFlights));
+}
+
+TEST_F(Recorders, a_file_that_cannot_be_written_is_an_error_at_the_start) {
+  auto recorder = make({"/proc/nowhere/session.hapton", {}});
+  const auto started = recorder.start();
+  ASSERT_FALSE(started);
+  EXPECT_NE(started.error().what.find("/proc/nowhere"), std::string::npos);
+  auto other = make({{}, "/proc/nowhere/flight"});
+  EXPECT_FALSE(other.start());
+}
+
+TEST_F(Recorders, a_disk_that_is_full_ends_the_recording_and_is_told) {
+  auto recorder = make({"/dev/full", {}});
+  const auto started = recorder.start();
+  ASSERT_FALSE(started);
+  EXPECT_NE(started.error().what.find("No space left"), std::string::npos) << started.error().what;
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,109 @@
+#include "link/session_codec.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace hapton {
+namespace {
+
+using Kind = SessionEntry::Kind;
+using Status = SessionCodec::Status;
+
+const std::array<std::byte, 3> kBytes = {std::byte{8}, std::byte{0}, std::byte{255}};
+
+SessionEntry make(Kind kind) {
+  SessionEntry entry;
+  entry.kind = kind;
+  entry.time_ns = -5;
+  switch (kind) {
+    case Kind::received:
+    case Kind::sent:
+      entry.peer = {{1, 2, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 16}, 65535};
+      entry.datagram = kBytes;
+      break;
+    case Kind::cycle:
+      entry.cycle = {1ULL << 60, -3, Vec3(0.1, -0.0, 1e-300), 7, MissCause::device_slow};
+      break;
+    case Kind::fault:
+      entry.fault = SessionFault::clamped;
+      break;
+    case Kind::dropped:
+      entry.dropped = 12;
+      break;
+  }
+  return entry;
+}
+
+void expect_equal(const SessionEntry& a, const SessionEntry& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.time_ns, b.time_ns);
+  EXPECT_EQ(a.peer, b.peer);
+  EXPECT_TRUE(std::equal(a.datagram.begin(), a.datagram.end(), b.datagram.begin(), b.datagram.end()));
+  EXPECT_EQ(a.cycle.sample, b.cycle.sample);
+  EXPECT_EQ(a.cycle.late_ns, b.cycle.late_ns);
+  EXPECT_EQ(a.cycle.written_n, b.cycle.written_n);
+  EXPECT_EQ(a.cycle.missed, b.cycle.missed);
+  EXPECT_EQ(a.cycle.cause, b.cycle.cause);
+  EXPECT_EQ(a.fault, b.fault);
+  EXPECT_EQ(a.dropped, b.dropped);
+}
+
+constexpr std::array kKinds = {Kind::received, Kind::sent, Kind::cycle, Kind::fault, Kind::dropped};
+
+TEST(SessionCodec, gives_back_every_kind_of_entry) {
+  SessionCodec codec;
+  for (const Kind kind : kKinds) {
+    std::string bytes;
+    codec.append(make(kind), bytes);
+    SessionEntry read;
+    const auto result = codec.read(bytes, read);
+    ASSERT_EQ(result.status, Status::ok);
+    EXPECT_EQ(result.bytes, bytes.size());
+    expect_equal(make(kind), read);
+  }
+}
+
+TEST(SessionCodec, gives_back_a_header) {
+  SessionCodec codec;
+  const SessionHeader header{"0.1.0", 5, 6, 7, "silence", {{"rate", "1000"}, {"device", "simulated"}}};
+  std::string bytes;
+  codec.append(header, bytes);
+  SessionHeader read;
+  ASSERT_EQ(codec.read(bytes, read).status, Status::ok);
+  EXPECT_EQ(read.build, header.build);
+  EXPECT_EQ(read.start_ns, 5);
+  EXPECT_EQ(read.start_unix_ns, 6);
+  EXPECT_EQ(read.session, 7U);
+  EXPECT_EQ(read.fault, "silence");
+  EXPECT_EQ(read.settings, header.settings);
+}
+
+TEST(SessionCodec, every_cut_is_seen) {
+  SessionCodec codec;
+  for (const Kind kind : kKinds) {
+    std::string bytes;
+    codec.append(make(kind), bytes);
+    SessionEntry read;
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      EXPECT_EQ(codec.read(std::string_view(bytes).substr(0, size), read).status, Status::cut) << size;
+    }
+  }
+}
+
+TEST(SessionCodec, every_changed_bit_is_seen) {
+  SessionCodec codec;
+  for (const Kind kind : kKinds) {
+    std::string bytes;
+    codec.append(make(kind), bytes);
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+      std::string changed = bytes;
+      changed[bit / 8] = static_cast<char>(changed[bit / 8] ^ (1 << (bit % 8)));
+      SessionEntry read;
+      EXPECT_NE(codec.read(changed, read).status, Status::ok) << bit;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hapton

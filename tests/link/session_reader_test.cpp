@@ -1,0 +1,82 @@
+#include "link/session_reader.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+std::string make_file(int entries) {
+  SessionCodec codec;
+  std::string bytes(kSessionMagic);
+  codec.append(SessionHeader{.build = "b", .settings = {{"rate", "1000"}}}, bytes);
+  const std::string padding(700, 'p');
+  for (int n = 0; n < entries; ++n) {
+    SessionEntry entry;
+    entry.kind = SessionEntry::Kind::sent;
+    entry.time_ns = n;
+    entry.datagram = std::as_bytes(std::span(padding.data(), padding.size()));
+    codec.append(entry, bytes);
+  }
+  return bytes;
+}
+
+int count(SessionReader& reader) {
+  SessionEntry entry;
+  int n = 0;
+  while (reader.next(entry)) EXPECT_EQ(entry.time_ns, n++);
+  EXPECT_FALSE(reader.next(entry));
+  return n;
+}
+
+struct SessionReaders : testing::Test {
+  ScratchFolder scratch;
+};
+
+TEST_F(SessionReaders, read_every_entry_of_a_file_longer_than_the_buffer) {
+  auto reader = SessionReader::open(scratch.write("s", make_file(5000)));
+  ASSERT_TRUE(reader) << reader.error().what;
+  EXPECT_EQ(reader->header().settings.at(0).second, "1000");
+  EXPECT_EQ(count(*reader), 5000);
+  EXPECT_EQ(reader->problem(), "");
+}
+
+TEST_F(SessionReaders, give_what_stands_before_a_cut_and_say_where_it_is) {
+  const std::string whole = make_file(10);
+  auto reader = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - 1)));
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(count(*reader), 9);
+  EXPECT_NE(reader->problem().find("cut short after 9 entries"), std::string::npos) << reader->problem();
+}
+
+TEST_F(SessionReaders, give_what_stands_before_a_damaged_entry) {
+  std::string bytes = make_file(10);
+  bytes[bytes.size() - 1000] ^= 1;
+  auto reader = SessionReader::open(scratch.write("s", bytes));
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(count(*reader), 8);
+  EXPECT_NE(reader->problem().find("damaged after 8 entries"), std::string::npos) << reader->problem();
+}
+
+TEST_F(SessionReaders, refuse_in_one_line_what_is_no_session) {
+  const std::string whole = make_file(1);
+  const struct {
+    std::string bytes;
+    std::string says;
+  } kCases[] = {{"", "no recorded session"},
+                {"t_s,x_m\n", "no recorded session"},
+                {"hapton.session/2\n....", "another schema"},
+                {whole.substr(0, kSessionMagic.size() + 2), "header"}};
+  for (const auto& [bytes, says] : kCases) {
+    const auto reader = SessionReader::open(scratch.write("s", bytes));
+    ASSERT_FALSE(reader) << bytes;
+    EXPECT_NE(reader.error().what.find(says), std::string::npos) << reader.error().what;
+    EXPECT_EQ(reader.error().what.find('\n'), std::string::npos);
+  }
+  EXPECT_FALSE(SessionReader::open(scratch.path()));
+  EXPECT_FALSE(SessionReader::open(scratch.path() / "none"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,44 @@
+#include "runtime/state_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace hapton {
+namespace {
+
+// The three variables as each test wants them, and as they were afterwards.
+struct StateFolders : testing::Test {
+  StateFolders() {
+    for (const char* name : {"STATE_DIRECTORY", "XDG_STATE_HOME", "HOME"}) {
+      const char* value = std::getenv(name);
+      before[name] = value != nullptr ? std::optional<std::string>(value) : std::nullopt;
+      unsetenv(name);
+    }
+  }
+  ~StateFolders() override {
+    for (const auto& [name, value] : before) value ? setenv(name.c_str(), value->c_str(), 1) : unsetenv(name.c_str());
+  }
+  std::map<std::string, std::optional<std::string>> before;
+};
+
+TEST_F(StateFolders, follow_the_variables_in_their_order) {
+  EXPECT_EQ(find_state_folder(), "");
+  setenv("HOME", "/home/ada", 1);
+  EXPECT_EQ(find_state_folder(), "/home/ada/.local/state/hapton");
+  setenv("XDG_STATE_HOME", "/x", 1);
+  EXPECT_EQ(find_state_folder(), "/x/hapton");
+  setenv("STATE_DIRECTORY", "/var/lib/hapton", 1);
+  EXPECT_EQ(find_state_folder(), "/var/lib/hapton");
+}
+
+TEST_F(StateFolders, relative_paths_are_passed_over) {
+  setenv("XDG_STATE_HOME", "state", 1);
+  EXPECT_EQ(find_state_folder(), "");
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,40 @@
+#include "scene/scene_hash.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+
+namespace hapton {
+namespace {
+
+TriangleMesh corner() { return {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {{0, 1, 2}, {0, 2, 3}}}; }
+
+std::uint64_t hash_of(const TriangleMesh& mesh, const Material& material = {}) {
+  return hash_scene({{{std::make_shared<const TriangleMesh>(mesh), material}}});
+}
+
+TEST(SceneHash, equal_scenes_have_equal_hashes) { EXPECT_EQ(hash_of(corner()), hash_of(corner())); }
+
+TEST(SceneHash, whatever_can_be_felt_changes_it) {
+  std::set<std::uint64_t> hashes = {hash_of(corner())};
+  TriangleMesh moved = corner();
+  moved.vertices[1].x() = 1.0 + 1e-15;
+  hashes.insert(hash_of(moved));
+  TriangleMesh turned = corner();
+  std::swap(turned.triangles[0][1], turned.triangles[0][2]);
+  hashes.insert(hash_of(turned));
+  TriangleMesh fewer = corner();
+  fewer.triangles.pop_back();
+  hashes.insert(hash_of(fewer));
+  hashes.insert(hash_of(corner(), {.stiffness_n_per_m = 999.0}));
+  hashes.insert(hash_of(corner(), {.friction_static = 0.1}));
+  hashes.insert(hash_of(corner(), {.friction_dynamic = 0.1}));
+  hashes.insert(hash_of(corner(), {.two_sided = false}));
+  const auto shared = std::make_shared<const TriangleMesh>(corner());
+  hashes.insert(hash_scene({{{shared, {}}, {shared, {}}}}));
+  EXPECT_EQ(hashes.size(), 9U);
+}
+
+}  // namespace
+}  // namespace hapton
