@@ -36,7 +36,7 @@ std::size_t write_nonce_and_cookie(Kind kind, const Nonce& nonce, const Cookie& 
 
 }  // namespace
 
-ClientHandshake::ClientHandshake(const LinkKey& key) : key_(key), handshake_key_(derive_handshake_key(key)) { start_crypto(); }
+ClientHandshake::ClientHandshake(const LinkKey& key) : key_(key), handshake_key_(derive_handshake_key(key)) {}
 
 ClientHandshake::~ClientHandshake() { wipe(handshake_key_); }
 
@@ -74,7 +74,6 @@ ClientHandshake::Heard ClientHandshake::read_answer(std::span<const std::byte> d
 }
 
 HubHandshake::HubHandshake(const LinkKey& key) : key_(key), handshake_key_(derive_handshake_key(key)) {
-  start_crypto();
   randombytes_buf(secret_.data(), secret_.size());
 }
 

@@ -3,11 +3,9 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <string_view>
 
 #include "link/codec.h"
-#include "runtime/log.h"
 
 namespace hapton::seal {
 namespace {
@@ -16,7 +14,7 @@ constexpr std::string_view kHandshakeLabel = "hapton handshake";
 constexpr std::string_view kSessionLabel = "hapton session";
 constexpr char kSubkeyContext[crypto_kdf_CONTEXTBYTES + 1] = "hapton-k";
 
-static_assert(std::tuple_size_v<Secret> == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
+static_assert(std::tuple_size_v<Secret> == crypto_aead_aes256gcm_KEYBYTES);
 static_assert(std::tuple_size_v<Secret> == crypto_kdf_KEYBYTES);
 static_assert(kProtocolVersion < 128);  // one byte, as here as at the start of a datagram
 
@@ -87,11 +85,13 @@ bool is_tag(const Tag& expected, const std::uint8_t* found) noexcept { return so
 
 void wipe(Secret& secret) noexcept { sodium_memzero(secret.data(), secret.size()); }
 
-void start_crypto() {
-  if (sodium_init() < 0) {
-    log_error("libsodium does not start: the system gives no random numbers");
-    std::abort();
+Result<void> start_crypto() {
+  if (sodium_init() < 0) return fail("libsodium does not start: this system gives no random numbers (getrandom, /dev/urandom)");
+  if (crypto_aead_aes256gcm_is_available() == 0) {
+    return fail(
+        "this processor has no AES instructions (aes, pclmulqdq), with which datagrams are sealed; a virtual machine must pass them on");
   }
+  return {};
 }
 
 }  // namespace hapton::seal

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/result.h"
 #include "link/link_key.h"
 #include "link/seal_format.h"
 
@@ -42,8 +43,9 @@ bool is_tag(const Tag& expected, const std::uint8_t* found) noexcept;
 
 void wipe(Secret& secret) noexcept;
 
-// Once in a process before any of the above; more often does no harm. RT: set-up only.
-void start_crypto();
+// Before any of the above; more often does no harm. find_link_key and read_key_file do it. RT: set-up only.
+// Error: the system has no random numbers, or the processor no AES instructions.
+Result<void> start_crypto();
 
 }  // namespace seal
 }  // namespace hapton

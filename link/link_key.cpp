@@ -70,7 +70,6 @@ tl::unexpected<Error> fail_to_make(const std::filesystem::path& path, int error)
 LinkKey::~LinkKey() { sodium_memzero(bytes_.data(), bytes_.size()); }
 
 LinkKey LinkKey::make_random() {
-  seal::start_crypto();
   Bytes bytes;
   randombytes_buf(bytes.data(), bytes.size());
   LinkKey key(bytes);
@@ -79,6 +78,7 @@ LinkKey LinkKey::make_random() {
 }
 
 Result<LinkKey> read_key_file(const std::filesystem::path& path) {
+  if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number() < 0) {
     return fail("{}: the key cannot be read: {}; make one with: hapton keygen {}", path.string(), std::strerror(errno), path.string());
@@ -99,6 +99,7 @@ Result<LinkKey> read_key_file(const std::filesystem::path& path) {
 }
 
 Result<void> make_key_file(const std::filesystem::path& path) {
+  if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
   const int error = write_new_file(path, LinkKey::make_random());
   if (error == EEXIST) return fail("{}: is there already and stays as it is; name another file, or remove this one first", path.string());
   if (error != 0) return fail_to_make(path, error);
@@ -117,6 +118,7 @@ Result<std::filesystem::path> find_shared_key_folder() {
 }
 
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
+  if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
   const std::filesystem::path path = folder / "key";
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {

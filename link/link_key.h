@@ -17,12 +17,13 @@ class LinkKey {
   static constexpr std::size_t kBytes = 32;
   using Bytes = std::array<std::uint8_t, kBytes>;
 
+  // Pre of every use of it: seal::start_crypto() went well; the functions below see to that.
   explicit LinkKey(const Bytes& bytes) : bytes_(bytes) {}
   ~LinkKey();
   LinkKey(const LinkKey&) = default;
   LinkKey& operator=(const LinkKey&) = default;
 
-  // From the system's random source.
+  // From the system's random source. Pre: seal::start_crypto() went well.
   static LinkKey make_random();
 
   const Bytes& bytes() const { return bytes_; }

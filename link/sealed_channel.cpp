@@ -9,19 +9,24 @@ namespace {
 
 using namespace seal;
 
-std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce_of(std::uint64_t counter) {
-  std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce = {};
+std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES> nonce_of(std::uint64_t counter) {
+  std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES> nonce = {};
   store(counter, nonce.data() + 4);
   return nonce;
 }
 
+template <class Cipher>
+crypto_aead_aes256gcm_state* expanded(Cipher& cipher) {
+  static_assert(sizeof(Cipher) == sizeof(crypto_aead_aes256gcm_state) && alignof(Cipher) >= alignof(crypto_aead_aes256gcm_state));
+  return reinterpret_cast<crypto_aead_aes256gcm_state*>(&cipher);
+}
+
 }  // namespace
 
-SealedChannel::SealedChannel(const SessionKeys& keys, std::uint32_t connection, Side side)
-    : is_open_(true),
-      connection_(connection),
-      seal_key_(side == Side::client ? keys.client_to_hub : keys.hub_to_client),
-      open_key_(side == Side::client ? keys.hub_to_client : keys.client_to_hub) {}
+SealedChannel::SealedChannel(const SessionKeys& keys, std::uint32_t connection, Side side) : is_open_(true), connection_(connection) {
+  crypto_aead_aes256gcm_beforenm(expanded(seal_), (side == Side::client ? keys.client_to_hub : keys.hub_to_client).data());
+  crypto_aead_aes256gcm_beforenm(expanded(open_), (side == Side::client ? keys.hub_to_client : keys.client_to_hub).data());
+}
 
 SealedChannel::~SealedChannel() { close(); }
 
@@ -31,8 +36,8 @@ SealedChannel& SealedChannel::operator=(SealedChannel&& other) noexcept {
   is_open_ = other.is_open_;
   connection_ = other.connection_;
   counter_ = other.counter_;
-  seal_key_ = other.seal_key_;
-  open_key_ = other.open_key_;
+  seal_ = other.seal_;
+  open_ = other.open_;
   window_ = other.window_;
   if (this != &other) other.close();
   return *this;
@@ -40,8 +45,8 @@ SealedChannel& SealedChannel::operator=(SealedChannel&& other) noexcept {
 
 void SealedChannel::close() noexcept {
   is_open_ = false;
-  wipe(seal_key_);
-  wipe(open_key_);
+  sodium_memzero(&seal_, sizeof seal_);
+  sodium_memzero(&open_, sizeof open_);
 }
 
 std::size_t SealedChannel::seal(std::span<const std::byte> payload, std::span<std::byte> into) noexcept {
@@ -51,9 +56,8 @@ std::size_t SealedChannel::seal(std::span<const std::byte> payload, std::span<st
   write_lead(Kind::data, out);
   store(connection_, out + kConnectionAt);
   store(++counter_, out + kCounterAt);
-  crypto_aead_chacha20poly1305_ietf_encrypt_detached(out + kHeaderBytes, out + kHeaderBytes + payload.size(), nullptr, bytes_of(payload),
-                                                     payload.size(), out, kHeaderBytes, nullptr, nonce_of(counter_).data(),
-                                                     seal_key_.data());
+  crypto_aead_aes256gcm_encrypt_detached_afternm(out + kHeaderBytes, out + kHeaderBytes + payload.size(), nullptr, bytes_of(payload),
+                                                 payload.size(), out, kHeaderBytes, nullptr, nonce_of(counter_).data(), expanded(seal_));
   return bytes;
 }
 
@@ -67,8 +71,8 @@ OpenStatus SealedChannel::open(std::span<const std::byte> datagram, std::span<st
   if (!window_.is_fresh(counter)) return OpenStatus::replayed;
   const std::size_t payload = datagram.size() - kOverheadBytes;
   if (into.size() < payload) return OpenStatus::malformed;
-  if (crypto_aead_chacha20poly1305_ietf_decrypt_detached(bytes_of(into), nullptr, in + kHeaderBytes, payload, in + kHeaderBytes + payload,
-                                                         in, kHeaderBytes, nonce_of(counter).data(), open_key_.data()) != 0) {
+  if (crypto_aead_aes256gcm_decrypt_detached_afternm(bytes_of(into), nullptr, in + kHeaderBytes, payload, in + kHeaderBytes + payload, in,
+                                                     kHeaderBytes, nonce_of(counter).data(), expanded(open_)) != 0) {
     return OpenStatus::forged;
   }
   window_.mark(counter);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace hapton {
 
-// One side of one session: seals what goes to the other side and opens what comes from there. ChaCha20-Poly1305 (RFC 8439) with a key each
-// way and a counter for the nonce, which is never used twice; the whole header is authenticated. A datagram opens once, in this session, on
+// One side of one session: seals what goes to the other side and opens what comes from there. AES-256-GCM with a key each way and a counter
+// for the nonce, which is never used twice; the whole header is authenticated. A datagram opens once, in this session, on
 // the side that it was meant for, unchanged, or not at all.
 // RT: yes (no heap, lock, throw or system call). Threads: one.
 class SealedChannel {
@@ -38,13 +39,18 @@ class SealedChannel {
   OpenStatus open(std::span<const std::byte> datagram, std::span<std::byte> into, std::size_t& bytes) noexcept;
 
  private:
+  // A key as libsodium has expanded it.
+  struct Cipher {
+    alignas(16) std::array<std::uint8_t, 512> opaque;
+  };
+
   void close() noexcept;
 
   bool is_open_ = false;
   std::uint32_t connection_ = 0;
   std::uint64_t counter_ = 0;
-  seal::Secret seal_key_ = {};
-  seal::Secret open_key_ = {};
+  Cipher seal_ = {};
+  Cipher open_ = {};
   ReplayWindow window_;
 };
 

@@ -19,6 +19,7 @@ using Verdict = HubHandshake::Verdict;
 constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;
 
 LinkKey key_of(std::uint8_t number) {
+  EXPECT_TRUE(seal::start_crypto());
   LinkKey::Bytes bytes;
   bytes.fill(number);
   return LinkKey(bytes);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Works out the known answers of key_schedule_test.cpp without libsodium: BLAKE2b from Python, ChaCha20-Poly1305 (RFC 8439) by hand."""
+"""Works out the known answers of key_schedule_test.cpp without libsodium: BLAKE2b from Python, AES-256-GCM by hand."""
 import hashlib
 import struct
 
@@ -18,29 +18,63 @@ def subkey(master, number):
     return blake(master, b"", salt=struct.pack("<QQ", number, 0), person=b"hapton-k".ljust(16, b"\0"))
 
 
-def chacha_block(key, counter, nonce):
-    state = list(struct.unpack("<4I", b"expand 32-byte k") + struct.unpack("<8I", key) + (counter,) + struct.unpack("<3I", nonce))
-    work = state[:]
-
-    def quarter(a, b, c, d):
-        for x, y, z, turn in ((a, b, d, 16), (c, d, b, 12), (a, b, d, 8), (c, d, b, 7)):
-            work[x] = (work[x] + work[y]) & 0xFFFFFFFF
-            mixed = work[z] ^ work[x]
-            work[z] = ((mixed << turn) | (mixed >> (32 - turn))) & 0xFFFFFFFF
-
-    for _ in range(10):
-        for a, b, c, d in ((0, 4, 8, 12), (1, 5, 9, 13), (2, 6, 10, 14), (3, 7, 11, 15),
-                           (0, 5, 10, 15), (1, 6, 11, 12), (2, 7, 8, 13), (3, 4, 9, 14)):
-            quarter(a, b, c, d)
-    return struct.pack("<16I", *((x + y) & 0xFFFFFFFF for x, y in zip(work, state)))
+def gf(a, b):  # GF(2^8) of AES
+    product = 0
+    while b:
+        product ^= a if b & 1 else 0
+        a = (a << 1) ^ (0x11B if a & 0x80 else 0)
+        b >>= 1
+    return product
 
 
-def poly1305(key, text):
-    r = int.from_bytes(key[:16], "little") & 0x0FFFFFFC0FFFFFFC0FFFFFFC0FFFFFFF
-    total = 0
+def make_sbox():
+    box = []
+    for x in range(256):
+        inverse = next((y for y in range(256) if gf(x, y) == 1), 0)
+        value = 0x63
+        for turn in range(5):
+            value ^= ((inverse << turn) | (inverse >> (8 - turn))) & 0xFF
+        box.append(value)
+    return box
+
+
+SBOX = make_sbox()
+
+
+def aes256(key, block):
+    words, power = [list(key[4 * i:4 * i + 4]) for i in range(8)], 1
+    for i in range(8, 60):
+        word = words[-1][:]
+        if i % 8 == 0:
+            word = [SBOX[x] for x in word[1:] + word[:1]]
+            word[0] ^= power
+            power = gf(power, 2)
+        elif i % 8 == 4:
+            word = [SBOX[x] for x in word]
+        words.append([x ^ y for x, y in zip(words[i - 8], word)])
+    keys = [sum(words[4 * i:4 * i + 4], []) for i in range(15)]
+    state = [x ^ k for x, k in zip(block, keys[0])]
+    for turn in range(1, 15):
+        state = [SBOX[state[(i + 4 * (i % 4)) % 16]] for i in range(16)]
+        if turn < 14:
+            state = [gf(state[c + r], 2) ^ gf(state[c + (r + 1) % 4], 3) ^ state[c + (r + 2) % 4] ^ state[c + (r + 3) % 4]
+                     for c in range(0, 16, 4) for r in range(4)]
+        state = [x ^ k for x, k in zip(state, keys[turn])]
+    return bytes(state)
+
+
+def ghash(key, text):
+    h, total = int.from_bytes(key, "big"), 0
     for at in range(0, len(text), 16):
-        total = (total + int.from_bytes(text[at:at + 16] + b"\x01", "little")) * r % ((1 << 130) - 5)
-    return ((total + int.from_bytes(key[16:32], "little")) & ((1 << 128) - 1)).to_bytes(16, "little")
+        x, v, total = total ^ int.from_bytes(text[at:at + 16], "big"), h, 0
+        for bit in range(127, -1, -1):
+            total ^= v if x >> bit & 1 else 0
+            v = v >> 1 ^ (0xE1 << 120 if v & 1 else 0)
+    return total.to_bytes(16, "big")
+
+
+def xor(a, b):
+    return bytes(x ^ y for x, y in zip(a, b))
 
 
 def pad16(text):
@@ -50,11 +84,15 @@ def pad16(text):
 def seal(key, connection, counter, text):
     header = bytes([0x08, VERSION, 4, 0]) + struct.pack("<IQ", connection, counter)
     nonce = bytes(4) + struct.pack("<Q", counter)
-    stream = b"".join(chacha_block(key, 1 + i, nonce) for i in range(len(text) // 64 + 1))
-    cipher = bytes(a ^ b for a, b in zip(text, stream))
-    lengths = struct.pack("<QQ", len(header), len(cipher))
-    return header + cipher + poly1305(chacha_block(key, 0, nonce), pad16(header) + pad16(cipher) + lengths)
+    stream = b"".join(aes256(key, nonce + struct.pack(">I", 2 + i)) for i in range(len(text) // 16 + 1))
+    cipher = xor(text, stream)
+    lengths = struct.pack(">QQ", 8 * len(header), 8 * len(cipher))
+    digest = ghash(aes256(key, bytes(16)), pad16(header) + pad16(cipher) + lengths)
+    return header + cipher + xor(digest, aes256(key, nonce + struct.pack(">I", 1)))
 
+
+# FIPS 197, C.3
+assert aes256(bytes(range(32)), bytes.fromhex("00112233445566778899aabbccddeeff")).hex() == "8ea2b7ca516745bfeafc49904b496089"
 
 psk, client, hub = counting(1), counting(100), counting(200)
 version = bytes([VERSION])
@@ -65,7 +103,7 @@ answers = {
     "HUB_TO_CLIENT": subkey(master, 2),
     "ANSWER": subkey(master, 3),
     "TAG_OF_NONCE": blake(subkey(master, 3), client, 16),
-    "SEALED": seal(subkey(master, 1), 0x01020304, 1, b"known answer"),
+    "SEALED": seal(subkey(master, 1), 0x01020304, 1, b"known answer, of two blocks"),
 }
 for name, value in answers.items():
     print(name, value.hex())

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "link/key_schedule.h"
 #include "link/udp_endpoint.h"
 #include "tests/support/scratch_folder.h"
 
@@ -28,6 +29,8 @@ mode_t mode_of(const std::filesystem::path& path) {
 
 class LinkKeyTest : public testing::Test {
  protected:
+  LinkKeyTest() { EXPECT_TRUE(seal::start_crypto()); }
+
   std::filesystem::path write_key(const std::string& name, std::size_t bytes, mode_t mode) {
     const auto path = folder_.write(name, std::string(bytes, 'k'));
     EXPECT_EQ(chmod(path.c_str(), mode), 0);

@@ -21,6 +21,7 @@ using Bytes = std::vector<std::byte>;
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 LinkKey key_of(std::uint8_t number) {
+  EXPECT_TRUE(seal::start_crypto());
   LinkKey::Bytes bytes;
   bytes.fill(number);
   return LinkKey(bytes);
