@@ -1,25 +1,27 @@
 #include "io_node/echo_probe.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "link/codec.h"
+#include "link/seal_format.h"
 
 namespace hapton {
 namespace {
 
-// The size of a DeviceState on the wire, with counters as they are after a minute.
+// The size of a sealed DeviceState on the wire, with counters as they are after a minute.
 std::size_t device_state_bytes() {
   std::array<std::byte, kMaxDatagramBytes> bytes;
   Datagram datagram;
   datagram.header = {~0ULL, ~0ULL, 60'000, 60'000'000'000'000};
   datagram.message = DeviceState{60'000, 60'000'000'000'000, Vec3(0.1, 0.1, 0.1), Quat(0.5, 0.5, 0.5, 0.5), 1};
-  return Codec().encode(datagram, bytes);
+  return Codec().encode(datagram, bytes) + seal::kOverheadBytes;
 }
 
 }  // namespace
 
-EchoProbe::EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder)
-    : endpoint_(endpoint), clock_(clock), responder_(responder), bytes_(device_state_bytes()) {}
+EchoProbe::EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder, std::size_t bytes)
+    : endpoint_(endpoint), clock_(clock), responder_(responder), bytes_(bytes == 0 ? device_state_bytes() : std::max(bytes, sizeof sequence_)) {}
 
 void EchoProbe::probe(std::int64_t deadline_ns) noexcept {
   ++sequence_;

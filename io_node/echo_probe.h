@@ -22,8 +22,9 @@ class EchoProbe {
     std::uint64_t foreign = 0;  // not what we sent
   };
 
-  // Pre: endpoint and clock outlive this; the endpoint is the probe's own.
-  EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder);
+  // bytes: of a datagram, 0: as many as a DeviceState has on the wire.
+  // Pre: endpoint and clock outlive this; the endpoint is the probe's own; bytes at most kMaxDatagramBytes.
+  EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder, std::size_t bytes = 0);
 
   // One echo; waits no longer than until deadline_ns.
   void probe(std::int64_t deadline_ns) noexcept;

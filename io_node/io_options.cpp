@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "io_node/servo.h"
+#include "link/link_key.h"
 #include "runtime/config.h"
 
 namespace hapton {
@@ -14,6 +15,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                "io_node"};
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();
+  app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--device", options.device, "simulated: a PHANToM Model A with a scripted hand; replay: a recorded trajectory")
       ->check(CLI::IsMember({"simulated", "replay"}))
       ->capture_default_str();
@@ -34,15 +36,19 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--max-slew", options.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
-  app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
-      ->check(CLI::IsMember({"try", "require", "off"}))
   app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");
   app.add_option("--flight", options.flight,
                  "Folder for flight records, the last 2 s before a fault; off: none (default: OUT/flight, without --out the state folder)");
   app.add_option("--overrun", options.overrun, "A cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")
       ->check(CLI::IsMember({"skip", "catch-up", "stop"}))
       ->capture_default_str();
+  app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
+      ->check(CLI::Range(std::size_t{0}, kMaxDatagramBytes))
       ->capture_default_str();
+  app.add_option("--metrics", options.metrics,
+                 "Serve the figures by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: nowhere)");
+  app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
+      ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
   app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority, 0: ordinary thread")
       ->check(CLI::Range(0, 99))

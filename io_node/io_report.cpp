@@ -2,6 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+
 namespace hapton {
 namespace {
 
@@ -11,11 +16,6 @@ double per_second(std::uint64_t count, const ServoStats& stats) {
   return stats.seconds() > 0.0 ? static_cast<double>(count) / stats.seconds() : 0.0;
 }
 
-void add_counters(LatencyReport& report, const ServoStats& s) {
-  const auto rejected = s.hub.undecodable + s.hub.other_session + s.hub.strangers + s.hub.misplaced;
-  report.counters = {{"samples", whole(s.samples)},
-                     {"states_sent", whole(s.states_sent)},
-                     {"forces", whole(s.forces)},
 std::uint64_t missed_by(const ServoStats& stats, MissCause cause) { return stats.missed_by_cause[static_cast<std::size_t>(cause)]; }
 
 // "3 late wake-up, 1 machine stalled"
@@ -28,6 +28,11 @@ std::string describe_causes(const ServoStats& stats) {
   return text;
 }
 
+void add_counters(LatencyReport& report, const ServoStats& s) {
+  const auto rejected = s.hub.undecodable + s.hub.other_session + s.hub.strangers + s.hub.misplaced;
+  report.counters = {{"samples", whole(s.samples)},
+                     {"states_sent", whole(s.states_sent)},
+                     {"forces", whole(s.forces)},
                      {"contact_samples", whole(s.contact_samples)},
                      {"forces_in_time", whole(s.ledger.in_time)},
                      {"late", whole(s.ledger.late)},
@@ -38,19 +43,31 @@ std::string describe_causes(const ServoStats& stats) {
                      {"lost", whole(s.ledger.lost)},
                      {"unanswered_without_haptics", whole(s.ledger.excused)},
                      {"missed_cycles", whole(s.missed_cycles)},
-                     {"silence_events", whole(s.guard.silences)},
-                     {"clamped", whole(s.guard.clamped)},
-                     {"slewed", whole(s.guard.slewed)},
-                     {"not_finite", whole(s.guard.not_finite)},
-                     {"refused_old", whole(s.guard.refused_old)},
                      {"caught_up_cycles", whole(s.caught_up_cycles)},
                      {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
                      {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
                      {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
                      {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
+                     {"silence_events", whole(s.guard.silences)},
+                     {"clamped", whole(s.guard.clamped)},
+                     {"slewed", whole(s.guard.slewed)},
+                     {"not_finite", whole(s.guard.not_finite)},
+                     {"refused_old", whole(s.guard.refused_old)},
                      {"refused_future", whole(s.guard.refused_future)},
+                     {"longest_release_us", (s.longest_release_ns + 999) / 1000},
+                     {"datagrams_sent", whole(s.ways.link.datagrams_sent)},
+                     {"bytes_sent", whole(s.ways.link.bytes_sent)},
+                     {"bytes_received", whole(s.ways.link.bytes_received)},
                      {"datagrams_received", whole(s.hub.received)},
                      {"datagrams_rejected", whole(rejected)},
+                     {"sessions_sealed", whole(s.seal.handshakes)},
+                     {"refused_malformed", whole(s.seal.malformed)},
+                     {"refused_wrong_version", whole(s.seal.wrong_version)},
+                     {"refused_wrong_key", whole(s.seal.wrong_key)},
+                     {"refused_unknown_session", whole(s.seal.unknown_session)},
+                     {"refused_replayed", whole(s.seal.replayed)},
+                     {"refused_forged", whole(s.seal.forged)},
+                     {"refused_no_place", whole(s.seal.no_place)},
                      {"joins_refused", whole(s.hub.refusals)},
                      {"peers_timed_out", whole(s.hub.timeouts)},
                      {"bad_settings", whole(s.bad_settings)},
@@ -61,6 +78,44 @@ std::string describe_causes(const ServoStats& stats) {
                      {"echo_answered", whole(s.echo.answered)},
                      {"echo_late", whole(s.echo.late)},
                      {"events_dropped", whole(s.events_dropped)}};
+}
+
+const char* name_of(NodeRole role) {
+  switch (role) {
+    case NodeRole::haptics:
+      return "haptics";
+    case NodeRole::vision:
+      return "vision";
+    case NodeRole::tool:
+      return "tool";
+    case NodeRole::io:
+      break;
+  }
+  return "io";
+}
+
+std::vector<ReportNode> make_nodes(const ServoStats& stats) {
+  std::vector<ReportNode> nodes;
+  for (const PeerFigures& peer : stats.peers) {
+    if (!peer.present) continue;
+    nodes.push_back({.role = name_of(peer.role),
+                     .address = to_string(peer.address),
+                     .seconds = std::max(0.0, 1e-9 * static_cast<double>(stats.end_ns - peer.joined_ns)),
+                     .received = whole(peer.heard.received),
+                     .lost = whole(peer.heard.lost),
+                     .reordered = whole(peer.heard.reordered),
+                     .duplicate = whole(peer.heard.duplicate),
+                     .sent = whole(peer.sent),
+                     .send_failures = whole(peer.send_failures)});
+  }
+  return nodes;
+}
+
+std::string describe_clocks(const WayStats& ways) {
+  if (!ways.is_offset_known) return "not known yet";
+  const std::string measured =
+      fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(ways.clock_offset_ns), 1e-3 * static_cast<double>(ways.clock_error_ns));
+  return ways.is_one_clock ? "one clock; measured it would be " + measured : measured;
 }
 
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {
@@ -89,15 +144,26 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                   {"realtime", realtime},
                   {"seed", std::to_string(options.seed)},
                   {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
+  report.notes["haptics_clock_ahead"] = describe_clocks(stats.ways);
+  report.nodes = make_nodes(stats);
   if (!options.trajectory.empty()) report.notes["trajectory"] = options.trajectory;
   if (!options.echo_probe.empty()) report.notes["echo_probe"] = options.echo_probe;
-  report.hops = {{"round_trip", stats.round_trip},
+  // The way of one sample first, in its order; then what it adds up to.
+  report.hops = {{"wake_lateness", stats.wake_lateness},
+                 {"device_read", stats.device_read},
+                 {"encode", stats.ways.encode},
+                 {"wire_out", stats.ways.wire_out},
                  {"haptics_compute", stats.haptics_compute},
+                 {"wire_back", stats.ways.wire_back},
+                 {"decode", stats.ways.decode},
+                 {"device_write", stats.ways.device_write},
+                 {"round_trip", stats.round_trip},
                  {"wire", stats.wire},
                  {"force_age", stats.force_age},
-                 {"wake_lateness", stats.wake_lateness},
-                 {"device_read", stats.device_read},
-                 {"device_to_drawn", stats.device_to_drawn}};
+                 {"jitter", stats.ways.jitter},
+                 {"device_to_drawn", stats.device_to_drawn},
+                 {"vision_draw", stats.ways.vision_draw},
+                 {"motion_to_photon", stats.ways.motion_to_photon}};
   if (!options.echo_probe.empty()) report.hops.push_back({"bare_echo", stats.bare_echo});
   return report;
 }
@@ -109,6 +175,11 @@ std::string describe_run(const ServoStats& s) {
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
                       s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.guard.silences,
                       s.guard.clamped, s.guard.slewed);
+  if (s.seal.refused() > 0) {
+    text += fmt::format("refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form\n",
+                        s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place,
+                        s.seal.malformed);
+  }
   if (s.missed_cycles + s.caught_up_cycles > 0) {
     text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));
   }

@@ -4,17 +4,20 @@
 #include <chrono>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include <fmt/core.h>
 
 #include "io_node/io_report.h"
 #include "link/udp_endpoint.h"
 #include "runtime/log.h"
+#include "runtime/prometheus_text.h"
 #include "runtime/report.h"
 
 namespace hapton {
 namespace {
 
+constexpr std::int64_t kMetricsEveryNs = kNanosecondsPerSecond;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
 const char* name_of(NodeRole role) {
@@ -47,14 +50,14 @@ std::string describe(const ServoEvent& event) {
   return {};
 }
 
-}  // namespace
-
-IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options) {}
 std::string_view main_cause(const ServoStats& stats) {
   const auto most = std::max_element(stats.missed_by_cause.begin(), stats.missed_by_cause.end());
   return to_string(static_cast<MissCause>(most - stats.missed_by_cause.begin()));
 }
 
+}  // namespace
+
+IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options) {}
 
 void IoSession::servo_thread() {
   const auto realtime = enter_realtime(options_.realtime);
@@ -89,28 +92,53 @@ Result<void> IoSession::run(StopSignal& stop) {
   fmt::print("{}", describe_run(stats));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
-  return reported;
-}
-
   if (servo_.has_overrun()) {
     return fail("a cycle was missed ({}) and --overrun stop asks for the end; allow the loop real time (--rt), or a lower --rate",
                 main_cause(stats));
   }
+  return reported;
+}
+
 Result<void> IoSession::look_after(StopSignal& stop) {
   Result<void> reported;
   log_info("{}", realtime_);
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();
-    const bool wished = servo_.take_report_wish();
-    if (stop.take_report_request() || wished) servo_.ask_for_snapshot();
+    note_wishes(stop);
     if (!servo_.take_snapshot()) continue;
-    const auto written = write_report_of(servo_.snapshot());
-    if (written) log_info("report on request: {}", options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
-    if (!written && reported) reported = written;
-    if (options_.out.empty()) fmt::print("{}", describe_run(servo_.snapshot()));
+    if (const auto granted = grant_wishes(servo_.snapshot()); !granted && reported) reported = granted;
   }
   return reported;
+}
+
+void IoSession::note_wishes(StopSignal& stop) {
+  const bool asked_by_tool = servo_.take_report_wish();
+  const bool asked_by_reader = desk_ != nullptr && desk_->take_wish();
+  const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
+  const bool asked_by_signal = stop.take_report_request();
+  if (!asked_by_tool && !asked_by_reader && !metrics_due && !asked_by_signal) return;
+  file_wished_ = file_wished_ || asked_by_tool || asked_by_signal;
+  desk_wished_ = desk_wished_ || asked_by_reader;
+  metrics_wished_ = metrics_wished_ || metrics_due;
+  if (metrics_due) next_metrics_ns_ = clock_.now_ns() + kMetricsEveryNs;
+  servo_.ask_for_snapshot();
+}
+
+Result<void> IoSession::grant_wishes(const ServoStats& stats) {
+  const bool writes_file = std::exchange(file_wished_, false);
+  const bool fills_desk = std::exchange(desk_wished_, false);
+  const bool fills_metrics = std::exchange(metrics_wished_, false);
+  if (fills_desk || fills_metrics) {
+    const LatencyReport report = make_io_report(stats, options_, realtime_);
+    if (fills_desk) desk_->publish(to_json(report), to_csv(report));
+    if (fills_metrics) metrics_->set_text(to_prometheus(report));
+  }
+  if (!writes_file) return {};
+  const auto written = write_report_of(stats);
+  if (written) log_info("report on request: {}", options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
+  if (options_.out.empty()) fmt::print("{}", describe_run(stats));
+  return written;
 }
 
 void IoSession::print_events() {

@@ -4,8 +4,10 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "io_node/report_desk.h"
 #include "io_node/io_options.h"
 #include "io_node/servo.h"
+#include "link/metrics_endpoint.h"
 #include "runtime/stop_signal.h"
 
 namespace hapton {
@@ -18,6 +20,10 @@ class IoSession {
   // Pre: all outlive the session.
   IoSession(Servo& servo, const Clock& clock, const IoOptions& options);
 
+  // Set up before run: hands out the report to tools; serves it as metrics. Pre: they outlive the session.
+  void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
+  void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
+
   // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and refused, the device
   // failed, or a report could not be written.
   Result<void> run(StopSignal& stop);
@@ -28,12 +34,21 @@ class IoSession {
   void servo_thread();
   bool is_over(const StopSignal& stop) const;
   Result<void> look_after(StopSignal& stop);
+  void note_wishes(StopSignal& stop);
+  Result<void> grant_wishes(const ServoStats& stats);
   void print_events();
   Result<void> write_report_of(const ServoStats& stats);
 
   Servo& servo_;
   const Clock& clock_;
   const IoOptions& options_;
+  ReportDesk* desk_ = nullptr;
+  MetricsEndpoint* metrics_ = nullptr;
+  // What the next copy of the figures is for.
+  bool file_wished_ = false;
+  bool desk_wished_ = false;
+  bool metrics_wished_ = false;
+  std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;
   Result<void> started_;
   std::atomic<bool> is_started_{false};

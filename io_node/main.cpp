@@ -8,7 +8,10 @@
 #include "io_node/io_session.h"
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
+#include "link/link_key.h"
+#include "link/metered_endpoint.h"
 #include "link/random_id.h"
+#include "link/sealed_hub.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
 #include "runtime/log.h"
@@ -37,7 +40,7 @@ Result<Echo> open_echo(const IoOptions& options, const Clock& clock) {
   auto endpoint = open_udp_endpoint(responder->ip[10] == 0xff && responder->ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0");
   if (!endpoint) return tl::unexpected(endpoint.error());
   echo.endpoint = std::move(*endpoint);
-  echo.probe = std::make_unique<EchoProbe>(*echo.endpoint, clock, *responder);
+  echo.probe = std::make_unique<EchoProbe>(*echo.endpoint, clock, *responder, options.echo_bytes);
   return echo;
 }
 
@@ -56,19 +59,35 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
   }
 }
 
+// Null when nobody wants them.
+Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) {
+  if (options.metrics.empty()) return std::unique_ptr<MetricsEndpoint>();
+  auto metrics = MetricsEndpoint::open(options.metrics);
+  if (metrics) log_info("metrics at http://{}/metrics", to_string((*metrics)->local_address()));
+  return metrics;
+}
+
 int run(const IoOptions& options) {
   StopSignal stop;
   SteadyClock clock;
   const auto device = make_device(options);
   if (!device) return give_up(device.error());
+  const auto address = parse_address(options.bind);
+  if (!address) return give_up(address.error());
+  const auto key = find_link_key(options.key_file, *address);
+  if (!key) return give_up(key.error());
   const auto endpoint = open_udp_endpoint(options.bind);
   if (!endpoint) return give_up(endpoint.error());
   const auto echo = open_echo(options, clock);
   if (!echo) return give_up(echo.error());
+  const auto metrics = open_metrics(options);
+  if (!metrics) return give_up(metrics.error());
 
+  MeteredEndpoint metered(**endpoint, clock);
+  SealedHub sealed(metered, clock, *key);
   const std::uint64_t session_id = make_random_id();
   SessionRecorder recorder({options.record, find_flight_folder(options)}, make_session_header(options, session_id, clock), clock);
-  HubPeers peers(**endpoint, clock, session_id, options.rate_hz);
+  HubPeers peers(sealed, clock, session_id, options.rate_hz);
   const Servo::Options limits{options.rate_hz,     options.vision_rate_hz,  options.max_force_n,
                               options.max_slew_n_per_s, overrun_policy(options)};
   const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), &recorder);
@@ -78,7 +97,13 @@ int run(const IoOptions& options) {
   if (options.max_force_n > (*device)->limits().max_force_n || options.max_slew_n_per_s > (*device)->limits().max_slew_n_per_s)
     log_warning("limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", (*device)->limits().max_force_n,
                 (*device)->limits().max_slew_n_per_s);
+  WayMeter ways(metered);
+  ReportDesk desk;
+  servo->set_way_meter(&ways);
+  servo->set_report_desk(&desk);
   IoSession session(*servo, clock, options);
+  session.set_report_desk(&desk);
+  session.set_metrics(metrics->get());
   if (const auto recording = recorder.start(); !recording) return give_up(recording.error());
   const auto ended = session.run(stop);
   const auto recorded = recorder.stop();

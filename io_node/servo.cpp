@@ -104,8 +104,10 @@ void Servo::sample_device() noexcept {
   const bool is_expected =
       haptics_alive(sample_.time_ns) && sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
   ledger_.take(sample_number_, sample_.time_ns, is_expected);
-  stats_.states_sent +=
+  const std::size_t reached =
       peers_.send_to_role(NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
+  stats_.states_sent += reached;
+  if (ways_ != nullptr && reached > 0) ways_->on_state_sent(sample_.time_ns);
   if (!std::exchange(is_force_new_, false)) hold_force();
 }
 
@@ -125,6 +127,8 @@ void Servo::write_force(const Vec3& force_n) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
   device_.write(force_n, begin_ns);
   device_ns_ += clock_.now_ns() - begin_ns;
+  const bool is_let_go = force_n == Vec3::Zero() && written_n_ != Vec3::Zero() && guard_.silent();
+  if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
   written_n_ = force_n;
   stats_.max_force_n = std::max(stats_.max_force_n, force_n.norm());
 }
@@ -171,9 +175,10 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   // Of these the newest wins; an overtaken one says what is no longer so.
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) return on_view(*view);
-  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn);
+  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn, event.peer);
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
   if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event.role);
+  if (const auto* ask = std::get_if<ReportAsk>(&datagram.message); ask != nullptr && desk_ != nullptr) desk_->ask(event.peer, *ask);
 }
 
 void Servo::on_force(const ForceCommand& command) noexcept {
@@ -182,13 +187,18 @@ void Servo::on_force(const ForceCommand& command) noexcept {
   const bool is_newest = verdict != SampleLedger::Verdict::reordered;
   Vec3 force_n = Vec3::Zero();
   if (is_newest) force_n = guard_.step(WantedForce{command.force_n, command.echo_sample_time_ns}, clock_.now_ns());
-  const std::int64_t round_trip_ns = clock_.now_ns() - command.echo_sample_time_ns;
+  const std::int64_t ready_ns = clock_.now_ns();
+  const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
   if (is_newest) {
+    if (!guard_.silent()) accepted_ns_ = ready_ns;
     write_force(force_n);
     is_force_new_ = true;
-    stats_.force_age.record(clock_.now_ns() - command.echo_sample_time_ns);
+    const std::int64_t written_ns = clock_.now_ns();
+    stats_.force_age.record(written_ns - command.echo_sample_time_ns);
+    if (ways_ != nullptr) ways_->on_force_written(ready_ns, written_ns);
     last_force_ = command;
   }
+  if (ways_ != nullptr) ways_->on_force(incoming_.header, command, verdict == SampleLedger::Verdict::in_time, ready_ns);
   stats_.round_trip.record(round_trip_ns);
   stats_.haptics_compute.record(command.compute_ns);
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
@@ -202,13 +212,14 @@ void Servo::on_view(const ViewTransform& view) noexcept {
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
 }
 
-void Servo::on_drawn(const Drawn& drawn) noexcept {
+void Servo::on_drawn(const Drawn& drawn, std::size_t peer) noexcept {
   const std::int64_t age_ns = clock_.now_ns() - drawn.echo_sample_time_ns;
   const bool is_ours =
       drawn.echo_sample != 0 && drawn.echo_sample <= sample_number_ && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);
+  if (ways_ != nullptr) ways_->on_drawn(incoming_.header, drawn, peer);
   stats_.frame_rate_hz = static_cast<double>(drawn.frame_rate_hz);
 }
 
@@ -235,6 +246,7 @@ void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
 
 void Servo::on_joined(const PeerEvent& event) noexcept {
   tell(ServoEvent::Kind::joined, event.role, peers_.peer(event.peer).address);
+  if (ways_ != nullptr) ways_->on_joined(event.peer, peers_.peer(event.peer).address);
   if (event.peer == hand_leader_) on_hand({}, event.peer);
   if (event.role != NodeRole::haptics) return;
   ledger_.excuse_waiting();
@@ -264,25 +276,11 @@ void Servo::do_spare_work() noexcept {
     peers_.send_to_role(NodeRole::haptics, *view_);
   }
   if (now_ns >= next_figures_ns_) refresh_figures(now_ns);
+  if (desk_ != nullptr) desk_->serve(peers_);
+  if (tap_ != nullptr) tell_tap(now_ns);
   if (snapshot_asked_.exchange(false, std::memory_order_acq_rel)) snapshots_.publish(collect_stats());
 }
 
-void Servo::send_probe() noexcept {
-  probe_.sample = sample_number_;
-  probe_.sample_time_ns = sample_.time_ns;
-  probe_.p_WD = sample_.p_WD;
-  probe_.q_WT = sample_.q_WT;
-  probe_.buttons = sample_.buttons;
-  const bool is_live = !guard_.silent();
-  probe_.contact = is_live && last_force_.contact;
-  probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
-  probe_.force_n = written_n_;
-  probe_.view_revision = view_ ? view_->revision : 0;
-  if (tap_ != nullptr) tell_tap(now_ns);
-  stats_.probe_states_sent += peers_.send_to_role(NodeRole::vision, probe_);
-}
-
-void Servo::refresh_figures(std::int64_t now_ns) noexcept {
 void Servo::tell_tap(std::int64_t now_ns) noexcept {
   cycle_.sample = sample_number_;
   cycle_.written_n = written_n_;
@@ -299,6 +297,23 @@ void Servo::tell_tap(std::int64_t now_ns) noexcept {
   if (has_overrun_) tap_->on_fault(SessionFault::overrun, now_ns);
 }
 
+void Servo::send_probe() noexcept {
+  probe_.sample = sample_number_;
+  probe_.sample_time_ns = sample_.time_ns;
+  probe_.p_WD = sample_.p_WD;
+  probe_.q_WT = sample_.q_WT;
+  probe_.buttons = sample_.buttons;
+  const bool is_live = !guard_.silent();
+  probe_.contact = is_live && last_force_.contact;
+  probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
+  probe_.force_n = written_n_;
+  probe_.view_revision = view_ ? view_->revision : 0;
+  const std::size_t reached = peers_.send_to_role(NodeRole::vision, probe_);
+  stats_.probe_states_sent += reached;
+  if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(sample_number_);
+}
+
+void Servo::refresh_figures(std::int64_t now_ns) noexcept {
   next_figures_ns_ = now_ns + kFiguresNs;
   const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
   if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(stats_.samples - figures_samples_) / passed_s);
@@ -312,6 +327,7 @@ void Servo::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
   stats_.guard = guard_.counters();
   is_finished_ = true;
+  if (tap_ != nullptr && device_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
   const std::int64_t end_ns = clock_.now_ns() + ForceGuard::kSilenceLimitNs + 2 * kStepNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     receive_until(now_ns + kStepNs);
@@ -326,10 +342,15 @@ const ServoStats& Servo::collect_stats() noexcept {
   // The silence at the end is our own doing.
   if (!is_finished_) stats_.guard = guard_.counters();
   stats_.hub = peers_.counts();
+  stats_.seal = peers_.seal_counts();
   stats_.events_dropped = events_.dropped();
+  if (ways_ != nullptr) stats_.ways = ways_->collect(clock_.now_ns());
+  for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
+    const Peer& peer = peers_.peer(place);
+    stats_.peers[place] = {peer.present, peer.role, peer.address, peer.joined_ns, peer.sent, peer.send_failures, peer.tracker.counts()};
+  }
   if (echo_ != nullptr) {
     stats_.bare_echo = echo_->round_trip();
-  if (tap_ != nullptr && device_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
     stats_.echo = echo_->counts();
   }
   return stats_;

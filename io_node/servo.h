@@ -7,11 +7,13 @@
 #include "io_node/devices/device.h"
 #include "io_node/echo_probe.h"
 #include "io_node/event_ring.h"
+#include "io_node/report_desk.h"
 #include "io_node/safety/force_guard.h"
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
-#include "link/hub_peers.h"
 #include "io_node/servo_tap.h"
+#include "io_node/way_meter.h"
+#include "link/hub_peers.h"
 #include "runtime/clock.h"
 #include "runtime/mailbox.h"
 
@@ -30,26 +32,30 @@ namespace hapton {
 //   catch_up  the cycles that were missed run at once, one after the other, up to kMostCaughtUp of them; what is beyond that is skipped
 //   stop      a missed cycle ends the session: has_overrun() from then on
 // RT: step and finish yes; making one is set-up only. Threads: one, but for ask_for_snapshot, snapshot and events (one other).
-class Servo {
- public:
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
+class Servo {
+ public:
   static constexpr double kLowestRateHz = 250.0;
   static constexpr double kHighestRateHz = 10'000.0;
-
-  struct Options {
   static constexpr std::int64_t kMostCaughtUp = 10;
   // Later than any work, device or wake-up of a running machine makes a cycle.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
+
+  struct Options {
     double rate_hz = 1000.0;
     double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most; 0: none
     double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
     double max_slew_n_per_s = 0.0;
+    OverrunPolicy overrun = OverrunPolicy::skip;
   };
 
-    OverrunPolicy overrun = OverrunPolicy::skip;
   // Pre: all outlive the servo; rates in range. echo and tap may be null.
   Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr, ServoTap* tap = nullptr);
+
+  // Set up before start: who measures the ways, and who hands out reports. Pre: they outlive the servo.
+  void set_way_meter(WayMeter* ways) noexcept { ways_ = ways; }
+  void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
 
   // Sets the first tick one period from now.
   void start() noexcept;
@@ -61,14 +67,14 @@ enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
   // What was measured so far, as a copy; the servo's thread only.
   const ServoStats& collect_stats() noexcept;
   DeviceStatus device_status() const noexcept { return device_.status(); }
+  // A cycle was missed under OverrunPolicy::stop.
+  bool has_overrun() const noexcept { return has_overrun_; }
   const ForceLimits& force_limits() const noexcept { return guard_.limits(); }
   double rate_hz() const noexcept { return stats_.rate_hz; }
 
   // The other thread: asks for a copy, and takes it when it is there (within a few cycles).
   void ask_for_snapshot() noexcept { snapshot_asked_.store(true, std::memory_order_release); }
   bool take_snapshot() noexcept { return snapshots_.take(); }
-  // A cycle was missed under OverrunPolicy::stop.
-  bool has_overrun() const noexcept { return has_overrun_; }
   const ServoStats& snapshot() const noexcept { return snapshots_.value(); }
   // A tool wished for a report; true once for each wish.
   bool take_report_wish() noexcept { return report_wished_.exchange(false, std::memory_order_acq_rel); }
@@ -76,19 +82,19 @@ enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
  private:
   void begin_cycle() noexcept;
+  void overrun(std::int64_t late_ns) noexcept;
+  MissCause cause_of(std::int64_t late_ns) const noexcept;
+  void tell_tap(std::int64_t now_ns) noexcept;
   void sample_device() noexcept;
   void receive_until(std::int64_t deadline_ns) noexcept;
   void drain() noexcept;
   void await_force(std::int64_t deadline_ns) noexcept;
   void receive_one(std::int64_t deadline_ns) noexcept;
   void hear(const PeerEvent& event, const Datagram& datagram) noexcept;
-  void overrun(std::int64_t late_ns) noexcept;
-  MissCause cause_of(std::int64_t late_ns) const noexcept;
-  void tell_tap(std::int64_t now_ns) noexcept;
   void hear_message(const PeerEvent& event, const Datagram& datagram) noexcept;
   void on_force(const ForceCommand& command) noexcept;
   void on_view(const ViewTransform& view) noexcept;
-  void on_drawn(const Drawn& drawn) noexcept;
+  void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
   void on_settings(const Settings& settings, NodeRole role) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
@@ -108,14 +114,21 @@ enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
   HubPeers& peers_;
   const Clock& clock_;
   EchoProbe* echo_;
+  WayMeter* ways_ = nullptr;
+  ReportDesk* desk_ = nullptr;
+  ServoTap* tap_;
+  OverrunPolicy policy_;
   ForceGuard guard_;
   SampleLedger ledger_;
   ServoStats stats_;
   std::int64_t vision_period_ns_ = 0;
 
   std::int64_t tick_ns_ = 0;
-  ServoTap* tap_;
-  OverrunPolicy policy_;
+  std::int64_t device_ns_ = 0;  // spent on the device since the last tick
+  bool is_behind_ = false;      // the loop came to wait for this tick when it had passed
+  bool has_overrun_ = false;
+  CycleNote cycle_;
+  ForceGuard::Counters guard_told_;
   std::int64_t next_vision_ns_ = 0;
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
@@ -124,14 +137,10 @@ enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
   DeviceSample sample_;
   std::uint64_t sample_number_ = 0;
-  std::int64_t device_ns_ = 0;  // spent on the device since the last tick
-  bool is_behind_ = false;      // the loop came to wait for this tick when it had passed
-  bool has_overrun_ = false;
-  CycleNote cycle_;
-  ForceGuard::Counters guard_told_;
   Vec3 written_n_ = Vec3::Zero();
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
+  std::int64_t accepted_ns_ = 0;  // the last force that the guard let pass
   ForceCommand last_force_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;

@@ -6,11 +6,23 @@
 #include "io_node/echo_probe.h"
 #include "io_node/safety/force_guard.h"
 #include "io_node/sample_ledger.h"
+#include "io_node/way_meter.h"
 #include "link/hub_peers.h"
-#include "runtime/latency_histogram.h"
 #include "link/session_entry.h"
+#include "runtime/latency_histogram.h"
 
 namespace hapton {
+
+// A node that is there.
+struct PeerFigures {
+  bool present = false;
+  NodeRole role = NodeRole::tool;
+  Address address;
+  std::int64_t joined_ns = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t send_failures = 0;
+  SequenceCounts heard;
+};
 
 // All that a servo loop has measured since its start; times in ns on its own clock. A plain value: share it by copy.
 struct ServoStats {
@@ -31,6 +43,8 @@ struct ServoStats {
   std::uint64_t forces = 0;           // valid ForceCommands, each sample's first
   std::uint64_t contact_samples = 0;  // of these, in contact
   std::uint64_t missed_cycles = 0;    // ticks skipped because the loop came too late for them
+  std::uint64_t caught_up_cycles = 0; // run late, one after the other, instead of being skipped
+  std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
   std::uint64_t drawn = 0;
@@ -38,14 +52,16 @@ struct ServoStats {
   std::uint64_t bad_settings = 0;
   double frame_rate_hz = 0.0;  // as the vision node heard last says
   double max_force_n = 0.0;    // written to the device
+  std::int64_t longest_release_ns = 0;  // last force accepted -> zero on the device, of all silences
 
   SampleLedger::Counts ledger;
   ForceGuard::Counters guard;
   HubCounts hub;
+  SealCounts seal;
   EchoProbe::Counts echo;
-  std::uint64_t caught_up_cycles = 0; // run late, one after the other, instead of being skipped
-  std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
   std::uint64_t events_dropped = 0;
+  WayStats ways;
+  std::array<PeerFigures, HubPeers::kCapacity> peers = {};
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -90,7 +91,9 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
   Datagram heard;
   for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
     const auto* state = std::get_if<ProbeState>(&heard.message);
-    if (state != nullptr && hub_.last_arrival() == Arrival::newest) step_.hear(*state);
+    if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
+    heard_ns_ = hub_.receive_time_ns();
+    step_.hear(*state);
   }
   const bool joined = hub_.state() == JoinState::joined;
   if (joined && (!was_joined_ || hub_.counts().joins != joins_)) {
@@ -126,7 +129,11 @@ Result<void> VisionSession::draw_if_wanted() {
   view_.set_cull(shown.cull);
   view_.set_hud(shown.hud, shown.help);
   view_.draw();
-  if (const auto drawn = step_.drew(begin_ns, clock_.now_ns(), where())) hub_.send(*drawn);
+  const std::int64_t end_ns = clock_.now_ns();
+  if (auto drawn = step_.drew(begin_ns, end_ns, where())) {
+    drawn->held_ns = static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - heard_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
+    hub_.send(*drawn);
+  }
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? take_screenshot(options_.screenshot) : Result<void>{};
 }

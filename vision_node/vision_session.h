@@ -50,6 +50,7 @@ class VisionSession {
   bool quit_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
+  std::int64_t heard_ns_ = 0;  // when the state came that is drawn next
 };
 
 // Draws that many pictures flat out, the dials turning, and says how fast it went.

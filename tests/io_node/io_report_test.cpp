@@ -43,8 +43,8 @@ TEST(IoReport, holds_hops_rates_counters_and_the_ratio_to_the_bare_echo) {
   EXPECT_EQ(report.notes.at("seed"), "17");
   EXPECT_NEAR(report.ratios.at("round_trip_over_echo_p50"), 1.5, 0.05);
   EXPECT_NEAR(report.ratios.at("round_trip_over_echo_p99"), 3.0, 0.1);
-  ASSERT_EQ(report.hops.size(), 8U);
-  EXPECT_EQ(report.hops.front().name, "round_trip");
+  ASSERT_EQ(report.hops.size(), 16U);
+  EXPECT_EQ(report.hops.front().name, "wake_lateness");
   EXPECT_EQ(report.hops.back().name, "bare_echo");
 }
 
@@ -53,8 +53,30 @@ TEST(IoReport, claims_no_echo_that_was_not_measured) {
   stats->bare_echo.clear();
   const LatencyReport report = make_io_report(*stats, {}, "");
   EXPECT_TRUE(report.ratios.empty());
-  EXPECT_EQ(report.hops.size(), 7U);
+  EXPECT_EQ(report.hops.size(), 15U);
   EXPECT_THAT(describe_run(*stats), ::testing::Not(HasSubstr("echo")));
+}
+
+TEST(IoReport, names_the_nodes_that_are_there_and_how_far_their_clock_is_off) {
+  auto stats = two_seconds();
+  PeerFigures& haptics = stats->peers[0];
+  haptics.present = true;
+  haptics.role = NodeRole::haptics;
+  haptics.address = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 2}, 4444};
+  haptics.joined_ns = 6'000'000'000;
+  haptics.sent = 1000;
+  haptics.heard.received = 990;
+  haptics.heard.lost = 10;
+  stats->ways.is_offset_known = true;
+  stats->ways.clock_offset_ns = -1'500'000;
+  stats->ways.clock_error_ns = 20'000;
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  ASSERT_EQ(report.nodes.size(), 1U);
+  EXPECT_EQ(report.nodes[0].role, "haptics");
+  EXPECT_EQ(report.nodes[0].address, "10.0.0.2:4444");
+  EXPECT_EQ(report.nodes[0].seconds, 1.0);
+  EXPECT_EQ(report.nodes[0].lost, 10);
+  EXPECT_EQ(report.notes.at("haptics_clock_ahead"), "-1500.0 us, within 20.0 us");
 }
 
 TEST(IoReport, tells_people_the_run_in_lines) {

@@ -67,8 +67,14 @@ class FixedEndpoint final : public Endpoint {
 std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) {
   SimulatedClock clock;
   FixedEndpoint endpoint(clock);
-  HubPeers peers(endpoint, clock, 5, 1000.0);
+  MeteredEndpoint metered(endpoint, clock);
+  WayMeter ways(metered);
+  ReportDesk desk;
+  desk.publish(std::string(5000, 'j'), "csv");
+  HubPeers peers(metered, clock, 5, 1000.0);
   const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{}, nullptr, tap);
+  servo->set_way_meter(&ways);
+  servo->set_report_desk(&desk);
   Settings settings{2000.0, {'p', 'r', 'o', 'x', 'y'}, true};
   AllocationGuard guard;
   for (int n = 0; n < 3000; ++n) {
@@ -92,6 +98,9 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
       case 45:
         endpoint.say(3, settings, now);
         break;
+      case 47:
+        endpoint.say(3, ReportAsk{ReportDocument::json, 1, 2}, now);
+        break;
       default:
         break;
     }
@@ -102,6 +111,7 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
   const std::uint64_t taken = guard.count();
   EXPECT_GT(servo->collect_stats().forces, 2000U);
   EXPECT_EQ(servo->rate_hz(), 2000.0);
+  EXPECT_GT(servo->collect_stats().ways.encode.count(), 2000U);
   EXPECT_TRUE(servo->take_snapshot());
   peers.set_tap(nullptr);
   return taken;

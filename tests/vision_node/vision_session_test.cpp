@@ -103,6 +103,10 @@ TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) {
   ASSERT_GT(hub.drawn.size(), 3u);
   for (std::size_t i = 1; i < hub.drawn.size(); ++i) EXPECT_GE(hub.drawn[i].echo_sample, hub.drawn[i - 1].echo_sample);
   EXPECT_LE(hub.drawn.back().echo_sample, hub.samples);
+  for (const Drawn& drawn : hub.drawn) {
+    EXPECT_GT(drawn.held_ns, 0U);
+    EXPECT_LT(drawn.held_ns, 1e9);
+  }
   EXPECT_GT(hub.drawn.back().echo_sample, hub.samples / 2) << "newest wins: pictures do not lag behind the hub";
 }
 
