@@ -104,7 +104,7 @@ void AnswerLoop::tell_of_hub() {
   if (state == told_) {
     if (state == JoinState::joining && !told_absent_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
       told_absent_ = true;
-      log_warning("no hub answers yet; start io_node there, or name another place with --hub; trying on");
+      log_warning("no hub answers yet; start io_node there, name another place with --hub, or give the hub's --key; trying on");
     }
     return;
   }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/collision/grid_division.h"
+#include "link/link_key.h"
 #include "runtime/config.h"
 
 namespace hapton {
@@ -33,6 +34,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   CLI::App app{"Answers every device sample of the hub with the force that the scene gives it.", "haptics_node"};
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
+  app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML), or a mesh in metres")->capture_default_str();
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();

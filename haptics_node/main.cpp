@@ -6,6 +6,7 @@
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/haptics_setup.h"
+#include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
 #include "runtime/log.h"
@@ -30,6 +31,8 @@ const char* any_address_like(const Address& hub) {
 int run(const HapticsOptions& options) {
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
+  const auto key = find_link_key(options.key_file, *hub);
+  if (!key) return give_up(key.error());
   const auto scene = load_scene(options.scene);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
@@ -41,7 +44,8 @@ int run(const HapticsOptions& options) {
 
   const StopSignal stop;
   SteadyClock clock;
-  HubClient client(**endpoint, clock, NodeRole::haptics, *hub);
+  SealedClient sealed(**endpoint, clock, *key, *hub);
+  HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   AnswerLoop loop(client, clock, step, builder, make_haptics_setup(options.scene, hash_scene(scene->touch_scene()), options.method));

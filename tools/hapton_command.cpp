@@ -15,6 +15,7 @@
 #include "tools/figures_command.h"
 #include "tools/info_command.h"
 #include "tools/judge_command.h"
+#include "tools/keygen_command.h"
 #include "tools/latency_command.h"
 #include "tools/plot_command.h"
 #include "tools/replay_command.h"
@@ -59,6 +60,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_judge_command(app, exit_code);
   add_latency_command(app, exit_code);
   add_plot_command(app, exit_code);
+  add_keygen_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_session_command(app, exit_code);
   add_set_command(app, exit_code);

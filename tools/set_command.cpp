@@ -11,6 +11,8 @@
 #include "core/base/result.h"
 #include "core/force/force_method.h"
 #include "link/hub_client.h"
+#include "link/link_key.h"
+#include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 
 namespace hapton {
@@ -18,6 +20,7 @@ namespace {
 
 struct SetOptions {
   std::string hub = "127.0.0.1";
+  std::string key_file;
   double rate_hz = 0.0;
   std::string method;
   bool report = false;
@@ -65,14 +68,19 @@ Result<std::string> set(const SetOptions& options) {
   if (!hub) {
     return tl::unexpected(hub.error());
   }
+  const auto key = find_link_key(options.key_file, *hub);
+  if (!key) {
+    return tl::unexpected(key.error());
+  }
   auto endpoint = open_udp_endpoint(any_address_like(*hub));
   if (!endpoint) {
     return tl::unexpected(endpoint.error());
   }
   const SteadyClock clock;
-  HubClient client(**endpoint, clock, NodeRole::tool, *hub);
+  SealedClient sealed(**endpoint, clock, *key, *hub);
+  HubClient client(sealed, clock, NodeRole::tool, *hub);
   if (!wait_until(client, clock, [&] { return client.state() == JoinState::joined; })) {
-    return fail("no hub answers at {}; start io_node there, or name another place with --hub", to_string(*hub));
+    return fail("no hub answers at {}; start io_node there, name another place with --hub, or give the hub's --key", to_string(*hub));
   }
   if (!client.send(*settings)) {
     return fail("the settings could not be sent to {}", to_string(*hub));
@@ -107,6 +115,7 @@ void add_set_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<SetOptions>();
   CLI::App* command = app.add_subcommand("set", "Change a running system");
   command->add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
+  command->add_option("--key", options->key_file, kKeyHelp);
   command->add_option("--rate", options->rate_hz, "Servo rate, Hz")->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz));
   command->add_option("--method", options->method, "Force method, one of: " + method_names());
   command->add_flag("--report", options->report, "Have the latency report written now");

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "runtime/cpu_check.h"
@@ -39,10 +40,13 @@ int run(VisionOptions& options) {
   }
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
+  const auto key = find_link_key(options.key_file, *hub);
+  if (!key) return give_up(key.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
   const StopSignal stop;
-  HubClient client(**endpoint, clock, NodeRole::vision, *hub);
+  SealedClient sealed(**endpoint, clock, *key, *hub);
+  HubClient client(sealed, clock, NodeRole::vision, *hub);
   VisionSession session(**view, client, clock, options);
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include "link/link_key.h"
 #include "runtime/config.h"
 #include "vision_node/hud_text.h"
 
@@ -61,6 +62,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       "vision_node"};
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
+  app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML)")->capture_default_str();
   app.add_option("--stereo", stereo,
                  fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side",

@@ -15,6 +15,7 @@ namespace hapton {
 struct VisionOptions {
   std::string hub = "127.0.0.1";
   std::string bind;  // empty: any address of the hub's family, any port
+  std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();

@@ -37,10 +37,11 @@ int open_local_port(int& port) {
   return descriptor;
 }
 
-std::vector<char*> environment_without_display() {
+std::vector<char*> environment_without(const std::vector<std::string_view>& names) {
   std::vector<char*> variables;
   for (char** variable = environ; *variable != nullptr; ++variable) {
-    if (!std::string_view(*variable).starts_with("DISPLAY=")) variables.push_back(*variable);
+    const std::string_view name = std::string_view(*variable).substr(0, std::string_view(*variable).find('='));
+    if (std::ranges::find(names, name) == names.end()) variables.push_back(*variable);
   }
   return variables;
 }
@@ -60,7 +61,9 @@ Program::Program(const std::string& name, const std::vector<std::string>& argume
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   std::string shown = "DISPLAY=" + display;
-  std::vector<char*> environment = environment_without_display();
+  std::string runtime = "XDG_RUNTIME_DIR=" + folder.string();
+  std::vector<char*> environment = environment_without({"DISPLAY", "XDG_RUNTIME_DIR"});
+  environment.push_back(runtime.data());
   if (!display.empty()) environment.push_back(shown.data());
   environment.push_back(nullptr);
 

@@ -23,7 +23,7 @@ struct Ended {
 class Program {
  public:
   // Starts build/.../bin/NAME with its output going to files in folder (NAME.<n>.out, NAME.<n>.err).
-  // display: an X display; empty: it sees none.
+  // display: an X display; empty: it sees none. The user's shared key is the folder's own, hapton/key.
   Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
           const std::string& display = "");
   ~Program();

@@ -15,6 +15,8 @@
 #include <vector>
 
 #include "link/hub_client.h"
+#include "link/link_key.h"
+#include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "tests/process/program.h"
@@ -97,6 +99,8 @@ class System {
   }
 
   const std::string& hub() const { return hub_; }
+  // The one that its programs share.
+  LinkKey key() const { return *find_or_make_shared_key(folder_.path() / "hapton"); }
   const std::filesystem::path& folder() const { return folder_.path(); }
   std::filesystem::path report_path() const { return folder_.path() / "out" / "report.json"; }
 
@@ -222,8 +226,8 @@ TEST(SystemRun, ReportsWhatItMeasured) {
 // Sits at the hub as a vision node does and sees every force that is written to the device.
 class Onlooker {
  public:
-  explicit Onlooker(const std::string& hub)
-      : endpoint_(*open_udp_endpoint("127.0.0.1:0")), client_(*endpoint_, clock_, NodeRole::vision, *parse_address(hub)) {}
+  explicit Onlooker(const System& system)
+      : hub_(*parse_address(system.hub())), endpoint_(*open_udp_endpoint("127.0.0.1:0")), sealed_(*endpoint_, clock_, system.key(), hub_) {}
 
   // The next probe state; false when none comes in time.
   bool see(ProbeState& state) {
@@ -252,15 +256,17 @@ class Onlooker {
 
  private:
   SteadyClock clock_;
+  Address hub_;
   std::unique_ptr<Endpoint> endpoint_;
-  HubClient client_;
+  SealedClient sealed_;
+  HubClient client_{sealed_, clock_, NodeRole::vision, hub_};
 };
 
 TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
   System system({"--vision-rate", "1000"});
   system.start("io_node");
   system.start("haptics_node");
-  Onlooker onlooker(system.hub());
+  Onlooker onlooker(system);
   ProbeState state;
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
 

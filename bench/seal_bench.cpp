@@ -1,0 +1,151 @@
+// What a datagram costs between the numbers and the socket: encode, seal, open, decode. The budget of all four together is 1.5 us.
+//
+//   build/release/bin/seal_bench
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cstdlib>
+
+#include "link/codec.h"
+#include "link/handshake.h"
+#include "link/sealed_channel.h"
+
+namespace hapton {
+namespace {
+
+using Bytes = std::array<std::byte, kMaxDatagramBytes>;
+
+LinkKey make_key() {
+  if (const auto started = seal::start_crypto(); !started) std::abort();
+  return LinkKey::make_random();
+}
+
+struct Channels {
+  Channels() {
+    const seal::SessionKeys keys = seal::derive_session_keys(make_key(), {}, {});
+    client = SealedChannel(keys, 1, SealedChannel::Side::client);
+    hub = SealedChannel(keys, 1, SealedChannel::Side::hub);
+  }
+  SealedChannel client;
+  SealedChannel hub;
+};
+
+ForceCommand some_force() {
+  return {.echo_sample = 123'456'789,
+          .echo_sample_time_ns = 1'234'567'890'123'456,
+          .force_n = Vec3(0.1, -1.2, 2.3),
+          .visual_offset_m = Vec3(0.0011, -0.0012, 0.0013),
+          .contact = true,
+          .compute_ns = 700,
+          .skipped_samples = 1,
+          .view_revision = 7,
+          .method_serial = 1,
+          .answered_before = ~std::uint64_t{0}};
+}
+
+DeviceState some_state() {
+  return {.sample = 123'456'789,
+          .sample_time_ns = 1'234'567'890'123'456,
+          .p_WD = Vec3(0.01, -0.02, 0.03),
+          .q_WT = Quat(0.5, -0.5, 0.5, -0.5),
+          .buttons = 3};
+}
+
+// From the message on one side to the message on the other, as HubPeers and HubClient have it.
+template <class MessageType>
+void whole_way(benchmark::State& state, const MessageType& message) {
+  Channels channels;
+  Codec sender;
+  Codec receiver;
+  Bytes plain;
+  Bytes sealed;
+  Bytes opened;
+  Datagram out;
+  Datagram in;
+  std::size_t bytes = 0;
+  std::size_t size = 0;
+  for (auto _ : state) {
+    ++out.header.sequence;
+    out.message = message;
+    const std::size_t plain_size = sender.encode(out, plain);
+    size = channels.client.seal(std::span(plain).first(plain_size), sealed);
+    channels.hub.open(std::span(sealed).first(size), opened, bytes);
+    if (receiver.decode(std::span(opened).first(bytes), in) != DecodeStatus::ok) state.SkipWithError("not understood");
+    benchmark::DoNotOptimize(in);
+  }
+  state.counters["bytes"] = static_cast<double>(size);
+}
+
+void force_whole_way(benchmark::State& state) { whole_way(state, some_force()); }
+void state_whole_way(benchmark::State& state) { whole_way(state, some_state()); }
+
+void codec_alone(benchmark::State& state) {
+  Codec codec;
+  Bytes plain;
+  Datagram out{{1, 2, 3, 4}, some_force()};
+  Datagram in;
+  for (auto _ : state) {
+    const std::size_t size = codec.encode(out, plain);
+    benchmark::DoNotOptimize(codec.decode(std::span(plain).first(size), in));
+  }
+}
+
+void seal_alone(benchmark::State& state) {
+  Channels channels;
+  Bytes plain = {};
+  Bytes sealed;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(channels.client.seal(std::span(plain).first(static_cast<std::size_t>(state.range(0))), sealed));
+  }
+}
+
+void seal_and_open(benchmark::State& state) {
+  Channels channels;
+  Bytes plain = {};
+  Bytes sealed;
+  Bytes opened;
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    const std::size_t size = channels.client.seal(std::span(plain).first(static_cast<std::size_t>(state.range(0))), sealed);
+    benchmark::DoNotOptimize(channels.hub.open(std::span(sealed).first(size), opened, bytes));
+  }
+}
+
+// What a stranger's datagram costs: one with a live session's number in it, and a handshake with another key.
+void refuse_forged(benchmark::State& state) {
+  Channels channels;
+  Bytes plain = {};
+  Bytes sealed;
+  Bytes opened;
+  std::size_t bytes = 0;
+  const std::size_t size = channels.client.seal(std::span(plain).first(150), sealed);
+  sealed[40] ^= std::byte{1};
+  for (auto _ : state) benchmark::DoNotOptimize(channels.hub.open(std::span(sealed).first(size), opened, bytes));
+}
+
+void refuse_request(benchmark::State& state) {
+  ClientHandshake stranger(make_key());
+  stranger.begin();
+  const HubHandshake hub(make_key());
+  std::array<std::byte, seal::kRequestBytes> request;
+  stranger.write_request(request);
+  for (auto _ : state) benchmark::DoNotOptimize(hub.judge(request, {}, 1));
+}
+
+void agree(benchmark::State& state) {
+  HubHandshake hub(make_key());
+  std::array<std::byte, seal::kAnswerBytes> answer;
+  for (auto _ : state) benchmark::DoNotOptimize(hub.agree({}, 1, answer));
+}
+
+BENCHMARK(force_whole_way);
+BENCHMARK(state_whole_way);
+BENCHMARK(codec_alone);
+BENCHMARK(seal_alone)->Arg(150);
+BENCHMARK(seal_and_open)->Arg(64)->Arg(150)->Arg(seal::kMaxPayloadBytes);
+BENCHMARK(refuse_forged);
+BENCHMARK(refuse_request);
+BENCHMARK(agree);
+
+}  // namespace
+}  // namespace hapton

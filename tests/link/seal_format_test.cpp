@@ -1,0 +1,121 @@
+#include "link/seal_format.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <variant>
+#include <vector>
+
+#include "link/codec.h"
+#include "link/messages.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kMost32 = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t kMost64 = std::numeric_limits<std::uint64_t>::max();
+constexpr std::int64_t kLeastTime = std::numeric_limits<std::int64_t>::min();
+// No value is left out for being zero, and none is short.
+const Vec3 kVector(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
+const Quat kRotation(0.5, -0.5, 0.5, -0.5);
+constexpr float kRate = 1e9F;
+constexpr std::array<float, 12> kPose = {0, 0, 1, -1e9F, 1, 0, 0, 1e9F, 0, 1, 0, -1e-9F};
+
+template <std::size_t N>
+void fill_text(std::array<char, N>& text) {
+  std::fill(text.begin(), text.end() - 1, 'x');
+}
+
+// Each kind of message at its longest. A new kind has to say here what that is.
+void lengthen(Hello& m) { m.role = NodeRole::tool; }
+void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
+void lengthen(Bye&) {}
+void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kMost32}; }
+void lengthen(ForceCommand& m) { m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64}; }
+void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
+void lengthen(ProbeState& m) {
+  m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32};
+}
+void lengthen(Drawn& m) { m = {kMost64, kLeastTime, kRate, kMost32}; }
+void lengthen(HandTarget& m) { m = {true, kVector}; }
+void lengthen(Settings& m) {
+  m.servo_rate_hz = kMaxServoRateHz;
+  m.method.fill('x');
+  m.report_now = true;
+}
+void lengthen(HapticsSetup& m) {
+  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}};
+  fill_text(m.scene);
+  fill_text(m.build);
+  fill_text(m.method);
+}
+void lengthen(ReportAsk& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
+void lengthen(ReportPart& m) {
+  m.document = ReportDocument::csv;
+  m.revision = kMost32;
+  m.part = kMost32 - 1;
+  m.parts = kMost32;
+  m.size = static_cast<std::uint16_t>(m.text.size());
+  m.text.fill('x');
+}
+
+template <std::size_t kKind>
+Message longest_of_kind() {
+  Message message(std::in_place_index<kKind>);
+  lengthen(std::get<kKind>(message));
+  return message;
+}
+
+template <std::size_t... kKinds>
+std::vector<Message> longest_of_all(std::index_sequence<kKinds...>) {
+  return {longest_of_kind<kKinds>()...};
+}
+
+// Nothing that is said needs more than one datagram: there is no fragmenting because there is nothing to fragment.
+TEST(SealFormatTest, EveryMessageAtItsLongestFitsOneSealedDatagram) {
+  Codec codec;
+  for (const Message& message : longest_of_all(std::make_index_sequence<std::variant_size_v<Message>>())) {
+    std::array<std::byte, kMaxDatagramBytes> bytes;
+    const Datagram datagram{{kMost64, kMost64, kMost64, kLeastTime}, message};
+    const std::size_t size = codec.encode(datagram, bytes);
+    ASSERT_GT(size, 0U) << "kind " << message.index();
+    EXPECT_LE(size, seal::kMaxPayloadBytes) << "kind " << message.index();
+    Datagram back;
+    EXPECT_EQ(codec.decode(std::span(bytes).first(size), back), DecodeStatus::ok) << "kind " << message.index();
+  }
+}
+
+TEST(SealFormatTest, ASealedDatagramIsNoLongerThanAnyOther) {
+  EXPECT_EQ(seal::kMaxPayloadBytes + seal::kOverheadBytes, kMaxDatagramBytes);
+  EXPECT_LE(kMaxDatagramBytes, 1200U);
+}
+
+TEST(SealFormatTest, ClassifiesByLeadAndLength) {
+  std::vector<std::byte> bytes(seal::kRequestBytes);
+  seal::write_lead(seal::Kind::request, seal::bytes_of(std::span(bytes)));
+  EXPECT_EQ(classify_sealed(bytes).status, OpenStatus::opened);
+  EXPECT_EQ(classify_sealed(bytes).kind, seal::Kind::request);
+  for (int kind = 0; kind < 256; ++kind) {
+    bytes[2] = static_cast<std::byte>(kind);
+    // As data it has a good length, too.
+    EXPECT_EQ(classify_sealed(bytes).status == OpenStatus::opened, kind == 1 || kind == 2 || kind == 4) << kind;
+  }
+  bytes[2] = std::byte{1};
+  bytes[3] = std::byte{1};
+  EXPECT_EQ(classify_sealed(bytes).status, OpenStatus::malformed);
+  EXPECT_EQ(classify_sealed({}).status, OpenStatus::malformed);
+}
+
+TEST(SealFormatTest, TheVersionStandsWhereAnEnvelopeHasIt) {
+  std::array<std::byte, seal::kLeadBytes> lead;
+  seal::write_lead(seal::Kind::data, seal::bytes_of(std::span<std::byte>(lead)));
+  std::array<std::byte, kMaxDatagramBytes> envelope;
+  Codec codec;
+  ASSERT_GT(codec.encode({{}, Hello{}}, envelope), 0U);
+  EXPECT_EQ(lead[0], envelope[0]);
+  EXPECT_EQ(lead[1], envelope[1]);
+}
+
+}  // namespace
+}  // namespace hapton
