@@ -24,7 +24,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
     {"scene", {"core"}},
-    {"bench", {"core", "runtime"}},
+    {"bench", {"core", "runtime", "link"}},
     {"io_node", {"core/base", "core/math", "runtime", "link"}},
     {"haptics_node", {"core", "runtime", "link", "scene"}},
     {"vision_node", {"core", "runtime", "link", "scene"}},
