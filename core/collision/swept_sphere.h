@@ -35,7 +35,7 @@ double time_to_reach(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   double t = from;
   for (int i = 0; i < kMaxIterations; ++i) {
     const Separation now = shape.separation(p + t * motion);
-    const double slope = now.normal.dot(motion) - kNormalError * length;  // at its steepest: never oversteps for rounding
+    const double slope = now.normal.dot(motion) - normal_error(now) * length;  // at its steepest: never oversteps for rounding
     const double gap = now.distance - level;
     if (gap <= tolerance) return slope < 0.0 ? t : kNever;
     if (slope >= 0.0) return kNever;
@@ -43,6 +43,49 @@ double time_to_reach(const Shape& shape, const Vec3& p, const Vec3& motion, doub
     if (!(t <= 1.0)) return kNever;
   }
   return t;
+}
+
+// Whether a sphere that moves from p along `motion` comes nearer to a triangle than `level` between two times. Asks for distances alone,
+// never for normals, which near an edge are off by rounding: the distance is convex along the way, so between two times it is above the
+// straight lines through its values on either side. By no more than `tolerance` does not count. In doubt: yes.
+// Pre: at both times the distance is at least level. RT: yes.
+template <class Shape>
+bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double until, double level, double tolerance) {
+  constexpr int kMaxIterations = 64;  // each halves a part of the time in which the least distance can lie
+  struct Sample {
+    double t = 0.0;
+    double distance = 0.0;
+  };
+  const auto sample_at = [&](double t) { return Sample{t, shape.separation(p + t * motion).distance}; };
+  const auto on_line = [](const Sample& a, const Sample& b, double t) {
+    return a.distance + (b.distance - a.distance) * ((t - a.t) / (b.t - a.t));
+  };
+  Sample left = sample_at(from);
+  Sample middle = sample_at(0.5 * (from + until));
+  Sample right = sample_at(until);
+  for (int i = 0; i < kMaxIterations; ++i) {
+    if (middle.distance < level - tolerance) return true;
+    if (!(left.t < middle.t && middle.t < right.t)) return false;
+    if (std::min(on_line(middle, right, left.t), on_line(left, middle, right.t)) >= level - tolerance) return false;
+    // The least distance lies on either side of the least sample.
+    if (left.distance < middle.distance) {
+      right = middle;
+      middle = sample_at(0.5 * (left.t + right.t));
+    } else if (right.distance < middle.distance) {
+      left = middle;
+      middle = sample_at(0.5 * (left.t + right.t));
+    } else {
+      const bool is_left = middle.t - left.t > right.t - middle.t;
+      const Sample half = sample_at(0.5 * (middle.t + (is_left ? left.t : right.t)));
+      if (half.distance < middle.distance) {
+        (is_left ? right : left) = middle;
+        middle = half;
+      } else {
+        (is_left ? left : right) = half;
+      }
+    }
+  }
+  return true;
 }
 
 // When the motion from p must stop before a triangle, as t in [0, until], or kNever where it may pass until then. It must stop
@@ -53,10 +96,10 @@ double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   const double low = clearance.rest - clearance.slack;
   const Separation start = shape.separation(p);
   const double length = motion.norm();
-  const double start_slope = start.normal.dot(motion) - kNormalError * length;  // at its steepest
+  const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
   if (start_slope >= 0.0 || start.distance + start_slope * until >= low) return kNever;
   const Separation end = shape.separation(p + until * motion);
-  const double end_slope = end.normal.dot(motion) + kNormalError * length;
+  const double end_slope = end.normal.dot(motion) + normal_error(end) * length;
   if (end.distance >= low) {
     if (end_slope <= 0.0) return kNever;
     const double cross = (end.distance - end_slope * until - start.distance) / (start_slope - end_slope);
@@ -73,8 +116,10 @@ double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, doub
     stop = time_to_reach(shape, p, motion, 0.0, half, clearance.tolerance);
   }
   if (stop > until) return kNever;
-  if (start.distance <= low || end.distance < low) return stop;
-  return time_to_reach(shape, p, motion, stop, low, clearance.tolerance) > 1.0 ? kNever : stop;
+  // What rounding took from a proxy that is as near as can be does not hold it.
+  const double level = start.distance >= low - 64.0 * clearance.tolerance ? std::min(low, start.distance) : low;
+  if (start.distance < level || end.distance < level) return stop;
+  return comes_nearer(shape, p, motion, stop, until, level, clearance.tolerance) ? stop : kNever;
 }
 
 // What a triangle that blocks `motion` at p is to be taken for: usually how it stands to p. But a point probe just before a shallow

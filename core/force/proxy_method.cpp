@@ -229,6 +229,7 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
 void ProxyMethod::descend(const Vec3& device) noexcept {
   const double rest_of_motion = clearance_.tolerance;  // shorter motions are below the clearance's own slack
   constexpr double kRounding = 0x1p-48;                // of a distance within the scene
+  constexpr double kNormalError = 0x1p-24;  // of the goal: what the normal of an edge at hover distance may be off (point_triangle.h)
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   int last_doubt = kMaxIterations;
@@ -257,7 +258,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
     ++counters_.iterations;
     const ConstrainedMotion constrained = next_motion(wish);
     const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
-    if (motion.norm() <= rest_of_motion + 16.0 * kNormalError * distance) {
+    if (motion.norm() <= rest_of_motion + kNormalError * distance) {
       if (i < last_doubt && forget_doubtful(constrained)) {
         last_doubt = 0;
         continue;

@@ -21,8 +21,13 @@ struct Separation {
   Feature feature = Feature::face;
 };
 
-// How far the computed normal may be off the true one (rad), whatever the feature and the distance.
-constexpr double kNormalError = 0x1p-48;
+// How far the computed normal may be off the true one (rad), in TouchGeometry's local units: a face's normal comes from exact edges. An
+// edge's or vertex's is as exact, but rounding may take the edge for nearest where by a hair the face is, and then it leans by that hair.
+inline double normal_error(const Separation& s) {
+  constexpr double kFaceError = 0x1p-48;
+  constexpr double kPlaceError = 0x1p-50;
+  return s.feature == Feature::face ? kFaceError : s.distance > kPlaceError ? kPlaceError / s.distance : 1.0;
+}
 
 namespace detail {
 
