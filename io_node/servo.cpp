@@ -9,6 +9,13 @@ namespace {
 
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
+// Tells the CPU that this thread only waits.
+void relax() noexcept {
+#ifdef __x86_64__
+  __builtin_ia32_pause();
+#endif
+}
+
 constexpr int kMostPolls = 32;                                            // datagrams taken in a cycle that is late already
 
 }  // namespace
@@ -21,7 +28,8 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       tap_(tap),
       policy_(options.overrun),
       guard_({device.limits().max_force_n, device.limits().max_slew_n_per_s}),
-      vision_period_ns_(options.vision_rate_hz > 0.0 ? std::llround(1e9 / options.vision_rate_hz) : 0) {
+      vision_period_ns_(options.vision_rate_hz > 0.0 ? std::llround(1e9 / options.vision_rate_hz) : 0),
+      spin_(options.spin_share) {
   guard_.tighten({options.max_force_n, options.max_slew_n_per_s});
   stats_.rate_hz = options.rate_hz;
   peers_.set_tap(tap_);
@@ -41,7 +49,7 @@ void Servo::start() noexcept {
 void Servo::step() noexcept {
   is_behind_ = clock_.now_ns() >= tick_ns_;
   if (is_behind_) drain();
-  receive_until(tick_ns_);
+  wait_for_tick();
   begin_cycle();
   sample_device();
   const std::int64_t period = period_ns();
@@ -53,6 +61,20 @@ void Servo::step() noexcept {
     echo_->probe(tick_ns_ + period - period / 8);
   }
   tick_ns_ += period_ns();
+}
+
+// Sleeps in the socket until shortly before the tick, then spins: no sleep ends to the microsecond.
+void Servo::wait_for_tick() noexcept {
+  const std::int64_t wake_ns = tick_ns_ - spin_.margin_ns(period_ns());
+  std::int64_t now_ns = clock_.now_ns();
+  if (now_ns < wake_ns) {
+    receive_until(wake_ns);
+    now_ns = clock_.now_ns();
+    spin_.note_wake_up(now_ns - wake_ns);
+  }
+  const std::int64_t begin_ns = now_ns;
+  for (; now_ns < tick_ns_; now_ns = clock_.now_ns()) relax();
+  spin_.note_spun(now_ns - begin_ns);
 }
 
 void Servo::begin_cycle() noexcept {
@@ -107,7 +129,7 @@ void Servo::sample_device() noexcept {
   const std::size_t reached =
       peers_.send_to_role(NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
   stats_.states_sent += reached;
-  if (ways_ != nullptr && reached > 0) ways_->on_state_sent(sample_.time_ns);
+  if (ways_ != nullptr && reached > 0) ways_->on_state_sent(sample_number_, sample_.time_ns);
   if (!std::exchange(is_force_new_, false)) hold_force();
 }
 
@@ -198,7 +220,7 @@ void Servo::on_force(const ForceCommand& command) noexcept {
     if (ways_ != nullptr) ways_->on_force_written(ready_ns, written_ns);
     last_force_ = command;
   }
-  if (ways_ != nullptr) ways_->on_force(incoming_.header, command, verdict == SampleLedger::Verdict::in_time, ready_ns);
+  if (ways_ != nullptr) ways_->on_force(incoming_.header, command, ready_ns);
   stats_.round_trip.record(round_trip_ns);
   stats_.haptics_compute.record(command.compute_ns);
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));

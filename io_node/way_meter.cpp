@@ -12,43 +12,44 @@ void WayMeter::on_joined(std::size_t place, const Address& address) noexcept {
   is_one_clock_[place] = is_loopback(address);
 }
 
-void WayMeter::on_state_sent(std::int64_t sample_time_ns) noexcept {
-  state_sent_ns_ = endpoint_.last_send_ns();
-  stats_.encode.record(state_sent_ns_ - sample_time_ns);
+void WayMeter::on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept {
+  states_[sample % kSentKept] = {sample, endpoint_.last_send_ns()};
+  stats_.encode.record(endpoint_.last_send_ns() - sample_time_ns);
 }
 
-void WayMeter::on_probe_sent(std::uint64_t sample) noexcept { probes_[sample % kProbesKept] = {sample, endpoint_.last_send_ns()}; }
+void WayMeter::on_probe_sent(std::uint64_t sample) noexcept { probes_[sample % kSentKept] = {sample, endpoint_.last_send_ns()}; }
 
-void WayMeter::on_force(const Header& header, const ForceCommand& command, bool is_newest, std::int64_t ready_ns) noexcept {
+void WayMeter::on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept {
   const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
   if (last_round_trip_ns_ >= 0) stats_.jitter.record(std::abs(round_trip_ns - last_round_trip_ns_));
   last_round_trip_ns_ = round_trip_ns;
-  if (!is_newest) return;
   const std::int64_t taken_ns = endpoint_.last_receive_ns();
   stats_.decode.record(ready_ns - taken_ns);
+  const Sent& sent = states_[command.echo_sample % kSentKept];
+  if (sent.sample != command.echo_sample || sent.sample == 0) return;
   // The node says how long it held the sample, so the time of its answer tells when the sample came. What it says is its own affair: times
   // that no number holds are left out here and in ClockOffset.
   std::int64_t arrived_ns = 0;
   if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(command.compute_ns), &arrived_ns)) return;
   ClockOffset& offset = offsets_[HubPeers::kHapticsPlace];
-  offset.add({state_sent_ns_, arrived_ns, header.send_time_ns, taken_ns});
+  offset.add({sent.time_ns, arrived_ns, header.send_time_ns, taken_ns});
   if (!is_offset_known(HubPeers::kHapticsPlace)) return;
   const std::int64_t ahead_ns = offset_ns(HubPeers::kHapticsPlace);
-  const std::int64_t wire_ns = taken_ns - state_sent_ns_ - static_cast<std::int64_t>(command.compute_ns);
+  const std::int64_t wire_ns = taken_ns - sent.time_ns - static_cast<std::int64_t>(command.compute_ns);
   std::int64_t out_ns = 0;
-  if (__builtin_sub_overflow(arrived_ns, state_sent_ns_ + ahead_ns, &out_ns)) return;
+  if (__builtin_sub_overflow(arrived_ns, sent.time_ns + ahead_ns, &out_ns)) return;
   if (out_ns < 0 || out_ns > wire_ns) return;  // the clocks cannot be told apart well enough for this one
   stats_.wire_out.record(out_ns);
   stats_.wire_back.record(wire_ns - out_ns);
 }
 
 void WayMeter::on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept {
-  const Probe& probe = probes_[drawn.echo_sample % kProbesKept];
-  if (drawn.held_ns == 0 || place >= offsets_.size() || probe.sample != drawn.echo_sample) return;
+  const Sent& probe = probes_[drawn.echo_sample % kSentKept];
+  if (drawn.held_ns == 0 || place >= offsets_.size() || probe.sample != drawn.echo_sample || probe.sample == 0) return;
   std::int64_t heard_ns = 0;
   if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(drawn.held_ns), &heard_ns)) return;
   stats_.vision_draw.record(drawn.held_ns);
-  offsets_[place].add({probe.sent_ns, heard_ns, header.send_time_ns, endpoint_.last_receive_ns()});
+  offsets_[place].add({probe.time_ns, heard_ns, header.send_time_ns, endpoint_.last_receive_ns()});
   if (!is_offset_known(place)) return;
   std::int64_t photon_ns = 0;
   const bool overflows = __builtin_sub_overflow(header.send_time_ns, offset_ns(place) + drawn.echo_sample_time_ns, &photon_ns);

@@ -42,10 +42,10 @@ class WayMeter {
   // Another node sits at this place.
   void on_joined(std::size_t place, const Address& address) noexcept;
   // The newest sample has been sent to the haptics node, or to the vision nodes.
-  void on_state_sent(std::int64_t sample_time_ns) noexcept;
+  void on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept;
   void on_probe_sent(std::uint64_t sample) noexcept;
-  // A force is ready to be written; is_newest: it answers the sample sent last.
-  void on_force(const Header& header, const ForceCommand& command, bool is_newest, std::int64_t ready_ns) noexcept;
+  // A force is ready to be written.
+  void on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
   void on_force_written(std::int64_t ready_ns, std::int64_t now_ns) noexcept { stats_.device_write.record(now_ns - ready_ns); }
   // A picture has been drawn by the vision node at this place.
   void on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept;
@@ -54,11 +54,11 @@ class WayMeter {
   const WayStats& collect(std::int64_t now_ns) noexcept;
 
  private:
-  static constexpr std::size_t kProbesKept = 256;  // a second of them; older pictures are left out
+  static constexpr std::size_t kSentKept = 256;  // what answers an older one is left out
 
-  struct Probe {
-    std::uint64_t sample = 0;
-    std::int64_t sent_ns = 0;
+  struct Sent {
+    std::uint64_t sample = 0;  // 0: none
+    std::int64_t time_ns = 0;
   };
 
   std::int64_t offset_ns(std::size_t place) const noexcept { return is_one_clock_[place] ? 0 : offsets_[place].offset_ns(); }
@@ -68,8 +68,8 @@ class WayMeter {
   WayStats stats_;
   std::array<ClockOffset, HubPeers::kCapacity> offsets_ = {};
   std::array<bool, HubPeers::kCapacity> is_one_clock_ = {};
-  std::array<Probe, kProbesKept> probes_ = {};
-  std::int64_t state_sent_ns_ = 0;
+  std::array<Sent, kSentKept> states_ = {};
+  std::array<Sent, kSentKept> probes_ = {};
   std::int64_t last_round_trip_ns_ = -1;
 };
 

@@ -21,15 +21,17 @@ struct Ways : testing::Test {
   MeteredEndpoint metered{*hub, clock};
   WayMeter ways{metered};
   std::int64_t ahead_ns = 0;
+  std::uint64_t sample = 0;
 
   // One sample there and back: 2 us to encode, out_ns on the wire, 7 us held, back_ns, 3 us to decode.
   void exchange(std::int64_t out_ns, std::int64_t back_ns) {
     const std::array<std::byte, 10> bytes = {};
     ForceCommand command;
+    command.echo_sample = ++sample;
     command.echo_sample_time_ns = clock.now_ns();
     clock.advance_ns(2 * kUs);
     metered.send(node->local_address(), bytes);
-    ways.on_state_sent(command.echo_sample_time_ns);
+    ways.on_state_sent(sample, command.echo_sample_time_ns);
     clock.advance_ns(out_ns + 7 * kUs);
     command.compute_ns = 7 * kUs;
     Header header;
@@ -39,7 +41,7 @@ struct Ways : testing::Test {
     std::array<std::byte, kMaxDatagramBytes> buffer;
     metered.receive(buffer, 0);
     clock.advance_ns(3 * kUs);
-    ways.on_force(header, command, true, clock.now_ns());
+    ways.on_force(header, command, clock.now_ns());
     clock.advance_ns(kMs);
   }
   const WayStats& stats() { return ways.collect(clock.now_ns()); }
@@ -98,7 +100,9 @@ TEST_F(Ways, times_that_no_clock_tells_are_left_out) {
     command.echo_sample_time_ns = clock.now_ns();
     Header header;
     header.send_time_ns = bad;
-    ways.on_force(header, command, true, clock.now_ns());
+    command.echo_sample = 1;
+    ways.on_state_sent(1, clock.now_ns());
+    ways.on_force(header, command, clock.now_ns());
     Drawn drawn{1, bad, 30.0F, 5};
     ways.on_probe_sent(1);
     ways.on_drawn(header, drawn, 3);
