@@ -18,10 +18,12 @@
 #include "tools/keygen_command.h"
 #include "tools/latency_command.h"
 #include "tools/plot_command.h"
+#include "tools/relay_command.h"
 #include "tools/replay_command.h"
 #include "tools/session_command.h"
 #include "tools/set_command.h"
 #include "tools/stress_command.h"
+#include "tools/top_command.h"
 #include "tools/trajectory_command.h"
 
 namespace hapton {
@@ -58,13 +60,15 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_figures_command(app, exit_code);
   add_info_command(app, exit_code);
   add_judge_command(app, exit_code);
+  add_keygen_command(app, exit_code);
   add_latency_command(app, exit_code);
   add_plot_command(app, exit_code);
-  add_keygen_command(app, exit_code);
+  add_relay_command(app, exit_code);
   add_replay_command(app, exit_code);
   add_session_command(app, exit_code);
   add_set_command(app, exit_code);
   add_stress_command(app, exit_code);
+  add_top_command(app, exit_code);
   add_trajectory_command(app, exit_code);
   if (argc < 2) {
     fmt::print("{}", app.help());

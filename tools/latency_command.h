@@ -4,8 +4,9 @@
 
 namespace hapton {
 
-// hapton latency [--seconds N] [--rate HZ] [--out DIR]: starts io_node and haptics_node on this machine, beside a bare echo, and reports
-// the force round trip, its hops, and its ratio to the bare echo of the same run.
+// hapton latency [run] [--seconds N] [--rate HZ] [--size B] [--vision] [--out DIR]: starts io_node and haptics_node on this machine, beside
+// a bare echo, and reports the force round trip, its hops, its ratio to the bare echo of the same run and a verdict; with --hosts HUB it
+// measures a system that runs already. hapton latency compare A B: two such reports side by side.
 void add_latency_command(CLI::App& app, int& exit_code);
 
 }  // namespace hapton

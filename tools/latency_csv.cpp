@@ -68,6 +68,36 @@ double HopCounts::quantile_us(double share) const {
   return 0.5e-3 * static_cast<double>(reached->lower_ns + reached->upper_ns);
 }
 
+std::vector<HopCounts> subtract_hops(const std::vector<HopCounts>& now, const std::vector<HopCounts>& before) {
+  std::vector<HopCounts> difference = now;
+  for (HopCounts& hop : difference) {
+    const auto earlier = std::find_if(before.begin(), before.end(), [&](const HopCounts& other) { return other.name == hop.name; });
+    if (earlier == before.end() || earlier->total() > hop.total()) {
+      continue;
+    }
+    for (const HopCounts::Bucket& bucket : earlier->buckets) {
+      const auto same =
+          std::find_if(hop.buckets.begin(), hop.buckets.end(), [&](const HopCounts::Bucket& b) { return b.lower_ns == bucket.lower_ns; });
+      if (same != hop.buckets.end()) {
+        same->count -= std::min(same->count, bucket.count);
+      }
+    }
+    std::erase_if(hop.buckets, [](const HopCounts::Bucket& bucket) { return bucket.count == 0; });
+  }
+  std::erase_if(difference, [](const HopCounts& hop) { return hop.buckets.empty(); });
+  return difference;
+}
+
+std::string to_csv(const std::vector<HopCounts>& hops) {
+  std::string text = std::string(kHeader) + "\n";
+  for (const HopCounts& hop : hops) {
+    for (const HopCounts::Bucket& bucket : hop.buckets) {
+      text += fmt::format("{},{},{},{}\n", hop.name, bucket.lower_ns, bucket.upper_ns, bucket.count);
+    }
+  }
+  return text;
+}
+
 Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::string_view name) {
   if (take_until(text, '\n') != kHeader) {
     return fail("{}:1: is no latency table; its header must be {}", name, kHeader);

@@ -26,6 +26,13 @@ struct HopCounts {
   double quantile_us(double share) const;
 };
 
+// What was counted between two looks at the same run: the counts now less those before, hop by hop and bucket by bucket. A hop or bucket
+// that was not there before counts whole; one that shrank (the run began again) gives the counts now.
+std::vector<HopCounts> subtract_hops(const std::vector<HopCounts>& now, const std::vector<HopCounts>& before);
+
+// The same rows as latency.csv has. RT: no.
+std::string to_csv(const std::vector<HopCounts>& hops);
+
 // Reads latency.csv (header hop,lower_ns,upper_ns,count; the rows of a hop stand together, rising). Hops in the file's order; one without a
 // duration is left out.
 // Error: one line with the file and the line in it. RT: set-up only.

@@ -1,6 +1,7 @@
 #include "tools/latency_run.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,12 +11,19 @@
 #include <vector>
 
 #include "link/udp_endpoint.h"
+#include "runtime/atomic_file.h"
 #include "runtime/stop_signal.h"
 #include "tools/child_process.h"
+#include "tools/hub_report.h"
+#include "tools/latency_csv.h"
 #include "tools/latency_plot.h"
+#include "tools/latency_verdict.h"
+#include "tools/latency_window.h"
 
 namespace hapton {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr double kLoadSeconds = 120.0;  // for the haptics node to load and divide its scene
 constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
@@ -44,11 +52,10 @@ Result<std::string> find_free_address() {
 // One of the neighbours of this program, at work on the measurement.
 class Node {
  public:
-  static Result<Node> start(const LatencyRunOptions& options, const std::string& name, const std::string& program,
+  static Result<Node> start(const LatencyRunOptions& options, const std::string& name, const std::filesystem::path& program,
                             std::vector<std::string> arguments) {
     const auto log = options.out / (name + ".log");
-    auto process =
-        ChildProcess::start({.program = find_own_folder() / program, .arguments = std::move(arguments), .folder = {}, .output = log});
+    auto process = ChildProcess::start({.program = program, .arguments = std::move(arguments), .folder = {}, .output = log});
     if (!process) {
       return tl::unexpected(process.error());
     }
@@ -95,15 +102,53 @@ class Node {
   ChildProcess process_;
 };
 
-Result<void> measure(const LatencyRunOptions& options) {
+// A vision node, and the virtual display that it draws on where there is no other.
+struct Vision {
+  std::optional<Node> display;
+  std::optional<Node> node;
+
+  Result<void> start(const LatencyRunOptions& options, const std::string& hub_at) {
+    if (std::getenv("DISPLAY") == nullptr) {
+      const auto shown = start_display(options);
+      if (!shown) {
+        return shown;
+      }
+    }
+    auto started = Node::start(options, "vision_node", find_own_folder() / "vision_node",
+                               {"--hub", hub_at, "--scene", options.scene.string(), "--offscreen"});
+    if (!started) {
+      return tl::unexpected(started.error());
+    }
+    node.emplace(std::move(*started));
+    return {};
+  }
+
+  Result<void> start_display(const LatencyRunOptions& options) {
+    auto started = Node::start(options, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
+    if (!started) {
+      return tl::unexpected(started.error());
+    }
+    if (const auto ready = started->wait_for("\n"); !ready) {
+      return ready;
+    }
+    ::setenv("DISPLAY", (":" + last_line(options.out / "Xvfb.log")).c_str(), 1);
+    display.emplace(std::move(*started));
+    return {};
+  }
+
+  Result<void> stop() { return node ? node->stop() : Result<void>(); }
+};
+
+Result<void> measure_here(const LatencyRunOptions& options) {
   const auto echo_at = find_free_address();
   const auto hub_at = find_free_address();
   if (!echo_at || !hub_at) {
     return tl::unexpected(echo_at ? hub_at.error() : echo_at.error());
   }
+  const std::filesystem::path own = find_own_folder();
   const std::string cpu = fmt::format("{}", options.cpu);
   // Scheduled as the nodes are: else their ratio would tell of the scheduler.
-  auto echo = Node::start(options, "echo", "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
+  auto echo = Node::start(options, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
   }
@@ -111,22 +156,29 @@ Result<void> measure(const LatencyRunOptions& options) {
   if (!options.method.empty()) {
     arguments.insert(arguments.end(), {"--method", options.method});
   }
-  auto haptics = Node::start(options, "haptics_node", "haptics_node", std::move(arguments));
+  auto haptics = Node::start(options, "haptics_node", own / "haptics_node", std::move(arguments));
   if (!haptics) {
     return tl::unexpected(haptics.error());
+  }
+  Vision vision;
+  if (options.vision) {
+    if (const auto started = vision.start(options, *hub_at); !started) {
+      return started;
+    }
   }
   for (const auto& ready : {echo->wait_for("echo at"), haptics->wait_for("ready")}) {
     if (!ready) {
       return ready;
     }
   }
-  auto io = Node::start(options, "io_node", "io_node",
-                        {"--bind", *hub_at, "--echo-probe", *echo_at, "--rate", fmt::format("{}", options.rate_hz), "--seconds",
-                         fmt::format("{}", options.seconds), "--out", options.out.string(), "--rt", options.realtime, "--cpu", cpu});
+  auto io = Node::start(options, "io_node", own / "io_node",
+                        {"--bind", *hub_at, "--echo-probe", *echo_at, "--echo-size", fmt::format("{}", options.echo_bytes), "--rate",
+                         fmt::format("{}", options.rate_hz), "--seconds", fmt::format("{}", options.seconds), "--out", options.out.string(),
+                         "--rt", options.realtime, "--cpu", cpu});
   if (!io) {
     return tl::unexpected(io.error());
   }
-  for (const auto& ended : {io->wait_for_end(options.seconds + kGraceSeconds), haptics->stop(), echo->stop()}) {
+  for (const auto& ended : {io->wait_for_end(options.seconds + kGraceSeconds), haptics->stop(), echo->stop(), vision.stop()}) {
     if (!ended) {
       return ended;
     }
@@ -134,51 +186,118 @@ Result<void> measure(const LatencyRunOptions& options) {
   return {};
 }
 
-Result<std::string> tell(const std::filesystem::path& file) {
-  const auto json = nlohmann::json::parse(read_text(file), nullptr, false);
-  if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
-    return fail("{}: is no latency report", file.string());
+Result<void> measure_hub(const LatencyRunOptions& options) {
+  const auto reader = HubReader::open(options.hosts, options.key_file);
+  if (!reader) {
+    return tl::unexpected(reader.error());
   }
+  const auto before = (*reader)->read();
+  if (!before) {
+    return tl::unexpected(before.error());
+  }
+  (*reader)->idle(options.seconds);
+  const auto now = (*reader)->read();
+  if (!now) {
+    return tl::unexpected(now.error());
+  }
+  const auto json_before = Json::parse(before->json, nullptr, false);
+  const auto json_now = Json::parse(now->json, nullptr, false);
+  if (!json_before.is_object() || !json_now.is_object()) {
+    return fail("the hub at {} gives a report that cannot be read; it is another build", options.hosts);
+  }
+  const auto hops_now = parse_latency_csv(now->csv, "the hub's latency.csv");
+  if (!hops_now) {
+    return tl::unexpected(hops_now.error());
+  }
+  const auto hops = subtract_hops(*hops_now, parse_latency_csv(before->csv, "the hub's latency.csv").value_or(std::vector<HopCounts>()));
+  if (const auto written = write_file_atomically(options.out / "latency.csv", to_csv(hops)); !written) {
+    return written;
+  }
+  return write_file_atomically(options.out / "report.json", make_window_report(json_before, json_now, hops).dump(2) + "\n");
+}
+
+double number(const Json& report, const char* section, const char* name) { return report.value(section, Json::object()).value(name, 0.0); }
+
+std::string hops_text(const Json& hops) {
   std::string text = fmt::format("{:<18} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "us", "n", "p50", "p90", "p99", "p99.9", "max");
-  for (const auto& [name, hop] : json["hops"].items()) {
+  for (const auto& [name, hop] : hops.items()) {
     if (hop.value("n", 0) > 0) {
       text += fmt::format("{:<18} {:>8} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f}\n", name, hop.value("n", 0), hop.value("p50_us", 0.0),
                           hop.value("p90_us", 0.0), hop.value("p99_us", 0.0), hop.value("p99_9_us", 0.0), hop.value("max_us", 0.0));
     }
   }
-  const auto ratios = json.value("ratios", nlohmann::json::object());
-  if (!ratios.contains("round_trip_over_echo_p50")) {
-    return fail("{}: no force or no echo was measured; see the logs beside it", file.string());
+  return text;
+}
+
+std::string counts_text(const Json& report) {
+  const auto count = [&](const char* name) { return number(report, "counters", name); };
+  const double seconds = std::max(1e-9, report.value("seconds", 0.0));
+  std::string text = fmt::format(
+      "{:.0f} samples, {:.0f} forces, {:.0f} in contact; {:.0f} late, {:.0f} lost, {:.0f} superseded, {:.0f} reordered, {:.0f} cycles "
+      "missed\n",
+      count("samples"), count("forces"), count("contact_samples"), count("late"), count("lost"), count("superseded"), count("reordered"),
+      count("missed_cycles"));
+  text +=
+      fmt::format("on the wire: {:.0f} datagrams/s out ({:.1f} kB/s), {:.0f} in ({:.1f} kB/s)\n", count("datagrams_sent") / seconds,
+                  1e-3 * count("bytes_sent") / seconds, count("datagrams_received") / seconds, 1e-3 * count("bytes_received") / seconds);
+  return text +
+         fmt::format("haptics' clock ahead of the hub's: {}\n", report.value("notes", Json::object()).value("haptics_clock_ahead", "?"));
+}
+
+// Adds the verdict to the report's file and tells it all.
+Result<LatencyRun> tell(const std::filesystem::path& file, bool wants_echo) {
+  auto json = Json::parse(read_text(file), nullptr, false);
+  if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
+    return fail("{}: is no latency report", file.string());
   }
-  const auto counters = json.value("counters", nlohmann::json::object());
-  text += fmt::format("{} samples, {} forces, {} in contact, {} late, {} lost\n", counters.value("samples", 0), counters.value("forces", 0),
-                      counters.value("contact_samples", 0), counters.value("late", 0), counters.value("lost", 0));
-  return text + fmt::format("force round trip over bare echo of the same run: p50 {:.2f} x, p99 {:.2f} x\n",
-                            ratios.value("round_trip_over_echo_p50", 0.0), ratios.value("round_trip_over_echo_p99", 0.0));
+  const auto verdict = judge_latency(json);
+  if (!verdict) {
+    return fail("{}: {}", file.string(), verdict.error().what);
+  }
+  const auto ratios = json.value("ratios", Json::object());
+  const bool has_echo = ratios.contains("round_trip_over_echo_p50");
+  if (wants_echo && !has_echo) {
+    return fail("{}: no echo was measured; see the logs beside it", file.string());
+  }
+  json["verdict"] = to_json(*verdict);
+  if (const auto written = write_file_atomically(file, json.dump(2) + "\n"); !written) {
+    return tl::unexpected(written.error());
+  }
+  LatencyRun run{hops_text(json["hops"]) + counts_text(json), verdict->holds};
+  run.text += has_echo ? fmt::format("force round trip over bare echo of the same run: p50 {:.2f} x, p99 {:.2f} x\n",
+                                     number(json, "ratios", "round_trip_over_echo_p50"), number(json, "ratios", "round_trip_over_echo_p99"))
+                       : "no bare echo: the hub was started without --echo-probe\n";
+  run.text += to_text(*verdict);
+  return run;
 }
 
 }  // namespace
 
-Result<std::string> run_latency(const LatencyRunOptions& options) {
+Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) {
     return fail("{}: cannot be made: {}", options.out.string(), error.message());
   }
-  if (!std::filesystem::exists(options.scene)) {
+  const bool is_here = options.hosts.empty();
+  if (is_here && !std::filesystem::exists(options.scene)) {
     return fail("{}: there is no such scene here; name one with --scene", options.scene.string());
   }
   // An interrupt reaches the nodes as well: they end, the hub writes what it has, and that is reported.
   const StopSignal interrupts;
-  if (const auto measured = measure(options); !measured) {
+  if (const auto measured = is_here ? measure_here(options) : measure_hub(options); !measured) {
     return tl::unexpected(measured.error());
   }
-  auto text = tell(options.out / "report.json");
-  if (text) {
-    const auto picture = draw_latency_plot(options.out);
-    *text += fmt::format("report in {}; {}\n", options.out.string(), picture ? "plot in " + picture->string() : picture.error().what);
+  auto run = tell(options.out / "report.json", is_here);
+  if (!run) {
+    return run;
   }
-  return text;
+  const auto picture = draw_latency_plot(options.out);
+  run->text += fmt::format("report in {}; {}\n", options.out.string(), picture ? "plot in " + picture->string() : picture.error().what);
+  if (const auto written = write_file_atomically(options.out / "latency.txt", run->text); !written) {
+    return tl::unexpected(written.error());
+  }
+  return run;
 }
 
 }  // namespace hapton

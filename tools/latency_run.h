@@ -15,12 +15,22 @@ struct LatencyRunOptions {
   std::string method;            // empty: the haptics node's default
   std::string realtime = "try";  // off, try or require
   int cpu = -1;                  // all three stay on this CPU, unless realtime is off; -1: any
+  std::size_t echo_bytes = 0;    // of the bare echo's datagrams; 0: as many as a device sample's
+  bool vision = false;           // a vision node takes part
+  std::string hosts;             // a hub that runs already is measured instead; empty: none
+  std::string key_file;          // of that hub
 };
 
-// Runs io_node, haptics_node and a bare echo as processes of their own on free loopback ports, each writing to options.out/NAME.log, and
-// leaves report.json, latency.csv and latency.png there. Gives the report as text: every hop, and the force round trip against the bare
-// echo of the same run.
-// RT: set-up only. Error: one line: a program that cannot be started or failed (with its last words), no force or no echo measured.
-Result<std::string> run_latency(const LatencyRunOptions& options);
+// What a run gave.
+struct LatencyRun {
+  std::string text;    // every hop, loss and jitter, the clocks, the ratio to the bare echo, the verdict
+  bool holds = false;  // the verdict at the rate it was measured at
+};
+
+// Runs io_node, haptics_node, a bare echo and, if asked for, vision_node as processes of their own on free loopback ports, each writing to
+// options.out/NAME.log; or watches a hub that runs already for so long. Leaves report.json, latency.csv, latency.png and latency.txt there.
+// RT: set-up only. Error: one line: a program that cannot be started or failed (with its last words), a hub that does not answer, no force
+// or, among processes of its own, no echo measured.
+Result<LatencyRun> run_latency(const LatencyRunOptions& options);
 
 }  // namespace hapton

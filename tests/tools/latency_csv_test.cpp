@@ -27,6 +27,15 @@ TEST(LatencyCsv, ReadsWhatAReportWrites) {
   }
 }
 
+TEST(LatencyCsv, WhatIsNewIsTheDifferenceOfTwoLooks) {
+  const auto parse = [](const std::string& rows) { return *parse_latency_csv("hop,lower_ns,upper_ns,count\n" + rows, "r.csv"); };
+  const auto before = parse("a,1,2,3\na,5,6,1\nb,1,2,9\nc,1,2,5\n");
+  const auto now = parse("a,1,2,3\na,3,4,2\na,5,6,4\nb,1,2,2\nc,1,2,5\nd,7,8,1\n");
+  // The counts of b went down: that hop began again.
+  EXPECT_EQ(to_csv(subtract_hops(now, before)), "hop,lower_ns,upper_ns,count\na,3,4,2\na,5,6,3\nb,1,2,2\nd,7,8,1\n");
+  EXPECT_EQ(to_csv(subtract_hops(now, {})), to_csv(now));
+}
+
 TEST(LatencyCsv, NamesTheLineThatIsWrong) {
   const std::string header = "hop,lower_ns,upper_ns,count\n";
   for (const char* row :

@@ -1,0 +1,75 @@
+#include "tools/top_command.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "link/link_key.h"
+#include "runtime/stop_signal.h"
+#include "tools/hub_report.h"
+#include "tools/top_view.h"
+
+namespace hapton {
+namespace {
+
+struct TopOptions {
+  std::string hub = "127.0.0.1";
+  std::string key_file;
+  bool once = false;
+  double interval_s = 1.0;
+};
+
+// To the upper left corner; what stood there is overwritten line by line, so that nothing flickers.
+std::string on_terminal(const std::string& text) {
+  std::string painted = "\x1b[H";
+  for (const char c : text) painted += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
+  return painted + "\x1b[J";
+}
+
+Result<void> top(const TopOptions& options) {
+  const StopSignal stop;
+  const auto reader = HubReader::open(options.hub, options.key_file);
+  if (!reader) return tl::unexpected(reader.error());
+  const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once;
+  std::optional<TopLook> before;
+  do {
+    const auto texts = (*reader)->read();
+    if (!texts) return stop.stop_requested() ? Result<void>() : tl::unexpected(texts.error());
+    auto now = read_top_look(texts->json, texts->csv);
+    if (!now) return tl::unexpected(now.error());
+    const std::string view = make_top_view(options.hub, *now, before ? &*before : nullptr);
+    fmt::print("{}", paints ? on_terminal(view) : view + (options.once ? "" : "\n"));
+    std::fflush(stdout);
+    before = std::move(*now);
+    for (double left_s = options.once ? 0.0 : options.interval_s; left_s > 0.0 && !stop.stop_requested(); left_s -= 0.1) {
+      (*reader)->idle(std::min(left_s, 0.1));
+    }
+  } while (!options.once && !stop.stop_requested());
+  return {};
+}
+
+int run(const TopOptions& options) {
+  const auto ended = top(options);
+  if (!ended) fmt::print(stderr, "hapton top: {}\n", ended.error().what);
+  return ended ? 0 : 1;
+}
+
+}  // namespace
+
+void add_top_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<TopOptions>();
+  CLI::App* command = app.add_subcommand("top", "Watch a running system: nodes, rates, latencies, counters");
+  command->add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
+  command->add_option("--key", options->key_file, kKeyHelp);
+  command->add_flag("--once", options->once, "Show it once, with the figures since the hub's start, and end");
+  command->add_option("--interval", options->interval_s, "Seconds between two looks")
+      ->check(CLI::Range(0.2, 3600.0))
+      ->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton
