@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "link/udp_endpoint.h"
@@ -118,6 +119,23 @@ std::string describe_clocks(const WayStats& ways) {
   return ways.is_one_clock ? "one clock; measured it would be " + measured : measured;
 }
 
+void add_scheduling(LatencyReport& report, const SchedulingFigures& s) {
+  if (!s.is_known) return;
+  report.ratios["loop_worked"] = s.worked_share;
+  report.ratios["loop_spun"] = s.spun_share;
+  report.ratios["loop_slept"] = s.slept_share;
+  report.ratios["realtime_allowed"] = s.realtime_share;
+  report.counters["loop_involuntary_switches"] = whole(s.involuntary_switches);
+  report.counters["loop_waited_us"] = std::llround(1e3 * s.waited_ms);
+  report.counters["machine_stolen_us"] = std::llround(1e3 * s.stolen_ms);
+  report.counters["near_throttling"] = whole(s.near_throttling);
+}
+
+std::string describe_scheduling(const SchedulingFigures& s) {
+  return fmt::format("loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; kept waiting for a CPU {:.1f} ms, displaced {} times, {:.0f} ms stolen from the machine\n",
+                     100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
+}
+
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {
   const double echo_ns = stats.bare_echo.quantile_ns(fraction);
   if (stats.round_trip.count() > 0 && echo_ns > 0.0) report.ratios[name] = stats.round_trip.quantile_ns(fraction) / echo_ns;
@@ -125,7 +143,8 @@ void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name,
 
 }  // namespace
 
-LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime) {
+LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
+                             const SchedulingFigures& scheduling) {
   LatencyReport report;
   report.program = "io_node";
   report.machine = read_machine_info();
@@ -137,6 +156,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                      {"drawn", per_second(stats.drawn, stats)},
                      {"vision_frames", stats.frame_rate_hz}};
   add_counters(report, stats);
+  add_scheduling(report, scheduling);
   add_ratio(report, stats, "round_trip_over_echo_p50", 0.5);
   add_ratio(report, stats, "round_trip_over_echo_p99", 0.99);
   report.notes = {{"bind", options.bind},
@@ -168,7 +188,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   return report;
 }
 
-std::string describe_run(const ServoStats& s) {
+std::string describe_run(const ServoStats& s, const SchedulingFigures& scheduling) {
   const auto us = [](const LatencyHistogram& h, double fraction) { return 1e-3 * h.quantile_ns(fraction); };
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, strongest {:.2f} N\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
@@ -183,6 +203,7 @@ std::string describe_run(const ServoStats& s) {
   if (s.missed_cycles + s.caught_up_cycles > 0) {
     text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));
   }
+  if (scheduling.is_known) text += describe_scheduling(scheduling);
   text += fmt::format("round trip p50 {:.1f} us, p99 {:.1f} us, p99.9 {:.1f} us\n", us(s.round_trip, 0.5), us(s.round_trip, 0.99),
                       us(s.round_trip, 0.999));
   if (s.bare_echo.count() > 0 && s.round_trip.count() > 0) {

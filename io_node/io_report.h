@@ -3,6 +3,7 @@
 #include <string>
 
 #include "io_node/io_options.h"
+#include "io_node/scheduling_watch.h"
 #include "io_node/servo_stats.h"
 #include "runtime/report.h"
 
@@ -11,9 +12,10 @@ namespace hapton {
 // What the run was like, for report.json: the hops, rates and counters of the stats and the notes that make the figures repeatable.
 // Hops: round_trip, haptics_compute, wire, force_age, wake_lateness, device_read, device_to_drawn, bare_echo.
 // Ratios: round_trip_over_echo_p50 and _p99, where an echo was measured. RT: no.
-LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime);
+LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
+                             const SchedulingFigures& scheduling = {});
 
 // The run in a few lines for people. RT: no.
-std::string describe_run(const ServoStats& stats);
+std::string describe_run(const ServoStats& stats, const SchedulingFigures& scheduling = {});
 
 }  // namespace hapton

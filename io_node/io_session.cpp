@@ -17,6 +17,7 @@
 namespace hapton {
 namespace {
 
+constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;
 constexpr std::int64_t kMetricsEveryNs = kNanosecondsPerSecond;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
@@ -57,9 +58,10 @@ std::string_view main_cause(const ServoStats& stats) {
 
 }  // namespace
 
-IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options) {}
+IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options), watch_(options.spin_share, read_realtime_share()) {}
 
 void IoSession::servo_thread() {
+  servo_thread_ = current_thread_id();
   const auto realtime = enter_realtime(options_.realtime);
   if (realtime)
     realtime_ = realtime->to_text();
@@ -89,7 +91,7 @@ Result<void> IoSession::run(StopSignal& stop) {
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();
-  fmt::print("{}", describe_run(stats));
+  fmt::print("{}", describe_run(stats, watch_.figures()));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
   if (servo_.has_overrun()) {
@@ -105,11 +107,26 @@ Result<void> IoSession::look_after(StopSignal& stop) {
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();
+    watch_scheduling(clock_.now_ns() >= next_watch_ns_);
     note_wishes(stop);
     if (!servo_.take_snapshot()) continue;
     if (const auto granted = grant_wishes(servo_.snapshot()); !granted && reported) reported = granted;
   }
   return reported;
+}
+
+// A loop that nears what the kernel allows is told of once: beyond it, it would stand still for the rest of each period.
+void IoSession::watch_scheduling(bool now) {
+  if (!now) return;
+  next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
+  const auto usage = read_thread_usage(servo_thread_);
+  if (!usage) return;
+  const bool was_near = watch_.figures().near_throttling > 0;
+  servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
+  if (!was_near && watch_.figures().near_throttling > 0) {
+    log_warning("the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate",
+                100.0 * watch_.figures().realtime_share);
+  }
 }
 
 void IoSession::note_wishes(StopSignal& stop) {
@@ -130,14 +147,14 @@ Result<void> IoSession::grant_wishes(const ServoStats& stats) {
   const bool fills_desk = std::exchange(desk_wished_, false);
   const bool fills_metrics = std::exchange(metrics_wished_, false);
   if (fills_desk || fills_metrics) {
-    const LatencyReport report = make_io_report(stats, options_, realtime_);
+    const LatencyReport report = make_io_report(stats, options_, realtime_, watch_.figures());
     if (fills_desk) desk_->publish(to_json(report), to_csv(report));
     if (fills_metrics) metrics_->set_text(to_prometheus(report));
   }
   if (!writes_file) return {};
   const auto written = write_report_of(stats);
   if (written) log_info("report on request: {}", options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
-  if (options_.out.empty()) fmt::print("{}", describe_run(stats));
+  if (options_.out.empty()) fmt::print("{}", describe_run(stats, watch_.figures()));
   return written;
 }
 
@@ -147,7 +164,7 @@ void IoSession::print_events() {
 
 Result<void> IoSession::write_report_of(const ServoStats& stats) {
   if (options_.out.empty()) return {};
-  return write_report(make_io_report(stats, options_, realtime_), options_.out);
+  return write_report(make_io_report(stats, options_, realtime_, watch_.figures()), options_.out);
 }
 
 }  // namespace hapton

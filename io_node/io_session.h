@@ -6,6 +6,7 @@
 #include "core/base/result.h"
 #include "io_node/report_desk.h"
 #include "io_node/io_options.h"
+#include "io_node/scheduling_watch.h"
 #include "io_node/servo.h"
 #include "link/metrics_endpoint.h"
 #include "runtime/stop_signal.h"
@@ -37,6 +38,7 @@ class IoSession {
   void note_wishes(StopSignal& stop);
   Result<void> grant_wishes(const ServoStats& stats);
   void print_events();
+  void watch_scheduling(bool now);
   Result<void> write_report_of(const ServoStats& stats);
 
   Servo& servo_;
@@ -55,6 +57,9 @@ class IoSession {
   std::atomic<bool> ends_{false};
   std::atomic<bool> has_ended_{false};
   std::int64_t end_ns_ = 0;
+  pid_t servo_thread_ = 0;
+  SchedulingWatch watch_;
+  std::int64_t next_watch_ns_ = 0;
 };
 
 }  // namespace hapton

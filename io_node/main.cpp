@@ -89,7 +89,7 @@ int run(const IoOptions& options) {
   SessionRecorder recorder({options.record, find_flight_folder(options)}, make_session_header(options, session_id, clock), clock);
   HubPeers peers(sealed, clock, session_id, options.rate_hz);
   const Servo::Options limits{options.rate_hz,     options.vision_rate_hz,  options.max_force_n,
-                              options.max_slew_n_per_s, overrun_policy(options)};
+                              options.max_slew_n_per_s, overrun_policy(options), options.spin_share};
   const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), &recorder);
   fmt::print("hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}\n", to_string((*endpoint)->local_address()), (*device)->name(),
              options.rate_hz, servo->force_limits().max_force_n, options.seed);

@@ -14,6 +14,7 @@
 #include "io_node/servo_tap.h"
 #include "io_node/way_meter.h"
 #include "link/hub_peers.h"
+#include "runtime/adaptive_spin.h"
 #include "runtime/clock.h"
 #include "runtime/mailbox.h"
 
@@ -48,6 +49,7 @@ class Servo {
     double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
     double max_slew_n_per_s = 0.0;
     OverrunPolicy overrun = OverrunPolicy::skip;
+    double spin_share = 0.0;  // of a period, at most, before each tick; 0: sleeps to the tick
   };
 
   // Pre: all outlive the servo; rates in range. echo and tap may be null.
@@ -72,6 +74,9 @@ class Servo {
   const ForceLimits& force_limits() const noexcept { return guard_.limits(); }
   double rate_hz() const noexcept { return stats_.rate_hz; }
 
+  // The other thread: how much may be spun, and was.
+  AdaptiveSpin& spin() noexcept { return spin_; }
+
   // The other thread: asks for a copy, and takes it when it is there (within a few cycles).
   void ask_for_snapshot() noexcept { snapshot_asked_.store(true, std::memory_order_release); }
   bool take_snapshot() noexcept { return snapshots_.take(); }
@@ -81,6 +86,7 @@ class Servo {
   EventRing& events() noexcept { return events_; }
 
  private:
+  void wait_for_tick() noexcept;
   void begin_cycle() noexcept;
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
@@ -124,6 +130,7 @@ class Servo {
   std::int64_t vision_period_ns_ = 0;
 
   std::int64_t tick_ns_ = 0;
+  AdaptiveSpin spin_;
   std::int64_t device_ns_ = 0;  // spent on the device since the last tick
   bool is_behind_ = false;      // the loop came to wait for this tick when it had passed
   bool has_overrun_ = false;

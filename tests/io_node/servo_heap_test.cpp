@@ -1,68 +1,18 @@
 // What the servo loop does every cycle takes nothing from the heap.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <memory>
 
 #include "io_node/devices/replay_device.h"
 #include "io_node/devices/simulated_phantom.h"
 #include "io_node/servo.h"
 #include "io_node/session_recorder.h"
+#include "tests/io_node/fixed_endpoint.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
-
-// A haptics, a vision and a tool node in fixed memory: a force 50 us after each sample, now and then one of everything else.
-class FixedEndpoint final : public Endpoint {
- public:
-  explicit FixedEndpoint(SimulatedClock& clock) : clock_(clock) {}
-
-  bool send(const Address&, std::span<const std::byte> bytes) noexcept override {
-    if (codec_.decode(bytes, heard_) != DecodeStatus::ok) return true;
-    const auto* state = std::get_if<DeviceState>(&heard_.message);
-    if (state == nullptr) return true;
-    ForceCommand force;
-    force.echo_sample = state->sample;
-    force.echo_sample_time_ns = state->sample_time_ns;
-    force.force_n = Vec3(0, 0, 1);
-    force.contact = true;
-    say(1, force, clock_.now_ns() + 50'000);
-    return true;
-  }
-
-  Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
-    if (bytes_ == 0 || when_ns_ > deadline_ns) {
-      clock_.sleep_until_ns(deadline_ns);
-      return {};
-    }
-    clock_.sleep_until_ns(when_ns_);
-    std::copy_n(outgoing_.begin(), bytes_, into.begin());
-    return {std::exchange(bytes_, 0), Address{{}, from_}};
-  }
-
-  void say(std::uint16_t node, const Message& message, std::int64_t when_ns) noexcept {
-    said_.header = {5, 100ULL + node, ++sequence_, when_ns};
-    said_.message = message;
-    bytes_ = codec_.encode(said_, outgoing_);
-    when_ns_ = when_ns;
-    from_ = node;
-  }
-
-  Address local_address() const override { return {{}, 4950}; }
-
- private:
-  SimulatedClock& clock_;
-  Codec codec_;
-  Datagram heard_;
-  Datagram said_;
-  std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};
-  std::size_t bytes_ = 0;
-  std::int64_t when_ns_ = 0;
-  std::uint16_t from_ = 0;
-  std::uint64_t sequence_ = 0;
-};
 
 std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) {
   SimulatedClock clock;

@@ -457,6 +457,42 @@ TEST_F(Servos, a_wait_that_ends_late_is_a_late_wake_up) {
   EXPECT_EQ(alone.collect_stats().missed_cycles, 2U);
 }
 
+TEST_F(Servos, a_loop_that_wakes_late_learns_to_wake_early_and_begins_on_time) {
+  class Late final : public Endpoint {
+   public:
+    explicit Late(SimulatedClock& c) : clock(c) {}
+    bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+    Received receive(std::span<std::byte>, std::int64_t deadline_ns) noexcept override {
+      if (deadline_ns > clock.now_ns()) clock.sleep_until_ns(deadline_ns + 20 * kUs);
+      return {};
+    }
+    Address local_address() const override { return {}; }
+    SimulatedClock& clock;
+  };
+  // Time passes with every look at it, so that spinning ends.
+  class Ticking final : public Clock {
+   public:
+    explicit Ticking(SimulatedClock& c) : clock(c) {}
+    std::int64_t now_ns() const noexcept override {
+      clock.advance_ns(50);
+      return clock.now_ns();
+    }
+    void sleep_until_ns(std::int64_t deadline_ns) noexcept override { clock.sleep_until_ns(deadline_ns); }
+    SimulatedClock& clock;
+  };
+  Late late(clock);
+  Ticking ticking(clock);
+  HubPeers nobody(late, ticking, kSession, 1000.0);
+  Servo alone(device, nobody, ticking, {.spin_share = 0.1});
+  for (int n = 0; n < 3000; ++n) alone.step();
+  const ServoStats& measured = alone.collect_stats();
+  EXPECT_LT(measured.wake_lateness.quantile_ns(0.5), 1000.0);
+  EXPECT_GT(measured.wake_lateness.max_ns(), 19 * kUs);  // before it had learnt
+  EXPECT_GT(alone.spin().spun_ns(), 0);
+  EXPECT_LT(alone.spin().spun_ns(), 3000 * 20 * kUs);
+  EXPECT_EQ(measured.missed_cycles, 0U);
+}
+
 TEST_F(Servos, catching_up_runs_every_missed_cycle_at_once) {
   make({.overrun = OverrunPolicy::catch_up});
   join(kHaptics, NodeRole::haptics);

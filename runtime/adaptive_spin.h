@@ -1,0 +1,46 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+
+namespace hapton {
+
+// How long before a deadline a loop ends its sleep and spins, so that it is there in time although it wakes late. It learns from
+// every wake-up: the margin goes up when one came later than the margin covers and down, a ninety-ninth as far, when not, and so stays at the
+// lateness that one wake-up in a hundred exceeds. It never takes more than a share of the period.
+// Source: stochastic approximation of a quantile, Robbins & Monro 1951.
+// Units: ns. RT: yes. Threads: the loop's; set_limit and the totals also another.
+class AdaptiveSpin {
+ public:
+  static constexpr double kCovered = 0.99;
+  static constexpr double kStepNs = 2000.0;
+
+  // limit: share of a period, 0 (never spins) to 1.
+  explicit AdaptiveSpin(double limit = 0.0) noexcept : limit_(limit) {}
+
+  void set_limit(double share) noexcept { limit_.store(share, std::memory_order_relaxed); }
+  double limit() const noexcept { return limit_.load(std::memory_order_relaxed); }
+
+  // How long before the deadline to wake.
+  std::int64_t margin_ns(std::int64_t period_ns) const noexcept {
+    return std::min(static_cast<std::int64_t>(margin_), static_cast<std::int64_t>(limit() * static_cast<double>(period_ns)));
+  }
+
+  // The sleep that was to end `margin` before the deadline ended so much later.
+  void note_wake_up(std::int64_t late_ns) noexcept {
+    const bool is_covered = static_cast<double>(late_ns) <= margin_;
+    margin_ = std::max(0.0, margin_ + kStepNs * (is_covered ? kCovered - 1.0 : kCovered));
+  }
+
+  void note_spun(std::int64_t ns) noexcept { spun_ns_.store(spun_ns_.load(std::memory_order_relaxed) + ns, std::memory_order_relaxed); }
+  // In all.
+  std::int64_t spun_ns() const noexcept { return spun_ns_.load(std::memory_order_relaxed); }
+
+ private:
+  double margin_ = 0.0;
+  std::atomic<double> limit_;
+  std::atomic<std::int64_t> spun_ns_{0};
+};
+
+}  // namespace hapton

@@ -1,0 +1,58 @@
+// What the servo loop does every cycle asks nothing of the kernel: the waiting and the datagrams are the endpoint's.
+#include <gtest/gtest.h>
+
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+
+#include "io_node/devices/simulated_phantom.h"
+#include "io_node/servo.h"
+#include "io_node/session_recorder.h"
+#include "tests/io_node/fixed_endpoint.h"
+#include "tests/support/system_call_guard.h"
+
+namespace hapton {
+namespace {
+
+// A session in this process, all of it made before the first cycle.
+struct Session {
+  SimulatedClock clock;
+  FixedEndpoint endpoint{clock};
+  SimulatedPhantom device{{}};
+  SessionRecorder recorder{{}, {}, clock};
+  HubPeers peers{endpoint, clock, 5, 1000.0};
+  Servo servo{device, peers, clock, {.spin_share = 0.1}, nullptr, &recorder};
+
+  void run() {
+    for (int n = 0; n < 3000; ++n) {
+      const std::int64_t now = clock.now_ns();
+      if (n % 50 == 0) endpoint.say(1, Hello{NodeRole::haptics}, now);
+      if (n % 50 == 10) endpoint.say(2, Hello{NodeRole::vision}, now);
+      if (n % 50 == 20) endpoint.say(2, ViewTransform{}, now);
+      if (n % 500 == 0) servo.ask_for_snapshot();
+      servo.step();
+    }
+    servo.finish();
+  }
+};
+
+TEST(ServoSystemCalls, a_recorded_session_makes_none) {
+  if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
+  std::unique_ptr<Session> session;
+  EXPECT_EQ(SystemCallGuard::run([&] { session = std::make_unique<Session>(); },
+                                 [&] {
+                                   session->run();
+                                   if (session->servo.collect_stats().forces < 2000) _exit(9);
+                                 }),
+            "");
+}
+
+TEST(ServoSystemCalls, the_guard_sees_one) {
+  if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
+  EXPECT_EQ(SystemCallGuard::run([] {}, [] { (void)getppid(); }), "system call " + std::to_string(SYS_getppid));
+}
+
+}  // namespace
+}  // namespace hapton
