@@ -130,13 +130,17 @@ Result<void> SessionFelt::feel(const ForceCommand& command) {
   feel_lost(command);
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   turn(command.view_revision);
+  // What was free then is free now: from here on nothing before is needed.
+  if (!is_certain_ && !command.contact) {
+    step_->restart();
+    is_certain_ = true;
+  }
   const auto felt = step(command.echo_sample);
   if (felt) compare(command, *felt);
   return {};
 }
 
 void SessionFelt::compare(const ForceCommand& recorded, const ForceCommand& felt) {
-  is_certain_ = is_certain_ || (!recorded.contact && !felt.contact);
   if (!is_certain_) {
     ++counts_.not_compared;
     return;
