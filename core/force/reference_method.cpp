@@ -131,7 +131,7 @@ Vec3 ReferenceMethod::device_to_local(const Vec3& p_S) const noexcept {
   return (most > farthest ? Vec3(p * (farthest / most)) : p) / unit_m_;
 }
 
-PreparedTriangle ReferenceMethod::prepare(std::uint32_t triangle) const {
+PreparedTriangle ReferenceMethod::prepare_triangle(std::uint32_t triangle) const {
   const auto& [a, b, c] = triangles_[triangle];
   return {vertices_[a], vertices_[b], vertices_[c]};
 }
@@ -158,7 +158,7 @@ void ReferenceMethod::gather(const Vec3& device, double reach) noexcept {
   for (std::size_t i = 0; i < n; ++i) {
     if (prefilter_ && !in_reach_[i]) continue;
     const auto triangle = static_cast<std::uint32_t>(i);
-    const Face face{prepare(triangle), triangle, object_of_[i]};
+    const Face face{prepare_triangle(triangle), triangle, object_of_[i]};
     const auto& [a, b, c] = face.shape.corner;
     candidates_.push_back(face);
     candidate_boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});

@@ -76,7 +76,7 @@ class ReferenceMethod final : public ForceMethod {
   Vec3 to_local(const Vec3& p_S) const { return (p_S - centre_) / unit_m_; }
   Vec3 to_scene(const Vec3& p) const { return p * unit_m_ + centre_; }
   Vec3 device_to_local(const Vec3& p_S) const noexcept;
-  PreparedTriangle prepare(std::uint32_t triangle) const;
+  PreparedTriangle prepare_triangle(std::uint32_t triangle) const;
   void gather(const Vec3& device, double reach) noexcept;
   void settle(const Vec3& device) noexcept;
   void descend(const Vec3& device) noexcept;
