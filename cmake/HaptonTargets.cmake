@@ -24,9 +24,12 @@ find_package(tl-expected REQUIRED)
 find_package(Threads REQUIRED)
 
 add_library(hapton_options INTERFACE)
-target_include_directories(hapton_options INTERFACE "${CMAKE_SOURCE_DIR}")
+target_include_directories(hapton_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>" $<INSTALL_INTERFACE:include/hapton>)
+target_compile_features(hapton_options INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
+# Warnings are ours; the rest holds for whoever uses the installed package too: Eigen's types have another layout with another -march.
+set(hapton_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
 target_compile_options(hapton_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror
+  "$<BUILD_INTERFACE:${hapton_warnings}>"
   # Products and sums round as written: the error bounds of core/math depend on it.
   -ffp-contract=off)
 if(HAPTON_MARCH)
@@ -44,7 +47,8 @@ if(HAPTON_SANITIZE)
 endif()
 # GCC 12 reports false positives inside Eigen and the standard library at -O3.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  target_compile_options(hapton_options INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+  set(hapton_false_positives -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+  target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:${hapton_false_positives}>")
 endif()
 
 # hapton_library(NAME LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.

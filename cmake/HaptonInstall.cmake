@@ -1,0 +1,97 @@
+# What `cmake --install` and the Debian packages put where. Three parts: `hapton` (programs, scenes, units), `vision` (vision_node alone draws,
+# and alone needs VTK) and `dev` (core, runtime and link as a CMake package).
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# --- programs, with a manual page each, made of their --help ---
+
+function(hapton_install_program program component)
+  if(NOT TARGET ${program})
+    return()
+  endif()
+  install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${component})
+  install(CODE "
+    execute_process(
+      COMMAND \"${CMAKE_SOURCE_DIR}/deploy/man-page\" \"$<TARGET_FILE:${program}>\" ${program} ${PROJECT_VERSION}
+              \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\"
+      COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+endfunction()
+hapton_install_program(io_node hapton)
+hapton_install_program(haptics_node hapton)
+hapton_install_program(hapton hapton)
+hapton_install_program(vision_node vision)
+
+# --- what they need: scenes, configurations, units, rights ---
+
+install(DIRECTORY scenes meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton COMPONENT hapton)
+install(FILES README.md LICENSE NOTICE-third-party.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT hapton)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT hapton)
+install(FILES deploy/etc/io.toml deploy/etc/haptics.toml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/hapton COMPONENT hapton)
+install(FILES deploy/etc/vision.toml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/hapton COMPONENT vision)
+install(FILES deploy/systemd/hapton-io.service deploy/systemd/hapton-haptics.service DESTINATION lib/systemd/system COMPONENT hapton)
+install(FILES deploy/systemd/hapton-vision.service DESTINATION lib/systemd/user COMPONENT vision)
+install(FILES deploy/systemd/hapton.sysusers DESTINATION lib/sysusers.d RENAME hapton.conf COMPONENT hapton)
+install(FILES deploy/systemd/60-hapton.rules DESTINATION lib/udev/rules.d COMPONENT hapton)
+install(FILES deploy/etc/limits.conf DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/security/limits.d RENAME hapton.conf COMPONENT hapton)
+
+# --- find_package(hapton) ---
+
+set(hapton_exported hapton_options hapton_core_base hapton_core_math hapton_core_geometry hapton_core_collision hapton_core_force)
+add_library(hapton_core INTERFACE)
+target_link_libraries(hapton_core INTERFACE hapton_core_force)
+list(APPEND hapton_exported hapton_core)
+foreach(target hapton_runtime hapton_proto hapton_link)
+  if(TARGET ${target})
+    list(APPEND hapton_exported ${target})
+  endif()
+endforeach()
+foreach(target IN LISTS hapton_exported)
+  string(REPLACE "hapton_" "" name ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+endforeach()
+install(TARGETS ${hapton_exported} EXPORT hapton-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/hapton COMPONENT dev)
+foreach(folder core runtime link)
+  install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton COMPONENT dev FILES_MATCHING PATTERN "*.h")
+endforeach()
+install(FILES proto/hapton.proto proto/session.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton/proto COMPONENT dev)
+
+set(hapton_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/hapton)
+install(EXPORT hapton-targets NAMESPACE hapton:: DESTINATION ${hapton_cmake_folder} COMPONENT dev)
+configure_package_config_file(cmake/hapton-config.cmake.in "${CMAKE_BINARY_DIR}/hapton-config.cmake" INSTALL_DESTINATION ${hapton_cmake_folder})
+write_basic_package_version_file("${CMAKE_BINARY_DIR}/hapton-config-version.cmake" VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_BINARY_DIR}/hapton-config.cmake" "${CMAKE_BINARY_DIR}/hapton-config-version.cmake"
+  DESTINATION ${hapton_cmake_folder} COMPONENT dev)
+
+# --- .deb ---
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME hapton)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "Hapton <hapton@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "touch what you see: force feedback and stereo in three nodes over UDP")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_HAPTON_PACKAGE_NAME hapton)
+set(CPACK_COMPONENT_HAPTON_DESCRIPTION "io_node, haptics_node and the hapton command, with scenes, configurations for three hosts and systemd units.")
+set(CPACK_DEBIAN_HAPTON_PACKAGE_SUGGESTS "gnuplot-nox")
+set(CPACK_DEBIAN_HAPTON_PACKAGE_CONTROL_EXTRA
+  "${CMAKE_SOURCE_DIR}/deploy/debian/conffiles;${CMAKE_SOURCE_DIR}/deploy/debian/postinst;${CMAKE_SOURCE_DIR}/deploy/debian/prerm;${CMAKE_SOURCE_DIR}/deploy/debian/postrm")
+set(CPACK_DEBIAN_VISION_PACKAGE_NAME hapton-vision)
+set(CPACK_COMPONENT_VISION_DESCRIPTION "vision_node: the scene and the probe in stereo.")
+set(CPACK_DEBIAN_VISION_PACKAGE_DEPENDS "hapton (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_VISION_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/vision/conffiles")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhapton-dev)
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Hapton's core, runtime and link for programs of your own: find_package(hapton).")
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+  "libeigen3-dev, libfmt-dev, libexpected-dev, libmeshoptimizer-dev, libcli11-dev, nlohmann-json3-dev, libspdlog-dev, libtomlplusplus-dev, libboost-dev, libprotobuf-dev, libsodium-dev, pkg-config")
+set(CPACK_COMPONENTS_ALL hapton dev)
+if(TARGET vision_node)
+  list(APPEND CPACK_COMPONENTS_ALL vision)
+endif()
+include(CPack)
