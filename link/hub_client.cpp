@@ -127,7 +127,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
     state_ = JoinState::refused;
     return;
   }
-  tracker_.track(header.sender, header.sequence);
+  tracker_.track(header.sender, header.sequence, !was_joined);
   state_ = JoinState::joined;
   counts_.joins += was_joined ? 0 : 1;
 }

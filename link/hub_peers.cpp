@@ -112,9 +112,13 @@ PeerEvent HubPeers::refuse(const Address& to, NodeRole role, std::int64_t now_ns
 }
 
 PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
+  // Who was dropped and comes again goes on where our numbers to it ended: lower ones it would take for old.
+  const auto known = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.sender == header.sender; });
+  const std::uint64_t sent = known != peers_.end() ? known->sent : 0;
   Peer& peer = peers_[place];
   const bool replaced = peer.present;
   peer = Peer();
+  peer.sent = sent;
   peer.present = true;
   peer.role = role;
   peer.address = from;

@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence) noexcept {
+Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence, bool may_begin_again) noexcept {
   ++counts_.received;
   const bool first_ever = counts_.received == 1;
   if (first_ever || sender != sender_) {
@@ -21,7 +21,7 @@ Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence) noe
   if (ahead != 0 && ahead <= kMaxGap) {
     return advance(ahead);
   }
-  if (behind <= kMaxGap) {
+  if (behind <= kMaxGap && !(may_begin_again && behind > 0)) {
     return look_back(sequence, behind);
   }
   ++counts_.jumps;

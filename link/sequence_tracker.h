@@ -31,7 +31,8 @@ class SequenceTracker {
   // A leap of more than this (100 s at 10 kHz), either way, is no loss but a sender that counts from elsewhere.
   static constexpr std::uint64_t kMaxGap = 1'000'000;
 
-  Arrival track(std::uint64_t sender, std::uint64_t sequence) noexcept;
+  // may_begin_again: the sender has greeted us anew, and a number behind the newest means that it counts from there now.
+  Arrival track(std::uint64_t sender, std::uint64_t sequence, bool may_begin_again = false) noexcept;
 
   const SequenceCounts& counts() const noexcept { return counts_; }
   // 0 before the first datagram.

@@ -228,6 +228,24 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRefusedAndTakesOverWhenTheFirstDies) {
   EXPECT_EQ(second.state(), JoinState::joined);
 }
 
+// A partition: the hub misses the node, which comes again in the same session. What it is sent then must not look old to it.
+TEST_F(HubClientTest, HearsAtOnceAfterItWasMissed) {
+  start_hub(1);
+  start_client();
+  run(1500, 1);
+  ASSERT_EQ(client_->state(), JoinState::joined);
+  impairments_.loss = 1.0;
+  network_.set_impairments(impairments_);
+  run(1500, 1);
+  EXPECT_EQ(client_->state(), JoinState::joining);
+  impairments_.loss = 0.0;
+  network_.set_impairments(impairments_);
+  const int before = states_;
+  run(300, 1);
+  EXPECT_EQ(client_->state(), JoinState::joined);
+  EXPECT_GT(states_ - before, 150);
+}
+
 TEST_F(HubClientTest, SaysByeWhenItGoes) {
   start_hub(1);
   start_client();

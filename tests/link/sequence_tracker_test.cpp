@@ -125,5 +125,16 @@ TEST(SequenceTrackerTest, AgreesWithASetOnARandomLink) {
   EXPECT_EQ(tracker.counts().received, expected.received);
 }
 
+TEST(SequenceTrackerTest, WhoGreetsAnewMayCountAnew) {
+  SequenceTracker tracker;
+  for (std::uint64_t sequence = 1; sequence <= 3000; ++sequence) tracker.track(7, sequence);
+  EXPECT_EQ(tracker.track(7, 5), Arrival::duplicate);
+  EXPECT_EQ(tracker.track(7, 6, true), Arrival::newest);
+  EXPECT_EQ(tracker.track(7, 7), Arrival::newest);
+  // A number ahead is as ever: what lies between was lost.
+  EXPECT_EQ(tracker.track(7, 10, true), Arrival::newest);
+  EXPECT_EQ(tracker.counts().lost, 2U);
+}
+
 }  // namespace
 }  // namespace hapton
