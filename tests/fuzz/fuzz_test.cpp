@@ -1,0 +1,65 @@
+// Every input that a fuzzer starts from or once tripped over, through its target again.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/fuzz_target.h"
+
+namespace hapton::fuzz {
+namespace {
+
+std::vector<std::filesystem::path> corpus_of(const std::string& target) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus/" + target)) {
+    files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<std::uint8_t> read(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const auto& [name, target] : targets()) all.push_back(name);
+  return all;
+}
+
+class Corpus : public testing::TestWithParam<std::string> {};
+
+TEST_P(Corpus, IsBorne) {
+  const Target target = targets().at(GetParam());
+  const auto files = corpus_of(GetParam());
+  EXPECT_GE(files.size(), 3U);
+  target({});
+  for (const auto& path : files) {
+    SCOPED_TRACE(path.string());
+    const std::vector<std::uint8_t> bytes = read(path);
+    target(bytes);
+    // And cut short, in copies of their own size.
+    for (const std::size_t size : {bytes.size() / 2, bytes.size() - std::min<std::size_t>(bytes.size(), 1)}) {
+      target(std::vector<std::uint8_t>(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
+    }
+  }
+}
+
+std::string name_of(const testing::TestParamInfo<std::string>& target) { return target.param; }
+
+INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(names()), name_of);
+
+TEST(Corpora, BelongToTargets) {
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus")) {
+    EXPECT_TRUE(targets().contains(entry.path().filename().string())) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace hapton::fuzz

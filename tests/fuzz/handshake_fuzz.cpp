@@ -1,0 +1,188 @@
+// A hub and a node with someone between them who does what the bytes say: he holds back, repeats, swaps, turns around, changes and forges
+// datagrams, and makes time pass. Whatever he does, nothing is handed out that was not said, and nothing twice.
+#include <sodium.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "link/memory_endpoint.h"
+#include "link/sealed_client.h"
+#include "link/sealed_hub.h"
+#include "runtime/clock.h"
+#include "tests/fuzz/fuzz_target.h"
+
+namespace hapton {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+// The same random numbers in every run, so that a finding can be found again.
+std::uint64_t random_state = 0;
+const char* name_of_random() { return "fuzz"; }
+std::uint32_t next_random() {
+  random_state = random_state * 6364136223846793005U + 1442695040888963407U;
+  return static_cast<std::uint32_t>(random_state >> 32);
+}
+void fill_random(void* into, std::size_t size) {
+  auto* const out = static_cast<std::uint8_t*>(into);
+  std::generate(out, out + size, [] { return static_cast<std::uint8_t>(next_random()); });
+}
+
+// The end of a line that the one between holds.
+class HeldEndpoint final : public Endpoint {
+ public:
+  explicit HeldEndpoint(const Address& at) : at_(at) {}
+  bool send(const Address&, std::span<const std::byte> datagram) noexcept override {
+    if (sent.size() < 64) sent.emplace_back(datagram.begin(), datagram.end());
+    return true;
+  }
+  Received receive(std::span<std::byte> into, std::int64_t) noexcept override {
+    if (!has_next) return {};
+    has_next = false;
+    std::copy(next.begin(), next.end(), into.begin());
+    return {.bytes = next.size(), .from = from};
+  }
+  Address local_address() const override { return at_; }
+
+  std::vector<Bytes> sent;
+  bool has_next = false;
+  Bytes next;
+  Address from;
+
+ private:
+  Address at_;
+};
+
+// Reads the bytes as commands; zeros when they are over.
+class Script {
+ public:
+  explicit Script(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  bool is_over() const { return at_ >= bytes_.size(); }
+  std::uint8_t next() { return is_over() ? std::uint8_t{0} : bytes_[at_++]; }
+  Bytes take(std::size_t most) {
+    const std::size_t size = std::min(most, bytes_.size() - std::min(at_, bytes_.size()));
+    Bytes taken(size);
+    std::transform(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), bytes_.begin() + static_cast<std::ptrdiff_t>(at_ + size),
+                   taken.begin(), [](std::uint8_t byte) { return std::byte{byte}; });
+    at_ += size;
+    return taken;
+  }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+LinkKey some_key() {
+  LinkKey::Bytes bytes;
+  bytes.fill(1);
+  return LinkKey(bytes);
+}
+
+class Line {
+ public:
+  void run(Script script) {
+    while (!script.is_over()) step(script);
+  }
+
+ private:
+  void step(Script& script) {
+    switch (script.next() % 10) {
+      case 0:
+        return say(true);
+      case 1:
+        return say(false);
+      case 2:
+        return deliver(pick(node_end_.sent, script), true);
+      case 3:
+        return deliver(pick(hub_end_.sent, script), false);
+      case 4:  // turned around
+        return deliver(pick(node_end_.sent, script), false);
+      case 5:
+        return deliver(pick(hub_end_.sent, script), true);
+      case 6:
+        return deliver(changed(pick(node_end_.sent, script), script), true);
+      case 7:
+        return deliver(changed(pick(hub_end_.sent, script), script), false);
+      case 8: {
+        const bool to_hub = script.next() % 2 == 0;
+        return deliver(script.take(script.next()), to_hub);
+      }
+      default:
+        clock_.advance_ns((std::int64_t{script.next()} + 1) * 10 * kNanosecondsPerMillisecond);
+    }
+  }
+
+  void say(bool from_node) {
+    const std::uint32_t number = ++words_;
+    const auto word = std::as_bytes(std::span(&number, 1));
+    (from_node ? said_by_node_ : said_by_hub_).insert(number);
+    if (from_node) {
+      node_.send(hub_end_.local_address(), word);
+    } else {
+      hub_.send(node_end_.local_address(), word);
+    }
+  }
+
+  static Bytes pick(const std::vector<Bytes>& from, Script& script) {
+    const std::uint8_t which = script.next();
+    return from.empty() ? Bytes() : from[which % from.size()];
+  }
+
+  static Bytes changed(Bytes bytes, Script& script) {
+    const std::size_t place = script.next() | static_cast<std::size_t>(script.next() << 8);
+    const auto mask = std::byte{script.next()};
+    if (!bytes.empty()) bytes[place % bytes.size()] ^= mask;
+    if (mask == std::byte{0} && !bytes.empty()) bytes.resize(place % bytes.size());
+    return bytes;
+  }
+
+  void deliver(Bytes bytes, bool to_hub) {
+    if (bytes.empty() || bytes.size() > kMaxDatagramBytes) return;
+    HeldEndpoint& end = to_hub ? hub_end_ : node_end_;
+    end.next = std::move(bytes);
+    end.from = (to_hub ? node_end_ : hub_end_).local_address();
+    end.has_next = true;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    const Received received = to_hub ? hub_.receive(into, 0) : node_.receive(into, 0);
+    end.has_next = false;
+    if (received.bytes != 0) heard(std::span(into).first(received.bytes), to_hub);
+  }
+
+  void heard(std::span<const std::byte> word, bool by_hub) {
+    std::uint32_t number = 0;
+    fuzz::require(word.size() == sizeof number);
+    std::copy(word.begin(), word.end(), std::as_writable_bytes(std::span(&number, 1)).begin());
+    // Said by the other side. While a new session is asked for a word goes the old way and the new one: it may be heard once in each.
+    fuzz::require((by_hub ? said_by_node_ : said_by_hub_).contains(number));
+    const std::size_t times = (by_hub ? heard_by_hub_ : heard_by_node_).insert(number).second ? 1 : 2;
+    if (times == 2) fuzz::require(by_hub && ++heard_twice_ <= node_.seal_counts().handshakes);
+  }
+
+  SimulatedClock clock_;
+  HeldEndpoint hub_end_{memory_address(1, 4950)};
+  HeldEndpoint node_end_{memory_address(2, 9)};
+  SealedHub hub_{hub_end_, clock_, some_key()};
+  SealedClient node_{node_end_, clock_, some_key(), memory_address(1, 4950)};
+  std::uint32_t words_ = 0;
+  std::set<std::uint32_t> said_by_node_;
+  std::set<std::uint32_t> said_by_hub_;
+  std::set<std::uint32_t> heard_by_hub_;
+  std::set<std::uint32_t> heard_by_node_;
+  std::uint64_t heard_twice_ = 0;
+};
+
+}  // namespace
+}  // namespace hapton
+
+FUZZ_TARGET(handshake) {
+  static const bool is_fixed = [] {
+    static randombytes_implementation fixed = {hapton::name_of_random, hapton::next_random, nullptr, nullptr, hapton::fill_random, nullptr};
+    randombytes_set_implementation(&fixed);
+    return hapton::seal::start_crypto().has_value();
+  }();
+  hapton::fuzz::require(is_fixed);
+  hapton::random_state = 1;
+  hapton::Line().run(hapton::Script(bytes));
+}
