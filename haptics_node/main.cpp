@@ -10,6 +10,7 @@
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
 #include "runtime/log.h"
+#include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
 
@@ -33,7 +34,8 @@ int run(const HapticsOptions& options) {
   if (!hub) return give_up(hub.error());
   const auto key = find_link_key(options.key_file, *hub);
   if (!key) return give_up(key.error());
-  const auto scene = load_scene(options.scene);
+  const auto scene_path = find_scene(options.scene);
+  const auto scene = load_scene(scene_path);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto method = make_method(options.method, scene->touch_scene());
@@ -48,7 +50,7 @@ int run(const HapticsOptions& options) {
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
-  AnswerLoop loop(client, clock, step, builder, make_haptics_setup(options.scene, hash_scene(scene->touch_scene()), options.method));
+  AnswerLoop loop(client, clock, step, builder, make_haptics_setup(scene_path, hash_scene(scene->touch_scene()), options.method));
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   log_info("{}", realtime->to_text());

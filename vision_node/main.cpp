@@ -8,6 +8,7 @@
 #include "runtime/cpu_check.h"
 #include "runtime/log.h"
 #include "runtime/stop_signal.h"
+#include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_session.h"
@@ -28,7 +29,7 @@ const char* any_address_like(const Address& hub) {
 }
 
 int run(VisionOptions& options) {
-  const auto scene = load_scene(options.scene);
+  const auto scene = load_scene(find_scene(options.scene));
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto view = open_view(*scene, options);
