@@ -36,7 +36,8 @@ std::string style_of(const HopCounts& hop, std::size_t index) {
   if (hop.name == kEcho) {
     return "linewidth 3 dashtype 2 linecolor rgb '#000000'";
   }
-  return fmt::format("linewidth 2 dashtype 1 linecolor rgb '{}'", kColors[index % kColors.size()]);
+  // A colour comes again with another dash.
+  return fmt::format("linewidth 2 dashtype {} linecolor rgb '{}'", 1 + 2 * (index / kColors.size()), kColors[index % kColors.size()]);
 }
 
 std::string title_of(const HopCounts& hop) {
@@ -77,7 +78,7 @@ Range find_range(std::span<const HopCounts> hops) {
     high = std::max(high, 1e-3 * static_cast<double>(hop.buckets.back().upper_ns));
     most = std::max(most, hop.total());
   }
-  return {std::pow(10.0, std::floor(std::log10(std::max(low, 1e-2)))), std::pow(10.0, std::ceil(std::log10(high))),
+  return {std::pow(10.0, std::floor(std::log10(std::max(low, 1e-1)))), std::pow(10.0, std::ceil(std::log10(high))),
           std::pow(10.0, -std::ceil(std::log10(static_cast<double>(most))))};
 }
 

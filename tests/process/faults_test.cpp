@@ -1,0 +1,269 @@
+// The rows of docs/faults.md that need whole programs: what dies, freezes, floods or is spoilt on the wire, and what the others do then.
+// Times are asked for with patience only; the exact bounds are those of tests/faults, on simulated time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+#include "link/codec.h"
+#include "tests/process/system.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kMaxForceN = 1.5;
+constexpr double kMaxSlewNPerS = 100.0;
+const std::vector<std::string> kTightLimits = {"--vision-rate", "1000", "--max-force", "1.5", "--max-slew", "100"};
+const std::vector<std::string> kStorm = {"--loss",      "0.3", "--jitter-ms", "20",   "--reorder",     "0.1",
+                                         "--duplicate", "0.1", "--corrupt",   "0.05", "--burst-share", "0.05"};
+
+bool waits_for(System& system, const std::function<bool(const Json&)>& holds) { return holds(system.wait_for_report(holds)); }
+
+// Contact goes on from here: so many more samples of it.
+bool feels_on(System& system, std::int64_t samples = 300) {
+  const std::int64_t before = count(system.ask_for_report(), "contact_samples");
+  return waits_for(system, [&](const Json& report) { return count(report, "contact_samples") > before + samples; });
+}
+
+// Watches the force for so long: never too strong, and never growing faster than it may.
+struct Watched {
+  int seen = 0;
+  int felt = 0;
+};
+Watched expect_bounded(Onlooker& onlooker, double seconds) {
+  Watched watched;
+  ProbeState last;
+  ProbeState state;
+  const std::int64_t end_ns = onlooker.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
+  while (onlooker.now_ns() < end_ns && onlooker.see(state)) {
+    EXPECT_TRUE(state.force_n.allFinite());
+    EXPECT_LE(state.force_n.norm(), kMaxForceN + 1e-9);
+    // A force may have been written a cycle after its sample.
+    const double passed_s = 1e-9 * static_cast<double>(state.sample_time_ns - last.sample_time_ns) + 2e-3;
+    const double risen_n = state.force_n.norm() - last.force_n.norm();
+    EXPECT_TRUE(watched.seen == 0 || risen_n <= kMaxSlewNPerS * passed_s) << risen_n << " N in " << passed_s << " s";
+    last = state;
+    ++watched.seen;
+    watched.felt += state.force_n.norm() > 0.0 ? 1 : 0;
+  }
+  return watched;
+}
+
+TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
+  System system(kTightLimits);
+  system.start("io_node");
+  system.start_relay(kStorm);
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact through the storm";
+  const Watched watched = expect_bounded(onlooker, 3.0);
+  EXPECT_GT(watched.seen, 100);
+  EXPECT_GT(watched.felt, 0);
+  const Json report = system.ask_for_report();
+  expect_sane(report);
+  EXPECT_GT(count(report, "refused_forged") + count(report, "refused_malformed") + count(report, "refused_unknown_session") +
+                count(report, "refused_wrong_version"),
+            0)
+      << "what was spoilt is noticed";
+  EXPECT_GT(count(report, "refused_replayed"), 0) << "copies are noticed";
+  for (const char* node : {"haptics_node", "relay", "io_node"}) system.end(node);
+  const Json relay = Json::parse(read_text(system.relay_report_path()));
+  for (const char* way : {"to_hub", "to_nodes"}) {
+    for (const char* fault : {"lost", "lost_in_burst", "held_back", "duplicated", "corrupted"}) {
+      EXPECT_GT(relay.at(way).at(fault).get<int>(), 0) << way << " " << fault;
+    }
+    EXPECT_EQ(relay.at(way).at("overflowed").get<int>(), 0);
+  }
+}
+
+TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
+  System system(kTightLimits);
+  std::ofstream(system.folder() / "script.toml") << "repeat = true\n[[phase]]\nname = \"good\"\nseconds = 1.5\n"
+                                                    "[[phase]]\nname = \"cut\"\nseconds = 1\npartition = true\n";
+  system.start("io_node");
+  system.start_relay({"--script", (system.folder() / "script.toml").string()});
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state));
+  const auto was_cut_twice = [](const Json& report) { return count(report, "silence_events") >= 2; };
+  ASSERT_TRUE(waits_for(system, was_cut_twice));
+  EXPECT_TRUE(feels_on(system, 100)) << "no contact after the cut";
+  EXPECT_THAT(system["relay"].out(), HasSubstr("phase cut"));
+  expect_sane(system.ask_for_report());
+}
+
+TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
+  System system(kTightLimits);
+  system.start("io_node");
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state));
+  system["haptics_node"].send_signal(SIGSTOP);
+  ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "peers_timed_out") > 0; }));
+  ASSERT_TRUE(onlooker.see_until(false, state));
+  system["haptics_node"].send_signal(SIGCONT);
+  const Watched watched = expect_bounded(onlooker, 1.5);
+  EXPECT_GT(watched.seen, 0);
+  EXPECT_TRUE(feels_on(system));
+  expect_sane(system.ask_for_report());
+  system.end_all();
+}
+
+TEST(Hub, FrozenAndThawedIsFoundAgainByAll) {
+  System system;
+  for (const std::string& node : kNodes) system.start(node);
+  ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
+  SteadyClock clock;
+  system["io_node"].send_signal(SIGSTOP);
+  clock.sleep_until_ns(clock.now_ns() + 1500 * kNanosecondsPerMillisecond);
+  for (const std::string& node : kNodes) EXPECT_TRUE(system[node].is_running()) << node;
+  system["io_node"].send_signal(SIGCONT);
+  EXPECT_TRUE(feels_on(system));
+  const std::int64_t drawn = count(system.ask_for_report(), "drawn");
+  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > drawn || kNodes.size() == 2; }));
+  expect_sane(system.ask_for_report());
+  system.end_all();
+}
+
+TEST(Hub, ASecondDeviceAtTheSameAddressIsRefusedInALineAndTheFirstGoesOn) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  const auto second = system.start_another("io_node");
+  const auto ended = second->wait(kPatience);
+  ASSERT_TRUE(ended) << "the second one runs";
+  EXPECT_EQ(ended->exit_code, 1);
+  EXPECT_THAT(ended->err, HasSubstr("another program holds this port"));
+  EXPECT_TRUE(feels_on(system));
+  system.end_all();
+}
+
+// Sends to the hub what nobody asked for.
+class Stranger {
+ public:
+  explicit Stranger(const std::string& hub) : hub_(*parse_address(hub)), endpoint_(*open_udp_endpoint("127.0.0.1:0")) {}
+
+  bool send(std::span<const std::byte> bytes) { return endpoint_->send(hub_, bytes); }
+  // What comes back within that time.
+  std::size_t hear(std::int64_t for_ns) {
+    std::array<std::byte, kMaxDatagramBytes> buffer;
+    return endpoint_->receive(buffer, clock_.now_ns() + for_ns).bytes;
+  }
+
+ private:
+  SteadyClock clock_;
+  Address hub_;
+  std::unique_ptr<Endpoint> endpoint_;
+};
+
+TEST(Hub, AnotherVersionIsMetWithSilenceAndCounted) {
+  System system;
+  system.start("io_node");
+  system.ask_for_report();
+  Stranger stranger(system.hub());
+  std::array<std::byte, kMaxDatagramBytes> bytes = {};
+  const std::size_t size = Codec().encode({{0, 77, 1, 1}, Hello{NodeRole::haptics}}, bytes);
+  for (const std::uint32_t version : {0U, 1U, kProtocolVersion + 1}) {
+    bytes[1] = static_cast<std::byte>(version);
+    ASSERT_TRUE(stranger.send(std::span(bytes).first(size)));
+  }
+  EXPECT_TRUE(waits_for(system, [](const Json& report) { return count(report, "refused_wrong_version") == 3; }));
+  EXPECT_EQ(stranger.hear(100 * kNanosecondsPerMillisecond), 0U);
+  system.end("io_node");
+}
+
+// As many junk datagrams a second as are asked for, as far as this machine gets.
+class Flood {
+ public:
+  Flood(const std::string& to, double per_second) : thread_([this, to, per_second] { run(to, per_second); }) {}
+  ~Flood() { stop(); }
+  // How many a second were sent.
+  double stop() {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+    return rate_;
+  }
+
+ private:
+  void run(const std::string& to, double per_second) {
+    constexpr std::int64_t kTurnNs = kNanosecondsPerMillisecond;
+    const auto per_turn = static_cast<int>(per_second * 1e-9 * kTurnNs);
+    Stranger stranger(to);
+    std::array<std::byte, 200> junk = {};
+    SteadyClock clock;
+    const std::int64_t start_ns = clock.now_ns();
+    std::uint64_t sent = 0;
+    for (std::int64_t turn_ns = start_ns; !ends_; turn_ns += kTurnNs) {
+      clock.sleep_until_ns(turn_ns);
+      for (int n = 0; n < per_turn; ++n) {
+        ++sent;
+        // Every kind of junk: random bytes, the right version, the right length of a handshake.
+        for (std::size_t i = 0; i < junk.size(); ++i) junk[i] = static_cast<std::byte>((sent * 2654435761U) >> (i % 24));
+        if (sent % 2 == 0)
+          junk[0] = std::byte{0x08}, junk[1] = std::byte{kProtocolVersion}, junk[2] = static_cast<std::byte>(sent / 2 % 5), junk[3] = {};
+        stranger.send(std::span(junk).first(sent % 3 == 0 ? 68 : 10 + sent % 190));
+      }
+    }
+    rate_ = 1e9 * static_cast<double>(sent) / static_cast<double>(clock.now_ns() - start_ns);
+  }
+
+  std::atomic<bool> ends_{false};
+  double rate_ = 0.0;
+  std::thread thread_;
+};
+
+TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  Flood flood(system.hub(), 100'000);
+  EXPECT_TRUE(feels_on(system, 1000)) << "no contact in the flood";
+  ::testing::Test::RecordProperty("junk_datagrams_per_second", std::to_string(flood.stop()));
+  const Json report = system.ask_for_report();
+  expect_sane(report);
+  EXPECT_GT(count(report, "refused_malformed") + count(report, "refused_wrong_version") + count(report, "refused_wrong_key") +
+                count(report, "refused_unknown_session"),
+            10'000);
+  EXPECT_EQ(count(report, "joins_refused"), 0);
+  system.end_all();
+}
+
+#ifdef HAPTON_WITH_VISION
+TEST(Vision, FrozenOrFloodedIsMissedByNoHand) {
+  System system;
+  const std::string at = "127.0.0.1:" + find_free_port();
+  system.add_arguments("vision_node", {"--bind", at});
+  for (const std::string& node : kNodes) system.start(node);
+  ASSERT_TRUE(is_complete(system.wait_for_report(is_complete)));
+
+  system["vision_node"].send_signal(SIGSTOP);
+  ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "peers_timed_out") > 0; }));
+  EXPECT_TRUE(feels_on(system));
+  system["vision_node"].send_signal(SIGCONT);
+  const std::int64_t frozen = count(system.ask_for_report(), "drawn");
+  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > frozen; })) << "it does not draw again";
+
+  Flood flood(at, 20'000);
+  EXPECT_TRUE(feels_on(system, 1000));
+  flood.stop();
+  const std::int64_t flooded = count(system.ask_for_report(), "drawn");
+  EXPECT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "drawn") > flooded; }));
+  expect_sane(system.ask_for_report());
+  system.end_all();
+}
+#endif
+
+}  // namespace
+}  // namespace hapton::process

@@ -1,0 +1,182 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "link/hub_client.h"
+#include "link/link_key.h"
+#include "link/sealed_client.h"
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "tests/process/program.h"
+
+namespace hapton::process {
+
+constexpr Seconds kPatience = Seconds(30);
+
+using Json = nlohmann::json;
+
+// A folder, a port and the programs that meet there.
+class System {
+ public:
+  explicit System(std::vector<std::string> io_options = {});
+
+  void start(const std::string& name) {
+    if (name == "vision_node" && !display_) display_ = std::make_unique<VirtualDisplay>();
+    programs_[name] = std::make_unique<Program>(name, arguments_of(name), folder_.path(), display_ ? display_->name() : "");
+  }
+  Program& operator[](const std::string& name) { return *programs_.at(name); }
+
+  // Another of them, beside the one there is.
+  std::unique_ptr<Program> start_another(const std::string& name) {
+    return std::make_unique<Program>(name, arguments_of(name), folder_.path(), display_ ? display_->name() : "");
+  }
+
+  // Puts `hapton relay` with these faults between the hub and the nodes that are started from now on.
+  void start_relay(const std::vector<std::string>& faults) {
+    nodes_hub_ = "127.0.0.1:" + find_free_port();
+    std::vector<std::string> arguments = {
+        "relay", "--listen", nodes_hub_, "--hub", hub_, "--seed", "7", "--json", relay_report_path().string()};
+    arguments.insert(arguments.end(), faults.begin(), faults.end());
+    programs_["relay"] = std::make_unique<Program>("hapton", arguments, folder_.path());
+    wait_until([&] { return programs_["relay"]->out().starts_with("relay at ") || !programs_["relay"]->is_running(); });
+  }
+  std::filesystem::path relay_report_path() const { return folder_.path() / "relay.json"; }
+
+  // More for a program's command line.
+  void add_arguments(const std::string& name, const std::vector<std::string>& arguments) { more_[name] = arguments; }
+
+  // Asks the I/O node for its report so far; null when none comes.
+  Json ask_for_report() {
+    // Earlier than this the signal would end it.
+    wait_until([&] { return (*this)["io_node"].out().starts_with("hub on ") || !(*this)["io_node"].is_running(); });
+    std::filesystem::remove(report_path());
+    (*this)["io_node"].send_signal(SIGUSR1);
+    wait_until([&] { return std::filesystem::exists(report_path()) || !(*this)["io_node"].is_running(); });
+    return read_report();
+  }
+  Json read_report() const { return Json::parse(read_text(report_path()), nullptr, false); }
+
+  // Until what is asked of the report holds; the report that did, or the last one.
+  Json wait_for_report(const std::function<bool(const Json&)>& holds) {
+    Json report;
+    wait_until([&] {
+      report = ask_for_report();
+      return report.is_object() && holds(report);
+    });
+    return report;
+  }
+
+  // Ends a program as a person does, and expects it to end well.
+  void end(const std::string& name) {
+    (*this)[name].send_signal(SIGTERM);
+    const auto ended = (*this)[name].wait(kPatience);
+    ASSERT_TRUE(ended) << name << " does not end";
+    EXPECT_EQ(ended->exit_code, 0) << name << ":\n" << ended->out << ended->err;
+  }
+  void end_all() {
+    for (const auto& [name, unused] : programs_) end(name);
+  }
+
+  template <class Condition>
+  static bool wait_until(Condition&& holds) {
+    SteadyClock clock;
+    const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
+    while (!holds()) {
+      if (clock.now_ns() > end_ns) return false;
+      clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);
+    }
+    return true;
+  }
+
+  const std::string& hub() const { return hub_; }
+  // The one that its programs share.
+  LinkKey key() const { return *find_or_make_shared_key(folder_.path() / "hapton"); }
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  std::filesystem::path report_path() const { return folder_.path() / "out" / "report.json"; }
+
+ private:
+  std::vector<std::string> arguments_of(const std::string& name) const {
+    const std::string folder = folder_.path().string();
+    if (name == "io_node") {
+      std::vector<std::string> arguments = {"--bind", hub_, "--out", folder + "/out"};
+      arguments.insert(arguments.end(), io_options_.begin(), io_options_.end());
+      for (const char* word : {"--device", "replay", "--loop", "--trajectory"}) arguments.emplace_back(word);
+      arguments.push_back(folder + "/taps.csv");
+      return arguments;
+    }
+    std::vector<std::string> arguments = {"--hub", nodes_hub_, "--scene", folder + "/cube.toml"};
+    if (name == "vision_node") arguments.insert(arguments.end(), {"--size", "320x240"});
+    if (const auto more = more_.find(name); more != more_.end())
+      arguments.insert(arguments.end(), more->second.begin(), more->second.end());
+    return arguments;
+  }
+
+  TestFolder folder_;
+  std::string hub_ = "127.0.0.1:" + find_free_port();
+  std::string nodes_hub_ = hub_;  // where the nodes look for it
+  std::vector<std::string> io_options_;
+  std::map<std::string, std::vector<std::string>> more_;
+  std::unique_ptr<VirtualDisplay> display_;
+  std::map<std::string, std::unique_ptr<Program>> programs_;
+};
+
+std::int64_t count(const Json& report, const std::string& name);
+
+bool has_contact(const Json& report);
+bool is_drawn(const Json& report);
+
+// What must hold of every report, however the run went.
+void expect_sane(const Json& report);
+
+// All nodes that are built, and whether a report shows all of them at work.
+extern const std::vector<std::string> kNodes;
+bool is_complete(const Json& report);
+
+// Sits at the hub as a vision node does and sees every force that is written to the device.
+class Onlooker {
+ public:
+  explicit Onlooker(const System& system)
+      : hub_(*parse_address(system.hub())), endpoint_(*open_udp_endpoint("127.0.0.1:0")), sealed_(*endpoint_, clock_, system.key(), hub_) {}
+
+  // The next probe state; false when none comes in time.
+  bool see(ProbeState& state) {
+    const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
+    Datagram datagram;
+    while (clock_.now_ns() < end_ns) {
+      if (!client_.receive(datagram, clock_.now_ns() + 20 * kNanosecondsPerMillisecond)) continue;
+      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
+        state = *probe;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Sees on until a force is felt (or none any more); false when that does not come in time.
+  bool see_until(bool felt, ProbeState& state) {
+    const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
+    while (clock_.now_ns() < end_ns && see(state)) {
+      if ((state.force_n.norm() > 0.0) == felt) return true;
+    }
+    return false;
+  }
+
+  std::int64_t now_ns() const { return clock_.now_ns(); }
+
+ private:
+  SteadyClock clock_;
+  Address hub_;
+  std::unique_ptr<Endpoint> endpoint_;
+  SealedClient sealed_;
+  HubClient client_{sealed_, clock_, NodeRole::vision, hub_};
+};
+
+}  // namespace hapton::process
