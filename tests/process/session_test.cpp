@@ -1,0 +1,105 @@
+// Whole sessions, recorded, looked into and felt again.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/process/system.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::HasSubstr;
+
+// The recording is kept apart from the folder that the nodes share.
+struct Sessions : testing::Test {
+  ScratchFolder scratch;
+  std::filesystem::path file = scratch.path() / "session.hapton";
+  System system{{"--record", file.string()}};
+
+  Ended session(const std::vector<std::string>& words) {
+    std::vector<std::string> arguments = {"session"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    return run("hapton", arguments, scratch.path()).value_or(Ended{});
+  }
+
+  // A session with a contact, a kill and another life of the haptics node, and a change of method.
+  void record() {
+    system.start("io_node");
+    system.start("haptics_node");
+    Onlooker onlooker(system);
+    ProbeState state;
+    ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+    system["haptics_node"].kill();
+    ASSERT_TRUE(onlooker.see_until(false, state));
+    system.start("haptics_node");
+    ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
+    system.end_all();
+  }
+};
+
+TEST_F(Sessions, EveryForceOfARecordedSessionIsFeltAgainToTheLastBit) {
+  record();
+  const Ended replayed = session({"replay", file.string()});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+
+  const Ended told = session({"info", file.string()});
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  for (const char* word : {"ForceCommand", "cube.toml", "name=proxy", "late by p50"}) EXPECT_THAT(told.out, HasSubstr(word));
+
+  const Ended exported = session({"export", file.string(), "--out", (scratch.path() / "tables").string()});
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+  EXPECT_THAT(read_text(scratch.path() / "tables/trajectory.csv"), HasSubstr("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"));
+  for (const char* table : {"forces.csv", "cycles.csv"}) EXPECT_GT(read_text(scratch.path() / "tables" / table).size(), 1000U);
+}
+
+TEST_F(Sessions, AFileThatWasCutGivesWhatStandsBeforeTheCut) {
+  record();
+  const std::string whole = read_text(file);
+  const auto cut = scratch.write("cut.hapton", std::string_view(whole).substr(0, whole.size() * 2 / 3));
+  const Ended exported = session({"export", cut.string(), "--out", (scratch.path() / "tables").string()});
+  EXPECT_EQ(exported.exit_code, 1);
+  EXPECT_THAT(exported.err, HasSubstr("is cut short"));
+  EXPECT_EQ(std::count(exported.err.begin(), exported.err.end(), '\n'), 1) << exported.err;
+  EXPECT_GT(read_text(scratch.path() / "tables/forces.csv").size(), 1000U);
+}
+
+TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRefused) {
+  record();
+  const Ended refused = session({"replay", file.string(), "--scene", HAPTON_SOURCE_DIR "/meshes/wingnut.obj"});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("is not the scene that was recorded"));
+}
+
+TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
+  system.start("io_node");
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  system["haptics_node"].kill();
+  const std::filesystem::path flights = system.folder() / "out/flight";
+  std::vector<std::filesystem::path> files;
+  EXPECT_TRUE(System::wait_until([&] {
+    files.clear();
+    for (const auto& entry : std::filesystem::directory_iterator(flights)) {
+      if (entry.path().extension() == ".hapton") files.push_back(entry.path());
+    }
+    return !files.empty();
+  }));
+  ASSERT_FALSE(files.empty());
+  EXPECT_THAT(files[0].filename().string(), HasSubstr("-silence.hapton"));
+  const Ended told = session({"info", files[0].string()});
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_THAT(told.out, HasSubstr("flight record: silence"));
+  system.end("io_node");
+}
+
+}  // namespace
+}  // namespace hapton::process
