@@ -12,7 +12,7 @@ namespace hapton {
 
 // Something a person wants to read about, told by the servo loop.
 struct ServoEvent {
-  enum class Kind : std::uint8_t { joined, left, refused, rate_changed, method_asked };
+  enum class Kind : std::uint8_t { joined, left, refused, rate_changed, method_asked, wrong_key, wrong_version };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;

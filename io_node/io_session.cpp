@@ -47,6 +47,10 @@ std::string describe(const ServoEvent& event) {
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
     case ServoEvent::Kind::method_asked:
       return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
+    case ServoEvent::Kind::wrong_key:
+      return "someone asks to join with another key or none; if it is a node of yours, start it with the same --key FILE";
+    case ServoEvent::Kind::wrong_version:
+      return "someone speaks another protocol version; if it is a node of yours, build all from the same sources";
   }
   return {};
 }

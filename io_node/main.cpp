@@ -86,11 +86,13 @@ int run(const IoOptions& options) {
   MeteredEndpoint metered(**endpoint, clock);
   SealedHub sealed(metered, clock, *key);
   const std::uint64_t session_id = make_random_id();
-  SessionRecorder recorder({options.record, find_flight_folder(options)}, make_session_header(options, session_id, clock), clock);
+  const SessionRecorder::Options recording{options.record, find_flight_folder(options)};
+  SessionRecorder recorder(recording, make_session_header(options, session_id, clock), clock);
+  ServoTap* tap = recording.record.empty() && recording.flight_folder.empty() ? nullptr : &recorder;
   HubPeers peers(sealed, clock, session_id, options.rate_hz);
   const Servo::Options limits{options.rate_hz,     options.vision_rate_hz,  options.max_force_n,
                               options.max_slew_n_per_s, overrun_policy(options), options.spin_share};
-  const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), &recorder);
+  const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), tap);
   fmt::print("hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}\n", to_string((*endpoint)->local_address()), (*device)->name(),
              options.rate_hz, servo->force_limits().max_force_n, options.seed);
   std::fflush(stdout);
@@ -104,7 +106,7 @@ int run(const IoOptions& options) {
   IoSession session(*servo, clock, options);
   session.set_report_desk(&desk);
   session.set_metrics(metrics->get());
-  if (const auto recording = recorder.start(); !recording) return give_up(recording.error());
+  if (const auto started = recorder.start(); !started) return give_up(started.error());
   const auto ended = session.run(stop);
   const auto recorded = recorder.stop();
   print_recording(options, recorder.counts());

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
+constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -297,7 +298,10 @@ void Servo::do_spare_work() noexcept {
     next_view_repeat_ns_ = now_ns + kViewRepeatNs;
     peers_.send_to_role(NodeRole::haptics, *view_);
   }
-  if (now_ns >= next_figures_ns_) refresh_figures(now_ns);
+  if (now_ns >= next_figures_ns_) {
+    refresh_figures(now_ns);
+    tell_of_strangers(now_ns);
+  }
   if (desk_ != nullptr) desk_->serve(peers_);
   if (tap_ != nullptr) tell_tap(now_ns);
   if (snapshot_asked_.exchange(false, std::memory_order_acq_rel)) snapshots_.publish(collect_stats());
@@ -310,13 +314,20 @@ void Servo::tell_tap(std::int64_t now_ns) noexcept {
   const ForceGuard::Counters& guard = guard_.counters();
   // A node that has said goodbye is no fault.
   const bool is_missed = last_force_.contact && peers_.has_haptics();
-  if (guard.silences > guard_told_.silences && is_missed) tap_->on_fault(SessionFault::silence, now_ns);
-  if (guard.not_finite > guard_told_.not_finite) tap_->on_fault(SessionFault::not_finite, now_ns);
-  if (guard.refused_future > guard_told_.refused_future) tap_->on_fault(SessionFault::refused_future, now_ns);
-  if (guard.clamped > guard_told_.clamped) tap_->on_fault(SessionFault::clamped, now_ns);
+  tell_fault(SessionFault::silence, guard.silences > guard_told_.silences && is_missed, now_ns);
+  tell_fault(SessionFault::not_finite, guard.not_finite > guard_told_.not_finite, now_ns);
+  tell_fault(SessionFault::refused_future, guard.refused_future > guard_told_.refused_future, now_ns);
+  tell_fault(SessionFault::clamped, guard.clamped > guard_told_.clamped, now_ns);
+  tell_fault(SessionFault::stalled, cycle_.late_ns >= ForceGuard::kSilenceLimitNs, now_ns);
+  tell_fault(SessionFault::overrun, has_overrun_, now_ns);
   guard_told_ = guard;
-  if (cycle_.late_ns >= ForceGuard::kSilenceLimitNs) tap_->on_fault(SessionFault::stalled, now_ns);
-  if (has_overrun_) tap_->on_fault(SessionFault::overrun, now_ns);
+}
+
+// Once when it begins: a force that stays above the limit is one fault.
+void Servo::tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept {
+  const std::uint32_t bit = std::uint32_t{1} << static_cast<unsigned>(fault);
+  if (is_there && (faults_ & bit) == 0) tap_->on_fault(fault, now_ns);
+  faults_ = is_there ? faults_ | bit : faults_ & ~bit;
 }
 
 void Servo::send_probe() noexcept {
@@ -343,6 +354,16 @@ void Servo::refresh_figures(std::int64_t now_ns) noexcept {
   figures_samples_ = stats_.samples;
   probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
   probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
+}
+
+// Who lacks the key is told nothing; the person at the hub is, now and then.
+void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
+  if (now_ns < next_strangers_ns_) return;
+  const SealCounts seal = peers_.seal_counts();
+  if (seal.wrong_key != told_.wrong_key) tell(ServoEvent::Kind::wrong_key, NodeRole::tool, {});
+  if (seal.wrong_version != told_.wrong_version) tell(ServoEvent::Kind::wrong_version, NodeRole::tool, {});
+  if (seal.wrong_key != told_.wrong_key || seal.wrong_version != told_.wrong_version) next_strangers_ns_ = now_ns + kStrangersNs;
+  told_ = seal;
 }
 
 void Servo::finish() noexcept {

@@ -91,6 +91,7 @@ class Servo {
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
   void tell_tap(std::int64_t now_ns) noexcept;
+  void tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept;
   void sample_device() noexcept;
   void receive_until(std::int64_t deadline_ns) noexcept;
   void drain() noexcept;
@@ -110,6 +111,7 @@ class Servo {
   void do_spare_work() noexcept;
   void send_probe() noexcept;
   void refresh_figures(std::int64_t now_ns) noexcept;
+  void tell_of_strangers(std::int64_t now_ns) noexcept;
   bool haptics_alive(std::int64_t now_ns) const noexcept;
   void tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept;
   std::int64_t period_ns() const noexcept;
@@ -136,9 +138,12 @@ class Servo {
   bool has_overrun_ = false;
   CycleNote cycle_;
   ForceGuard::Counters guard_told_;
+  std::uint32_t faults_ = 0;  // of the newest cycle, a bit each
   std::int64_t next_vision_ns_ = 0;
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
+  std::int64_t next_strangers_ns_ = 0;
+  SealCounts told_;  // of strangers
   std::int64_t figures_since_ns_ = 0;
   std::uint64_t figures_samples_ = 0;
 

@@ -213,6 +213,19 @@ void SessionRecorder::write_flight() {
     return;
   }
   log_warning("fault: {}; its last 2 s are in {}", header.fault, path.string());
+  forget_old_flights();
+}
+
+// Their names begin with the time, so that they sort by age.
+void SessionRecorder::forget_old_flights() const {
+  std::error_code ignored;
+  std::vector<std::filesystem::path> records;
+  for (const auto& entry : std::filesystem::directory_iterator(options_.flight_folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("flight-") && name.ends_with(".hapton")) records.push_back(entry.path());
+  }
+  std::sort(records.begin(), records.end());
+  for (std::size_t n = 0; n + kMostKept < records.size(); ++n) std::filesystem::remove(records[n], ignored);
 }
 
 void SessionRecorder::on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept {

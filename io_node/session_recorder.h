@@ -22,7 +22,7 @@ namespace hapton {
 
 // Writes down all that a servo does, at full rate, in a thread of its own: into one file for the whole session, and, after a fault, the last
 // two seconds into a file of their own that is named after it. The servo only copies into a ring; what finds no room there is counted, in the
-// file too. Flight records are few: one of a kind in kFlightEveryNs, kMostFlights in all.
+// file too. Flight records are few: one of a kind in kFlightEveryNs, kMostFlights a session; a folder keeps the newest kMostKept.
 // RT: the four on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
 class SessionRecorder final : public ServoTap {
  public:
@@ -30,6 +30,7 @@ class SessionRecorder final : public ServoTap {
   static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // of what follows a fault, in its flight record
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
   static constexpr int kMostFlights = 16;
+  static constexpr std::size_t kMostKept = 64;
   static constexpr std::size_t kRingBytes = std::size_t{1} << 22;  // 0.8 s at 10 kHz
 
   struct Options {
@@ -78,6 +79,7 @@ class SessionRecorder final : public ServoTap {
   void write_entries(bool all);
   void plan_flight(const SessionEntry& fault);
   void write_flight();
+  void forget_old_flights() const;
 
   Options options_;
   SessionHeader header_;

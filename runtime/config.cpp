@@ -1,6 +1,6 @@
 #include "runtime/config.h"
 
-#include <toml++/toml.h>
+#include <external/toml.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>

@@ -13,6 +13,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "runtime/thread_usage.h"
+
 namespace hapton {
 namespace {
 
@@ -134,6 +136,7 @@ std::string RealtimeReport::to_text() const {
   for (const RealtimeItem& item : items) {
     text += (&item == items.data() ? "" : "; ") + item_text(item);
   }
+  if (allowed_share) text += fmt::format("; the kernel lets real-time threads have {:.0f} % of each CPU", 100.0 * *allowed_share);
   return text;
 }
 
@@ -148,11 +151,14 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
     if (settings.cpu >= 0) report.items.push_back(set_cpu(settings.cpu));
     if (settings.lock_memory) report.items.push_back(lock_memory());
     if (settings.low_dma_latency) report.items.push_back(hold_low_latency());
-    if (settings.priority > 0) report.items.push_back(set_priority(settings.priority));
+    if (settings.priority > 0) {
+      report.items.push_back(set_priority(settings.priority));
+      if (report.items.back().obtained) report.allowed_share = read_realtime_share();
+    }
   }
   if (settings.mode == RealtimeMode::require && !report.complete()) {
     const auto refused = std::find_if(report.items.begin(), report.items.end(), [](const RealtimeItem& item) { return !item.obtained; });
-    return fail("real time was required, but the system refuses {}; or start with --realtime try", item_text(*refused));
+    return fail("real time was required, but the system refuses {}; or start with --rt try", item_text(*refused));
   }
   return report;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,8 @@ struct RealtimeItem {
 
 struct RealtimeReport {
   std::vector<RealtimeItem> items;
+  // Of a CPU's time, what the kernel lets real-time threads have before it throttles them; none without a priority, or when it does not say.
+  std::optional<double> allowed_share;
 
   bool complete() const;
   // "real time: priority SCHED_FIFO 80 yes; cpu 1 yes; memory lock NO (…: remedy) …" in one line.

@@ -1,7 +1,7 @@
 #include "scene/scene_file.h"
 
 #define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
+#include <external/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,7 +1,7 @@
 #include "tools/relay_script.h"
 
 #define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
+#include <external/toml.h>
 
 #include <cmath>
 #include <fstream>

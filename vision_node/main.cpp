@@ -29,6 +29,10 @@ const char* any_address_like(const Address& hub) {
 }
 
 int run(VisionOptions& options) {
+  const auto hub = parse_address(options.hub);
+  if (!hub) return give_up(hub.error());
+  const auto key = find_link_key(options.key_file, *hub);
+  if (!key) return give_up(key.error());
   const auto scene = load_scene(find_scene(options.scene));
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
@@ -39,10 +43,6 @@ int run(VisionOptions& options) {
     fmt::print("{}\n", run_bench(**view, clock, options.bench_frames));
     return 0;
   }
-  const auto hub = parse_address(options.hub);
-  if (!hub) return give_up(hub.error());
-  const auto key = find_link_key(options.key_file, *hub);
-  if (!key) return give_up(key.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
   const StopSignal stop;

@@ -54,6 +54,10 @@ class ScriptedEndpoint final : public Endpoint {
 
   Address local_address() const override { return {{}, 4950}; }
 
+  // What a sealed endpoint would have refused.
+  SealCounts seal;
+  SealCounts seal_counts() const noexcept override { return seal; }
+
  private:
   struct Item {
     std::int64_t when_ns;

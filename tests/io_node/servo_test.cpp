@@ -357,6 +357,26 @@ TEST_F(Servos, rate_changes_while_running_and_nonsense_is_refused) {
   EXPECT_EQ(event.rate_hz, 4000.0);
 }
 
+TEST_F(Servos, strangers_are_told_of_but_not_all_the_time) {
+  make();
+  run(1000);
+  ServoEvent event;
+  EXPECT_FALSE(servo->events().pop(event));
+  int told_of_key = 0;
+  int told_of_version = 0;
+  for (int second = 0; second < 30; ++second) {
+    endpoint.seal.wrong_key += 20;
+    endpoint.seal.wrong_version += second == 0 ? 1 : 0;
+    run(1000);
+    while (servo->events().pop(event)) {
+      told_of_key += event.kind == ServoEvent::Kind::wrong_key ? 1 : 0;
+      told_of_version += event.kind == ServoEvent::Kind::wrong_version ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(told_of_key, 3);
+  EXPECT_EQ(told_of_version, 1);
+}
+
 TEST_F(Servos, a_method_goes_on_to_haptics_and_a_report_wish_to_the_other_thread) {
   make();
   join(kHaptics, NodeRole::haptics);
@@ -568,7 +588,7 @@ TEST_F(Servos, a_tap_hears_each_fault_once) {
   run(10);
   tap.faults.clear();
   answer.force_n = Vec3(0, 0, 100);
-  run(1);
+  run(10);
   EXPECT_EQ(tap.faults, std::vector{SessionFault::clamped});
   answer.force_n = Vec3(0, 0, 1);
   run(5);

@@ -25,7 +25,7 @@ struct Recorders : testing::Test {
   std::filesystem::path file = scratch.path() / "session.hapton";
   std::filesystem::path flights = scratch.path() / "flight";
 
-  SessionRecorder make(SessionRecorder::Options options) { return {std::move(options), {.build = "b", .start_ns = clock.now_ns()}, clock}; }
+  SessionRecorder make(SessionRecorder::Options options) { return {std::move(options), {.build = "b", .start_ns = clock.now_ns(), .start_unix_ns = 1'800'000'000'000'000'000}, clock}; }
 
   std::vector<SessionEntry> read(const std::filesystem::path& path) {
     auto reader = SessionReader::open(path);
@@ -146,6 +146,21 @@ TEST_F(Recorders, flight_records_are_few) {
   EXPECT_EQ(recorder.counts().flights, SessionRecorder::kMostFlights);
   EXPECT_EQ(recorder.counts().flights_left_out, 2);
   EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMostFlights));
+}
+
+TEST_F(Recorders, a_folder_keeps_the_newest_flight_records_and_whatever_else_is_in_it) {
+  std::filesystem::create_directories(flights);
+  for (std::size_t n = 0; n < SessionRecorder::kMostKept + 5; ++n) {
+    scratch.write(fmt::format("flight/flight-20000101T0000{:02}.000Z-clamped.hapton", n), "old");
+  }
+  scratch.write("flight/a letter", "mine");
+  auto recorder = make({{}, flights});
+  ASSERT_TRUE(recorder.start());
+  recorder.on_fault(SessionFault::silence, clock.now_ns());
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_EQ(flight_files().size(), SessionRecorder::kMostKept + 1);
+  EXPECT_FALSE(std::filesystem::exists(flights / "flight-20000101T000000.000Z-clamped.hapton"));
+  EXPECT_TRUE(std::filesystem::exists(flights / "a letter"));
 }
 
 TEST_F(Recorders, a_file_that_cannot_be_written_is_an_error_at_the_start) {

@@ -46,6 +46,10 @@ void make_bad_files(const std::filesystem::path& folder) {
   write(folder / "nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
   write(folder / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
   write(folder / "good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write(folder / "short.key", "short");
+  write(folder / "open.key", std::string(32, 'k'));
+  std::filesystem::permissions(folder / "short.key", std::filesystem::perms(0600));
+  std::filesystem::permissions(folder / "open.key", std::filesystem::perms(0644));
   write(folder / "empty.csv", "");
   write(folder / "text.csv", "t_s,x_m,y_m,z_m\n0,a,0,0\n");
   write(folder / "good.csv", "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.01\n0.001,0.2,0.2,-0.001\n");
@@ -92,6 +96,10 @@ const std::vector<BadCall> kIoNode = {
     {"TrajectoryIsText", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/text.csv"}, "text.csv"},
     {"ConfigMissing", "io_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
     {"ConfigBroken", "io_node", {"--config", "FOLDER/broken.toml"}, "broken.toml"},
+    {"BeyondLoopbackWithoutKey", "io_node", {"--bind", "0.0.0.0:0"}, "--key FILE"},
+    {"KeyMissing", "io_node", {"--bind", "127.0.0.1:0", "--key", "FOLDER/gone.key"}, "gone.key"},
+    {"KeyTooShort", "io_node", {"--bind", "127.0.0.1:0", "--key", "FOLDER/short.key"}, "short.key: holds 5 bytes"},
+    {"KeyOpenToAll", "io_node", {"--bind", "0.0.0.0:0", "--key", "FOLDER/open.key"}, "chmod 600 FOLDER/open.key"},
 };
 
 const std::vector<BadCall> kHapticsNode = {
@@ -105,6 +113,8 @@ const std::vector<BadCall> kHapticsNode = {
     {"HubHasNoPort", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:"}, "127.0.0.1:"},
     {"SecondsIsText", "haptics_node", {"--seconds", "soon"}, "soon"},
     {"ConfigMissing", "haptics_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
+    {"HubBeyondLoopbackWithoutKey", "haptics_node", {"--hub", "192.0.2.1"}, "--key FILE"},
+    {"KeyMissing", "haptics_node", {"--hub", "192.0.2.1", "--key", "FOLDER/gone.key"}, "gone.key"},
 };
 
 const std::vector<BadCall> kTools = {
@@ -131,6 +141,9 @@ const std::vector<BadCall> kTools = {
      {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/no/such/folder/r.csv"},
      "r.csv"},
     {"PlotMissing", "hapton", {"plot", "FOLDER/gone"}, "gone"},
+    {"KeygenOverAFile", "hapton", {"keygen", "FOLDER/good.obj"}, "good.obj"},
+    {"KeygenNowhere", "hapton", {"keygen", "FOLDER/no/such/key"}, "no/such/key"},
+    {"SetBeyondLoopbackWithoutKey", "hapton", {"set", "--hub", "192.0.2.1", "--rate", "1000"}, "--key FILE"},
 };
 
 std::string name_of(const ::testing::TestParamInfo<BadCall>& info) { return info.param.name; }
@@ -145,6 +158,7 @@ const std::vector<BadCall> kVisionNode = {
     {"UnknownStereo", "vision_node", {"--stereo", "cubist"}, "cubist"},
     {"SceneMissing", "vision_node", {"--scene", "FOLDER/gone.toml"}, "gone.toml"},
     {"SceneBroken", "vision_node", {"--scene", "FOLDER/broken.toml"}, "broken.toml"},
+    {"HubBeyondLoopbackWithoutKey", "vision_node", {"--hub", "192.0.2.1"}, "--key FILE"},
     {"SizeIsText", "vision_node", {"--size", "large"}, "large"},
     {"DisplayUnreachable", "vision_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml"}, "isplay"},
 };

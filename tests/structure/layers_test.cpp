@@ -65,7 +65,7 @@ bool is_impure(const std::string& include) {
   static const std::regex kImpure(
       R"(^(thread|mutex|shared_mutex|condition_variable|future|stop_token|semaphore|latch|barrier|chrono|ctime|time\.h|fstream|iostream)"
       R"(|filesystem|cstdio|stdio\.h|print|syncstream|unistd\.h|fcntl\.h|pthread\.h|sys/.*|spdlog/.*|fmt/(ostream|os|chrono|color)\.h)"
-      R"(|boost/.*|google/.*|nlohmann/.*|toml.*|CLI/.*|hidapi.*)$)");
+      R"(|boost/.*|google/.*|nlohmann/.*|(external/)?toml.*|CLI/.*|hidapi.*)$)");
   return std::regex_match(include, kImpure) || is_socket(include) || is_vtk(include) || is_generated_by_protobuf(include);
 }
 

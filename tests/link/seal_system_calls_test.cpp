@@ -1,0 +1,63 @@
+// Sealing and opening, as every datagram of a session goes through them, ask nothing of the kernel.
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <array>
+#include <memory>
+
+#include "link/codec.h"
+#include "link/endpoint.h"
+#include "link/sealed_channel.h"
+#include "tests/support/system_call_guard.h"
+
+namespace hapton {
+namespace {
+
+struct BothSides {
+  SealedChannel client;
+  SealedChannel hub;
+  Codec codec;
+
+  BothSides() {
+    seal::start_crypto();
+    LinkKey::Bytes shared;
+    shared.fill(42);
+    seal::Nonce client_nonce;
+    client_nonce.fill(1);
+    seal::Nonce hub_nonce;
+    hub_nonce.fill(2);
+    const auto keys = seal::derive_session_keys(LinkKey(shared), client_nonce, hub_nonce);
+    client = SealedChannel(keys, 7, SealedChannel::Side::client);
+    hub = SealedChannel(keys, 7, SealedChannel::Side::hub);
+  }
+
+  bool exchange(std::uint64_t n) {
+    std::array<std::byte, kMaxDatagramBytes> plain;
+    std::array<std::byte, kMaxDatagramBytes> sealed;
+    std::array<std::byte, kMaxDatagramBytes> opened;
+    ForceCommand force;
+    force.echo_sample = n;
+    const std::size_t size = codec.encode({{1, 2, n, 4}, force}, plain);
+    const std::size_t sealed_size = client.seal(std::span(plain).first(size), sealed);
+    std::size_t opened_size = 0;
+    if (hub.open(std::span(sealed).first(sealed_size), opened, opened_size) != OpenStatus::opened) return false;
+    Datagram heard;
+    return codec.decode(std::span(opened).first(opened_size), heard) == DecodeStatus::ok;
+  }
+};
+
+TEST(SealSystemCalls, a_datagram_sealed_and_opened_makes_none) {
+  if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
+  std::unique_ptr<BothSides> sides;
+  EXPECT_EQ(SystemCallGuard::run([&] { sides = std::make_unique<BothSides>(); },
+                                 [&] {
+                                   for (std::uint64_t n = 1; n <= 2000; ++n) {
+                                     if (!sides->exchange(n)) _exit(9);
+                                   }
+                                 }),
+            "");
+}
+
+}  // namespace
+}  // namespace hapton
