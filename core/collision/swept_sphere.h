@@ -88,6 +88,26 @@ bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double 
   return true;
 }
 
+// As comes_nearer, but asks the tangents first, which mostly settle it in a few steps where normals are sure enough.
+template <class Shape>
+bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double until, double level, double tolerance) {
+  constexpr int kFewIterations = 8;
+  const double length = motion.norm();
+  double t = from;
+  for (int i = 0; i < kFewIterations; ++i) {
+    const Separation now = shape.separation(p + t * motion);
+    const double slope = now.normal.dot(motion);
+    const double doubt = normal_error(now) * length;
+    const double gap = now.distance - level;
+    if (slope - doubt >= 0.0) return false;
+    if (gap <= tolerance && slope + doubt < 0.0) return true;
+    if (gap <= tolerance) break;
+    t += gap / (doubt - slope);
+    if (!(t <= until)) return false;
+  }
+  return comes_nearer(shape, p, motion, from, until, level, tolerance);
+}
+
 // When the motion from p must stop before a triangle, as t in [0, until], or kNever where it may pass until then. It must stop
 // where the distance reaches clearance.rest, but only if it would later come nearer than rest - slack: grazing within the slack
 // passes. Most triangles are settled by the two tangents of the convex distance, one at each end.
@@ -119,7 +139,7 @@ double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   // What rounding took from a proxy that is as near as can be does not hold it.
   const double level = start.distance >= low - 64.0 * clearance.tolerance ? std::min(low, start.distance) : low;
   if (start.distance < level || end.distance < level) return stop;
-  return comes_nearer(shape, p, motion, stop, until, level, clearance.tolerance) ? stop : kNever;
+  return dips_below(shape, p, motion, stop, until, level, clearance.tolerance) ? stop : kNever;
 }
 
 // What a triangle that blocks `motion` at p is to be taken for: usually how it stands to p. But a point probe just before a shallow

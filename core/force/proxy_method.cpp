@@ -200,11 +200,18 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   }
 }
 
+ContactTriangle ProxyMethod::shape_of(std::uint32_t triangle) const noexcept {
+  return {geometry_.corner(triangle, 0), geometry_.corner(triangle, 1), geometry_.corner(triangle, 2)};
+}
+
 void ProxyMethod::save(Stand& stand) const noexcept {
   stand.proxy = proxy_;
   stand.free = free_;
   stand.sliding = sliding_;
-  std::copy_n(touching_.begin(), touching_count_, stand.touching.begin());
+  for (int i = 0; i < touching_count_; ++i) {
+    stand.triangles[i] = touching_[i].triangle;
+    stand.separations[i] = touching_[i].separation;
+  }
   stand.touching_count = touching_count_;
   stand.push = push_;
   stand.pushing_count = pushing_count_;
@@ -214,7 +221,9 @@ void ProxyMethod::restore(const Stand& stand) noexcept {
   proxy_ = stand.proxy;
   free_ = stand.free;
   sliding_ = stand.sliding;
-  std::copy_n(stand.touching.begin(), stand.touching_count, touching_.begin());
+  for (int i = 0; i < stand.touching_count; ++i) {
+    touching_[i] = {stand.triangles[i], shape_of(stand.triangles[i]), stand.separations[i]};
+  }
   touching_count_ = stand.touching_count;
   push_ = stand.push;
   pushing_count_ = stand.pushing_count;
@@ -407,8 +416,7 @@ void ProxyMethod::note_grazed(const Separation& at, std::uint32_t triangle) noex
   for (int i = 0; i < touching_count_; ++i) {
     if (touching_[i].triangle == triangle) return;
   }
-  const ContactTriangle shape(geometry_.corner(triangle, 0), geometry_.corner(triangle, 1), geometry_.corner(triangle, 2));
-  touching_[touching_count_++] = {triangle, shape, at};
+  touching_[touching_count_++] = {triangle, shape_of(triangle), at};
 }
 
 void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
@@ -441,7 +449,7 @@ void ProxyMethod::keep_touching(const Vec3& blocked_motion) noexcept {
     const std::uint32_t triangle = blockers_[b].triangle;
     Touch& touch = touching_[kept];
     touch.triangle = triangle;
-    touch.shape = ContactTriangle(geometry_.corner(triangle, 0), geometry_.corner(triangle, 1), geometry_.corner(triangle, 2));
+    touch.shape = shape_of(triangle);
     touch.separation = blocking_separation(touch.shape, proxy_, blocked_motion, clearance_);
     if (touch.separation.distance <= reach) ++kept;
   }

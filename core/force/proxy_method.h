@@ -80,7 +80,8 @@ class ProxyMethod final : public ForceMethod {
     Vec3 proxy = Vec3::Zero();
     bool free = true;
     bool sliding = false;
-    std::array<Touch, kMaxTouching> touching;
+    std::array<std::uint32_t, kMaxTouching> triangles;
+    std::array<Separation, kMaxTouching> separations;
     int touching_count = 0;
     std::array<double, 3> push = {0, 0, 0};
     int pushing_count = 0;
@@ -103,6 +104,7 @@ class ProxyMethod final : public ForceMethod {
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
   void descend(const Vec3& device) noexcept;
+  ContactTriangle shape_of(std::uint32_t triangle) const noexcept;
   void save(Stand& stand) const noexcept;
   void restore(const Stand& stand) noexcept;
   bool escape(const Vec3& device) noexcept;

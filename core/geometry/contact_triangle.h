@@ -51,32 +51,30 @@ class ContactTriangle {
       return {distance, unit, p - distance * unit, Feature::face};
     }
     double best = std::numeric_limits<double>::infinity();
+    Vec3 best_off = Vec3::Zero();
     int best_edge = 0;
     double best_t = 0.0;
     for (int k = 0; k < 3; ++k) {
       if (inside[k]) continue;
       const double t = std::min(1.0, std::max(0.0, from[k].dot(edge_[k]) * inverse_squared_[k]));
-      const double squared = (from[k] - t * edge_[k]).squaredNorm();
+      const Vec3 off = from[k] - t * edge_[k];
+      const double squared = off.squaredNorm();
       if (!(squared < best)) continue;
       best = squared;
+      best_off = off;
       best_edge = k;
       best_t = t;
     }
     Separation result;
-    Vec3 off;
-    if (best_t > 0.0 && best_t < 1.0) {
-      result.feature = Feature::edge;
-      result.nearest = corner_[best_edge] + best_t * edge_[best_edge];
-      off = detail::way_from_line(p, corner_[best_edge], edge_[best_edge], best_t, inverse_squared_[best_edge]);
-    } else {
-      const int end = best_t > 0.0 ? (best_edge + 1) % 3 : best_edge;
-      result.feature = Feature::vertex;
-      result.nearest = corner_[end];
-      off = from[end];
+    result.nearest = corner_[best_edge] + best_t * edge_[best_edge];
+    result.feature = best_t > 0.0 && best_t < 1.0 ? Feature::edge : Feature::vertex;
+    if (result.feature == Feature::edge && best * inverse_squared_[best_edge] < detail::kShort) {
+      best_off = detail::squared_to(edge_[best_edge], inverse_squared_[best_edge], best_off);
+      best = best_off.squaredNorm();
     }
-    result.distance = off.norm();
+    result.distance = std::sqrt(best);
     if (result.distance > 0.0) {
-      result.normal = off / result.distance;
+      result.normal = best_off / result.distance;
     } else if (!normal_.isZero(0.0)) {
       result.normal = normal_;
     } else {

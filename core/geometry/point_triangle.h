@@ -31,20 +31,11 @@ inline double normal_error(const Separation& s) {
 
 namespace detail {
 
-// p - (a + t * edge), t being where p is nearest on the line: its size and direction are right to a few units in the last place however
-// small it is against p, a and the edge. Differences keep their rounding (Knuth's two-sum), what t's own rounding leaves along the edge
-// is taken off again. Pre: the edge is exact (see TouchGeometry).
-inline Vec3 way_from_line(const Vec3& p, const Vec3& a, const Vec3& edge, double t, double inverse_squared) {
-  Vec3 off;
-  for (int i = 0; i < 3; ++i) {
-    const double difference = p[i] - a[i];
-    const double back = p[i] - difference;
-    const double rounding = (back - a[i]) + (p[i] - (difference + back));
-    off[i] = std::fma(-t, edge[i], difference) + rounding;
-  }
-  const double along = off.dot(edge) * inverse_squared;
-  return off - along * edge;
-}
+// Of squares: a way shorter than 2^-20 of the edge has lost too many digits of its direction.
+constexpr double kShort = 0x1p-40;
+
+// What is left along the edge of a way from it is rounding of the nearest point's place: taken off, the way is square to the edge.
+inline Vec3 squared_to(const Vec3& edge, double inverse_squared, const Vec3& off) { return off - (off.dot(edge) * inverse_squared) * edge; }
 
 struct NearestOnEdge {
   double distance_squared;
@@ -60,7 +51,8 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b
   if (!(dot > 0.0)) return {(p - a).squaredNorm(), p - a, a, false};
   if (!(dot < length_squared)) return {(p - b).squaredNorm(), p - b, b, false};
   const double t = dot / length_squared;
-  const Vec3 off = way_from_line(p, a, edge, t, 1.0 / length_squared);
+  Vec3 off = (p - a) - t * edge;
+  if (off.squaredNorm() < kShort * length_squared) off = squared_to(edge, 1.0 / length_squared, off);
   return {off.squaredNorm(), off, a + t * edge, true};
 }
 
