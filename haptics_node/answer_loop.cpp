@@ -55,7 +55,7 @@ void AnswerLoop::hear(const Message& message) noexcept {
     }
     if (hub_.session() != session_) {
       session_ = hub_.session();
-      step_.restart();
+      step_.resume();
     }
     arrival_ns_ = hub_.receive_time_ns();
     step_.offer(*state);

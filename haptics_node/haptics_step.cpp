@@ -31,7 +31,7 @@ ForceCommand HapticsStep::answer() noexcept {
   input_.X_WS = X_WS_;
   last_time_ns_ = state_.sample_time_ns;
   if (!running_) {
-    touch_->reset(input_);
+    touch_->reset(make_start());
   } else {
     remember_answered();
   }
@@ -54,6 +54,22 @@ ForceCommand HapticsStep::answer() noexcept {
           .answered_before = answered_before_};
 }
 
+// Where a method begins that knows nothing yet: at the device, or off the surface, on the side that was felt, that it rested on before.
+TouchInput HapticsStep::make_start() noexcept {
+  const std::optional<Vec3> p_WP = state_.is_resumed ? std::optional(state_.p_WP) : std::exchange(p_WP_, std::nullopt);
+  TouchInput start = input_;
+  if (!p_WP) return start;
+  const Vec3 outward = *p_WP - input_.p_WD;
+  if (outward.norm() > 0.0 && outward.norm() <= kResumeReachM) start.p_WD = *p_WP + offset_m_ * outward.normalized();
+  return start;
+}
+
+void HapticsStep::resume() noexcept {
+  const bool is_felt = running_ && felt_.contact;
+  restart();
+  if (is_felt) p_WP_ = input_.p_WD + felt_.visual_offset_m;
+}
+
 // Moves the answers known of on by as many samples as have passed, and adds the last one.
 void HapticsStep::remember_answered() noexcept {
   const std::uint64_t passed = state_.sample - last_sample_;
@@ -71,6 +87,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
     return false;
   }
   ++counts_.views_taken;
+  p_WP_.reset();
   X_WS_ = *pose;
   view_ = view;
   return true;

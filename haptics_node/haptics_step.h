@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/force/touch_step.h"
 #include "link/messages.h"
@@ -44,7 +45,11 @@ class HapticsStep {
   void restart() noexcept {
     running_ = false;
     answered_before_ = 0;
+    p_WP_.reset();
   }
+
+  // A new hub session begins: as restart, but contact goes on where the probe rests, if the device is still near (kResumeReachM).
+  void resume() noexcept;
 
   // The newest view transform taken.
   const ViewTransform& view() const noexcept { return view_; }
@@ -54,14 +59,16 @@ class HapticsStep {
 
  private:
   void remember_answered() noexcept;
+  TouchInput make_start() noexcept;
 
   std::unique_ptr<TouchStep> touch_;
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;
   DeviceState state_;
-  TouchInput input_;  // last answered
-  TouchOutput felt_;  // last answered
+  TouchInput input_;          // last answered
+  TouchOutput felt_;          // last answered
+  std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
   std::int64_t last_time_ns_ = 0;
   std::uint64_t last_sample_ = 0;      // answered
   std::uint64_t answered_before_ = 0;  // as in ForceCommand, of the answer to come: without last_sample_

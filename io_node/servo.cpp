@@ -127,8 +127,11 @@ void Servo::sample_device() noexcept {
   const bool is_expected =
       haptics_alive(sample_.time_ns) && sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
   ledger_.take(sample_number_, sample_.time_ns, is_expected);
-  const std::size_t reached =
-      peers_.send_to_role(NodeRole::haptics, DeviceState{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons});
+  p_WD_[sample_number_ % p_WD_.size()] = sample_.p_WD;
+  DeviceState state{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons};
+  state.is_resumed = is_haptics_new_ && p_WP_ && (*p_WP_ - sample_.p_WD).norm() <= kResumeReachM;
+  if (state.is_resumed) state.p_WP = *p_WP_;
+  const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
   stats_.states_sent += reached;
   if (ways_ != nullptr && reached > 0) ways_->on_state_sent(sample_number_, sample_.time_ns);
   if (!std::exchange(is_force_new_, false)) hold_force();
@@ -220,6 +223,7 @@ void Servo::on_force(const ForceCommand& command) noexcept {
     stats_.force_age.record(written_ns - command.echo_sample_time_ns);
     if (ways_ != nullptr) ways_->on_force_written(ready_ns, written_ns);
     last_force_ = command;
+    remember_probe(command);
   }
   if (ways_ != nullptr) ways_->on_force(incoming_.header, command, ready_ns);
   stats_.round_trip.record(round_trip_ns);
@@ -229,7 +233,15 @@ void Servo::on_force(const ForceCommand& command) noexcept {
   stats_.contact_samples += command.contact ? 1 : 0;
 }
 
+// So that a haptics node that comes in its stead can go on from there.
+void Servo::remember_probe(const ForceCommand& command) noexcept {
+  is_haptics_new_ = false;
+  const bool is_known = command.contact && sample_number_ - command.echo_sample < p_WD_.size();
+  p_WP_ = is_known ? std::optional<Vec3>(p_WD_[command.echo_sample % p_WD_.size()] + command.visual_offset_m) : std::nullopt;
+}
+
 void Servo::on_view(const ViewTransform& view) noexcept {
+  if (!view_ || view_->revision != view.revision) p_WP_.reset();
   view_ = view;
   stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
@@ -272,6 +284,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   if (ways_ != nullptr) ways_->on_joined(event.peer, peers_.peer(event.peer).address);
   if (event.peer == hand_leader_) on_hand({}, event.peer);
   if (event.role != NodeRole::haptics) return;
+  is_haptics_new_ = true;
   ledger_.excuse_waiting();
   if (!view_) return;
   stats_.views_forwarded += peers_.send_to(event.peer, *view_) ? 1 : 0;

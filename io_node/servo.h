@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -100,6 +101,7 @@ class Servo {
   void hear(const PeerEvent& event, const Datagram& datagram) noexcept;
   void hear_message(const PeerEvent& event, const Datagram& datagram) noexcept;
   void on_force(const ForceCommand& command) noexcept;
+  void remember_probe(const ForceCommand& command) noexcept;
   void on_view(const ViewTransform& view) noexcept;
   void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
@@ -153,6 +155,9 @@ class Servo {
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
   std::int64_t accepted_ns_ = 0;  // the last force that the guard let pass
+  std::array<Vec3, 64> p_WD_ = {};  // of the newest samples, by number
+  std::optional<Vec3> p_WP_;        // where the probe rests, in contact, as far as known
+  bool is_haptics_new_ = false;     // it has not answered yet
   ForceCommand last_force_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;

@@ -59,6 +59,8 @@ void write(const DeviceState& from, wire::DeviceState& to) {
   write_vector(*to.mutable_p_wd_m(), from.p_WD);
   write_rotation(*to.mutable_q_wt(), from.q_WT);
   to.set_buttons(from.buttons);
+  to.mutable_p_wp_m()->Clear();
+  if (from.is_resumed) write_vector(*to.mutable_p_wp_m(), from.p_WP);
 }
 
 void write(const ForceCommand& from, wire::ForceCommand& to) {
@@ -187,7 +189,9 @@ bool read(const wire::DeviceState& from, DeviceState& to) {
   to.sample = from.sample();
   to.sample_time_ns = from.sample_time_ns();
   to.buttons = from.buttons();
-  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT);
+  to.is_resumed = from.p_wp_m_size() != 0;
+  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
+         (!to.is_resumed || read_vector(from.p_wp_m(), to.p_WP));
 }
 
 bool read(const wire::ForceCommand& from, ForceCommand& to) {
@@ -407,6 +411,7 @@ struct Codec::Wire {
     reserve_unknown(*e.mutable_device_state());
     reserve_field(*e.mutable_device_state()->mutable_p_wd_m());
     reserve_field(*e.mutable_device_state()->mutable_q_wt());
+    reserve_field(*e.mutable_device_state()->mutable_p_wp_m());
     reserve_unknown(*e.mutable_force_command());
     reserve_field(*e.mutable_force_command()->mutable_force_n());
     reserve_field(*e.mutable_force_command()->mutable_visual_offset_m());

@@ -27,6 +27,10 @@ struct Welcome {
 // node -> hub or hub -> node: leaving on purpose.
 struct Bye {};
 
+// Contact outlives who works it out: a haptics node, or the hub, that is new goes on where the probe rested when it was last felt, unless
+// the device is further from there by now than this. Then the hand has gone elsewhere, and what lies between is not to be felt.
+constexpr double kResumeReachM = 0.02;
+
 // hub -> haptics, once a servo cycle.
 struct DeviceState {
   std::uint64_t sample = 0;         // counts servo cycles
@@ -34,6 +38,8 @@ struct DeviceState {
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;
+  bool is_resumed = false;   // p_WP is told: until a new haptics node has answered
+  Vec3 p_WP = Vec3::Zero();  // where the probe rested, in contact, when another node last told
 };
 
 // haptics -> hub, one for every DeviceState, at once.

@@ -145,18 +145,21 @@ TEST_F(AnswerLoopTest, TheHubIsToldTheSetupAtOnceOnceASecondAndWhenTheMethodChan
   EXPECT_STREQ(setups_.back().method.data(), "name=sweep");
 }
 
-TEST_F(AnswerLoopTest, ANewHubSessionStartsInFreeSpace) {
-  exchange({0.01, 0.01, 0.001});
-  ASSERT_TRUE(exchange({0.01, 0.01, -0.002})->contact);
-  start_hub(2);
-  for (int i = 0; i < 2000 && client_.session() != 2; ++i) {
-    turn(1 * kMs);
-    hear();
+TEST_F(AnswerLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {
+  std::uint64_t session = 1;
+  for (const double depth : {0.002, 1.1 * kResumeReachM}) {
+    exchange({0.01, 0.01, 0.001});
+    ASSERT_TRUE(exchange({0.01, 0.01, -0.002})->contact);
+    start_hub(++session);
+    for (int i = 0; i < 2000 && client_.session() != session; ++i) {
+      turn(1 * kMs);
+      hear();
+    }
+    ASSERT_EQ(client_.session(), session);
+    const auto command = exchange({0.01, 0.01, -depth});
+    ASSERT_TRUE(command);
+    EXPECT_EQ(command->contact, depth < kResumeReachM) << depth;
   }
-  ASSERT_EQ(client_.session(), 2U);
-  const auto command = exchange({0.01, 0.01, -0.002});
-  ASSERT_TRUE(command);
-  EXPECT_FALSE(command->contact);
 }
 
 TEST_F(AnswerLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {

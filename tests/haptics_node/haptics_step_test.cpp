@@ -49,6 +49,36 @@ TEST(HapticsStep, AnswersWithForceOffsetAndEcho) {
   EXPECT_EQ(step.counts().contact_steps, 1U);
 }
 
+TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
+  States states;
+  DeviceState inside = states.at({0.01, 0.01, -0.002});
+  HapticsStep ignorant(make_touch(), kOffset);
+  EXPECT_FALSE(answer(ignorant, inside).contact) << "it begins below the sheet";
+
+  inside.is_resumed = true;
+  inside.p_WP = Vec3(0.01, 0.01, 0.0);
+  HapticsStep told(make_touch(), kOffset);
+  const ForceCommand felt = answer(told, inside);
+  EXPECT_TRUE(felt.contact);
+  EXPECT_NEAR((felt.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
+
+  // The hand has gone too far since.
+  inside.p_WD.z() = -1.1 * kResumeReachM;
+  HapticsStep late(make_touch(), kOffset);
+  EXPECT_FALSE(answer(late, inside).contact);
+}
+
+TEST(HapticsStep, GoesOnFeelingInANewSessionUnlessToldToForget) {
+  for (const bool forgets : {false, true}) {
+    HapticsStep step(make_touch(), kOffset);
+    States states;
+    answer(step, states.at({0.01, 0.01, 0.001}));
+    ASSERT_TRUE(answer(step, states.at({0.01, 0.01, -0.002})).contact);
+    forgets ? step.restart() : step.resume();
+    EXPECT_EQ(answer(step, states.at({0.01, 0.011, -0.003})).contact, !forgets);
+  }
+}
+
 TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
   HapticsStep step(make_touch(), kOffset);
   States states;

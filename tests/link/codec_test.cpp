@@ -53,7 +53,7 @@ class RandomDatagrams {
       case 2:
         return Bye{};
       case 3:
-        return DeviceState{bits(), time, vector(), rotation(), bits32()};
+        return draw_state(time);
       case 4:
         return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits()};
       case 5:
@@ -84,6 +84,13 @@ class RandomDatagrams {
     part.size = static_cast<std::uint16_t>(bits() % (part.text.size() + 1));
     std::fill_n(part.text.begin(), part.size, static_cast<char>(bits()));
     return part;
+  }
+
+  DeviceState draw_state(std::int64_t time) {
+    DeviceState state{bits(), time, vector(), rotation(), bits32()};
+    state.is_resumed = flag();
+    if (state.is_resumed) state.p_WP = vector();
+    return state;
   }
 
   HapticsSetup draw_setup() {
@@ -122,6 +129,8 @@ void expect_equal(const DeviceState& a, const DeviceState& b) {
   EXPECT_EQ(a.p_WD, b.p_WD);
   EXPECT_EQ(a.q_WT.coeffs(), b.q_WT.coeffs());
   EXPECT_EQ(a.buttons, b.buttons);
+  EXPECT_EQ(a.is_resumed, b.is_resumed);
+  EXPECT_EQ(a.p_WP, b.p_WP);
 }
 void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);
@@ -420,6 +429,7 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   for (const double bad : {nan, infinity, -infinity, 2 * kMaxWireMagnitude}) {
     EXPECT_EQ(round_trip(DeviceState{.p_WD = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(DeviceState{.q_WT = Quat(1, 0, bad, 0)}), DecodeStatus::bad_value);
+    EXPECT_EQ(round_trip(DeviceState{.is_resumed = true, .p_WP = Vec3(0, bad, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ForceCommand{.force_n = Vec3(0, 0, bad)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ForceCommand{.visual_offset_m = Vec3(bad, 0, 0)}), DecodeStatus::bad_value);
     EXPECT_EQ(round_trip(ProbeState{.visual_offset_m = Vec3(bad, 0, 0)}), DecodeStatus::bad_value);

@@ -1,0 +1,220 @@
+// Rows of docs/faults.md: what the hand feels when something dies, freezes, or the network is bad. Times are exact: they are simulated.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/faults/simulated_system.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = SimulatedSystem::kMs;
+constexpr std::int64_t kCycleNs = kMs;
+
+// No stronger than the device bears, and no faster than it passes on, from the first to the last force.
+void expect_bounded(const PressingDevice& device) {
+  const DeviceLimits& limits = device.limits();
+  const PressingDevice::Written* last = nullptr;
+  for (const auto& written : device.written) {
+    ASSERT_TRUE(written.force_n.allFinite());
+    ASSERT_LE(written.force_n.norm(), limits.max_force_n + 1e-9);
+    if (last != nullptr) {
+      // The guard steps once a cycle where nothing changes, so a change has a cycle at least.
+      const double passed_s = 1e-9 * static_cast<double>(std::max(written.time_ns - last->time_ns, std::int64_t{0}));
+      ASSERT_LE((written.force_n - last->force_n).norm(), limits.max_slew_n_per_s * passed_s + 1e-9)
+          << 1e-6 * static_cast<double>(written.time_ns) << " ms";
+    }
+    last = &written;
+  }
+}
+
+struct Faults : testing::Test {
+  // Contact with the full force of 2 mm at 1000 N/m.
+  void press(std::uint64_t seed = 1) {
+    system.emplace(seed);
+    system->start_haptics();
+    system->run_for_ns(500 * kMs);
+    ASSERT_NEAR(system->force_n().z(), 2.0, 0.05);
+  }
+  std::int64_t now_ns() const { return system->clock.now_ns(); }
+  std::optional<SimulatedSystem> system;
+};
+
+TEST_F(Faults, haptics_killed_in_contact_leaves_no_force_after_20_ms) {
+  press();
+  system->kill_haptics();
+  const std::int64_t killed_ns = now_ns();
+  system->run_for_ns(200 * kMs);
+  const auto zero_ns = system->zero_since_ns();
+  ASSERT_TRUE(zero_ns);
+  EXPECT_LE(*zero_ns - killed_ns, 20 * kMs + kCycleNs);
+  EXPECT_LE(system->stats().longest_release_ns, 20 * kMs + kCycleNs);
+  expect_bounded(system->device);
+}
+
+TEST_F(Faults, haptics_restarted_in_contact_is_felt_again_within_200_ms) {
+  for (const std::int64_t away_ns : {1 * kMs, 40 * kMs, 60 * kMs, 1500 * kMs}) {
+    press();
+    system->kill_haptics();
+    system->run_for_ns(away_ns);
+    system->start_haptics();
+    const std::int64_t restarted_ns = now_ns();
+    system->run_for_ns(1000 * kMs);
+    // A silence lies between, however short it was away: its place was still taken.
+    const auto felt_ns = system->felt_after_ns(std::max(restarted_ns, restarted_ns - away_ns + 25 * kMs));
+    ASSERT_TRUE(felt_ns) << away_ns;
+    EXPECT_LE(*felt_ns - restarted_ns, 200 * kMs) << away_ns;
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << away_ns;
+    expect_bounded(system->device);
+  }
+}
+
+TEST_F(Faults, haptics_frozen_leaves_no_force_and_thawed_ramps_it_in) {
+  for (const std::int64_t frozen_for_ns : {100 * kMs, 3000 * kMs}) {
+    press();
+    system->network.freeze(system->haptics->address(), true);
+    const std::int64_t frozen_ns = now_ns();
+    system->run_for_ns(frozen_for_ns);
+    ASSERT_TRUE(system->zero_since_ns());
+    EXPECT_LE(*system->zero_since_ns() - frozen_ns, 20 * kMs + kCycleNs);
+    system->network.freeze(system->haptics->address(), false);
+    const std::int64_t thawed_ns = now_ns();
+    system->run_for_ns(1000 * kMs);
+    ASSERT_TRUE(system->felt_after_ns(thawed_ns)) << frozen_for_ns;
+    EXPECT_LE(*system->felt_after_ns(thawed_ns) - thawed_ns, 300 * kMs) << frozen_for_ns;
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
+    expect_bounded(system->device);
+  }
+}
+
+TEST_F(Faults, hub_restarted_is_found_again_within_500_ms) {
+  press();
+  system->start_hub();
+  const std::int64_t restarted_ns = now_ns();
+  const std::size_t before = system->device.written.size();
+  system->run_for_ns(1000 * kMs);
+  ASSERT_TRUE(system->felt_after_ns(restarted_ns + 1));
+  EXPECT_LE(*system->felt_after_ns(restarted_ns + 1) - restarted_ns, 500 * kMs);
+  EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
+  // The new hub's first force is a step of its own ramp.
+  ASSERT_GT(system->device.written.size(), before);
+  EXPECT_LT(system->device.written[before].force_n.norm(), 0.1);
+}
+
+TEST_F(Faults, hub_frozen_and_thawed_goes_on_with_a_ramp) {
+  for (const std::int64_t frozen_for_ns : {30 * kMs, 700 * kMs, 5000 * kMs}) {
+    press();
+    const std::size_t before = system->device.written.size();
+    system->network.run_nodes_until(now_ns() + frozen_for_ns);
+    system->run_for_ns(1500 * kMs);
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << frozen_for_ns;
+    // The first that is written is not the force from before the gap: that one is too old by now.
+    ASSERT_GT(system->device.written.size(), before);
+    EXPECT_LE(system->device.written[before].force_n.norm(), 2.0);
+    EXPECT_GT(system->stats().missed_cycles, 0U);
+  }
+}
+
+TEST_F(Faults, a_storm_leaves_the_force_bounded_and_the_session_alive) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    press(seed);
+    const LinkFaults storm{.jitter_ns = 20 * kMs, .loss = 0.3, .burst_share = 0.05, .reorder = 0.1, .duplicate = 0.1, .corrupt = 0.05};
+    system->set_faults(storm, storm);
+    system->run_for_ns(5000 * kMs);
+    expect_bounded(system->device);
+    EXPECT_GT(system->stats().forces, 0U);
+    system->set_faults({}, {});
+    system->run_for_ns(1000 * kMs);
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << "seed " << seed;
+  }
+}
+
+TEST_F(Faults, jitter_alone_within_the_silence_limit_keeps_the_contact) {
+  press();
+  system->set_faults({.jitter_ns = 5 * kMs}, {.jitter_ns = 5 * kMs});
+  const std::uint64_t silences = system->stats().guard.silences;
+  system->run_for_ns(3000 * kMs);
+  EXPECT_EQ(system->stats().guard.silences, silences);
+  EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
+}
+
+TEST_F(Faults, a_partition_leaves_no_force_and_contact_returns_within_500_ms_of_its_end) {
+  for (const std::int64_t cut_for_ns : {100 * kMs, 600 * kMs, 3000 * kMs}) {
+    press();
+    system->set_faults({.partition = true}, {.partition = true});
+    const std::int64_t cut_ns = now_ns();
+    system->run_for_ns(cut_for_ns);
+    ASSERT_TRUE(system->zero_since_ns());
+    EXPECT_LE(*system->zero_since_ns() - cut_ns, 20 * kMs + kCycleNs);
+    system->set_faults({}, {});
+    const std::int64_t mended_ns = now_ns();
+    system->run_for_ns(1500 * kMs);
+    ASSERT_TRUE(system->felt_after_ns(mended_ns)) << cut_for_ns;
+    EXPECT_LE(*system->felt_after_ns(mended_ns) - mended_ns, 500 * kMs) << cut_for_ns;
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
+    expect_bounded(system->device);
+  }
+}
+
+TEST_F(Faults, a_partition_of_one_way_is_survived_too) {
+  for (const bool is_up : {true, false}) {
+    press();
+    const LinkFaults cut{.partition = true};
+    system->set_faults(is_up ? cut : LinkFaults(), is_up ? LinkFaults() : cut);
+    system->run_for_ns(3000 * kMs);
+    EXPECT_TRUE(system->zero_since_ns());
+    system->set_faults({}, {});
+    system->run_for_ns(1500 * kMs);
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << (is_up ? "to the hub" : "to the nodes");
+    expect_bounded(system->device);
+  }
+}
+
+// Nodes compare times of one clock only. What the other's clock shows, and that it leaps, makes no difference to the force.
+TEST_F(Faults, a_clock_that_steps_at_the_haptics_node_is_not_felt) {
+  press();
+  for (const std::int64_t step_ns : {3600'000'000'000LL, -7200'000'000'000LL, 1LL, -1'000'000LL}) {
+    system->haptics->clock.step_ns(step_ns);
+    const std::uint64_t silences = system->stats().guard.silences;
+    const std::uint64_t forces = system->stats().forces;
+    system->run_for_ns(1500 * kMs);
+    EXPECT_EQ(system->stats().guard.silences, silences) << step_ns;
+    EXPECT_NEAR(static_cast<double>(system->stats().forces - forces), 1500.0, 5.0) << step_ns;
+    EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << step_ns;
+  }
+  expect_bounded(system->device);
+}
+
+// The machine of the hub sleeps for an hour: its clock leaps, and the last force is not held.
+TEST_F(Faults, a_clock_that_leaps_at_the_hub_lets_go_and_begins_anew) {
+  press();
+  const std::size_t before = system->device.written.size();
+  system->clock.advance_ns(3600'000'000'000LL);
+  system->run_for_ns(2000 * kMs);
+  EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
+  // Within the first cycles the force has been zero.
+  bool was_zero = false;
+  for (std::size_t n = before; n < before + 5 && n < system->device.written.size(); ++n) {
+    was_zero = was_zero || system->device.written[n].force_n == Vec3::Zero();
+  }
+  EXPECT_TRUE(was_zero);
+}
+
+TEST_F(Faults, junk_by_the_hundred_a_cycle_is_not_felt) {
+  press();
+  std::vector<std::byte> junk(100);
+  std::uint64_t salt = 0;
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    for (int n = 0; n < 100; ++n) {
+      for (std::byte& byte : junk) byte = static_cast<std::byte>(++salt * 2654435761U >> 13);
+      system->network.inject({{9, 9}, static_cast<std::uint16_t>(salt)}, junk);
+    }
+    system->run_for_ns(kMs);
+  }
+  EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
+  EXPECT_EQ(system->stats().guard.silences, 0U);
+  EXPECT_GT(system->stats().seal.refused(), 90'000U);
+}
+
+}  // namespace
+}  // namespace hapton

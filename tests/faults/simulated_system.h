@@ -1,0 +1,179 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "haptics_node/answer_loop.h"
+#include "io_node/devices/model_a.h"
+#include "io_node/servo.h"
+#include "link/sealed_client.h"
+#include "link/sealed_hub.h"
+#include "tests/faults/simulated_network.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+
+// A clock that another one drives and that is off by whatever it is told.
+class ShiftedClock final : public Clock {
+ public:
+  explicit ShiftedClock(const Clock& base) : base_(base) {}
+  std::int64_t now_ns() const noexcept override { return base_.now_ns() + shift_ns_; }
+  void sleep_until_ns(std::int64_t) noexcept override {}
+  void step_ns(std::int64_t by_ns) noexcept { shift_ns_ += by_ns; }
+
+ private:
+  const Clock& base_;
+  std::int64_t shift_ns_ = 0;
+};
+
+// A device that comes down onto the top of a box, 0.1 m wide around the origin, in its first 100 ms, and then stays 2 mm inside it. What is
+// put on its motors is written down.
+class PressingDevice final : public Device {
+ public:
+  struct Written {
+    Vec3 force_n;
+    std::int64_t time_ns;
+  };
+
+  std::string_view name() const noexcept override { return "pressing"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    if (begin_ns_ == 0) begin_ns_ = now_ns;
+    const double share = std::min(1.0, 1e-8 * static_cast<double>(now_ns - begin_ns_));
+    return {now_ns, Vec3(0.01, 0.02, 0.06 - 0.012 * share), Quat::Identity(), 0};
+  }
+  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+  std::vector<Written> written;
+
+ private:
+  DeviceLimits limits_ = model_a::limits();
+  std::int64_t begin_ns_ = 0;
+};
+
+// One haptics node: its clock, its sealed way to the hub and its loop.
+class SimulatedHaptics {
+ public:
+  SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at)
+      : clock(time),
+        network_(network),
+        at_(at),
+        endpoint_(network.open_node(at, [this] { turn(); })),
+        sealed_(*endpoint_, clock, key, hub),
+        client_(sealed_, clock, NodeRole::haptics, hub),
+        step_(std::make_unique<TouchStep>(*make_method(settings(), scene())), 1e-5),
+        builder_(settings(), scene()),
+        loop_(client_, clock, step_, builder_) {}
+  ~SimulatedHaptics() { network_.kill(at_); }
+  SimulatedHaptics(const SimulatedHaptics&) = delete;
+  SimulatedHaptics& operator=(const SimulatedHaptics&) = delete;
+
+  const HubClient& client() const { return client_; }
+  const Address& address() const { return at_; }
+
+  ShiftedClock clock;
+
+ private:
+  static MethodSettings settings() { return {.name = "proxy"}; }
+  static TouchScene scene() { return {.objects = {{made::shared(made::box(Vec3::Constant(-0.05), Vec3::Constant(0.05))), {}}}}; }
+
+  void turn() {
+    // Before construction has ended the network has nothing for it.
+    loop_.turn(clock.now_ns());
+  }
+
+  SimulatedNetwork& network_;
+  Address at_;
+  std::unique_ptr<Endpoint> endpoint_;
+  SealedClient sealed_;
+  HubClient client_;
+  HapticsStep step_;
+  MethodBuilder builder_;
+  AnswerLoop loop_;
+};
+
+// The hub, its servo and a haptics node over a network that does what it is told; all of it the code that people run, but the clock.
+class SimulatedSystem {
+ public:
+  static constexpr std::int64_t kMs = 1'000'000;
+  static constexpr std::int64_t kWireNs = 30'000;  // each way when nothing is bad
+
+  explicit SimulatedSystem(std::uint64_t seed = 1) : network(clock, seed) {
+    set_faults({}, {});
+    start_hub();
+  }
+
+  // On top of what a good wire takes.
+  void set_faults(LinkFaults to_hub, LinkFaults to_nodes) {
+    to_hub.delay_ns += kWireNs;
+    to_nodes.delay_ns += kWireNs;
+    network.set_faults(to_hub, to_nodes);
+  }
+
+  // Another life of the hub at the same address.
+  void start_hub() {
+    servo.reset();
+    peers_.reset();
+    sealed_.emplace(*hub_endpoint_, clock, key_);
+    peers_.emplace(*sealed_, clock, ++session_, 1000.0);
+    servo = std::make_unique<Servo>(device, *peers_, clock, Servo::Options{});
+  }
+
+  void start_haptics() {
+    Address at{{}, next_port_++};
+    at.ip = hub_address_.ip;
+    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at);
+  }
+  // As kill -9 does: not a word more.
+  void kill_haptics() {
+    network.kill(haptics->address());
+    haptics.reset();
+  }
+
+  void run_for_ns(std::int64_t duration_ns) {
+    const std::int64_t end_ns = clock.now_ns() + duration_ns;
+    while (clock.now_ns() < end_ns) servo->step();
+  }
+
+  const ServoStats& stats() { return servo->collect_stats(); }
+  Vec3 force_n() const { return device.written.empty() ? Vec3(Vec3::Zero()) : device.written.back().force_n; }
+
+  // When the force became zero after that time, and stayed so until the newest record; none: it has not.
+  std::optional<std::int64_t> zero_since_ns() const {
+    std::optional<std::int64_t> since;
+    for (const auto& written : device.written) {
+      if (written.force_n != Vec3::Zero())
+        since.reset();
+      else if (!since)
+        since = written.time_ns;
+    }
+    return since;
+  }
+  // When a force was felt first at or after that time.
+  std::optional<std::int64_t> felt_after_ns(std::int64_t time_ns) const {
+    for (const auto& written : device.written) {
+      if (written.time_ns >= time_ns && written.force_n != Vec3::Zero()) return written.time_ns;
+    }
+    return std::nullopt;
+  }
+
+  SimulatedClock clock{1'000'000'000'000'000};
+  SimulatedNetwork network;
+  PressingDevice device;
+  std::unique_ptr<Servo> servo;
+  std::unique_ptr<SimulatedHaptics> haptics;
+
+ private:
+  LinkKey key_ = LinkKey::make_random();
+  Address hub_address_{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 4950};
+  std::unique_ptr<Endpoint> hub_endpoint_ = network.open_hub(hub_address_);
+  std::optional<SealedHub> sealed_;
+  std::optional<HubPeers> peers_;
+  std::uint64_t session_ = 100;
+  std::uint16_t next_port_ = 5001;
+};
+
+}  // namespace hapton
