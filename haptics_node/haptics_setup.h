@@ -12,8 +12,8 @@ namespace hapton {
 // What a haptics node that begins with these settings tells the hub of itself. RT: set-up only.
 HapticsSetup make_haptics_setup(const std::filesystem::path& scene, std::uint64_t scene_hash, const MethodSettings& method);
 
-// Puts a text into a field of HapticsSetup: what is not printable becomes a question mark, what is too long loses its front (the end of a path
-// says more). RT: yes.
+// Puts a text into a field of HapticsSetup: what is not printable becomes a question mark, what is too long loses its front (the end of a
+// path says more). RT: yes.
 void put_text(std::string_view text, HapticsSetup::Text& into) noexcept;
 
 }  // namespace hapton

@@ -42,7 +42,8 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--overrun", options.overrun, "A cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")
       ->check(CLI::IsMember({"skip", "catch-up", "stop"}))
       ->capture_default_str();
-  app.add_option("--spin", options.spin_share, "Share of a period that the loop may spin before its tick, at most; 0: it sleeps to the tick")
+  app.add_option("--spin", options.spin_share,
+                 "Share of a period that the loop may spin before its tick, at most; 0: it sleeps to the tick")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")

@@ -114,8 +114,8 @@ std::vector<ReportNode> make_nodes(const ServoStats& stats) {
 
 std::string describe_clocks(const WayStats& ways) {
   if (!ways.is_offset_known) return "not known yet";
-  const std::string measured =
-      fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(ways.clock_offset_ns), 1e-3 * static_cast<double>(ways.clock_error_ns));
+  const std::string measured = fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(ways.clock_offset_ns),
+                                           1e-3 * static_cast<double>(ways.clock_error_ns));
   return ways.is_one_clock ? "one clock; measured it would be " + measured : measured;
 }
 
@@ -132,8 +132,10 @@ void add_scheduling(LatencyReport& report, const SchedulingFigures& s) {
 }
 
 std::string describe_scheduling(const SchedulingFigures& s) {
-  return fmt::format("loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; kept waiting for a CPU {:.1f} ms, displaced {} times, {:.0f} ms stolen from the machine\n",
-                     100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
+  return fmt::format(
+      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; kept waiting for a CPU {:.1f} ms, displaced {} times, {:.0f} ms stolen from "
+      "the machine\n",
+      100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
 }
 
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {
@@ -196,9 +198,9 @@ std::string describe_run(const ServoStats& s, const SchedulingFigures& schedulin
                       s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.guard.silences,
                       s.guard.clamped, s.guard.slewed);
   if (s.seal.refused() > 0) {
-    text += fmt::format("refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form\n",
-                        s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place,
-                        s.seal.malformed);
+    text += fmt::format(
+        "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form\n",
+        s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place, s.seal.malformed);
   }
   if (s.missed_cycles + s.caught_up_cycles > 0) {
     text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));

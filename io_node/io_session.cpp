@@ -62,7 +62,8 @@ std::string_view main_cause(const ServoStats& stats) {
 
 }  // namespace
 
-IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options) : servo_(servo), clock_(clock), options_(options), watch_(options.spin_share, read_realtime_share()) {}
+IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
+    : servo_(servo), clock_(clock), options_(options), watch_(options.spin_share, read_realtime_share()) {}
 
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();

@@ -90,7 +90,7 @@ int run(const IoOptions& options) {
   SessionRecorder recorder(recording, make_session_header(options, session_id, clock), clock);
   ServoTap* tap = recording.record.empty() && recording.flight_folder.empty() ? nullptr : &recorder;
   HubPeers peers(sealed, clock, session_id, options.rate_hz);
-  const Servo::Options limits{options.rate_hz,     options.vision_rate_hz,  options.max_force_n,
+  const Servo::Options limits{options.rate_hz,          options.vision_rate_hz,  options.max_force_n,
                               options.max_slew_n_per_s, overrun_policy(options), options.spin_share};
   const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), tap);
   fmt::print("hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}\n", to_string((*endpoint)->local_address()), (*device)->name(),

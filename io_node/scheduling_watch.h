@@ -15,9 +15,9 @@ struct SchedulingFigures {
   double slept_share = 0.0;
   double waited_ms = 0.0;  // ready to run, but kept waiting for a CPU
   std::uint64_t involuntary_switches = 0;
-  double stolen_ms = 0.0;         // of the machine, by a hypervisor
-  double spin_limit = 0.0;        // share of a period that it may spin now
-  double realtime_share = 1.0;    // what the kernel allows all real-time threads together
+  double stolen_ms = 0.0;             // of the machine, by a hypervisor
+  double spin_limit = 0.0;            // share of a period that it may spin now
+  double realtime_share = 1.0;        // what the kernel allows all real-time threads together
   std::uint64_t near_throttling = 0;  // looks at which the loop had used nearly all of that
 };
 

@@ -40,18 +40,18 @@ struct ServoStats {
   LatencyHistogram bare_echo;
 
   std::uint64_t samples = 0;
-  std::uint64_t forces = 0;           // valid ForceCommands, each sample's first
-  std::uint64_t contact_samples = 0;  // of these, in contact
-  std::uint64_t missed_cycles = 0;    // ticks skipped because the loop came too late for them
-  std::uint64_t caught_up_cycles = 0; // run late, one after the other, instead of being skipped
+  std::uint64_t forces = 0;                           // valid ForceCommands, each sample's first
+  std::uint64_t contact_samples = 0;                  // of these, in contact
+  std::uint64_t missed_cycles = 0;                    // ticks skipped because the loop came too late for them
+  std::uint64_t caught_up_cycles = 0;                 // run late, one after the other, instead of being skipped
   std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
-  double frame_rate_hz = 0.0;  // as the vision node heard last says
-  double max_force_n = 0.0;    // written to the device
+  double frame_rate_hz = 0.0;           // as the vision node heard last says
+  double max_force_n = 0.0;             // written to the device
   std::int64_t longest_release_ns = 0;  // last force accepted -> zero on the device, of all silences
 
   SampleLedger::Counts ledger;

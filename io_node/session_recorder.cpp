@@ -172,8 +172,8 @@ void SessionRecorder::take(const SessionEntry& entry) {
 // A recording that cannot be written on is given up, and the session goes on without it.
 void SessionRecorder::write_entries(bool all) {
   if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
-  const bool good = std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() &&
-                    (!all || std::fflush(file_.get()) == 0);
+  const bool good =
+      std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() && (!all || std::fflush(file_.get()) == 0);
   counts_.file_bytes += good ? unwritten_.size() : 0;
   unwritten_.clear();
   if (good) return;

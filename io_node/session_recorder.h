@@ -20,9 +20,9 @@
 
 namespace hapton {
 
-// Writes down all that a servo does, at full rate, in a thread of its own: into one file for the whole session, and, after a fault, the last
-// two seconds into a file of their own that is named after it. The servo only copies into a ring; what finds no room there is counted, in the
-// file too. Flight records are few: one of a kind in kFlightEveryNs, kMostFlights a session; a folder keeps the newest kMostKept.
+// Writes down all that a servo does, at full rate, in a thread of its own: into one file for the whole session, and, after a fault, the
+// last two seconds into a file of their own that is named after it. The servo only copies into a ring; what finds no room there is counted,
+// in the file too. Flight records are few: one of a kind in kFlightEveryNs, kMostFlights a session; a folder keeps the newest kMostKept.
 // RT: the four on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
 class SessionRecorder final : public ServoTap {
  public:

@@ -11,8 +11,7 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
   SessionHeader header;
   header.build = build_id();
   header.start_ns = clock.now_ns();
-  header.start_unix_ns =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  header.start_unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   header.session = session;
   header.settings = {{"bind", options.bind},
                      {"device", options.device},

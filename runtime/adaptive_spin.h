@@ -7,10 +7,9 @@
 namespace hapton {
 
 // How long before a deadline a loop ends its sleep and spins, so that it is there in time although it wakes late. It learns from
-// every wake-up: the margin goes up when one came later than the margin covers and down, a ninety-ninth as far, when not, and so stays at the
-// lateness that one wake-up in a hundred exceeds. It never takes more than a share of the period.
-// Source: stochastic approximation of a quantile, Robbins & Monro 1951.
-// Units: ns. RT: yes. Threads: the loop's; set_limit and the totals also another.
+// every wake-up: the margin goes up when one came later than the margin covers and down, a ninety-ninth as far, when not, and so stays at
+// the lateness that one wake-up in a hundred exceeds. It never takes more than a share of the period. Source: stochastic approximation of a
+// quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit and the totals also another.
 class AdaptiveSpin {
  public:
   static constexpr double kCovered = 0.99;

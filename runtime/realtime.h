@@ -38,7 +38,8 @@ struct RealtimeItem {
 
 struct RealtimeReport {
   std::vector<RealtimeItem> items;
-  // Of a CPU's time, what the kernel lets real-time threads have before it throttles them; none without a priority, or when it does not say.
+  // Of a CPU's time, what the kernel lets real-time threads have before it throttles them; none without a priority, or when it does not
+  // say.
   std::optional<double> allowed_share;
 
   bool complete() const;

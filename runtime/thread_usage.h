@@ -10,11 +10,11 @@ namespace hapton {
 
 // What the system did with a thread since it began, as the system counts.
 struct ThreadUsage {
-  double run_s = 0.0;                   // on a CPU
-  double waited_s = 0.0;                // ready to run, but kept waiting for a CPU
+  double run_s = 0.0;     // on a CPU
+  double waited_s = 0.0;  // ready to run, but kept waiting for a CPU
   std::uint64_t voluntary_switches = 0;
   std::uint64_t involuntary_switches = 0;  // another thread took its CPU
-  double stolen_s = 0.0;                // of the whole machine: time that a hypervisor kept from it
+  double stolen_s = 0.0;                   // of the whole machine: time that a hypervisor kept from it
 };
 
 // The calling thread's number, for read_thread_usage. RT: set-up only.

@@ -109,8 +109,10 @@ class RecordedScenes {
 std::string describe(const FeltCounts& counts) {
   std::string text = fmt::format("felt again: {} steps, {} in contact; {} compared to the last bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
-  if (counts.lost_answers > 0) text += fmt::format("{} answers were lost on their way: stepped through, nothing to compare with\n", counts.lost_answers);
-  if (counts.not_compared > 0) text += fmt::format("{} steps not compared: contact that began before what the recording knows\n", counts.not_compared);
+  if (counts.lost_answers > 0)
+    text += fmt::format("{} answers were lost on their way: stepped through, nothing to compare with\n", counts.lost_answers);
+  if (counts.not_compared > 0)
+    text += fmt::format("{} steps not compared: contact that began before what the recording knows\n", counts.not_compared);
   if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);
   if (counts.missing_views > 0) text += fmt::format("{} answers with a view that is not in the recording\n", counts.missing_views);
   return text;

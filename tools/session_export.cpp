@@ -17,9 +17,10 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
     File& file;
     const char* name;
     const char* columns;
-  } tables[] = {{made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"},
-                {made.forces_, "forces.csv", "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us\n"},
-                {made.cycles_, "cycles.csv", "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause\n"}};
+  } tables[] = {
+      {made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"},
+      {made.forces_, "forces.csv", "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us\n"},
+      {made.cycles_, "cycles.csv", "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause\n"}};
   for (const auto& table : tables) {
     const auto path = folder / table.name;
     table.file.reset(std::fopen(path.c_str(), "w"));

@@ -52,7 +52,8 @@ Result<void> SessionFelt::settle(std::uint64_t up_to_sample) {
 Result<std::unique_ptr<TouchStep>> SessionFelt::make_method_of(std::uint32_t serial, double* offset_m) {
   const auto found = setups_.find({sender_, serial});
   if (found == setups_.end()) {
-    return fail("the recording does not say what its haptics node felt with; only a session of a haptics node of this version can be replayed");
+    return fail(
+        "the recording does not say what its haptics node felt with; only a session of a haptics node of this version can be replayed");
   }
   const auto settings = parse_method_text(found->second.method.data());
   if (!settings) return tl::unexpected(settings.error());

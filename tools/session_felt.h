@@ -35,9 +35,9 @@ struct FeltCounts {
   std::string first_difference;  // one line; empty: none
 };
 
-// Feels a recorded session again, in the order the haptics node did: give it the recording's entries one by one. It steps through exactly the
-// samples that were answered, with the view and the method that each answer names, and compares force, offset and contact to the last bit.
-// RT: no. Threads: one.
+// Feels a recorded session again, in the order the haptics node did: give it the recording's entries one by one. It steps through exactly
+// the samples that were answered, with the view and the method that each answer names, and compares force, offset and contact to the last
+// bit. RT: no. Threads: one.
 class SessionFelt {
  public:
   SessionFelt(HapticsSetups setups, MakeTouch make_touch);
@@ -63,9 +63,9 @@ class SessionFelt {
 
   HapticsSetups setups_;
   MakeTouch make_touch_;
-  std::map<std::uint64_t, DeviceState> states_;      // not passed yet
-  std::map<std::uint32_t, ViewTransform> views_;     // forwarded, by revision
-  std::map<std::uint64_t, ForceCommand> answers_;    // not felt again yet, by sample
+  std::map<std::uint64_t, DeviceState> states_;    // not passed yet
+  std::map<std::uint32_t, ViewTransform> views_;   // forwarded, by revision
+  std::map<std::uint64_t, ForceCommand> answers_;  // not felt again yet, by sample
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // felt again

@@ -12,9 +12,8 @@ namespace {
 constexpr std::size_t kFaultsListed = 20;
 
 const char* name_of(const Message& message) {
-  constexpr std::array kNames = {"Hello",         "Welcome",    "Bye",   "DeviceState", "ForceCommand", "ViewTransform",
-                                 "ProbeState", "Drawn", "HandTarget",  "Settings",     "HapticsSetup", "ReportAsk",
-                                 "ReportPart"};
+  constexpr std::array kNames = {"Hello", "Welcome",    "Bye",      "DeviceState",  "ForceCommand", "ViewTransform", "ProbeState",
+                                 "Drawn", "HandTarget", "Settings", "HapticsSetup", "ReportAsk",    "ReportPart"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
@@ -70,22 +69,24 @@ void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) 
 }
 
 std::string SessionSummary::to_text(const SessionHeader& header) const {
-  std::string text = fmt::format("{}, begun {}, {:.3f} s, {} entries\n", header.fault.empty() ? "session" : "flight record: " + header.fault,
-                                 date_of(header.start_unix_ns), seconds(), entries_);
+  std::string text =
+      fmt::format("{}, begun {}, {:.3f} s, {} entries\n", header.fault.empty() ? "session" : "flight record: " + header.fault,
+                  date_of(header.start_unix_ns), seconds(), entries_);
   text += fmt::format("hub: {}\n", header.build);
   std::string settings;
   for (const auto& [name, value] : header.settings) settings += fmt::format("{}{} {}", settings.empty() ? "" : ", ", name, value);
   text += fmt::format("settings: {}\n", settings);
   for (const auto& [key, setup] : setups_) {
-    text += fmt::format("haptics {:016x}: {}, scene {} ({:016x}), {}\n", key.first, setup.method.data(), setup.scene.data(), setup.scene_hash,
-                        setup.build.data());
+    text += fmt::format("haptics {:016x}: {}, scene {} ({:016x}), {}\n", key.first, setup.method.data(), setup.scene.data(),
+                        setup.scene_hash, setup.build.data());
   }
   text += fmt::format("  {:<14} {:>10} {:>10} {:>9}\n", "datagrams", "received", "sent", "kB/s");
   for (const auto& [name, traffic] : traffic_) {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;
     text += fmt::format("  {:<14} {:>10} {:>10} {:>9.1f}\n", name, traffic.received, traffic.sent, rate);
   }
-  text += fmt::format("forces: {} in contact, strongest asked {:.3f} N, strongest written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
+  text +=
+      fmt::format("forces: {} in contact, strongest asked {:.3f} N, strongest written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
   if (missed_ + causes_.size() > 0) {

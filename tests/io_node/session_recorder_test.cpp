@@ -25,7 +25,9 @@ struct Recorders : testing::Test {
   std::filesystem::path file = scratch.path() / "session.hapton";
   std::filesystem::path flights = scratch.path() / "flight";
 
-  SessionRecorder make(SessionRecorder::Options options) { return {std::move(options), {.build = "b", .start_ns = clock.now_ns(), .start_unix_ns = 1'800'000'000'000'000'000}, clock}; }
+  SessionRecorder make(SessionRecorder::Options options) {
+    return {std::move(options), {.build = "b", .start_ns = clock.now_ns(), .start_unix_ns = 1'800'000'000'000'000'000}, clock};
+  }
 
   std::vector<SessionEntry> read(const std::filesystem::path& path) {
     auto reader = SessionReader::open(path);

@@ -19,7 +19,9 @@ constexpr std::uint64_t kSender = 9;
 
 TouchScene one_sphere() { return {.objects = {{made::shared(made::sphere(0.05, 16)), {.friction_static = 0.4, .friction_dynamic = 0.3}}}}; }
 
-std::unique_ptr<TouchStep> make_touch(const char* method) { return std::make_unique<TouchStep>(*make_method({.name = method}, one_sphere())); }
+std::unique_ptr<TouchStep> make_touch(const char* method) {
+  return std::make_unique<TouchStep>(*make_method({.name = method}, one_sphere()));
+}
 
 // A haptics node at work, whose states and answers are handed to a recording.
 struct FeltAgain : testing::Test {
