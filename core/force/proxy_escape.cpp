@@ -12,6 +12,7 @@ constexpr double kBeside = 512.0;            // hovers: an edge or corner as nea
 constexpr double kLeastGain = 4.0;           // hovers: a step that nobody feels
 constexpr double kTip = 0x1p-6;              // of the probe: how far it is tipped
 constexpr double kFlat = 0x1p-20;            // slopes below this are level
+constexpr double kLevel = 0x1p-10;           // between planes that hold a sphere: less is one plane
 constexpr double kHeights[] = {8.0, 256.0};  // hovers
 
 }  // namespace
@@ -29,29 +30,31 @@ bool ProxyMethod::is_better(const Vec3& device) const noexcept {
 // A proxy held by an edge or corner with the device beyond it stands like a ball on a ridge: it is pushed to either side. So does one on
 // the very border of a face, and a sphere held so by two, which has only their line to go along.
 bool ProxyMethod::tip_over(const Vec3& device) noexcept {
-  if (pushing_count_ < 1 || pushing_count_ > 2) return false;
-  if (pushing_count_ == 2 && is_point_ && !is_in_corner()) return false;  // a fold
+  if (is_point_ && (pushing_count_ > 2 || (pushing_count_ == 2 && !is_in_corner()))) return false;  // a fold or pit
   int balanced = -1;
   for (int i = 0; i < pushing_count_; ++i) {
     const Separation& at = touching_[i].separation;
     if ((device - at.nearest).dot(at.normal) >= 0.0) continue;
-    if (at.feature != Feature::face || touching_[i].shape.border(at.nearest).distance <= kBeside * hover_) balanced = i;
+    if (at.feature == Feature::face && touching_[i].shape.border(at.nearest).distance > kBeside * hover_) continue;
+    if (balanced < 0 || push_[i] > push_[balanced]) balanced = i;
   }
   if (balanced < 0) return false;
   const Touch touch = touching_[balanced];
   const Vec3& normal = touch.separation.normal;
-  Vec3 first = pushing_count_ == 2 ? touching_[0].separation.normal.cross(touching_[1].separation.normal)
+  const Vec3 fold = pushing_count_ == 2 ? touching_[0].separation.normal.cross(touching_[1].separation.normal) : Vec3(Vec3::Zero());
+  const bool is_fold = fold.norm() > kLevel;
+  Vec3 first = is_fold ? fold
                : touch.separation.feature == Feature::vertex
-                   ? Vec3::Zero()
+                   ? Vec3(Vec3::Zero())
                    : normal.cross(touch.shape.edge(touch.shape.border(touch.separation.nearest).edge));
   first = first.isZero(0.0) ? normal.unitOrthogonal() : Vec3(first.normalized());
   const Vec3 second = normal.cross(first);
   const double far = std::max(kTip * clearance_.rest, 2.0 * kBeside * hover_);
   save(rest_);
-  for (const Vec3& sideways : {first, Vec3(-first), second, Vec3(-second)}) {
+  const std::array<Vec3, 4> ways = {first, -first, second, -second};
+  for (const Vec3& sideways : std::span(ways).first(is_fold ? 2 : 4)) {
     if (tip(device, far * sideways)) return true;
     restore(rest_);
-    if (pushing_count_ == 2 && sideways == -first) break;
   }
   return false;
 }

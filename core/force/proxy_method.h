@@ -64,8 +64,8 @@ class ProxyMethod final : public ForceMethod {
   static constexpr double kLargestReach = 2.0;      // local units: the scene's size
   static constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
   static constexpr int kMaxIdle = 6;
-  static constexpr double kCatchUp = 3.0;
-  static constexpr int kParts = 4;
+  static constexpr double kCatchUp = 1.01;  // of the stride
+  static constexpr int kParts = 8;
   static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
   static constexpr int kManyNear = 48;  // one of more is shrunk
