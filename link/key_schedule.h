@@ -12,8 +12,8 @@
 namespace hapton {
 
 // From the shared key to the keys of a session: BLAKE2b, keyed, with a label and the protocol version in all that is derived, so that no
-// key serves two purposes or two versions. docs/formats.md has it in words; tests/link/key_schedule_test.cpp holds known answers. RT: yes
-// (no heap, lock, throw or system call). Threads: any.
+// key serves two purposes or two versions. docs/formats.md has it in words; tests/link/key_schedule_test.cpp holds known answers.
+// RT: yes (no heap, lock, throw or system call). Threads: any.
 namespace seal {
 
 using Secret = std::array<std::uint8_t, 32>;

@@ -39,8 +39,7 @@ Result<LinkKey> read_key_file(const std::filesystem::path& path);
 // Writes a new random key, mode 0600. Error: the file is there already, or cannot be written.
 Result<void> make_key_file(const std::filesystem::path& path);
 
-// The key that the nodes of one user on one host share without being told: FOLDER/key, made by the first who asks, however many ask at
-// once.
+// The key that the nodes of one user on one host share without being told: FOLDER/key, made by the first of however many ask at once.
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
 
 // $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither variable says where.

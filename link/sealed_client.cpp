@@ -1,6 +1,7 @@
 #include "link/sealed_client.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -79,7 +80,13 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
     return 0;
   }
   std::size_t bytes = 0;
-  count(channel_.open(datagram, into, bytes), counts_);
+  OpenStatus status = channel_.open(datagram, into, bytes);
+  if (status == OpenStatus::opened) {
+    if (previous_.is_open()) previous_ = SealedChannel();
+  } else if (status == OpenStatus::unknown_session && previous_.is_open()) {
+    status = previous_.open(datagram, into, bytes);
+  }
+  count(status, counts_);
   has_heard_ = has_heard_ || bytes != 0;
   return bytes;
 }
@@ -96,6 +103,7 @@ void SealedClient::hear_handshake(seal::Kind kind, std::span<const std::byte> da
       return;
     case ClientHandshake::Heard::agreement:
       ++counts_.handshakes;
+      previous_ = std::move(channel_);
       channel_ = handshake_.take_channel();
       has_heard_ = true;
       if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));

@@ -15,9 +15,11 @@ namespace hapton {
 
 // A node's way to its hub: what it sends is sealed, what it receives was opened, and the session that this takes is agreed on by itself,
 // within send and receive. When the hub has been silent for kSilenceNs it is asked for a new session, while the old one stays in use until
-// there is a new one: a hub that restarts is found again, and one that was only slow has lost nothing. Datagrams sent while none is agreed
-// on are held, the newest of them, and sent with it. Pre: whoever uses it calls send or receive at least every 100 ms, and sends at least
-// ten times a second what the hub answers. RT: yes; construction and destruction set-up only. Threads: one.
+// the hub speaks in the new one: a hub that restarts is found again, and one that was only slow has lost nothing.
+// Datagrams sent while no session is agreed on are held, the newest of them, and sent with it; one sent while a new session is awaited
+// goes both ways, so that it may arrive twice.
+// Pre: whoever uses it calls send or receive at least every 100 ms, and says ten times a second what the hub answers.
+// RT: yes; construction and destruction set-up only. Threads: one.
 class SealedClient final : public Endpoint {
  public:
   static constexpr std::int64_t kSilenceNs = 200 * kNanosecondsPerMillisecond;
@@ -46,6 +48,7 @@ class SealedClient final : public Endpoint {
   Address hub_;
   ClientHandshake handshake_;
   SealedChannel channel_;
+  SealedChannel previous_;  // the hub's words still come in it until it has heard us in the new one
   SealCounts counts_;
   std::int64_t next_request_ns_ = 0;
   std::int64_t last_heard_ns_ = 0;

@@ -16,8 +16,8 @@ namespace hapton {
 // The hub's way to its nodes: each address that has agreed on a session has keys of its own, what is sent to it is sealed with them, and
 // nothing is handed out that was not opened with them. Strangers get no answer, take no place and cost a hash at most. Who has the key
 // takes a place, and drops another of the same address only once he has proved with a sealed datagram that he is there: a recorded
-// handshake is worth nothing. When all places are taken the one that has been silent longest goes, unless it was heard within kIdleNs. RT:
-// yes; construction and destruction set-up only. Threads: one.
+// handshake is worth nothing. When all places are taken the one that has been silent longest goes, unless it was heard within kIdleNs.
+// RT: yes; construction and destruction set-up only. Threads: one.
 class SealedHub final : public Endpoint {
  public:
   static constexpr std::size_t kPlaces = 32;     // twice HubPeers::kCapacity: nodes come again before they are missed

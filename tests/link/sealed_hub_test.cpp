@@ -328,6 +328,35 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   EXPECT_EQ(hub_->seal_counts().handshakes, handshakes + 1);
 }
 
+TEST_F(SealedHubTest, WhileTheHubHasNotHeardTheNewSessionItIsHeardInTheOldOne) {
+  const auto node = make_node(2);
+  join(*node);
+  clock_.advance_ns(SealedClient::kSilenceNs);
+  node_hears(*node);  // asks
+  hub_hears();        // cookie
+  say(*node, "lost on the way");
+  node_hears(*node);  // asks with it
+  hub_hears();        // agrees
+  node_hears(*node);  // has a new session, and says its word in it
+  std::array<std::byte, kMaxDatagramBytes> into;
+  while (hub_endpoint_.receive(into, 0).bytes != 0) {
+  }
+  EXPECT_EQ(node->sealed.seal_counts().handshakes, 2U);
+  EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
+  EXPECT_TRUE(answer(*node, "still the old one"));
+  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"still the old one"});
+  // Once each way in the new one, the old one is over.
+  const Bytes old = node->endpoint.heard().back().bytes;
+  say(*node, "heard");
+  EXPECT_EQ(hub_hears().count("heard"), 1U);
+  EXPECT_TRUE(answer(*node, "the new one"));
+  EXPECT_EQ(node_hears(*node), std::vector<std::string>{"the new one"});
+  const std::uint64_t unknown = node->sealed.seal_counts().unknown_session;
+  node->endpoint.put_in(hub_at_, old);
+  EXPECT_TRUE(node_hears(*node).empty());
+  EXPECT_EQ(node->sealed.seal_counts().unknown_session, unknown + 1);
+}
+
 TEST_F(SealedHubTest, ARestartedNodeAtTheSameAddressReplacesItsOwnSession) {
   for (int life = 1; life <= 100; ++life) {
     const auto node = make_node(2);
