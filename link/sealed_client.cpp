@@ -35,7 +35,9 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
     ask_if_due(now_ns);
     const Received received = endpoint_.receive(incoming_, std::min(deadline_ns, next_due_ns()));
     if (received.bytes == 0) {
-      if (clock_.now_ns() >= deadline_ns) return {};
+      now_ns = clock_.now_ns();
+      ask_if_silent(now_ns);
+      if (now_ns >= deadline_ns) return {};
       continue;
     }
     const std::size_t bytes = open(std::span(incoming_).first(received.bytes), received.from, into);
@@ -52,15 +54,22 @@ void SealedClient::ask_if_due(std::int64_t now_ns) noexcept {
     has_heard_ = false;
     last_heard_ns_ = now_ns;
   }
-  if (!handshake_.is_pending()) {
-    if (channel_.is_open() && now_ns - last_heard_ns_ < kSilenceNs) return;
-    handshake_.begin();
-    next_request_ns_ = now_ns;
-  }
-  if (now_ns < next_request_ns_) return;
+  if (!channel_.is_open() && !handshake_.is_pending()) return begin(now_ns);
+  if (!handshake_.is_pending() || now_ns < next_request_ns_) return;
   next_request_ns_ = now_ns + kRequestPeriodNs;
   may_retry_ = true;
   ask();
+}
+
+// Once nothing waits to be received: a node that was busy for long has not been left in silence.
+void SealedClient::ask_if_silent(std::int64_t now_ns) noexcept {
+  if (!handshake_.is_pending() && now_ns - last_heard_ns_ >= kSilenceNs) begin(now_ns);
+}
+
+void SealedClient::begin(std::int64_t now_ns) noexcept {
+  handshake_.begin();
+  next_request_ns_ = now_ns;
+  ask_if_due(now_ns);
 }
 
 void SealedClient::ask() noexcept {

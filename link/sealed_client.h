@@ -37,6 +37,8 @@ class SealedClient final : public Endpoint {
 
  private:
   void ask_if_due(std::int64_t now_ns) noexcept;
+  void ask_if_silent(std::int64_t now_ns) noexcept;
+  void begin(std::int64_t now_ns) noexcept;
   void ask() noexcept;
   std::size_t open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into) noexcept;
   void hear_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept;

@@ -328,6 +328,21 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   EXPECT_EQ(hub_->seal_counts().handshakes, handshakes + 1);
 }
 
+TEST_F(SealedHubTest, ANodeThatWasBusyForLongAsksForNothing) {
+  const auto node = make_node(2);
+  join(*node);
+  for (int turn = 0; turn < 10; ++turn) {
+    for (int i = 0; i < 300; ++i) {
+      clock_.advance_ns(kMs);
+      EXPECT_TRUE(answer(*node, "tick"));
+    }
+    EXPECT_EQ(node_hears(*node).size(), 300U);
+  }
+  hub_hears();
+  EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
+  EXPECT_EQ(hub_endpoint_.heard().size(), 3U) << "it asked";
+}
+
 TEST_F(SealedHubTest, WhileTheHubHasNotHeardTheNewSessionItIsHeardInTheOldOne) {
   const auto node = make_node(2);
   join(*node);
@@ -478,7 +493,8 @@ TEST(SealedHubHeapTest, NeitherSideUsesTheHeapOnceBuilt) {
   int heard = 0;
   const AllocationGuard guard;
   for (int i = 0; i < 1000; ++i) {
-    clock.advance_ns(i == 500 ? kNanosecondsPerSecond : kMs);  // one silence, one handshake more
+    clock.advance_ns(i == 500 ? kNanosecondsPerSecond : kMs);
+    if (i == 500) heard += static_cast<int>(node.receive(into, 0).bytes);  // one silence, one handshake more
     node.send(hub_end.local_address(), payload);
     while (hub.receive(into, 0).bytes != 0) ++heard;
     hub.send(node_end.local_address(), payload);
