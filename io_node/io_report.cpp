@@ -170,6 +170,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   report.nodes = make_nodes(stats);
   if (!options.trajectory.empty()) report.notes["trajectory"] = options.trajectory;
   if (!options.echo_probe.empty()) report.notes["echo_probe"] = options.echo_probe;
+  if (options.echo_bytes > 0) report.notes["echo_bytes"] = std::to_string(options.echo_bytes);
   // The way of one sample first, in its order; then what it adds up to.
   report.hops = {{"wake_lateness", stats.wake_lateness},
                  {"device_read", stats.device_read},

@@ -168,6 +168,19 @@ TEST(Sources, ThrowNothingOfOurs) {
   EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return std::regex_search(file.code, kThrow); }), IsEmpty());
 }
 
+// Who may look at the wall clock, which people and daemons set, and why. Everything else goes by CLOCK_MONOTONIC.
+const std::map<std::string, std::string> kMayReadTheDate = {
+    {"io_node/session_setup.cpp", "a recording says on what day it was made"},
+    {"link/random_id.cpp", "one more source of chance, should the system have none"},
+};
+
+TEST(Clocks, OnlyTheSteadyOneKeepsTime) {
+  static const std::regex kDate(R"(\b(system_clock|CLOCK_REALTIME|gettimeofday|high_resolution_clock|utc_clock)\b)");
+  EXPECT_THAT(find_files(kFolders,
+                         [](const SourceFile& file) { return std::regex_search(file.code, kDate) && !kMayReadTheDate.contains(file.path); }),
+              IsEmpty());
+}
+
 TEST(Headers, BeginWithPragmaOnce) {
   EXPECT_THAT(
       find_files(kFolders,

@@ -1,0 +1,142 @@
+// The tools that watch and measure a running system, as a person calls them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <regex>
+
+#include "tests/process/system.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// hapton with these words, knowing the system's key.
+Ended hapton(System& system, const std::vector<std::string>& words) {
+  const auto ended = run("hapton", words, system.folder(), Seconds(60));
+  EXPECT_TRUE(ended) << "still runs";
+  return ended.value_or(Ended());
+}
+
+TEST(Top, ShowsNodesRatesLatenciesAndCountersAsText) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  const Ended once = hapton(system, {"top", "--hub", system.hub(), "--once"});
+  EXPECT_EQ(once.exit_code, 0) << once.err;
+  EXPECT_THAT(once.out, AllOf(HasSubstr("hub " + system.hub()), HasSubstr("haptics   127.0.0.1:"), HasSubstr("round_trip"),
+                              HasSubstr("contact_samples"), Not(HasSubstr("\x1b"))));
+  system.end_all();
+}
+
+TEST(Top, WithoutAHubSaysSo) {
+  System system;
+  const Ended none = hapton(system, {"top", "--hub", system.hub(), "--once"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("no hub answers at " + system.hub()));
+}
+
+// What GET /metrics gives there; empty when nobody serves.
+std::string read_metrics(int port) {
+  const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string heard;
+  if (::connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
+    const std::string question = "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n";
+    ::send(client, question.data(), question.size(), MSG_NOSIGNAL);
+    char buffer[4096];
+    for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;) heard.append(buffer, static_cast<std::size_t>(bytes));
+  }
+  ::close(client);
+  return heard;
+}
+
+TEST(Metrics, AreServedWhileTheSystemRuns) {
+  System system({"--metrics", "127.0.0.1:0"});
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  std::smatch port;
+  const std::string told = system["io_node"].err();
+  ASSERT_TRUE(std::regex_search(told, port, std::regex("http://127\\.0\\.0\\.1:([0-9]+)/metrics"))) << told;
+  std::string text;
+  const std::regex kContact("\nhapton_contact_samples_total [1-9][0-9]*\n");
+  EXPECT_TRUE(System::wait_until([&] {
+    text = read_metrics(std::stoi(port[1]));
+    return std::regex_search(text, kContact);
+  })) << text;
+  EXPECT_THAT(text, AllOf(HasSubstr("200 OK"), HasSubstr("hapton_latency_seconds{hop=\"round_trip\",quantile=\"0.99\"} "),
+                          HasSubstr("hapton_node_received_total{role=\"haptics\",address=\"127.0.0.1:")));
+  system.end_all();
+}
+
+TEST(Metrics, ElsewhereThanOnLoopbackAreRefused) {
+  System system({"--metrics", "0.0.0.0:9464"});
+  system.start("io_node");
+  const auto ended = system["io_node"].wait(kPatience);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 1);
+  EXPECT_THAT(ended->err, HasSubstr("this machine only"));
+}
+
+TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
+  System system;
+  const std::string out = (system.folder() / "a").string();
+  const std::string scene = (system.folder() / "cube.toml").string();
+  const Ended ran = hapton(system, {"latency", "--seconds", "1.5", "--out", out, "--scene", scene, "--size", "300"});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  for (const char* part : {"wire_out", "wire_back", "decode", "jitter", "bare_echo", "verdict at 1 kHz", "fit for 10 kHz", "one clock"}) {
+    EXPECT_THAT(ran.out, HasSubstr(part));
+  }
+  const Json report = Json::parse(read_text(system.folder() / "a" / "report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report.at("verdict").at("rate_hz"), 1000.0);
+  EXPECT_EQ(report.at("verdict").at("fit_for").size(), 3U);
+  EXPECT_EQ(report.at("notes").at("echo_bytes"), "300");
+  const std::int64_t forces = count(report, "forces");
+  EXPECT_GT(forces, 100);
+  for (const char* hop : {"encode", "wire_out", "haptics_compute", "wire_back", "decode"})
+    EXPECT_GT(report.at("hops").at(hop).at("n"), forces / 2);
+  EXPECT_EQ(read_text(system.folder() / "a" / "latency.txt"), ran.out);
+
+  // The exit code of `run` is the verdict's, whatever this machine makes of it.
+  const std::string other = (system.folder() / "b").string();
+  const Ended judged = hapton(system, {"latency", "run", "--seconds", "1", "--rate", "500", "--out", other, "--scene", scene});
+  const Json verdict = Json::parse(read_text(system.folder() / "b" / "report.json"), nullptr, false).at("verdict");
+  EXPECT_EQ(judged.exit_code, verdict.at("holds").get<bool>() ? 0 : 1) << judged.err;
+  const Ended compared = hapton(system, {"latency", "compare", out, other, "--json", (system.folder() / "c.json").string()});
+  EXPECT_EQ(compared.exit_code, 0) << compared.err;
+  EXPECT_THAT(compared.out, AllOf(HasSubstr("round_trip"), HasSubstr("B/A")));
+  EXPECT_EQ(Json::parse(read_text(system.folder() / "c.json"), nullptr, false).at("schema"), "hapton.latency-compare/1");
+}
+
+TEST(Latency, OfAHubThatRunsIsThatOfTheTimeItLooked) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  const std::string out = (system.folder() / "h").string();
+  const Ended ran = hapton(system, {"latency", "--hosts", system.hub(), "--seconds", "1", "--out", out});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, AllOf(HasSubstr("no bare echo"), HasSubstr("verdict at 1 kHz")));
+  const Json report = Json::parse(read_text(system.folder() / "h" / "report.json"), nullptr, false);
+  ASSERT_TRUE(report.is_object());
+  EXPECT_LT(count(report, "forces"), count(system.ask_for_report(), "forces"));
+  EXPECT_EQ(report.at("hops").at("round_trip").at("n").get<std::int64_t>(), count(report, "forces"));
+  const Ended both = hapton(system, {"latency", "run", "--hosts", system.hub(), "--rate", "2000"});
+  EXPECT_EQ(both.exit_code, 2);
+  system.end_all();
+}
+
+}  // namespace
+}  // namespace hapton::process
