@@ -60,7 +60,10 @@ TouchInput HapticsStep::make_start() noexcept {
   TouchInput start = input_;
   if (!p_WP) return start;
   const Vec3 outward = *p_WP - input_.p_WD;
-  if (outward.norm() > 0.0 && outward.norm() <= kResumeReachM) start.p_WD = *p_WP + offset_m_ * outward.normalized();
+  if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return start;
+  start.p_WD = *p_WP + offset_m_ * outward.normalized();
+  // What this node remembers of an earlier session is in no recording of this one.
+  if (!state_.is_resumed) answered_before_ = kUnknownBefore;
   return start;
 }
 

@@ -56,6 +56,9 @@ struct ForceCommand {
   std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost answer is known of
 };
 
+// ForceCommand::answered_before of a first answer that goes on from an earlier session.
+constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};
+
 // vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
 struct ViewTransform {
   std::uint32_t revision = 0;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -57,6 +59,22 @@ TEST_F(SessionReaders, give_what_stands_before_a_damaged_entry) {
   ASSERT_TRUE(reader);
   EXPECT_EQ(count(*reader), 8);
   EXPECT_NE(reader->problem().find("damaged after 8 entries"), std::string::npos) << reader->problem();
+}
+
+TEST_F(SessionReaders, survive_whatever_is_in_the_file) {
+  std::mt19937_64 random(20261120);
+  const std::string whole = make_file(20);
+  for (int n = 0; n < 500; ++n) {
+    std::string bytes = whole;
+    for (std::uint64_t change = 0; change < 1 + random() % 8; ++change) bytes[random() % bytes.size()] = static_cast<char>(random());
+    bytes.resize(bytes.size() - random() % 1000);
+    auto reader = SessionReader::open(scratch.write("s", bytes));
+    if (!reader) continue;
+    SessionEntry entry;
+    int entries = 0;
+    while (reader->next(entry)) ++entries;
+    EXPECT_LE(entries, 20);
+  }
 }
 
 TEST_F(SessionReaders, refuse_in_one_line_what_is_no_session) {
