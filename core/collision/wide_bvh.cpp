@@ -26,6 +26,7 @@ struct Item {
   FloatBox box;
   std::uint32_t id() const { return static_cast<std::uint32_t>(_mm_extract_epi32(_mm_castps_si128(box.low), 3)); }
   __m128 twice_center() const { return _mm_add_ps(box.low, box.high); }
+  float twice_center(int axis) const { return box.low[axis] + box.high[axis]; }
 };
 
 Item make_item(const Box& box, std::uint32_t id) {
@@ -64,16 +65,11 @@ struct WideBvh::Builder {
     return range;
   }
 
-  // Splits at the middle of the item list: bounds the depth whatever the geometry.
-  std::pair<Range, Range> split_median(const Range& range, int axis) {
-    const std::uint32_t middle = range.begin + range.size() / 2;
-    std::nth_element(items.begin() + range.begin, items.begin() + middle, items.begin() + range.end, [axis](const Item& a, const Item& b) {
-      alignas(16) std::array<float, 4> ca;
-      alignas(16) std::array<float, 4> cb;
-      _mm_store_ps(ca.data(), a.twice_center());
-      _mm_store_ps(cb.data(), b.twice_center());
-      return ca[axis] < cb[axis];
-    });
+  // Splits so many items off: bounds the depth whatever the geometry.
+  std::pair<Range, Range> split_off(const Range& range, int axis, std::uint32_t count) {
+    const std::uint32_t middle = range.begin + count;
+    std::nth_element(items.begin() + range.begin, items.begin() + middle, items.begin() + range.end,
+                     [axis](const Item& a, const Item& b) { return a.twice_center(axis) < b.twice_center(axis); });
     return {range_of(range.begin, middle), range_of(middle, range.end)};
   }
 
@@ -89,7 +85,10 @@ struct WideBvh::Builder {
     _mm_store_ps(low.data(), range.centers.low);
     _mm_store_ps(extent.data(), _mm_sub_ps(range.centers.high, range.centers.low));
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
-    if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_median(range, widest);
+    const std::uint32_t half = range.size() / 2;
+    // What fits into one level of full nodes is cut at whole nodes: fewer of them, and no worse where items are of a size.
+    if (range.size() <= kWidth * kWidth) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
+    if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
 
     // One pass bins all three axes.
     std::array<float, 4> scale_lanes = {};
@@ -101,7 +100,7 @@ struct WideBvh::Builder {
       return _mm_max_epi32(_mm_setzero_si128(), _mm_min_epi32(_mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(center, base), scale)), last));
     };
     std::array<std::array<Bin, kBins>, 3> bins;
-    const bool one_axis = range.size() > 4096;  // large runs: the widest axis is nearly always the best, and a third of the work
+    const bool one_axis = range.size() > 512;  // large runs: the widest axis is nearly always the best, and a third of the work
     const int first_axis = one_axis ? widest : 0;
     const int last_axis = one_axis ? widest : 2;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -142,7 +141,7 @@ struct WideBvh::Builder {
         }
       }
     }
-    if (best_axis < 0) return split_median(range, widest);
+    if (best_axis < 0) return split_off(range, widest, half);
     const auto middle = std::partition(items.begin() + range.begin, items.begin() + range.end, [&](const Item& item) {
       alignas(16) std::array<std::int32_t, 4> b;
       _mm_store_si128(reinterpret_cast<__m128i*>(b.data()), bins_of(item.twice_center()));
