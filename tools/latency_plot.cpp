@@ -43,7 +43,11 @@ std::string style_of(const HopCounts& hop, std::size_t index) {
 std::string title_of(const HopCounts& hop) {
   std::string words = hop.name;
   std::replace(words.begin(), words.end(), '_', ' ');
-  return fmt::format("{}  (p50 {:.4g}, p99 {:.4g} us, n {})", words, hop.quantile_us(0.5), hop.quantile_us(0.99), hop.total());
+  const double p99_us = hop.quantile_us(0.99);
+  const bool is_long = p99_us >= 1e4;
+  const double scale = is_long ? 1e-3 : 1.0;
+  return fmt::format("{}  (p50 {:.4g}, p99 {:.4g} {}, n {})", words, scale * hop.quantile_us(0.5), scale * p99_us, is_long ? "ms" : "us",
+                     hop.total());
 }
 
 // Points (us, share slower): at a bucket's upper end all that lie above it are slower.

@@ -10,9 +10,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-nlohmann::json report(double p50_us, int lost) {
+nlohmann::ordered_json report(double p50_us, int lost) {
   const auto hop = [](int n, double us) {
-    return nlohmann::json{{"n", n}, {"p50_us", us}, {"p99_us", 2 * us}, {"p99_9_us", 3 * us}, {"max_us", 4 * us}};
+    return nlohmann::ordered_json{{"n", n}, {"p50_us", us}, {"p99_us", 2 * us}, {"p99_9_us", 3 * us}, {"max_us", 4 * us}};
   };
   return {{"schema", "hapton.report/1"},
           {"hops", {{"round_trip", hop(100, p50_us)}, {"device_to_drawn", hop(0, 0.0)}}},
