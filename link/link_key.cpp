@@ -122,7 +122,8 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
   const std::filesystem::path path = folder / "key";
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    std::filesystem::create_directories(folder, error);
+    const bool is_new = std::filesystem::create_directories(folder, error);
+    if (is_new) std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
     if (error) return fail_to_make(path, error.value());
     // Written whole beside, then given its name, which only the first of several can do: nobody reads half a key, and all read one.
     const std::filesystem::path beside =

@@ -143,6 +143,7 @@ TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
       EXPECT_NE(bytes, LinkKey::Bytes{});
     }
     EXPECT_EQ(mode_of(folder / "key"), mode_t{0600});
+    EXPECT_EQ(mode_of(folder), mode_t{0700});
     // Nothing is left beside it.
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
   }

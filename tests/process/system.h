@@ -110,10 +110,14 @@ class System {
       arguments.insert(arguments.end(), io_options_.begin(), io_options_.end());
       for (const char* word : {"--device", "replay", "--loop", "--trajectory"}) arguments.emplace_back(word);
       arguments.push_back(folder + "/taps.csv");
-      return arguments;
+      return with_more(name, std::move(arguments));
     }
     std::vector<std::string> arguments = {"--hub", nodes_hub_, "--scene", folder + "/cube.toml"};
     if (name == "vision_node") arguments.insert(arguments.end(), {"--size", "320x240"});
+    return with_more(name, std::move(arguments));
+  }
+
+  std::vector<std::string> with_more(const std::string& name, std::vector<std::string> arguments) const {
     if (const auto more = more_.find(name); more != more_.end())
       arguments.insert(arguments.end(), more->second.begin(), more->second.end());
     return arguments;
