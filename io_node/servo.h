@@ -155,7 +155,7 @@ class Servo {
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
   std::int64_t accepted_ns_ = 0;  // the last force that the guard let pass
-  std::array<Vec3, 64> p_WD_ = {};  // of the newest samples, by number
+  std::array<Vec3, 256> p_WD_ = {};  // of the newest samples, by number
   std::optional<Vec3> p_WP_;        // where the probe rests, in contact, as far as known
   bool is_haptics_new_ = false;     // it has not answered yet
   ForceCommand last_force_;

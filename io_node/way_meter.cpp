@@ -1,5 +1,6 @@
 #include "io_node/way_meter.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "link/link_key.h"
@@ -13,11 +14,14 @@ void WayMeter::on_joined(std::size_t place, const Address& address) noexcept {
 }
 
 void WayMeter::on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept {
-  states_[sample % kSentKept] = {sample, endpoint_.last_send_ns()};
+  states_[sample % kStatesKept] = {sample, endpoint_.last_send_ns()};
   stats_.encode.record(endpoint_.last_send_ns() - sample_time_ns);
 }
 
-void WayMeter::on_probe_sent(std::uint64_t sample) noexcept { probes_[sample % kSentKept] = {sample, endpoint_.last_send_ns()}; }
+void WayMeter::on_probe_sent(std::uint64_t sample) noexcept {
+  probes_[next_probe_] = {sample, endpoint_.last_send_ns()};
+  next_probe_ = (next_probe_ + 1) % kProbesKept;
+}
 
 void WayMeter::on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept {
   const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
@@ -25,7 +29,7 @@ void WayMeter::on_force(const Header& header, const ForceCommand& command, std::
   last_round_trip_ns_ = round_trip_ns;
   const std::int64_t taken_ns = endpoint_.last_receive_ns();
   stats_.decode.record(ready_ns - taken_ns);
-  const Sent& sent = states_[command.echo_sample % kSentKept];
+  const Sent& sent = states_[command.echo_sample % kStatesKept];
   if (sent.sample != command.echo_sample || sent.sample == 0) return;
   // The node says how long it held the sample, so the time of its answer tells when the sample came. What it says is its own affair: times
   // that no number holds are left out here and in ClockOffset.
@@ -44,12 +48,12 @@ void WayMeter::on_force(const Header& header, const ForceCommand& command, std::
 }
 
 void WayMeter::on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept {
-  const Sent& probe = probes_[drawn.echo_sample % kSentKept];
-  if (drawn.held_ns == 0 || place >= offsets_.size() || probe.sample != drawn.echo_sample || probe.sample == 0) return;
+  const auto probe = std::find_if(probes_.begin(), probes_.end(), [&](const Sent& sent) { return sent.sample == drawn.echo_sample; });
+  if (drawn.held_ns == 0 || drawn.echo_sample == 0 || place >= offsets_.size() || probe == probes_.end()) return;
   std::int64_t heard_ns = 0;
   if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(drawn.held_ns), &heard_ns)) return;
   stats_.vision_draw.record(drawn.held_ns);
-  offsets_[place].add({probe.time_ns, heard_ns, header.send_time_ns, endpoint_.last_receive_ns()});
+  offsets_[place].add({probe->time_ns, heard_ns, header.send_time_ns, endpoint_.last_receive_ns()});
   if (!is_offset_known(place)) return;
   std::int64_t photon_ns = 0;
   const bool overflows = __builtin_sub_overflow(header.send_time_ns, offset_ns(place) + drawn.echo_sample_time_ns, &photon_ns);

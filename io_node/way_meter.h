@@ -54,7 +54,8 @@ class WayMeter {
   const WayStats& collect(std::int64_t now_ns) noexcept;
 
  private:
-  static constexpr std::size_t kSentKept = 256;  // what answers an older one is left out
+  static constexpr std::size_t kStatesKept = 1024;  // by number; what answers an older one is left out
+  static constexpr std::size_t kProbesKept = 256;   // one after the other: a second of them and more
 
   struct Sent {
     std::uint64_t sample = 0;  // 0: none
@@ -68,8 +69,9 @@ class WayMeter {
   WayStats stats_;
   std::array<ClockOffset, HubPeers::kCapacity> offsets_ = {};
   std::array<bool, HubPeers::kCapacity> is_one_clock_ = {};
-  std::array<Sent, kSentKept> states_ = {};
-  std::array<Sent, kSentKept> probes_ = {};
+  std::array<Sent, kStatesKept> states_ = {};
+  std::array<Sent, kProbesKept> probes_ = {};
+  std::size_t next_probe_ = 0;
   std::int64_t last_round_trip_ns_ = -1;
 };
 

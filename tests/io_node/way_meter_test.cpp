@@ -129,6 +129,7 @@ TEST_F(Ways, motion_to_photon_ends_with_the_picture_not_with_the_news_of_it) {
   EXPECT_EQ(stats().motion_to_photon.max_ns(), 9 * kMs);
   EXPECT_EQ(stats().vision_draw.max_ns(), 8 * kMs);
   ways.on_drawn(header, Drawn{41, sample_ns, 60.0F, 8 * kMs}, 3);  // never sent
+  ways.on_drawn(header, Drawn{0, sample_ns, 60.0F, 8 * kMs}, 3);   // no sample
   ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 0}, 3);        // does not tell
   EXPECT_EQ(stats().motion_to_photon.count(), 1U);
 }
