@@ -17,7 +17,7 @@ void relax() noexcept {
 #endif
 }
 
-constexpr int kMostPolls = 32;                                            // datagrams taken in a cycle that is late already
+constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
 
 }  // namespace
 
@@ -59,7 +59,9 @@ void Servo::step() noexcept {
   do_spare_work();
   if (echo_ != nullptr && (ledger_.is_newest_answered() || !peers_.has_haptics())) {
     receive_until(middle_ns);
-    echo_->probe(tick_ns_ + period - period / 8);
+    const std::int64_t end_ns = tick_ns_ + period - period / 8;
+    echo_->probe(end_ns);
+    note_waited(end_ns, clock_.now_ns());
   }
   tick_ns_ += period_ns();
 }
@@ -91,6 +93,7 @@ void Servo::begin_cycle() noexcept {
     cycle_.cause = MissCause::none;
   }
   device_ns_ = 0;
+  overslept_ns_ = 0;
   stats_.end_ns = tick_ns_ + period;
 }
 
@@ -112,7 +115,7 @@ void Servo::overrun(std::int64_t late_ns) noexcept {
 MissCause Servo::cause_of(std::int64_t late_ns) const noexcept {
   if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
   if (late_ns >= kStallNs) return MissCause::machine_stalled;
-  return is_behind_ ? MissCause::work_long : MissCause::late_wake_up;
+  return is_behind_ && overslept_ns_ <= period_ns() / 2 ? MissCause::work_long : MissCause::late_wake_up;
 }
 
 void Servo::sample_device() noexcept {
@@ -165,7 +168,14 @@ void Servo::receive_one(std::int64_t deadline_ns) noexcept {
 }
 
 void Servo::receive_until(std::int64_t deadline_ns) noexcept {
-  while (clock_.now_ns() < deadline_ns) receive_one(deadline_ns);
+  std::int64_t now_ns = clock_.now_ns();
+  if (now_ns >= deadline_ns) return;
+  for (; now_ns < deadline_ns; now_ns = clock_.now_ns()) receive_one(deadline_ns);
+  note_waited(deadline_ns, now_ns);
+}
+
+void Servo::note_waited(std::int64_t deadline_ns, std::int64_t woke_ns) noexcept {
+  overslept_ns_ = std::max(overslept_ns_, woke_ns - deadline_ns);
 }
 
 // A loop too late to wait still hears what has come; not without end, or strangers could hold it up.
@@ -178,7 +188,11 @@ void Servo::drain() noexcept {
 }
 
 void Servo::await_force(std::int64_t deadline_ns) noexcept {
-  while (!ledger_.is_newest_answered() && peers_.has_haptics() && clock_.now_ns() < deadline_ns) receive_one(deadline_ns);
+  while (!ledger_.is_newest_answered() && peers_.has_haptics()) {
+    const std::int64_t now_ns = clock_.now_ns();
+    if (now_ns >= deadline_ns) return note_waited(deadline_ns, now_ns);
+    receive_one(deadline_ns);
+  }
 }
 
 void Servo::hear(const PeerEvent& event, const Datagram& datagram) noexcept {

@@ -97,6 +97,7 @@ class Servo {
   void receive_until(std::int64_t deadline_ns) noexcept;
   void drain() noexcept;
   void await_force(std::int64_t deadline_ns) noexcept;
+  void note_waited(std::int64_t deadline_ns, std::int64_t woke_ns) noexcept;
   void receive_one(std::int64_t deadline_ns) noexcept;
   void hear(const PeerEvent& event, const Datagram& datagram) noexcept;
   void hear_message(const PeerEvent& event, const Datagram& datagram) noexcept;
@@ -135,7 +136,8 @@ class Servo {
 
   std::int64_t tick_ns_ = 0;
   AdaptiveSpin spin_;
-  std::int64_t device_ns_ = 0;  // spent on the device since the last tick
+  std::int64_t device_ns_ = 0;     // spent on the device since the last tick
+  std::int64_t overslept_ns_ = 0;  // by the wait since then that ended latest
   bool is_behind_ = false;      // the loop came to wait for this tick when it had passed
   bool has_overrun_ = false;
   CycleNote cycle_;

@@ -477,6 +477,23 @@ TEST_F(Servos, a_wait_that_ends_late_is_a_late_wake_up) {
   EXPECT_EQ(alone.collect_stats().missed_cycles, 2U);
 }
 
+TEST_F(Servos, a_wait_for_the_echo_that_ends_late_is_a_late_wake_up) {
+  ScriptedEndpoint echo_endpoint(clock);
+  std::int64_t late_ns = 0;
+  echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
+    if (late_ns > 0) clock.advance_ns(std::exchange(late_ns, 0));
+    echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, bytes);
+  };
+  EchoProbe echo(echo_endpoint, clock, {{5}, 5});
+  make({}, &echo);
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  late_ns = 3 * kMs;
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::late_wake_up), stats().missed_cycles);
+  EXPECT_GT(stats().missed_cycles, 1U);
+}
+
 TEST_F(Servos, a_loop_that_wakes_late_learns_to_wake_early_and_begins_on_time) {
   class Late final : public Endpoint {
    public:
