@@ -30,18 +30,26 @@ bool ProxyMethod::is_better(const Vec3& device) const noexcept {
 // A proxy held by an edge or corner with the device beyond it stands like a ball on a ridge: it is pushed to either side. So does one on
 // the very border of a face, and a sphere held so by two, which has only their line to go along.
 bool ProxyMethod::tip_over(const Vec3& device) noexcept {
-  if (is_point_ && (pushing_count_ > 2 || (pushing_count_ == 2 && !is_in_corner()))) return false;  // a fold or pit
-  int balanced = -1;
+  double most = 0.0;
+  for (int i = 0; i < pushing_count_; ++i) most = std::max(most, push_[i]);
+  std::array<int, 3> strong = {};
+  int count = 0;
   for (int i = 0; i < pushing_count_; ++i) {
-    const Separation& at = touching_[i].separation;
+    if (push_[i] > kFlat * most) strong[count++] = i;
+  }
+  if (is_point_ && (count > 2 || (count == 2 && !is_in_corner()))) return false;  // a fold or pit
+  int balanced = -1;
+  for (int i = 0; i < count; ++i) {
+    const Touch& touch = touching_[strong[i]];
+    const Separation& at = touch.separation;
     if ((device - at.nearest).dot(at.normal) >= 0.0) continue;
-    if (at.feature == Feature::face && touching_[i].shape.border(at.nearest).distance > kBeside * hover_) continue;
-    if (balanced < 0 || push_[i] > push_[balanced]) balanced = i;
+    if (at.feature == Feature::face && touch.shape.border(at.nearest).distance > kBeside * hover_) continue;
+    if (balanced < 0 || push_[strong[i]] > push_[balanced]) balanced = strong[i];
   }
   if (balanced < 0) return false;
   const Touch touch = touching_[balanced];
   const Vec3& normal = touch.separation.normal;
-  const Vec3 fold = pushing_count_ == 2 ? touching_[0].separation.normal.cross(touching_[1].separation.normal) : Vec3(Vec3::Zero());
+  const Vec3 fold = count == 2 ? touching_[strong[0]].separation.normal.cross(touching_[strong[1]].separation.normal) : Vec3(Vec3::Zero());
   const bool is_fold = fold.norm() > kLevel;
   Vec3 first = is_fold ? fold
                : touch.separation.feature == Feature::vertex

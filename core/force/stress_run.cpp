@@ -432,7 +432,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
         const double depth = in.solid->compute_distance(felt.p_SP);
         if (depth > 2.0 * kInsideShare * extent) note(StressFault::kInside, depth);
       }
-    } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(before, device)) {
+    } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP)) {
       note(StressFault::kThrough, (device - before).norm());
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.
