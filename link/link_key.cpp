@@ -49,15 +49,15 @@ Result<void> check(const std::filesystem::path& path, const struct stat& found) 
   return {};
 }
 
-// 0, or the errno of what failed; then there is no such file afterwards.
+// 0, or the errno of what failed; then there is no such file afterwards, unless it was there before.
 int write_new_file(const std::filesystem::path& path, const LinkKey& key) {
   const Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode));
   if (file.number() < 0) return errno;
   const ssize_t written = write(file.number(), key.bytes().data(), LinkKey::kBytes);
+  int error = written == static_cast<ssize_t>(LinkKey::kBytes) ? 0 : written < 0 ? errno : ENOSPC;
   // Whatever the umask is.
-  if (written == static_cast<ssize_t>(LinkKey::kBytes) && fchmod(file.number(), kMode) == 0 && fsync(file.number()) == 0) return 0;
-  const int error = written < 0 || errno != 0 ? errno : ENOSPC;
-  unlink(path.c_str());
+  if (error == 0 && (fchmod(file.number(), kMode) != 0 || fsync(file.number()) != 0)) error = errno;
+  if (error != 0) unlink(path.c_str());
   return error;
 }
 

@@ -62,13 +62,25 @@ class HaptonCommandTest : public ::testing::Test {
 TEST_F(HaptonCommandTest, HelpAndVersion) {
   const Seen help = run({"--help"});
   EXPECT_EQ(help.code, 0);
-  for (const char* command : {"replay", "echo", "latency", "plot", "set", "info"}) {
+  for (const char* command : {"replay", "echo", "keygen", "latency", "plot", "set", "info"}) {
     EXPECT_THAT(help.out, HasSubstr(command));
     EXPECT_EQ(run({command, "--help"}).code, 0) << command;
   }
   const Seen version = run({"--version"});
   EXPECT_EQ(version.code, 0);
   EXPECT_THAT(version.out, HasSubstr("hapton 0."));
+}
+
+TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
+  const Seen made = run({"keygen", path("key")});
+  EXPECT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("--key " + path("key")));
+  EXPECT_EQ(std::filesystem::file_size(path("key")), 32U);
+  EXPECT_EQ(std::filesystem::status(path("key")).permissions(), std::filesystem::perms(0600));
+  const Seen again = run({"keygen", path("key")});
+  EXPECT_EQ(again.code, 1);
+  EXPECT_THAT(again.err, HasSubstr("there already"));
+  EXPECT_EQ(run({"keygen"}).code, 2);
 }
 
 TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
