@@ -53,7 +53,9 @@ int run(const HapticsOptions& options) {
   AnswerLoop loop(client, clock, step, builder, make_haptics_setup(scene_path, hash_scene(scene->touch_scene()), options.method));
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
-  log_info("{}", realtime->to_text());
+  const auto lines = realtime->to_lines();
+  log_info("{}", lines.front());
+  for (std::size_t n = 1; n < lines.size(); ++n) log_warning("{}", lines[n]);
 
   fmt::print("ready, hub {}\n", to_string(*hub));
   std::fflush(stdout);

@@ -68,10 +68,12 @@ IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();
   const auto realtime = enter_realtime(options_.realtime);
-  if (realtime)
+  if (realtime) {
     realtime_ = realtime->to_text();
-  else
+    realtime_lines_ = realtime->to_lines();
+  } else {
     started_ = tl::unexpected(realtime.error());
+  }
   if (realtime) servo_.start();
   is_started_.store(true, std::memory_order_release);
   if (realtime) {
@@ -108,7 +110,8 @@ Result<void> IoSession::run(StopSignal& stop) {
 
 Result<void> IoSession::look_after(StopSignal& stop) {
   Result<void> reported;
-  log_info("{}", realtime_);
+  log_info("{}", realtime_lines_.front());
+  for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}", realtime_lines_[n]);
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();

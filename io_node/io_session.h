@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "io_node/report_desk.h"
@@ -52,6 +53,7 @@ class IoSession {
   bool metrics_wished_ = false;
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;
+  std::vector<std::string> realtime_lines_;
   Result<void> started_;
   std::atomic<bool> is_started_{false};
   std::atomic<bool> ends_{false};

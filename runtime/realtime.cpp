@@ -140,6 +140,16 @@ std::string RealtimeReport::to_text() const {
   return text;
 }
 
+std::vector<std::string> RealtimeReport::to_lines() const {
+  std::vector<std::string> lines(1, "real time: ");
+  for (const RealtimeItem& item : items) {
+    lines[0] += fmt::format("{}{} {} {}", &item == items.data() ? "" : "; ", item.name, item.asked, item.obtained ? "yes" : "NO");
+    if (!item.obtained) lines.push_back(fmt::format("not granted: {} {} ({}); {}", item.name, item.asked, item.reason, item.remedy));
+  }
+  if (allowed_share) lines[0] += fmt::format("; the kernel lets real-time threads have {:.0f} % of each CPU", 100.0 * *allowed_share);
+  return lines;
+}
+
 Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
   if (settings.priority < 0 || settings.priority > 99) {
     return fail("real-time priority {} is out of range; use 1 to 99, or 0 for none", settings.priority);
@@ -157,8 +167,11 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
     }
   }
   if (settings.mode == RealtimeMode::require && !report.complete()) {
-    const auto refused = std::find_if(report.items.begin(), report.items.end(), [](const RealtimeItem& item) { return !item.obtained; });
-    return fail("real time was required, but the system refuses {}; or start with --rt try", item_text(*refused));
+    std::string refused;
+    for (const RealtimeItem& item : report.items) {
+      if (!item.obtained) refused += (refused.empty() ? "" : "; ") + item_text(item);
+    }
+    return fail("real time was required, but the system refuses {}; or start with --rt try", refused);
   }
   return report;
 }

@@ -45,6 +45,8 @@ struct RealtimeReport {
   bool complete() const;
   // "real time: priority SCHED_FIFO 80 yes; cpu 1 yes; memory lock NO (…: remedy) …" in one line.
   std::string to_text() const;
+  // The same for a log: what was granted and what not in the first line, then a line for each refusal with its remedy.
+  std::vector<std::string> to_lines() const;
 };
 
 // Makes the calling thread as punctual as the system lets it: timer slack 1 ns always, the rest as asked. Call it from the thread that

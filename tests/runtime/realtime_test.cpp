@@ -80,6 +80,11 @@ TEST(RealtimeTest, ARefusalIsReportedWithItsRemedyAndOnlyRequireFails) {
   EXPECT_FALSE(item->obtained);
   EXPECT_THAT((*tried.report)->to_text(), HasSubstr("cpu 1000 NO ("));
   EXPECT_FALSE((*tried.report)->complete());
+  const auto lines = (*tried.report)->to_lines();
+  ASSERT_GE(lines.size(), 2U);
+  EXPECT_THAT(lines[0], HasSubstr("cpu 1000 NO"));
+  EXPECT_THAT(lines[1], HasSubstr("not granted: cpu 1000 ("));
+  EXPECT_THAT(lines[1], HasSubstr(item->remedy));
 
   const Outcome required = enter_in_a_thread({.mode = RealtimeMode::require, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
   ASSERT_FALSE(*required.report);
