@@ -190,6 +190,7 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
 // moved, the way it takes depends on where the device was just then: such a step is done again in smaller parts.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
+  sweeps_left_ = kMaxSweeps;
   save(before_);
   solve(device);
   if (before_.free || free_ || (proxy_ - before_.proxy).norm() <= kCatchUp * stride_) return;
@@ -231,7 +232,7 @@ void ProxyMethod::restore(const Stand& stand) noexcept {
 
 void ProxyMethod::solve(const Vec3& device) noexcept {
   descend(device);
-  for (int i = 0; i < kMaxEscapes && !free_ && escape(device); ++i) ++counters_.escapes;
+  for (int i = 0; i < kMaxEscapes && !free_ && sweeps_left_ > kEscapeSweeps && escape(device); ++i) ++counters_.escapes;
 }
 
 // Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
@@ -242,7 +243,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   int last_doubt = kMaxIterations;
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMaxIterations && sweeps_left_ > 0; ++i) {
     if (touching_count_ == 0 && cross_emptiness(device)) return;
     Vec3 wish = device - proxy_;
     const double distance = wish.norm();
@@ -350,9 +351,10 @@ bool ProxyMethod::advance(const Vec3& motion) noexcept {
 // near the start: first through the neighbourhood, then through the tree in pieces that grow.
 double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   ++counters_.sweeps;
+  --sweeps_left_;
   blocker_count_ = 0;
   const double length = motion.norm();
-  double far_piece = 2.0 * (stride_ + near_reach_);
+  double far_piece = std::max(2.0 * (stride_ + near_reach_), 0x1p-6 * length);
   double done = 0.0;
   for (int piece = 0; done < 1.0; ++piece) {
     const Vec3 start = from + done * motion;

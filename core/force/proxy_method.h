@@ -60,6 +60,8 @@ class ProxyMethod final : public ForceMethod {
   static constexpr int kMaxExits = 64;
   static constexpr int kMaxEscapes = 8;  // in a step
   static constexpr int kMaxIterations = 256;
+  static constexpr int kMaxSweeps = 4096;           // in a step, whatever it meets: then it ends where it is and goes on in the next
+  static constexpr int kEscapeSweeps = 64;          // that an escape may take
   static constexpr double kLookAheadSteps = 500.0;  // an object is asked for half a second before the probe can be there, at 1 kHz
   static constexpr double kLargestReach = 2.0;      // local units: the scene's size
   static constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
@@ -145,6 +147,7 @@ class ProxyMethod final : public ForceMethod {
   bool free_ = true;                 // proxy is the device point
   bool placed_ = false;              // a first sample has come
   bool sliding_ = false;             // Coulomb state
+  int sweeps_left_ = 0;              // of this step's
   double stride_ = 0.0;              // how far the device moved in this step
   Vec3 empty_center_ = Vec3::Zero();
   double empty_radius_squared_ = 0.0;  // no triangle is within this of empty_center_ plus the probe's rest distance
