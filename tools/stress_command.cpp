@@ -38,7 +38,14 @@ std::string body_names() {
 Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
   std::vector<StressBody> bodies;
   std::vector<std::string> names = options.bodies;
-  if (names.empty() && options.files.empty()) names.assign(stress_body_names().begin(), stress_body_names().end());
+  if (names.empty() && options.files.empty()) {
+    // Of all bodies those that the method has a probe for.
+    const std::string& method = options.plan.method.name;
+    const bool takes_spheres = method == "proxy" || method == "reference";
+    for (const std::string_view name : stress_body_names()) {
+      if (takes_spheres || !name.starts_with("probe-")) names.emplace_back(name);
+    }
+  }
   for (const std::string& name : names) {
     StressBody body = make_stress_body(name);
     // What a finding calls a body may be a file, so that its command can be given again as it stands.

@@ -105,5 +105,48 @@ TEST(SweptSpherePoint, AShallowFoldBlocksByItsFace) {
   EXPECT_LT(blocks.normal.dot(motion), 0.0);
 }
 
+TEST(ComesNearer, AgreesWithAWalkInSmallSteps) {
+  constexpr unsigned kSeed = 78;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> coordinate(-0.5, 0.5);
+  const auto point = [&] { return Vec3(coordinate(random), coordinate(random), coordinate(random)); };
+  int nearer = 0;
+  for (int i = 0; i < 200; ++i) {
+    const TriangleMesh mesh = one_triangle(point(), point(), point());
+    const TouchGeometry geometry({&mesh});
+    const Vec3 p = point();
+    const Vec3 motion = point();
+    const double ends = std::min(geometry.separation(0, p).distance, geometry.separation(0, p + motion).distance);
+    const Walked walked = walk(geometry, p, motion, 0.0);
+    for (const double level : {ends, 0.5 * (ends + walked.least), 0.999 * walked.least}) {
+      constexpr double kTolerance = 1e-9;
+      const bool found = comes_nearer(TriangleView{geometry, 0}, p, motion, 0.0, 1.0, level, kTolerance);
+      if (walked.least < level - 1e-6) {
+        EXPECT_TRUE(found) << "case " << i << " level " << level;
+      }
+      if (walked.least > level + 1e-4) {
+        EXPECT_FALSE(found) << "case " << i << " level " << level;
+      }
+      nearer += found ? 1 : 0;
+    }
+  }
+  EXPECT_GT(nearer, 50);
+}
+
+// Tangents at hover distance of an edge are off by rounding, which over a long way is many hovers.
+TEST(ComesNearer, ALongSlideAlongAnEdgePasses) {
+  constexpr double kHover = 0x1p-30;
+  const TriangleMesh mesh = one_triangle({0.1, -0.3, 0.0}, {0.37, 0.41, 0.0}, {0.5, -0.2, 0.0});
+  const TouchGeometry geometry({&mesh});
+  const Vec3& a = geometry.corner(0, 0);
+  const Vec3 edge = geometry.corner(0, 1) - a;
+  const Vec3 away = Vec3(-edge.y(), edge.x(), 0.0).normalized();
+  const Vec3 p = a + 0.1 * edge + 0.75 * kHover * away;
+  const Clearance clearance{.rest = kHover, .slack = 0.5 * kHover, .tolerance = 0x1p-10 * kHover};
+  EXPECT_GT(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge, 1.0, clearance), 1.0);
+  EXPECT_LE(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge - 2.0 * kHover * away, 1.0, clearance), 1.0);
+}
+
 }  // namespace
 }  // namespace hapton

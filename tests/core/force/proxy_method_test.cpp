@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -264,6 +265,54 @@ TEST(Proxy, AFoldLetsGoAgain) {
     EXPECT_NEAR(felt.p_SP.y(), 0.03, 1e-6);
     for (int i = 0; i < 400; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02 + 2e-4 * i, 0.03)});
     EXPECT_FALSE(felt.contact);
+  }
+}
+
+// Straight down in the very plane of a side: on the upper edge the proxy stands at the maximum of its way, and nothing but exactness holds
+// it.
+TEST(Proxy, DoesNotBalanceOnAnEdge) {
+  for (const double radius : {0.0, 0.003}) {
+    const auto proxy = proxy_over(scene_of(make_box({0.1, 0.1, 0.1}, 4)), radius);
+    const Vec3 to(0.05, -0.01, 0.0031);
+    const MethodOutput felt = press(*proxy, {0.05, 0.06, 0.0031}, to, 30);
+    EXPECT_NEAR((felt.p_SP - to).norm(), radius, 1e-9) << "radius " << radius;
+  }
+}
+
+// The same over a ridge: the nearest place is on one of the slopes.
+TEST(Proxy, DoesNotBalanceOnARidge) {
+  const double slope = std::numbers::pi / 6.0;
+  const double height = 0.05 * std::tan(slope);
+  const TriangleMesh roof = make_prism({{-0.05, 0.0}, {0.05, 0.0}, {0.0, height}}, 0.1, 4);
+  Box bounds;
+  for (const Vec3& v : roof.vertices) bounds.grow(v);
+  const Vec3 ridge =
+      *std::max_element(roof.vertices.begin(), roof.vertices.end(), [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });
+  const double z = bounds.center().z() + 0.0017;
+  const double depth = 0.01;
+  const auto proxy = proxy_over(scene_of(roof));
+  const MethodOutput felt = press(*proxy, {ridge.x(), height + 0.01, z}, {ridge.x(), height - depth, z}, 20);
+  EXPECT_NEAR(felt.force_n.norm(), 1000.0 * depth * std::cos(slope), 1e-6);
+}
+
+// However entangled the place, a step's work is bounded.
+TEST(Proxy, AStepEndsWhateverItMeets) {
+  TriangleMesh fan;
+  constexpr int kSlivers = 5000;
+  fan.vertices.push_back(Vec3::Zero());
+  for (int i = 0; i <= kSlivers; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSlivers;
+    fan.vertices.emplace_back(0.05 * std::cos(angle), 0.05 * std::sin(angle), 0.002 * std::sin(40.0 * angle));
+  }
+  for (std::uint32_t i = 1; i <= kSlivers; ++i) fan.triangles.push_back({0, i, i + 1});
+  const auto proxy = proxy_over(scene_of(fan));
+  proxy->reset({0.0, 0.0, 0.01});
+  for (int i = 0; i < 50; ++i) {
+    const auto before = proxy->counters().sweeps;
+    const double turn = 0.7 * i;
+    const MethodOutput felt = proxy->step({.p_SD = {0.02 * std::cos(turn), 0.02 * std::sin(turn), i % 5 == 0 ? 0.003 : -0.004}});
+    EXPECT_TRUE(felt.force_n.allFinite());
+    EXPECT_LE(proxy->counters().sweeps - before, 4096U + 64U);
   }
 }
 
