@@ -14,8 +14,15 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 
 }  // namespace
 
-AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup)
-    : hub_(hub), clock_(clock), step_(step), builder_(builder), setup_(setup), start_ns_(clock.now_ns()) {}
+AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup,
+                       bool builds_on_approach)
+    : hub_(hub),
+      clock_(clock),
+      step_(step),
+      builder_(builder),
+      setup_(setup),
+      builds_on_approach_(builds_on_approach),
+      start_ns_(clock.now_ns()) {}
 
 void AnswerLoop::run(const StopSignal& stop, double seconds) {
   const std::int64_t end_ns =
@@ -32,7 +39,7 @@ void AnswerLoop::run(const StopSignal& stop, double seconds) {
 void AnswerLoop::turn(std::int64_t deadline_ns) {
   if (hub_.receive(datagram_, deadline_ns)) {
     drain();
-    if (step_.has_state()) {
+    if (step_.has_state() && is_ready()) {
       answer();
     }
   }
@@ -68,6 +75,18 @@ void AnswerLoop::hear(const Message& message) noexcept {
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     builder_.request(settings->method);
   }
+}
+
+// True at once but for the first answer.
+bool AnswerLoop::is_ready() noexcept {
+  if (!builds_on_approach_ || step_.is_running()) return true;
+  if (!looks_before_) {
+    looks_before_ = builder_.idle_looks();
+    step_.look_around();
+  }
+  if (builder_.idle_looks() < *looks_before_ + 2) return false;
+  looks_before_.reset();
+  return true;
 }
 
 void AnswerLoop::answer() noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "haptics_node/haptics_step.h"
 #include "haptics_node/method_builder.h"
@@ -12,11 +13,14 @@
 namespace hapton {
 
 // The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
+// Where a method builds on approach, the first answer waits until what is near is built: contact that goes on from before is there from the
+// first answer on, and the same states give the same forces again.
 // Once a second, and when it has changed, it tells the hub its setup, for recordings.
 // RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
 class AnswerLoop {
  public:
-  AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {});
+  AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
+             bool builds_on_approach = false);
 
   // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
   void run(const StopSignal& stop, double seconds);
@@ -30,6 +34,7 @@ class AnswerLoop {
  private:
   void drain() noexcept;
   void hear(const Message& message) noexcept;
+  bool is_ready() noexcept;
   void answer() noexcept;
   void change_method() noexcept;
   void tell_setup() noexcept;
@@ -40,6 +45,8 @@ class AnswerLoop {
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
+  bool builds_on_approach_;
+  std::optional<std::uint64_t> looks_before_;  // of the builder, when the method looked around
   std::int64_t next_setup_ns_ = 0;
   std::uint64_t told_session_ = 0;  // of the setup
   Datagram datagram_;

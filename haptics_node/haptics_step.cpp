@@ -67,6 +67,16 @@ TouchInput HapticsStep::make_start() noexcept {
   return start;
 }
 
+void HapticsStep::look_around() noexcept {
+  const std::optional<Vec3> p_WP = p_WP_;
+  const std::uint64_t answered_before = answered_before_;
+  input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS};
+  touch_->reset(make_start());
+  touch_->step(input_);
+  p_WP_ = p_WP;
+  answered_before_ = answered_before;
+}
+
 void HapticsStep::resume() noexcept {
   const bool is_felt = running_ && felt_.contact;
   restart();

@@ -30,6 +30,12 @@ class HapticsStep {
   // A newer state for the next answer; one still waiting is skipped.
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
+  // Something has been answered since the start, or since it was to be forgotten.
+  bool is_running() const noexcept { return running_; }
+
+  // Lets the method see where it is about to begin, so that its slow task can build what is near there; answers nothing and changes nothing
+  // else. Pre: has_state(), not is_running().
+  void look_around() noexcept;
 
   // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
   ForceCommand answer() noexcept;

@@ -50,7 +50,8 @@ int run(const HapticsOptions& options) {
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
-  AnswerLoop loop(client, clock, step, builder, make_haptics_setup(scene_path, hash_scene(scene->touch_scene()), options.method));
+  const HapticsSetup setup = make_haptics_setup(scene_path, hash_scene(scene->touch_scene()), options.method);
+  AnswerLoop loop(client, clock, step, builder, setup, options.method.build_on_approach);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

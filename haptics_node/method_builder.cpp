@@ -39,6 +39,7 @@ void MethodBuilder::run() {
       build(requests_.value());
     }
     if (!prepare()) {
+      idle_looks_.fetch_add(1, std::memory_order_acq_rel);
       std::this_thread::sleep_for(kPeriod);
     }
   }
@@ -51,6 +52,7 @@ bool MethodBuilder::prepare() {
 
 void MethodBuilder::build(const MethodName& name) {
   MethodSettings settings = settings_;
+  settings.build_on_approach = false;
   settings.name.assign(name.data(), std::find(name.begin(), name.end(), '\0') - name.begin());
   auto method = make_method(settings, scene_);
   if (!method) {

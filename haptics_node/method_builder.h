@@ -20,9 +20,9 @@ struct BuiltMethod {
 };
 
 // Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
-// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared here.
-// A name that cannot be built is logged, and the method in use stays.
-// RT: request, take and retire yes; the rest set-up only. Threads: one caller.
+// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared
+// here. A name that cannot be built is logged, and the method in use stays. What takes over in contact must be whole: nothing of such a
+// method is left to be built on approach. RT: request, take and retire yes; the rest set-up only. Threads: one caller.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -34,6 +34,9 @@ class MethodBuilder {
 
   // Asks for a method; a later request replaces one not yet begun.
   void request(const MethodName& name) noexcept { requests_.publish(name); }
+
+  // How often the slow task has found nothing to do: two more than before mean that all that was asked for until then is built.
+  std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
 
   // The method built last, once; none when there is no new one.
   std::unique_ptr<BuiltMethod> take() noexcept;
@@ -53,6 +56,7 @@ class MethodBuilder {
   std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;
+  std::atomic<std::uint64_t> idle_looks_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

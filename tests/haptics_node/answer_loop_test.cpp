@@ -145,6 +145,27 @@ TEST_F(AnswerLoopTest, TheHubIsToldTheSetupAtOnceOnceASecondAndWhenTheMethodChan
   EXPECT_STREQ(setups_.back().method.data(), "name=sweep");
 }
 
+TEST_F(AnswerLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
+  const MethodSettings proxy{.name = "proxy", .build_on_approach = true};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method(proxy, one_sheet())), 1e-5);
+  MethodBuilder builder(proxy, one_sheet(), step.touch().share_method());
+  AnswerLoop loop(client_, clock_, step, builder, {}, true);
+  std::optional<ForceCommand> first;
+  for (int i = 0; i < 1000 && !first; ++i) {
+    send_state({0.01, 0.01, 0.001});
+    loop.turn(clock_.now_ns() + kMs);
+    first = hear();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+  }
+  ASSERT_TRUE(first);
+  EXPECT_NE(step.touch().method().describe().find("1 of 1 objects built"), std::string::npos) << step.touch().method().describe();
+  EXPECT_EQ(step.counts().answered, 1U);
+  // From now on every one.
+  send_state({0.01, 0.01, -0.002});
+  loop.turn(clock_.now_ns() + kMs);
+  EXPECT_TRUE(hear()->contact);
+}
+
 TEST_F(AnswerLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {
   std::uint64_t session = 1;
   for (const double depth : {0.002, 1.1 * kResumeReachM}) {

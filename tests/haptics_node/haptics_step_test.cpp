@@ -82,6 +82,27 @@ TEST(HapticsStep, GoesOnFeelingInANewSessionUnlessToldToForget) {
   }
 }
 
+TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
+  auto touch = std::make_unique<TouchStep>(*make_method({.name = "proxy", .build_on_approach = true}, scene));
+  const auto method = touch->share_method();
+  HapticsStep step(std::move(touch), kOffset);
+  DeviceState inside{.sample = 1, .sample_time_ns = 1, .p_WD = {0.01, 0.01, -0.002}};
+  inside.is_resumed = true;
+  inside.p_WP = {0.01, 0.01, 0.0};
+  step.offer(inside);
+  EXPECT_FALSE(method->prepare());
+  step.look_around();
+  EXPECT_TRUE(method->prepare());
+  EXPECT_FALSE(method->prepare());
+  EXPECT_FALSE(step.is_running());
+  EXPECT_TRUE(step.has_state());
+  const ForceCommand command = step.answer();
+  EXPECT_TRUE(command.contact);  // on the side that was felt before
+  EXPECT_GT(command.force_n.z(), 0.0);
+  EXPECT_EQ(command.answered_before, 0U);
+}
+
 TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
   HapticsStep step(make_touch(), kOffset);
   States states;
