@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "tests/faults/simulated_system.h"
 
@@ -112,6 +115,35 @@ TEST_F(Faults, hub_frozen_and_thawed_goes_on_with_a_ramp) {
     ASSERT_GT(system->device.written.size(), before);
     EXPECT_LE(system->device.written[before].force_n.norm(), 2.0);
     EXPECT_GT(system->stats().missed_cycles, 0U);
+  }
+}
+
+// Forces to the last bit, and their times.
+std::vector<std::pair<double, std::int64_t>> felt_of(const PressingDevice& device) {
+  std::vector<std::pair<double, std::int64_t>> felt;
+  for (const auto& written : device.written) felt.emplace_back(written.force_n.z(), written.time_ns);
+  return felt;
+}
+
+TEST_F(Faults, no_vision_node_changes_a_force_whatever_becomes_of_it) {
+  press();
+  system->run_for_ns(2500 * kMs);
+  const auto alone = felt_of(system->device);
+  for (const int words_a_turn : {1, 20}) {
+    for (const char* fate : {"lives", "is killed", "is frozen"}) {
+      system.emplace(1);
+      system->start_haptics();
+      const auto vision = system->make_vision(words_a_turn);
+      system->run_for_ns(1000 * kMs);
+      EXPECT_GT(vision->seen(), 100) << fate;
+      if (fate == std::string_view("is killed")) system->network.kill(vision->address());
+      if (fate == std::string_view("is frozen")) system->network.freeze(vision->address(), true);
+      system->run_for_ns(1000 * kMs);
+      if (fate == std::string_view("is frozen")) system->network.freeze(vision->address(), false);
+      system->run_for_ns(1000 * kMs);
+      EXPECT_EQ(felt_of(system->device), alone) << words_a_turn << " words a turn, " << fate;
+      EXPECT_GT(system->stats().drawn, 100U);
+    }
   }
 }
 

@@ -95,6 +95,49 @@ class SimulatedHaptics {
   AnswerLoop loop_;
 };
 
+// A vision node that says of every state at once that it has drawn it, and so many times more.
+class SimulatedVision {
+ public:
+  SimulatedVision(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
+                  int words_a_turn)
+      : network_(network),
+        clock_(time),
+        at_(at),
+        words_a_turn_(words_a_turn),
+        endpoint_(network.open_node(at, [this] { turn(); })),
+        sealed_(*endpoint_, time, key, hub),
+        client_(sealed_, time, NodeRole::vision, hub) {}
+  ~SimulatedVision() { network_.kill(at_); }
+  SimulatedVision(const SimulatedVision&) = delete;
+  SimulatedVision& operator=(const SimulatedVision&) = delete;
+
+  const Address& address() const { return at_; }
+  int seen() const { return seen_; }
+
+ private:
+  void turn() {
+    Datagram datagram;
+    while (client_.receive(datagram, clock_.now_ns())) {
+      const auto* state = std::get_if<ProbeState>(&datagram.message);
+      if (state == nullptr) continue;
+      ++seen_;
+      for (int n = 0; n < words_a_turn_; ++n) {
+        client_.send(Drawn{state->sample, state->sample_time_ns, 60.0F, 1000});
+        if (n > 0) client_.send(HandTarget{});
+      }
+    }
+  }
+
+  SimulatedNetwork& network_;
+  const SimulatedClock& clock_;
+  Address at_;
+  int words_a_turn_;
+  std::unique_ptr<Endpoint> endpoint_;
+  SealedClient sealed_;
+  HubClient client_;
+  int seen_ = 0;
+};
+
 // The hub, its servo and a haptics node over a network that does what it is told; all of it the code that people run, but the clock.
 class SimulatedSystem {
  public:
@@ -126,6 +169,11 @@ class SimulatedSystem {
     Address at{{}, next_port_++};
     at.ip = hub_address_.ip;
     haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at);
+  }
+  std::unique_ptr<SimulatedVision> make_vision(int words_a_turn) {
+    Address at{{}, next_port_++};
+    at.ip = hub_address_.ip;
+    return std::make_unique<SimulatedVision>(network, clock, key_, hub_address_, at, words_a_turn);
   }
   // As kill -9 does: not a word more.
   void kill_haptics() {
