@@ -477,25 +477,28 @@ void ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
 bool ProxyMethod::prepare() { return geometry_.build_wanted(); }
 
 std::string ProxyMethod::describe() const {
-  const auto n = static_cast<double>(std::max<std::uint64_t>(counters_.steps, 1));
+  const std::string what = fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n",
+                                       geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
+                                       static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - hover_) * geometry_.unit_m(),
+                                       hover_ * geometry_.unit_m());
+  return counters_.steps == 0 ? what : what + describe_steps();
+}
+
+std::string ProxyMethod::describe_steps() const {
+  const auto n = static_cast<double>(counters_.steps);
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
-  std::string shading;
+  std::string text = fmt::format(
+      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
+      "{:.3f} "
+      "refills a step; {} done in parts, {} escapes of {} tried, {} unconverged\n",
+      counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
+      static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
+      static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.escapes, counters_.attempts, counters_.unconverged);
   if (shading_ > 0.0) {
-    shading = fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
-                          100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);
+    text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
+                        100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);
   }
-  return fmt::format(
-             "proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n"
-             "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle "
-             "tests, {:.3f} refills a step; "
-             "{} caught up in parts, {} escapes of {} tried, {} unconverged\n",
-             geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(), static_cast<double>(geometry_.bytes()) * 1e-6,
-             (clearance_.rest - hover_) * geometry_.unit_m(), hover_ * geometry_.unit_m(), counters_.steps,
-             100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps, static_cast<double>(counters_.iterations) / c,
-             static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
-             static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.escapes, counters_.attempts,
-             counters_.unconverged) +
-         shading;
+  return text;
 }
 
 }  // namespace hapton

@@ -100,6 +100,8 @@ class ProxyMethod final : public ForceMethod {
 
   ProxyMethod(const MethodSettings& settings, const TouchScene& scene);
 
+  std::string describe_steps() const;
+
   void bring_pushing_first(const ConstrainedMotion& held) noexcept;
   Vec3 shaded(const Vec3& stretch) noexcept;
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
