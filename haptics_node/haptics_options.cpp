@@ -28,6 +28,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   HapticsOptions options;
   std::string grid = "32";
   std::string realtime = "try";
+  std::string unit;
   options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
 
@@ -35,7 +36,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
-  app.add_option("--scene", options.scene, "Scene file (TOML), or a mesh in metres")->capture_default_str();
+  app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
+  app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
   app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")->check(CLI::PositiveNumber)->capture_default_str();
@@ -67,6 +69,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   options.method.grid_division = *parse_grid_division(grid);
   options.method.offset_m = offset_in * kMetresPerInch;
   options.realtime.mode = *parse_realtime_mode(realtime);
+  if (!unit.empty()) options.unit = *parse_unit(unit);
   return options;
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "core/force/force_method.h"
 #include "runtime/realtime.h"
+#include "scene/unit.h"
 
 namespace hapton {
 
@@ -15,6 +17,7 @@ struct HapticsOptions {
   std::string bind;  // empty: any address of the hub's family, any port
   std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
+  std::optional<Unit> unit;  // of a plain mesh file
   MethodSettings method;
   RealtimeSettings realtime;
   double seconds = 0.0;  // 0: until stopped

@@ -53,6 +53,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string stereo = "auto";
   std::string size = "1280x720";
   std::string when = "contact";
+  std::string unit;
   bool no_cull = false;
   bool no_help = false;
 
@@ -63,7 +64,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
-  app.add_option("--scene", options.scene, "Scene file (TOML)")->capture_default_str();
+  app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
+  app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--stereo", stereo,
                  fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side",
                              [] {
@@ -115,6 +117,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.view.cull = !no_cull;
   options.help = !no_help;
   options.screenshot_moment = *ScreenshotMoment::parse(when);
+  if (!unit.empty()) options.unit = *parse_unit(unit);
   return options;
 }
 
