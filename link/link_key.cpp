@@ -33,13 +33,19 @@ class Descriptor {
   int number_;
 };
 
+// How systemd hands a credential to a service that is not root: root's own, with an access list that shows as the group's right to read.
+bool is_systemd_credential(const struct stat& found) {
+  return found.st_uid == 0 && found.st_gid == 0 && (found.st_mode & 07777) == (S_IRUSR | S_IRGRP);
+}
+
 Result<void> check(const std::filesystem::path& path, const struct stat& found) {
   if (!S_ISREG(found.st_mode)) return fail("{}: is no regular file; make a key with: hapton keygen FILE", path.string());
-  if (found.st_uid != geteuid()) {
+  const bool is_credential = is_systemd_credential(found);
+  if (found.st_uid != geteuid() && !is_credential) {
     return fail("{}: belongs to user {}, and this program runs as user {}; a key must be its user's own: chown {} {}", path.string(),
                 found.st_uid, geteuid(), geteuid(), path.string());
   }
-  if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
+  if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0 && !is_credential) {
     return fail("{}: is open to other users (mode {:04o}); close it with: chmod 600 {}", path.string(), found.st_mode & 07777,
                 path.string());
   }

@@ -32,7 +32,7 @@ class LinkKey {
   Bytes bytes_;
 };
 
-// A key file is the 32 bytes of a key, a regular file of the user who reads it, closed to everyone else.
+// A key file is the 32 bytes of a key, a regular file of the user who reads it, closed to everyone else (or a systemd credential).
 // Error: one line that says what is wrong with the file and how to mend it. RT: set-up only.
 Result<LinkKey> read_key_file(const std::filesystem::path& path);
 

@@ -101,6 +101,17 @@ TEST_F(LinkKeyTest, RefusesAModeThatLetsOthersInWithTheRemedy) {
   for (const mode_t mode : {0600, 0400}) EXPECT_TRUE(read_key_file(write_key("key", 32, mode)));
 }
 
+TEST_F(LinkKeyTest, TakesWhatSystemdHandsToAService) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can make a file that is root's";
+  // Root's own, with an access list for the service's user: shown as the right of root's group to read.
+  const auto path = write_key("key", 32, 0440);
+  ASSERT_EQ(chown(path.c_str(), 0, 0), 0);
+  const auto key = read_key_file(path);
+  EXPECT_TRUE(key) << key.error().what;
+  ASSERT_EQ(chown(path.c_str(), 0, 12345), 0);
+  EXPECT_THAT(refusal(path), HasSubstr("chmod 600"));
+}
+
 TEST_F(LinkKeyTest, RefusesAnotherUsersFileWithTheRemedy) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   const auto path = write_key("key", 32, 0600);
