@@ -87,6 +87,7 @@ Result<LinkKey> read_key_file(const std::filesystem::path& path) {
   if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number() < 0) {
+    if (errno == EACCES) return fail("{}: this user may not read the key; ask its owner for a copy of your own", path.string());
     return fail("{}: the key cannot be read: {}; make one with: hapton keygen {}", path.string(), std::strerror(errno), path.string());
   }
   struct stat found = {};
