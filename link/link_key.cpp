@@ -71,6 +71,11 @@ tl::unexpected<Error> fail_to_make(const std::filesystem::path& path, int error)
   return fail("{}: the key cannot be written: {}; name a place that is yours", path.string(), std::strerror(error));
 }
 
+tl::unexpected<Error> fail_to_share(const std::filesystem::path& path, int error) {
+  return fail("{}: this user's key cannot be written: {}; make one elsewhere with hapton keygen FILE, and give --key FILE to every node",
+              path.string(), std::strerror(error));
+}
+
 }  // namespace
 
 LinkKey::~LinkKey() { sodium_memzero(bytes_.data(), bytes_.size()); }
@@ -131,15 +136,15 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
   if (!std::filesystem::exists(path, error)) {
     const bool is_new = std::filesystem::create_directories(folder, error);
     if (is_new) std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
-    if (error) return fail_to_make(path, error.value());
+    if (error) return fail_to_share(path, error.value());
     // Written whole beside, then given its name, which only the first of several can do: nobody reads half a key, and all read one.
     const std::filesystem::path beside =
         folder / fmt::format("key.{}.{:016x}", getpid(), (std::uint64_t{randombytes_random()} << 32) | randombytes_random());
-    if (const int failure = write_new_file(beside, LinkKey::make_random()); failure != 0) return fail_to_make(beside, failure);
+    if (const int failure = write_new_file(beside, LinkKey::make_random()); failure != 0) return fail_to_share(beside, failure);
     const bool named = link(beside.c_str(), path.c_str()) == 0 || errno == EEXIST;
     const int failure = errno;
     unlink(beside.c_str());
-    if (!named) return fail_to_make(path, failure);
+    if (!named) return fail_to_share(path, failure);
   }
   return read_key_file(path);
 }

@@ -167,6 +167,13 @@ TEST_F(LinkKeyTest, ASharedKeyThatIsOpenToOthersIsRefused) {
   EXPECT_FALSE(find_or_make_shared_key(folder));
 }
 
+TEST_F(LinkKeyTest, ASharedKeyThatCannotBeMadeIsAnErrorWithTheRemedy) {
+  const auto key = find_or_make_shared_key(folder_.write("a_file", "") / "hapton");
+  ASSERT_FALSE(key);
+  EXPECT_THAT(key.error().what, HasSubstr("--key FILE"));
+  EXPECT_EQ(key.error().what.find('\n'), std::string::npos);
+}
+
 TEST_F(LinkKeyTest, TellsLoopbackFromEverywhereElse) {
   for (const char* address : {"127.0.0.1:1", "127.255.0.3:1", "[::1]:1"}) EXPECT_TRUE(is_loopback(*parse_address(address))) << address;
   for (const char* address : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "128.0.0.1:1", "[::2]:1", "[fe80::1]:1", "126.255.255.255:1"}) {
