@@ -86,7 +86,8 @@ int run(const IoOptions& options) {
   MeteredEndpoint metered(**endpoint, clock);
   SealedHub sealed(metered, clock, *key);
   const std::uint64_t session_id = make_random_id();
-  const SessionRecorder::Options recording{options.record, find_flight_folder(options)};
+  SessionRecorder::Options recording{options.record, find_flight_folder(options)};
+  recording.makes_flight_folder = !options.flight.empty();
   SessionRecorder recorder(recording, make_session_header(options, session_id, clock), clock);
   ServoTap* tap = recording.record.empty() && recording.flight_folder.empty() ? nullptr : &recorder;
   HubPeers peers(sealed, clock, session_id, options.rate_hz);

@@ -94,7 +94,7 @@ SessionRecorder::SessionRecorder(Options options, SessionHeader header, const Cl
 SessionRecorder::~SessionRecorder() { (void)stop(); }
 
 Result<void> SessionRecorder::start() {
-  if (!options_.flight_folder.empty()) {
+  if (!options_.flight_folder.empty() && options_.makes_flight_folder) {
     std::error_code error;
     std::filesystem::create_directories(options_.flight_folder, error);
     if (error) {

@@ -37,6 +37,7 @@ class SessionRecorder final : public ServoTap {
     std::filesystem::path record = {};         // empty: no file of the whole session
     std::filesystem::path flight_folder = {};  // empty: no flight records
     std::size_t ring_bytes = kRingBytes;
+    bool makes_flight_folder = true;  // at the start, so that one that cannot be is told of; false: when there is something to write
   };
   struct Counts {
     std::uint64_t entries = 0;  // that reached the writing thread

@@ -174,6 +174,15 @@ TEST_F(Recorders, a_file_that_cannot_be_written_is_an_error_at_the_start) {
   EXPECT_FALSE(other.start());
 }
 
+TEST_F(Recorders, a_folder_nobody_named_is_made_when_there_is_something_to_write) {
+  auto recorder = make({.flight_folder = flights, .makes_flight_folder = false});
+  ASSERT_TRUE(recorder.start());
+  EXPECT_FALSE(std::filesystem::exists(flights));
+  recorder.on_fault(SessionFault::device, clock.now_ns());
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_EQ(flight_files().size(), 1U);
+}
+
 TEST_F(Recorders, a_disk_that_is_full_ends_the_recording_and_is_told) {
   auto recorder = make({"/dev/full", {}});
   const auto started = recorder.start();
