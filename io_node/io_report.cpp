@@ -167,6 +167,10 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                   {"seed", std::to_string(options.seed)},
                   {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
   report.notes["haptics_clock_ahead"] = describe_clocks(stats.ways);
+  if (stats.ways.is_offset_known) {
+    report.notes["haptics_clock_ahead_ns"] = std::to_string(stats.ways.clock_offset_ns);
+    report.notes["haptics_clock_error_ns"] = std::to_string(stats.ways.clock_error_ns);
+  }
   report.nodes = make_nodes(stats);
   if (!options.trajectory.empty()) report.notes["trajectory"] = options.trajectory;
   if (!options.echo_probe.empty()) report.notes["echo_probe"] = options.echo_probe;

@@ -156,7 +156,8 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
   return std::string(path.substr(path.rfind('/') + 1));
 }
 
-// "nan" and "inf" are numbers to CLI11, and no range refuses nan.
+}  // namespace
+
 void require_finite_numbers(CLI::App& app) {
   const auto is_finite = [](const std::string& text) {
     const bool finite = std::isfinite(std::strtod(text.c_str(), nullptr));
@@ -169,8 +170,6 @@ void require_finite_numbers(CLI::App& app) {
     require_finite_numbers(*command);
   }
 }
-
-}  // namespace
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const* argv) {
   const std::string program = program_name(app, argc, argv);

@@ -20,4 +20,8 @@ namespace hapton {
 // RT: set-up only. Pre: the app's options are all added.
 std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const* argv);
 
+// Makes the app and its commands refuse "nan" and "inf", which are numbers to CLI11 and lie in every range. parse_command_line does it by
+// itself. Pre: the app's options are all added.
+void require_finite_numbers(CLI::App& app);
+
 }  // namespace hapton

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/config.h"
 #include "scene/near_miss.h"
 #include "tools/bench_command.h"
 #include "tools/echo_command.h"
@@ -48,6 +49,18 @@ bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
   return true;
 }
 
+// "hapton latency run": the commands that were understood before the trouble began.
+std::string words_so_far(const CLI::App& app) {
+  std::string words = app.get_name();
+  const std::vector<CLI::App*> parsed = app.get_subcommands();
+  for (const CLI::App* command = parsed.empty() ? nullptr : parsed.front(); command != nullptr;) {
+    words += " " + command->get_name();
+    const std::vector<CLI::App*> below = command->get_subcommands();
+    command = below.empty() ? nullptr : below.front();
+  }
+  return words;
+}
+
 }  // namespace
 
 int run_hapton_command(int argc, const char* const* argv) {
@@ -77,10 +90,17 @@ int run_hapton_command(int argc, const char* const* argv) {
   if (refuse_unknown(app, argc, argv)) {
     return kBadCommandLine;
   }
+  require_finite_numbers(app);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kBadCommandLine;
+    const std::string command = words_so_far(app);
+    std::string what = error.what();
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    fmt::print(stderr, "{}: {}; see {} --help\n", command, what, command);
+    return kBadCommandLine;
   }
   return exit_code;
 }

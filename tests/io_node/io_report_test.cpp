@@ -77,6 +77,8 @@ TEST(IoReport, names_the_nodes_that_are_there_and_how_far_their_clock_is_off) {
   EXPECT_EQ(report.nodes[0].seconds, 1.0);
   EXPECT_EQ(report.nodes[0].lost, 10);
   EXPECT_EQ(report.notes.at("haptics_clock_ahead"), "-1500.0 us, within 20.0 us");
+  EXPECT_EQ(report.notes.at("haptics_clock_ahead_ns"), "-1500000");
+  EXPECT_EQ(report.notes.at("haptics_clock_error_ns"), "20000");
 }
 
 TEST(IoReport, tells_people_the_run_in_lines) {

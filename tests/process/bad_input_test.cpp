@@ -152,6 +152,8 @@ const std::vector<BadCall> kTools = {
     {"RelayPortInUse", "hapton", {"relay", "--listen", "127.0.0.1:TAKEN_PORT"}, "TAKEN_PORT"},
     {"RelayHubIsText", "hapton", {"relay", "--hub", "not an address:1"}, "not an address"},
     {"RelayBurstsTooDense", "hapton", {"relay", "--burst-share", "0.99"}, "burst share"},
+    {"RelayDelayIsNan", "hapton", {"relay", "--delay-ms", "nan"}, "delay-ms"},
+    {"LatencySecondsAreInfinite", "hapton", {"latency", "--seconds", "inf"}, "seconds"},
     {"TopHubIsText", "hapton", {"top", "--once", "--hub", "127.0.0.1:port"}, "port"},
     {"KeygenOverAFile", "hapton", {"keygen", "FOLDER/good.obj"}, "good.obj"},
     {"KeygenNowhere", "hapton", {"keygen", "FOLDER/no/such/key"}, "no/such/key"},

@@ -83,6 +83,15 @@ TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
   EXPECT_EQ(run({"keygen"}).code, 2);
 }
 
+TEST_F(HaptonCommandTest, WhatIsNotUnderstoodIsSaidInALine) {
+  const Seen seen = run({"relay", "--loss", "2"});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("hapton relay: --loss"));
+  EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1);
+  EXPECT_EQ(run({"relay", "--delay-ms", "nan"}).code, 2);
+  EXPECT_THAT(run({"latency", "run", "--hosts", "x", "--rate", "1000"}).err, HasSubstr("see hapton latency run --help"));
+}
+
 TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
   const Seen seen = run({"replya"});
   EXPECT_EQ(seen.code, 2);
