@@ -106,6 +106,26 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   expect_sane(system.ask_for_report());
 }
 
+// The hand never leaves the body: what is felt after the restart is the contact from before.
+TEST(Haptics, StartedAgainIsFeltWithoutTheHandHavingLeft) {
+  System system(kTightLimits);
+  std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
+  system.start("io_node");
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state));
+  system["haptics_node"].kill();
+  ASSERT_TRUE(onlooker.see_until(false, state));
+  system.start("haptics_node");
+  const std::int64_t started_ns = onlooker.now_ns();
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
+  std::printf("felt %.0f ms after the program was started\n", 1e-6 * static_cast<double>(onlooker.now_ns() - started_ns));
+  EXPECT_GT(expect_bounded(onlooker, 0.5).felt, 0);
+  expect_sane(system.ask_for_report());
+  system.end_all();
+}
+
 TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
   System system(kTightLimits);
   system.start("io_node");
