@@ -20,7 +20,7 @@ constexpr double kHeights[] = {8.0, 256.0};  // hovers
 // True when the proxy now rests nearer to the device. Friction holds it where it is.
 bool ProxyMethod::escape(const Vec3& device) noexcept {
   if (has_friction_) return false;
-  return tip_over(device) || (is_point_ && is_in_corner() && leave_corner(device));
+  return tip_over(device) || (is_point_ && ((is_in_corner() && leave_corner(device)) || (is_jammed(device) && leave_jam(device))));
 }
 
 bool ProxyMethod::is_better(const Vec3& device) const noexcept {
@@ -111,18 +111,49 @@ bool ProxyMethod::leave_corner(const Vec3& device) noexcept {
     Exit& exit = exits_[i];
     const double gain = exit.direction.dot(wish);
     if (exit.closed || gain <= least) continue;
-    exit.closed = true;
     save(rest_);
-    for (const double height : kHeights) {
-      if (leave_along(device, gain * exit.direction, height * hover_)) return true;
-      restore(rest_);
-    }
+    if (leave_along(device, gain * exit.direction, exit.closed)) return true;
   }
   return false;
 }
 
-// Lifted over everything near, then along the motion.
-bool ProxyMethod::leave_along(const Vec3& device, const Vec3& motion, double height) noexcept {
+// Between two planes that nearly face each other, a slit no wider than a few hovers, the planes push much harder than the device pulls.
+bool ProxyMethod::is_jammed(const Vec3& device) const noexcept {
+  constexpr double kHard = 4.0;
+  return pushing_count_ == 2 && push_[0] > kHard * (device - proxy_).norm();
+}
+
+bool ProxyMethod::leave_jam(const Vec3& device) noexcept {
+  save(rest_);
+  const Vec3 wish = device - proxy_;
+  for (int i = -1; i < rest_.pushing_count; ++i) {
+    const Vec3 normal = i < 0 ? Vec3(Vec3::Zero()) : rest_.separations[i].normal;
+    bool closed = false;
+    if (leave_along(device, wish - wish.dot(normal) * normal, closed)) return true;
+  }
+  return false;
+}
+
+// From where the proxy rests, lifted over everything near: true when it now rests nearer to the device, else it is put back. `closed` tells
+// that the motion is blocked at once.
+bool ProxyMethod::leave_along(const Vec3& device, const Vec3& motion, bool& closed) noexcept {
+  closed = true;
+  for (const double height : kHeights) {
+    if (!lift(height * hover_)) continue;
+    const Vec3 lifted = proxy_;
+    advance(motion);
+    if ((proxy_ - lifted).norm() > 8.0 * height * hover_) {
+      closed = false;
+      descend(device);
+      if (is_better(device)) return true;
+    }
+    restore(rest_);
+  }
+  return false;
+}
+
+// Lifts the proxy over everything near; false, and nothing moved, where there is no room.
+bool ProxyMethod::lift(double height) noexcept {
   ++counters_.attempts;
   const double near = 2.0 * height;
   int count = 0;
@@ -130,15 +161,15 @@ bool ProxyMethod::leave_along(const Vec3& device, const Vec3& motion, double hei
     const Separation s = geometry_.separation(triangle, proxy_);
     if (count < kMaxTouching && s.distance <= near && can_touch(triangle, proxy_)) planes_[count++] = {s.normal, height - s.distance};
   });
-  const ConstrainedMotion lift =
+  const ConstrainedMotion up =
       constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(count)));
-  if (!lift.solved || lift.motion.norm() > 64.0 * height || advance(lift.motion)) return false;
-  const Vec3 lifted = proxy_;
+  if (!up.solved || up.motion.norm() > 64.0 * height) return false;
+  if (advance(up.motion)) {
+    restore(rest_);
+    return false;
+  }
   touching_count_ = 0;
-  advance(motion);
-  if ((proxy_ - lifted).norm() < 8.0 * height) return false;
-  descend(device);
-  return is_better(device);
+  return true;
 }
 
 }  // namespace hapton

@@ -91,7 +91,7 @@ class ProxyMethod final : public ForceMethod {
   // A way that may lead out of a corner: along one of its edges.
   struct Exit {
     Vec3 direction = Vec3::Zero();  // unit
-    bool closed = false;            // was tried from here
+    bool closed = false;            // leads nowhere from here
   };
   struct Blocker {
     std::uint32_t triangle = 0;
@@ -117,7 +117,10 @@ class ProxyMethod final : public ForceMethod {
   bool is_in_corner() const noexcept;
   void find_exits() noexcept;
   bool leave_corner(const Vec3& device) noexcept;
-  bool leave_along(const Vec3& device, const Vec3& motion, double height) noexcept;
+  bool is_jammed(const Vec3& device) const noexcept;
+  bool leave_jam(const Vec3& device) noexcept;
+  bool leave_along(const Vec3& device, const Vec3& motion, bool& closed) noexcept;
+  bool lift(double height) noexcept;
   bool is_better(const Vec3& device) const noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
