@@ -279,8 +279,9 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
   Flood flood(system.hub(), 0.5 * kFloodPerSecond);
   Flood other(system.hub(), 0.5 * kFloodPerSecond);
   EXPECT_TRUE(feels_on(system, 1000)) << "no contact in the flood";
-  std::printf("junk: %.0f datagrams a second\n", flood.stop() + other.stop());
   const Json report = system.ask_for_report();
+  std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld silences\n", flood.stop() + other.stop(),
+              count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "silence_events"));
   expect_sane(report);
   EXPECT_GT(count(report, "refused_malformed") + count(report, "refused_wrong_version") + count(report, "refused_wrong_key") +
                 count(report, "refused_unknown_session"),
