@@ -120,10 +120,11 @@ TEST(Layers, OwnHeadersAreQuotedFromTheRoot) {
 }
 
 TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
-  EXPECT_THAT(
-      find_wrong(kFolders, [](const SourceFile& file,
-                              const Include& include) { return is_generated_by_protobuf(include.path) && !file.path.ends_with("codec.cpp"); }),
-      IsEmpty());
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           return is_generated_by_protobuf(include.path) && !file.path.ends_with("codec.cpp");
+                         }),
+              IsEmpty());
 }
 
 TEST(Layers, OnlyEndpointFilesSeeSockets) {
@@ -135,21 +136,11 @@ TEST(Layers, OnlyEndpointFilesSeeSockets) {
               IsEmpty());
 }
 
-TEST(Layers, OnlySceneVisionAndBenchPeersSeeVtk) {
+// A haptics node, which reads the same scenes, must load no GL.
+TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
   EXPECT_THAT(find_wrong(kFolders,
                          [](const SourceFile& file, const Include& include) {
-                           return is_vtk(include.path) && !is_under(file.path, "scene") && !is_under(file.path, "vision_node") &&
-                                  !is_under(file.path, "bench/peers");
-                         }),
-              IsEmpty());
-}
-
-// A haptics node must load no GL: the scene layer reads files with VTK and draws nothing.
-TEST(Layers, SceneSeesNoVtkRendering) {
-  EXPECT_THAT(find_wrong({"scene"},
-                         [](const SourceFile&, const Include& include) {
-                           static const std::regex kRendering("^vtk(Render|OpenGL|Actor|Camera|Interactor|PolyDataMapper|XOpenGL|Light).*");
-                           return std::regex_match(include.path, kRendering);
+                           return is_vtk(include.path) && !is_under(file.path, "vision_node") && !is_under(file.path, "bench/peers");
                          }),
               IsEmpty());
 }
@@ -176,9 +167,10 @@ const std::map<std::string, std::string> kMayReadTheDate = {
 
 TEST(Clocks, OnlyTheSteadyOneKeepsTime) {
   static const std::regex kDate(R"(\b(system_clock|CLOCK_REALTIME|gettimeofday|high_resolution_clock|utc_clock)\b)");
-  EXPECT_THAT(find_files(kFolders,
-                         [](const SourceFile& file) { return std::regex_search(file.code, kDate) && !kMayReadTheDate.contains(file.path); }),
-              IsEmpty());
+  EXPECT_THAT(
+      find_files(kFolders,
+                 [](const SourceFile& file) { return std::regex_search(file.code, kDate) && !kMayReadTheDate.contains(file.path); }),
+      IsEmpty());
 }
 
 TEST(Headers, BeginWithPragmaOnce) {
