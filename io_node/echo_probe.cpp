@@ -21,7 +21,10 @@ std::size_t device_state_bytes() {
 }  // namespace
 
 EchoProbe::EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder, std::size_t bytes)
-    : endpoint_(endpoint), clock_(clock), responder_(responder), bytes_(bytes == 0 ? device_state_bytes() : std::max(bytes, sizeof sequence_)) {}
+    : endpoint_(endpoint),
+      clock_(clock),
+      responder_(responder),
+      bytes_(bytes == 0 ? device_state_bytes() : std::max(bytes, sizeof sequence_)) {}
 
 void EchoProbe::probe(std::int64_t deadline_ns) noexcept {
   ++sequence_;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "io_node/report_desk.h"
 #include "io_node/io_options.h"
+#include "io_node/report_desk.h"
 #include "io_node/scheduling_watch.h"
 #include "io_node/servo.h"
 #include "link/metrics_endpoint.h"

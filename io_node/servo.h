@@ -138,7 +138,7 @@ class Servo {
   AdaptiveSpin spin_;
   std::int64_t device_ns_ = 0;     // spent on the device since the last tick
   std::int64_t overslept_ns_ = 0;  // by the wait since then that ended latest
-  bool is_behind_ = false;      // the loop came to wait for this tick when it had passed
+  bool is_behind_ = false;         // the loop came to wait for this tick when it had passed
   bool has_overrun_ = false;
   CycleNote cycle_;
   ForceGuard::Counters guard_told_;
@@ -156,10 +156,10 @@ class Servo {
   Vec3 written_n_ = Vec3::Zero();
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
-  std::int64_t accepted_ns_ = 0;  // the last force that the guard let pass
+  std::int64_t accepted_ns_ = 0;     // the last force that the guard let pass
   std::array<Vec3, 256> p_WD_ = {};  // of the newest samples, by number
-  std::optional<Vec3> p_WP_;        // where the probe rests, in contact, as far as known
-  bool is_haptics_new_ = false;     // it has not answered yet
+  std::optional<Vec3> p_WP_;         // where the probe rests, in contact, as far as known
+  bool is_haptics_new_ = false;      // it has not answered yet
   ForceCommand last_force_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;
