@@ -11,6 +11,9 @@ namespace {
 constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
+// After a change it is told a few times more, soon: a datagram may get lost.
+constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
+constexpr int kSetupRepeats = 3;
 
 }  // namespace
 
@@ -101,6 +104,7 @@ void AnswerLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
     built->step = step_.replace(std::move(built->step));
     setup_.method = built->text;
+    setup_repeats_ = kSetupRepeats;
     next_setup_ns_ = 0;
     builder_.retire(std::move(built));
   }
@@ -108,10 +112,12 @@ void AnswerLoop::change_method() noexcept {
 
 void AnswerLoop::tell_setup() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  const bool is_due = now_ns >= next_setup_ns_ || hub_.session() != told_session_;
-  if (!is_due || hub_.state() != JoinState::joined) return;
+  const bool is_new_session = hub_.session() != told_session_;
+  if ((now_ns < next_setup_ns_ && !is_new_session) || hub_.state() != JoinState::joined) return;
+  if (is_new_session) setup_repeats_ = kSetupRepeats;
   told_session_ = hub_.session();
-  next_setup_ns_ = now_ns + kSetupEveryNs;
+  next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupAgainNs : kSetupEveryNs);
+  setup_repeats_ -= setup_repeats_ > 0 ? 1 : 0;
   setup_.method_serial = static_cast<std::uint32_t>(step_.counts().methods_taken);
   setup_.view_revision = step_.view().revision;
   setup_.X_WS = step_.view().X_WS;

@@ -49,6 +49,7 @@ class AnswerLoop {
   std::optional<std::uint64_t> looks_before_;  // of the builder, when the method looked around
   std::int64_t next_setup_ns_ = 0;
   std::uint64_t told_session_ = 0;  // of the setup
+  int setup_repeats_ = 0;           // still to be told soon
   Datagram datagram_;
   LatencyHistogram compute_times_;
   std::int64_t arrival_ns_ = 0;

@@ -113,6 +113,8 @@ std::string describe(const FeltCounts& counts) {
     text += fmt::format("{} answers were lost on their way: stepped through, nothing to compare with\n", counts.lost_answers);
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact that began before what the recording knows\n", counts.not_compared);
+  if (counts.unknown_method > 0)
+    text += fmt::format("{} steps not compared: the recording does not name their method\n", counts.unknown_method);
   if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);
   if (counts.missing_views > 0) text += fmt::format("{} answers with a view that is not in the recording\n", counts.missing_views);
   return text;

@@ -49,16 +49,11 @@ Result<void> SessionFelt::settle(std::uint64_t up_to_sample) {
   return {};
 }
 
-Result<std::unique_ptr<TouchStep>> SessionFelt::make_method_of(std::uint32_t serial, double* offset_m) {
-  const auto found = setups_.find({sender_, serial});
-  if (found == setups_.end()) {
-    return fail(
-        "the recording does not say what its haptics node felt with; only a session of a haptics node of this version can be replayed");
-  }
-  const auto settings = parse_method_text(found->second.method.data());
+Result<std::unique_ptr<TouchStep>> SessionFelt::make_method_of(const HapticsSetup& setup, double* offset_m) {
+  const auto settings = parse_method_text(setup.method.data());
   if (!settings) return tl::unexpected(settings.error());
   if (offset_m != nullptr) *offset_m = settings->offset_m;
-  return make_touch_(found->second);
+  return make_touch_(setup);
 }
 
 // A haptics process that was not there before: it begins in free space, unless the recording began after it.
@@ -66,17 +61,31 @@ Result<void> SessionFelt::begin(std::uint64_t sender, const ForceCommand& first)
   sender_ = sender;
   serial_ = first.method_serial;
   last_sample_ = 0;
-  is_certain_ = first.answered_before == 0;
+  const auto named = setups_.find({sender_, serial_});
+  is_method_known_ = named != setups_.end();
+  const auto any = is_method_known_ ? named : setups_.lower_bound({sender_, 0});
+  if (any == setups_.end() || any->first.first != sender_) {
+    return fail(
+        "the recording does not say what its haptics node felt with; only a session of a haptics node of this version can be replayed");
+  }
+  is_certain_ = is_method_known_ && first.answered_before == 0;
   double offset_m = 0.0;
-  auto touch = make_method_of(serial_, &offset_m);
+  auto touch = make_method_of(any->second, &offset_m);
   if (!touch) return tl::unexpected(touch.error());
   step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
   return {};
 }
 
+// Puts in place what was put in place then. A method that the recording does not name leaves what it felt unknown.
 Result<void> SessionFelt::change_method(std::uint32_t serial) {
   while (serial_ != serial) {
-    auto touch = make_method_of(++serial_);
+    const auto named = setups_.find({sender_, ++serial_});
+    is_method_known_ = named != setups_.end();
+    if (!is_method_known_) {
+      is_certain_ = false;
+      continue;
+    }
+    auto touch = make_method_of(named->second);
     if (!touch) return tl::unexpected(touch.error());
     step_->replace(std::move(*touch));
   }
@@ -132,7 +141,7 @@ Result<void> SessionFelt::feel(const ForceCommand& command) {
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   turn(command.view_revision);
   // What was free then is free now: from here on nothing before is needed.
-  if (!is_certain_ && !command.contact) {
+  if (!is_certain_ && is_method_known_ && !command.contact) {
     step_->restart();
     is_certain_ = true;
   }
@@ -143,7 +152,7 @@ Result<void> SessionFelt::feel(const ForceCommand& command) {
 
 void SessionFelt::compare(const ForceCommand& recorded, const ForceCommand& felt) {
   if (!is_certain_) {
-    ++counts_.not_compared;
+    ++(is_method_known_ ? counts_.not_compared : counts_.unknown_method);
     return;
   }
   ++counts_.compared;

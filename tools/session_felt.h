@@ -29,6 +29,7 @@ struct FeltCounts {
   std::uint64_t different = 0;
   std::uint64_t lost_answers = 0;    // stepped again, but what was answered then is not known: the answer got lost on its way
   std::uint64_t not_compared = 0;    // in contact before the first step in free space, when what was felt earlier is not known
+  std::uint64_t unknown_method = 0;  // felt by a method that the recording does not name: the words about it got lost
   std::uint64_t missing_states = 0;  // answered, but the state is not in the recording
   std::uint64_t missing_views = 0;
   double max_difference_n = 0.0;
@@ -59,7 +60,7 @@ class SessionFelt {
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& felt);
-  Result<std::unique_ptr<TouchStep>> make_method_of(std::uint32_t serial, double* offset_m = nullptr);
+  Result<std::unique_ptr<TouchStep>> make_method_of(const HapticsSetup& setup, double* offset_m = nullptr);
 
   HapticsSetups setups_;
   MakeTouch make_touch_;
@@ -70,7 +71,8 @@ class SessionFelt {
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // felt again
   std::uint32_t serial_ = 0;
-  bool is_certain_ = false;  // nothing before is unknown that could still be felt
+  bool is_method_known_ = false;  // of the steps now
+  bool is_certain_ = false;       // nothing before is unknown that could still be felt
   std::int64_t first_time_ns_ = 0;
   FeltCounts counts_;
 };

@@ -59,6 +59,31 @@ TEST_F(Sessions, EveryForceOfARecordedSessionIsFeltAgainToTheLastBit) {
   for (const char* table : {"forces.csv", "cycles.csv"}) EXPECT_GT(read_text(scratch.path() / "tables" / table).size(), 1000U);
 }
 
+TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreFeltAgainToo) {
+  system.start("io_node");
+  system.start_relay({"--loss", "0.1", "--jitter-ms", "3", "--reorder", "0.1", "--duplicate", "0.05"});
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  for (const char* method : {"smooth", "proxy"}) {
+    // The wish may get lost between the hub and the node: it is sent once.
+    for (int ask = 0; ask < 5; ++ask) {
+      const auto asked = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
+      ASSERT_TRUE(asked && asked->exit_code == 0);
+    }
+    const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
+    while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
+  }
+  system.end("haptics_node");
+  system.end("io_node");
+  const Ended replayed = session({"replay", file.string()});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+  EXPECT_THAT(replayed.out, HasSubstr("answers were lost on their way"));
+  EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("name=smooth"));
+}
+
 TEST_F(Sessions, AFileThatWasCutGivesWhatStandsBeforeTheCut) {
   record();
   const std::string whole = read_text(file);

@@ -158,6 +158,30 @@ TEST_F(FeltAgain, a_method_holds_from_the_answer_that_counts_it) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
+TEST_F(FeltAgain, what_a_method_felt_that_is_not_named_is_not_compared) {
+  slide(60);
+  live.replace(make_touch("reference"));  // its setup got lost
+  slide(40);
+  live.replace(make_touch("proxy"));
+  tell_setup("proxy");
+  for (int lap = 0; lap < 2; ++lap) {
+    const std::uint64_t before = sample;
+    sample = 0;  // out into free space, and in again
+    for (int n = 0; n < 50; ++n) {
+      DeviceState state = next_state();
+      state.sample += before;
+      state.sample_time_ns += static_cast<std::int64_t>(before) * 1'000'000;
+      recorded.emplace_back(state, answer(state));
+    }
+    sample += before;
+  }
+  SessionFelt felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().unknown_method, 40U);
+  EXPECT_EQ(felt.counts().compared, 160U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
 TEST_F(FeltAgain, a_recording_that_begins_in_contact_is_compared_from_free_space_on) {
   slide(100);
   recorded.erase(recorded.begin(), recorded.begin() + 50);
