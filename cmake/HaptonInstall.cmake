@@ -23,16 +23,21 @@ hapton_install_program(vision_node vision)
 
 # --- what they need: scenes, configurations, units, rights ---
 
+# /etc for a system's packages; under any other prefix everything stays below it.
+set(hapton_etc ${CMAKE_INSTALL_SYSCONFDIR})
+if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+  set(hapton_etc /etc)
+endif()
 install(DIRECTORY scenes meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/hapton COMPONENT hapton)
 install(FILES README.md LICENSE NOTICE-third-party.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT hapton)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT hapton)
-install(FILES deploy/etc/io.toml deploy/etc/haptics.toml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/hapton COMPONENT hapton)
-install(FILES deploy/etc/vision.toml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/hapton COMPONENT vision)
+install(FILES deploy/etc/io.toml deploy/etc/haptics.toml DESTINATION ${hapton_etc}/hapton COMPONENT hapton)
+install(FILES deploy/etc/vision.toml DESTINATION ${hapton_etc}/hapton COMPONENT vision)
 install(FILES deploy/systemd/hapton-io.service deploy/systemd/hapton-haptics.service DESTINATION lib/systemd/system COMPONENT hapton)
 install(FILES deploy/systemd/hapton-vision.service DESTINATION lib/systemd/user COMPONENT vision)
 install(FILES deploy/systemd/hapton.sysusers DESTINATION lib/sysusers.d RENAME hapton.conf COMPONENT hapton)
 install(FILES deploy/systemd/60-hapton.rules DESTINATION lib/udev/rules.d COMPONENT hapton)
-install(FILES deploy/etc/limits.conf DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/security/limits.d RENAME hapton.conf COMPONENT hapton)
+install(FILES deploy/etc/limits.conf DESTINATION ${hapton_etc}/security/limits.d RENAME hapton.conf COMPONENT hapton)
 
 # --- find_package(hapton) ---
 
