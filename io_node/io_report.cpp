@@ -73,6 +73,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"peers_timed_out", whole(s.hub.timeouts)},
                      {"bad_settings", whole(s.bad_settings)},
                      {"vision_sent", whole(s.probe_states_sent)},
+                     {"vision_spared", whole(s.probe_states_spared)},
                      {"views_forwarded", whole(s.views_forwarded)},
                      {"drawn", whole(s.drawn)},
                      {"echo_sent", whole(s.echo.sent)},

@@ -7,9 +7,10 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
-constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
-constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
+constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;   // a lost transform is mended so soon
+constexpr std::int64_t kProbeRepeatNs = 100 * kNanosecondsPerMillisecond;  // and a lost probe
+constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;      // as often as a person reads them
+constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;          // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -18,6 +19,13 @@ void relax() noexcept {
 }
 
 constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
+
+// Apart from when: nothing that a person sees.
+bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
+  return a.p_WD == b.p_WD && a.q_WT.coeffs() == b.q_WT.coeffs() && a.visual_offset_m == b.visual_offset_m && a.force_n == b.force_n &&
+         a.contact == b.contact && a.buttons == b.buttons && a.servo_rate_hz == b.servo_rate_hz &&
+         a.round_trip_p50_us == b.round_trip_p50_us && a.round_trip_p99_us == b.round_trip_p99_us && a.view_revision == b.view_revision;
+}
 
 }  // namespace
 
@@ -297,6 +305,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   tell(ServoEvent::Kind::joined, event.role, peers_.peer(event.peer).address);
   if (ways_ != nullptr) ways_->on_joined(event.peer, peers_.peer(event.peer).address);
   if (event.peer == hand_leader_) on_hand({}, event.peer);
+  if (event.role == NodeRole::vision) next_probe_repeat_ns_ = 0;
   if (event.role != NodeRole::haptics) return;
   is_haptics_new_ = true;
   ledger_.excuse_waiting();
@@ -368,6 +377,13 @@ void Servo::send_probe() noexcept {
   probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
   probe_.force_n = written_n_;
   probe_.view_revision = view_ ? view_->revision : 0;
+  const std::int64_t now_ns = clock_.now_ns();
+  if (now_ns < next_probe_repeat_ns_ && looks_same(probe_, probe_told_)) {
+    stats_.probe_states_spared += peers_.count(NodeRole::vision);
+    return;
+  }
+  next_probe_repeat_ns_ = now_ns + kProbeRepeatNs;
+  probe_told_ = probe_;
   const std::size_t reached = peers_.send_to_role(NodeRole::vision, probe_);
   stats_.probe_states_sent += reached;
   if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(sample_number_);

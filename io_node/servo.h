@@ -46,7 +46,7 @@ class Servo {
 
   struct Options {
     double rate_hz = 1000.0;
-    double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most; 0: none
+    double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most, 10 while nothing changes; 0: none
     double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
     double max_slew_n_per_s = 0.0;
     OverrunPolicy overrun = OverrunPolicy::skip;
@@ -145,6 +145,7 @@ class Servo {
   std::uint32_t faults_ = 0;  // of the newest cycle, a bit each
   std::int64_t next_vision_ns_ = 0;
   std::int64_t next_view_repeat_ns_ = 0;
+  std::int64_t next_probe_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
   std::int64_t next_strangers_ns_ = 0;
   SealCounts told_;  // of strangers
@@ -164,6 +165,7 @@ class Servo {
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;
   ProbeState probe_;
+  ProbeState probe_told_;  // to the vision nodes, last
   Datagram incoming_;
 
   EventRing events_;

@@ -47,6 +47,7 @@ struct ServoStats {
   std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
+  std::uint64_t probe_states_spared = 0;  // nothing had changed
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -27,7 +28,8 @@ class ShiftedClock final : public Clock {
   std::int64_t shift_ns_ = 0;
 };
 
-// A device that comes down onto the top of a box, 0.1 m wide around the origin, in its first 100 ms, and then stays 2 mm inside it. What is
+// A device that comes down onto the top of a box, 0.1 m wide around the origin, in its first 100 ms, and then stays 2 mm inside it, moving
+// to and fro by a millimetre. What is
 // put on its motors is written down.
 class PressingDevice final : public Device {
  public:
@@ -41,7 +43,8 @@ class PressingDevice final : public Device {
   DeviceSample read(std::int64_t now_ns) noexcept override {
     if (begin_ns_ == 0) begin_ns_ = now_ns;
     const double share = std::min(1.0, 1e-8 * static_cast<double>(now_ns - begin_ns_));
-    return {now_ns, Vec3(0.01, 0.02, 0.06 - 0.012 * share), Quat::Identity(), 0};
+    const double x_m = 0.01 + 0.001 * std::sin(1e-9 * static_cast<double>(now_ns - begin_ns_));
+    return {now_ns, Vec3(x_m, 0.02, 0.06 - 0.012 * share), Quat::Identity(), 0};
   }
   void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }

@@ -34,6 +34,7 @@ class BenchDevice final : public Device {
   DeviceSample read(std::int64_t now_ns) noexcept override {
     reads.push_back(now_ns);
     if (clock != nullptr) clock->advance_ns(std::exchange(slow_read_ns, 0));
+    place += drift;
     return {now_ns, place, Quat::Identity(), 5};
   }
   void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
@@ -43,6 +44,7 @@ class BenchDevice final : public Device {
     return true;
   }
   Vec3 place = Vec3(0.01, 0.02, 0.03);
+  Vec3 drift = Vec3::Zero();  // from one read to the next
   SimulatedClock* clock = nullptr;
   std::int64_t slow_read_ns = 0;  // of the next one
   DeviceStatus state = DeviceStatus::ready;
@@ -300,6 +302,7 @@ TEST_F(Servos, duplicates_and_forged_echoes_are_ignored) {
 
 TEST_F(Servos, vision_hears_the_probe_at_its_rate_with_offset_and_figures) {
   make({.vision_rate_hz = 50.0});
+  device.drift.x() = 1e-6;
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   run(1000);
@@ -315,10 +318,24 @@ TEST_F(Servos, vision_hears_the_probe_at_its_rate_with_offset_and_figures) {
 
 TEST_F(Servos, vision_is_served_without_haptics_too) {
   make();
+  device.drift.x() = 1e-6;
   join(kVision, NodeRole::vision);
   run(1000);
   EXPECT_NEAR(static_cast<double>(probes.size()), 240.0, 5.0);
   EXPECT_FALSE(probes.back().contact);
+}
+
+TEST_F(Servos, what_has_not_changed_is_told_to_vision_ten_times_a_second_and_at_once_when_it_does) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // the figures change now and then
+  EXPECT_NEAR(static_cast<double>(stats().probe_states_spared), 228.0, 6.0);
+  const std::size_t before = probes.size();
+  device.place.x() += 0.001;
+  run(6);
+  ASSERT_GT(probes.size(), before);
+  EXPECT_EQ(probes.back().p_WD, device.place);
 }
 
 TEST_F(Servos, drawn_gives_the_age_of_the_picture) {
