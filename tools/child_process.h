@@ -30,6 +30,9 @@ class ChildProcess {
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
 
+  // Whom to look for in /proc; -1 once it has ended.
+  pid_t pid() const { return pid_; }
+
   // Its exit code (128 + n when signal n ended it), or none when it still runs after that time.
   std::optional<int> wait(double seconds);
 

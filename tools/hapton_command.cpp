@@ -23,6 +23,7 @@
 #include "tools/replay_command.h"
 #include "tools/session_command.h"
 #include "tools/set_command.h"
+#include "tools/soak_command.h"
 #include "tools/stress_command.h"
 #include "tools/top_command.h"
 #include "tools/trajectory_command.h"
@@ -80,6 +81,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_replay_command(app, exit_code);
   add_session_command(app, exit_code);
   add_set_command(app, exit_code);
+  add_soak_command(app, exit_code);
   add_stress_command(app, exit_code);
   add_top_command(app, exit_code);
   add_trajectory_command(app, exit_code);

@@ -5,19 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iterator>
-#include <system_error>
 
-#include "tools/child_process.h"
+#include "tools/gnuplot.h"
 
 namespace hapton {
 namespace {
 
 constexpr std::string_view kEcho = "bare_echo";
 constexpr std::string_view kRoundTrip = "round_trip";
-constexpr double kDrawSeconds = 60.0;
-constexpr int kNotFound = 127;  // what posix_spawnp's child exits with when there is no such program
 
 // What a person looks for lies on top of the others: the round trip and what it is measured by.
 std::vector<HopCounts> in_drawing_order(std::span<const HopCounts> hops) {
@@ -117,27 +113,7 @@ Result<std::filesystem::path> draw_latency_plot(const std::filesystem::path& fol
   if (!hops) {
     return tl::unexpected(hops.error());
   }
-  const std::string part = "latency.png.part";
-  const std::string program = "latency.gnuplot.part";
-  // Data blocks are understood in a file only, not on the command line.
-  if (!(std::ofstream(folder / program) << make_latency_plot(*hops, part)).flush()) {
-    return fail("{}: cannot be written", (folder / program).string());
-  }
-  auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {program}, .folder = folder, .output = {}});
-  const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
-  std::error_code error;
-  std::filesystem::remove(folder / program, error);
-  if (code == kNotFound) {
-    return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
-  }
-  if (code != 0) {
-    return fail("gnuplot could not draw {}; what it said stands above", (folder / "latency.png").string());
-  }
-  std::filesystem::rename(folder / part, folder / "latency.png", error);
-  if (error) {
-    return fail("{}: cannot be written: {}", (folder / "latency.png").string(), error.message());
-  }
-  return folder / "latency.png";
+  return draw_with_gnuplot(folder, "latency.png", make_latency_plot(*hops, "latency.png.part"));
 }
 
 }  // namespace hapton

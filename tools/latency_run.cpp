@@ -1,16 +1,11 @@
 #include "tools/latency_run.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "link/udp_endpoint.h"
 #include "runtime/atomic_file.h"
 #include "runtime/stop_signal.h"
 #include "tools/child_process.h"
@@ -19,125 +14,14 @@
 #include "tools/latency_plot.h"
 #include "tools/latency_verdict.h"
 #include "tools/latency_window.h"
+#include "tools/local_node.h"
 
 namespace hapton {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLoadSeconds = 120.0;  // for the haptics node to load and divide its scene
 constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
-
-std::string read_text(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-std::string last_line(const std::filesystem::path& log) {
-  std::string text = read_text(log);
-  text.erase(text.find_last_not_of(" \n") + 1);
-  return text.substr(text.rfind('\n') + 1);
-}
-
-Result<std::string> find_free_address() {
-  const auto endpoint = open_udp_endpoint("127.0.0.1:0");
-  if (!endpoint) {
-    return tl::unexpected(endpoint.error());
-  }
-  return to_string((*endpoint)->local_address());
-}
-
-// One of the neighbours of this program, at work on the measurement.
-class Node {
- public:
-  static Result<Node> start(const LatencyRunOptions& options, const std::string& name, const std::filesystem::path& program,
-                            std::vector<std::string> arguments) {
-    const auto log = options.out / (name + ".log");
-    auto process = ChildProcess::start({.program = program, .arguments = std::move(arguments), .folder = {}, .output = log});
-    if (!process) {
-      return tl::unexpected(process.error());
-    }
-    return Node(name, log, std::move(*process));
-  }
-
-  // Until the text stands in its log.
-  Result<void> wait_for(const std::string& text) {
-    constexpr double kLookSeconds = 0.05;
-    for (double waited = 0.0; waited < kLoadSeconds; waited += kLookSeconds) {
-      const auto code = process_.wait(kLookSeconds);
-      if (read_text(log_).find(text) != std::string::npos) {
-        return {};
-      }
-      if (code) {
-        return failed(*code);
-      }
-    }
-    return fail("{} was not ready after {} s; see {}", name_, kLoadSeconds, log_.string());
-  }
-
-  // To its end, which is due after that time.
-  Result<void> wait_for_end(double seconds) {
-    const auto code = process_.wait(seconds);
-    if (!code) {
-      return fail("{} did not end; see {}", name_, log_.string());
-    }
-    return *code == 0 ? Result<void>() : failed(*code);
-  }
-
-  Result<void> stop() {
-    const int code = process_.stop();
-    return code == 0 ? Result<void>() : failed(code);
-  }
-
- private:
-  Node(std::string name, std::filesystem::path log, ChildProcess process)
-      : name_(std::move(name)), log_(std::move(log)), process_(std::move(process)) {}
-
-  Result<void> failed(int code) const { return fail("{} ended with {}: {}", name_, code, last_line(log_)); }
-
-  std::string name_;
-  std::filesystem::path log_;
-  ChildProcess process_;
-};
-
-// A vision node, and the virtual display that it draws on where there is no other.
-struct Vision {
-  std::optional<Node> display;
-  std::optional<Node> node;
-
-  Result<void> start(const LatencyRunOptions& options, const std::string& hub_at) {
-    if (std::getenv("DISPLAY") == nullptr) {
-      const auto shown = start_display(options);
-      if (!shown) {
-        return shown;
-      }
-    }
-    auto started = Node::start(options, "vision_node", find_own_folder() / "vision_node",
-                               {"--hub", hub_at, "--scene", options.scene.string(), "--offscreen"});
-    if (!started) {
-      return tl::unexpected(started.error());
-    }
-    node.emplace(std::move(*started));
-    return {};
-  }
-
-  Result<void> start_display(const LatencyRunOptions& options) {
-    auto started = Node::start(options, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
-    if (!started) {
-      return tl::unexpected(started.error());
-    }
-    if (const auto ready = started->wait_for("\n"); !ready) {
-      return ready;
-    }
-    ::setenv("DISPLAY", (":" + last_line(options.out / "Xvfb.log")).c_str(), 1);
-    display.emplace(std::move(*started));
-    return {};
-  }
-
-  Result<void> stop() { return node ? node->stop() : Result<void>(); }
-};
 
 Result<void> measure_here(const LatencyRunOptions& options) {
   const auto echo_at = find_free_address();
@@ -148,7 +32,7 @@ Result<void> measure_here(const LatencyRunOptions& options) {
   const std::filesystem::path own = find_own_folder();
   const std::string cpu = fmt::format("{}", options.cpu);
   // Scheduled as the nodes are: else their ratio would tell of the scheduler.
-  auto echo = Node::start(options, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
+  auto echo = LocalNode::start(options.out, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
   }
@@ -156,13 +40,13 @@ Result<void> measure_here(const LatencyRunOptions& options) {
   if (!options.method.empty()) {
     arguments.insert(arguments.end(), {"--method", options.method});
   }
-  auto haptics = Node::start(options, "haptics_node", own / "haptics_node", std::move(arguments));
+  auto haptics = LocalNode::start(options.out, "haptics_node", own / "haptics_node", std::move(arguments));
   if (!haptics) {
     return tl::unexpected(haptics.error());
   }
-  Vision vision;
+  LocalVision vision;
   if (options.vision) {
-    if (const auto started = vision.start(options, *hub_at); !started) {
+    if (const auto started = vision.start(options.out, {"--hub", *hub_at, "--scene", options.scene.string()}); !started) {
       return started;
     }
   }
@@ -171,10 +55,10 @@ Result<void> measure_here(const LatencyRunOptions& options) {
       return ready;
     }
   }
-  auto io = Node::start(options, "io_node", own / "io_node",
-                        {"--bind", *hub_at, "--echo-probe", *echo_at, "--echo-size", fmt::format("{}", options.echo_bytes), "--rate",
-                         fmt::format("{}", options.rate_hz), "--seconds", fmt::format("{}", options.seconds), "--out", options.out.string(),
-                         "--rt", options.realtime, "--cpu", cpu});
+  auto io = LocalNode::start(options.out, "io_node", own / "io_node",
+                             {"--bind", *hub_at, "--echo-probe", *echo_at, "--echo-size", fmt::format("{}", options.echo_bytes), "--rate",
+                              fmt::format("{}", options.rate_hz), "--seconds", fmt::format("{}", options.seconds), "--out",
+                              options.out.string(), "--rt", options.realtime, "--cpu", cpu});
   if (!io) {
     return tl::unexpected(io.error());
   }

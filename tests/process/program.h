@@ -31,6 +31,7 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   bool is_running();
+  pid_t pid() const { return pid_; }
   void send_signal(int signal);
   // How it ended, or nothing when it still runs after that time.
   std::optional<Ended> wait(Seconds at_most);

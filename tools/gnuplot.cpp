@@ -1,0 +1,41 @@
+#include "tools/gnuplot.h"
+
+#include <fstream>
+#include <optional>
+#include <system_error>
+
+#include "tools/child_process.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kDrawSeconds = 60.0;
+constexpr int kNotFound = 127;  // what posix_spawnp's child exits with when there is no such program
+
+}  // namespace
+
+Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& folder, const std::string& picture,
+                                                const std::string& script) {
+  const std::string program = std::filesystem::path(picture).stem().string() + ".gnuplot.part";
+  // Data blocks are understood in a file only, not on the command line.
+  if (!(std::ofstream(folder / program) << script).flush()) {
+    return fail("{}: cannot be written", (folder / program).string());
+  }
+  auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {program}, .folder = folder, .output = {}});
+  const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
+  std::error_code error;
+  std::filesystem::remove(folder / program, error);
+  if (code == kNotFound) {
+    return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
+  }
+  if (code != 0) {
+    return fail("gnuplot could not draw {}; what it said stands above", (folder / picture).string());
+  }
+  std::filesystem::rename(folder / (picture + ".part"), folder / picture, error);
+  if (error) {
+    return fail("{}: cannot be written: {}", (folder / picture).string(), error.message());
+  }
+  return folder / picture;
+}
+
+}  // namespace hapton

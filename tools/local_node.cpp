@@ -1,0 +1,116 @@
+#include "tools/local_node.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kLoadSeconds = 120.0;  // for the haptics node to load and divide its scene
+
+}  // namespace
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+Result<std::string> find_free_address() {
+  const auto endpoint = open_udp_endpoint("127.0.0.1:0");
+  if (!endpoint) {
+    return tl::unexpected(endpoint.error());
+  }
+  return to_string((*endpoint)->local_address());
+}
+
+LocalNode::LocalNode(std::string name, std::filesystem::path log, ChildProcess process)
+    : name_(std::move(name)), log_(std::move(log)), process_(std::move(process)) {}
+
+Result<LocalNode> LocalNode::start(const std::filesystem::path& folder, const std::string& name, const std::filesystem::path& program,
+                                   std::vector<std::string> arguments) {
+  const auto log = folder / (name + ".log");
+  auto process = ChildProcess::start({.program = program, .arguments = std::move(arguments), .folder = {}, .output = log});
+  if (!process) {
+    return tl::unexpected(process.error());
+  }
+  return LocalNode(name, log, std::move(*process));
+}
+
+Result<void> LocalNode::wait_for(const std::string& text) {
+  constexpr double kLookSeconds = 0.05;
+  for (double waited = 0.0; waited < kLoadSeconds; waited += kLookSeconds) {
+    const auto code = process_.wait(kLookSeconds);
+    if (read_text(log_).find(text) != std::string::npos) {
+      return {};
+    }
+    if (code) {
+      return failed(*code);
+    }
+  }
+  return fail("{} was not ready after {} s; see {}", name_, kLoadSeconds, log_.string());
+}
+
+Result<void> LocalNode::wait_for_end(double seconds) {
+  const auto code = process_.wait(seconds);
+  if (!code) {
+    return fail("{} did not end; see {}", name_, log_.string());
+  }
+  return *code == 0 ? Result<void>() : failed(*code);
+}
+
+Result<void> LocalNode::check_running() {
+  const auto code = process_.wait(0.0);
+  return code ? failed(*code) : Result<void>();
+}
+
+Result<void> LocalNode::stop() {
+  const int code = process_.stop();
+  return code == 0 ? Result<void>() : failed(code);
+}
+
+std::string LocalNode::last_line() const {
+  std::string text = read_text(log_);
+  text.erase(text.find_last_not_of(" \n") + 1);
+  return text.substr(text.rfind('\n') + 1);
+}
+
+Result<void> LocalNode::failed(int code) const { return fail("{} ended with {}: {}", name_, code, last_line()); }
+
+Result<void> LocalVision::start(const std::filesystem::path& folder, std::vector<std::string> arguments) {
+  if (std::getenv("DISPLAY") == nullptr) {
+    if (const auto shown = start_display(folder); !shown) {
+      return shown;
+    }
+  }
+  arguments.push_back("--offscreen");
+  auto started = LocalNode::start(folder, "vision_node", find_own_folder() / "vision_node", std::move(arguments));
+  if (!started) {
+    return tl::unexpected(started.error());
+  }
+  node_.emplace(std::move(*started));
+  return {};
+}
+
+Result<void> LocalVision::start_display(const std::filesystem::path& folder) {
+  auto started =
+      LocalNode::start(folder, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
+  if (!started) {
+    return tl::unexpected(started.error());
+  }
+  if (const auto ready = started->wait_for("\n"); !ready) {
+    return ready;
+  }
+  ::setenv("DISPLAY", (":" + started->last_line()).c_str(), 1);
+  display_.emplace(std::move(*started));
+  return {};
+}
+
+Result<void> LocalVision::stop() { return node_ ? node_->stop() : Result<void>(); }
+
+}  // namespace hapton

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "tools/child_process.h"
+
+namespace hapton {
+
+// A whole file as text; empty when it cannot be read.
+std::string read_text(const std::filesystem::path& path);
+
+// An address of 127.0.0.1 whose UDP port nobody has at the moment.
+Result<std::string> find_free_address();
+
+// A program that takes part in a measurement, writing to FOLDER/NAME.log. It ends with this object at the latest.
+// RT: set-up only. Error: one line that names the program, with its last words. Threads: one.
+class LocalNode {
+ public:
+  static Result<LocalNode> start(const std::filesystem::path& folder, const std::string& name, const std::filesystem::path& program,
+                                 std::vector<std::string> arguments);
+
+  // Until the text stands in its log.
+  Result<void> wait_for(const std::string& text);
+
+  // To its end, which is due after that time.
+  Result<void> wait_for_end(double seconds);
+
+  // Error: it has ended, however it did.
+  Result<void> check_running();
+
+  Result<void> stop();
+
+  const std::string& name() const { return name_; }
+  pid_t pid() const { return process_.pid(); }
+  std::string last_line() const;
+
+ private:
+  LocalNode(std::string name, std::filesystem::path log, ChildProcess process);
+
+  Result<void> failed(int code) const;
+
+  std::string name_;
+  std::filesystem::path log_;
+  ChildProcess process_;
+};
+
+// A vision node that draws unseen, and the virtual display that it draws on where there is no other.
+// RT: set-up only. Error: as LocalNode. Threads: one.
+class LocalVision {
+ public:
+  Result<void> start(const std::filesystem::path& folder, std::vector<std::string> arguments);
+  Result<void> stop();
+
+  // Pre: started.
+  LocalNode& node() { return *node_; }
+
+ private:
+  Result<void> start_display(const std::filesystem::path& folder);
+
+  std::optional<LocalNode> display_;
+  std::optional<LocalNode> node_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,67 @@
+#include "tools/soak_command.h"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "link/link_key.h"
+#include "link/messages.h"
+#include "runtime/realtime.h"
+#include "tools/soak_run.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFewestLooks = 10.0;
+constexpr double kSecondsAnHour = 3600.0;
+
+int run(const SoakOptions& options) {
+  if (options.seconds < kFewestLooks * look_interval_s(options)) {
+    fmt::print(stderr, "hapton soak: {:g} s are too few for {:g} looks, one every {:g} s; give more --seconds or a smaller --every\n",
+               options.seconds, kFewestLooks, look_interval_s(options));
+    return 2;
+  }
+  const auto ended = run_soak(options);
+  if (!ended) {
+    fmt::print(stderr, "hapton soak: {}\n", ended.error().what);
+    return 1;
+  }
+  fmt::print("{}", ended->text);
+  return ended->flat ? 0 : 1;
+}
+
+}  // namespace
+
+void add_soak_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<SoakOptions>();
+  options->cpu = find_shared_cpu();
+  CLI::App* command =
+      app.add_subcommand("soak", "Run the nodes for hours and judge whether memory, descriptors, forces and clock stay flat");
+  CLI::Option* seconds = command->add_option("--seconds", options->seconds, "How long")->check(CLI::Range(5.0, 1e7))->capture_default_str();
+  command
+      ->add_option_function<double>(
+          "--hours", [options](double hours) { options->seconds = kSecondsAnHour * hours; }, "How long, in hours")
+      ->check(CLI::Range(0.01, 2000.0))
+      ->excludes(seconds);
+  command->add_option("--every", options->every_s, "Seconds between two looks; 0: a 120th of the time, at least 2 s")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--rate", options->rate_hz, "Servo rate, Hz")
+      ->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz))
+      ->capture_default_str();
+  command->add_flag("--vision", options->vision, "A vision node takes part");
+  command->add_option("--scene", options->scene, "What is touched")->capture_default_str();
+  command->add_option("--key", options->key_file, kKeyHelp);
+  command->add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports")
+      ->capture_default_str();
+  command->add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
+      ->check(CLI::IsMember({"try", "require", "off"}))
+      ->capture_default_str();
+  command->add_option("--cpu", options->cpu, "io_node and haptics_node stay on this CPU; -1: any; the last one by itself")
+      ->check(CLI::Range(-1, 1023))
+      ->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton
