@@ -136,20 +136,15 @@ void SessionRecorder::run() {
 }
 
 void SessionRecorder::collect() {
-  Block block;
-  // A block that has left the window lends its memory to the next.
-  if (!window_.empty() && window_.front().newest_ns < newest_ns_ - kFlightNs - kAfterFaultNs) {
-    block.bytes = std::move(window_.front().bytes);
-    block.bytes.clear();
-    window_.pop_front();
-  }
   while (!window_.empty() && window_.front().newest_ns < newest_ns_ - kFlightNs - kAfterFaultNs) window_.pop_front();
+  drained_.clear();
   ring_.drain([&](std::span<const std::byte> record) {
-    append_record(block.bytes, record);
+    append_record(drained_, record);
     take(entry_of(record));
-    block.newest_ns = newest_ns_;
   });
-  if (!block.bytes.empty()) window_.push_back(std::move(block));
+  // A copy of its exact size: were it to grow by itself and be used again, every block would end up with room for the fullest there ever
+  // was.
+  if (!drained_.empty()) window_.push_back({drained_, newest_ns_});
   if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_told_) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::dropped;

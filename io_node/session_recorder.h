@@ -89,6 +89,7 @@ class SessionRecorder final : public ServoTap {
   SessionCodec codec_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::string unwritten_;
+  std::vector<std::byte> drained_;
   std::deque<Block> window_;
   std::int64_t newest_ns_ = 0;
   std::uint64_t dropped_told_ = 0;
