@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <cstdio>
 #include <memory>
@@ -119,6 +120,9 @@ int run(const IoOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // What is large, as a flight record in the making is, goes back to the system when it is done with: glibc would raise this limit with the
+  // first.
+  ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);
   check_cpu("io_node");
   start_log("io_node");
   const auto parsed = parse_io_options(argc, argv);

@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr double kWarmUpShare = 0.1;
-constexpr double kWarmUpSeconds = 30.0;  // io_node's heap grows by some 1.5 MiB in its first 25 s, then no more
+constexpr double kWarmUpSeconds = 30.0;  // io_node's heap takes its size
 constexpr double kMostWarmUpShare = 0.5;
 constexpr double kMemoryShare = 0.01;
 constexpr double kMemoryKib = 1024.0;
