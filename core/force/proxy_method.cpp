@@ -187,13 +187,21 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
   return std::max(0.0, spring.norm() - drag) * direction;
 }
 
+// Whether this step went farther than the device did, by more than the curve of what it slides on explains. From fold to fold any such
+// step may have let go of one.
+bool ProxyMethod::has_caught_up() const noexcept {
+  if (before_.free || free_) return false;
+  const bool is_held_by_fold = before_.pushing_count > 1 || pushing_count_ > 1;
+  return (proxy_ - before_.proxy).norm() > (is_held_by_fold ? kCatchUpFold : kCatchUp) * stride_;
+}
+
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
 // moved, the way it takes depends on where the device was just then: such a step is done again in smaller parts.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   sweeps_left_ = kMaxSweeps;
   save(before_);
   solve(device);
-  if (before_.free || free_ || (proxy_ - before_.proxy).norm() <= kCatchUp * stride_) return;
+  if (!has_caught_up()) return;
   ++counters_.caught_up;
   restore(before_);
   for (int part = 1; part <= kParts; ++part) {

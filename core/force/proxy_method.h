@@ -66,7 +66,8 @@ class ProxyMethod final : public ForceMethod {
   static constexpr double kLargestReach = 2.0;      // local units: the scene's size
   static constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
   static constexpr int kMaxIdle = 6;
-  static constexpr double kCatchUp = 1.01;  // of the stride
+  static constexpr double kCatchUp = 1.3;       // strides
+  static constexpr double kCatchUpFold = 1.01;  // where folds hold the proxy
   static constexpr int kParts = 8;
   static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
@@ -105,6 +106,7 @@ class ProxyMethod final : public ForceMethod {
   void bring_pushing_first(const ConstrainedMotion& held) noexcept;
   Vec3 shaded(const Vec3& stretch) noexcept;
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
+  bool has_caught_up() const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void solve(const Vec3& device) noexcept;
   void descend(const Vec3& device) noexcept;
