@@ -75,6 +75,7 @@ void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   last_device_ = proxy_;
   near_reach_ = 0.0;
   near_.clear();
+  exits_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   empty_radius_squared_ = 0.0;
   empty_retry_ = 0.0;
 }
@@ -108,6 +109,7 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
   free_ = true;
   sliding_ = false;
   touching_count_ = 0;
+  pushing_count_ = 0;
 }
 
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
