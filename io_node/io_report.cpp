@@ -82,20 +82,6 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"events_dropped", whole(s.events_dropped)}};
 }
 
-const char* name_of(NodeRole role) {
-  switch (role) {
-    case NodeRole::haptics:
-      return "haptics";
-    case NodeRole::vision:
-      return "vision";
-    case NodeRole::tool:
-      return "tool";
-    case NodeRole::io:
-      break;
-  }
-  return "io";
-}
-
 std::vector<ReportNode> make_nodes(const ServoStats& stats) {
   std::vector<ReportNode> nodes;
   for (const PeerFigures& peer : stats.peers) {
@@ -145,6 +131,20 @@ void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name,
 }
 
 }  // namespace
+
+const char* name_of(NodeRole role) {
+  switch (role) {
+    case NodeRole::haptics:
+      return "haptics";
+    case NodeRole::vision:
+      return "vision";
+    case NodeRole::tool:
+      return "tool";
+    case NodeRole::io:
+      break;
+  }
+  return "io";
+}
 
 LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
                              const SchedulingFigures& scheduling) {

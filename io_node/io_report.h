@@ -5,6 +5,7 @@
 #include "io_node/io_options.h"
 #include "io_node/scheduling_watch.h"
 #include "io_node/servo_stats.h"
+#include "link/messages.h"
 #include "runtime/report.h"
 
 namespace hapton {
@@ -14,6 +15,9 @@ namespace hapton {
 // Ratios: round_trip_over_echo_p50 and _p99, where an echo was measured. RT: no.
 LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
                              const SchedulingFigures& scheduling = {});
+
+// "io", "haptics", "vision" or "tool". RT: yes.
+const char* name_of(NodeRole role);
 
 // The run in a few lines for people. RT: no.
 std::string describe_run(const ServoStats& stats, const SchedulingFigures& scheduling = {});

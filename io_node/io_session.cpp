@@ -21,20 +21,6 @@ constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;
 constexpr std::int64_t kMetricsEveryNs = kNanosecondsPerSecond;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 
-const char* name_of(NodeRole role) {
-  switch (role) {
-    case NodeRole::io:
-      return "io";
-    case NodeRole::haptics:
-      return "haptics";
-    case NodeRole::vision:
-      return "vision";
-    case NodeRole::tool:
-      return "tool";
-  }
-  return "unknown";
-}
-
 std::string describe(const ServoEvent& event) {
   switch (event.kind) {
     case ServoEvent::Kind::joined:

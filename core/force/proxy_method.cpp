@@ -247,6 +247,7 @@ void ProxyMethod::solve(const Vec3& device) noexcept {
 
 // Moves the proxy to the constrained minimum. Every pass either moves it nearer to the device or adds a plane to the set that holds it.
 void ProxyMethod::descend(const Vec3& device) noexcept {
+  pushing_count_ = 0;                                  // until it is at rest
   const double rest_of_motion = clearance_.tolerance;  // shorter motions are below the clearance's own slack
   constexpr double kRounding = 0x1p-48;                // of a distance within the scene
   constexpr double kNormalError = 0x1p-24;  // of the goal: what the normal of an edge at hover distance may be off (point_triangle.h)
