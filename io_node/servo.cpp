@@ -162,7 +162,7 @@ bool Servo::haptics_alive(std::int64_t now_ns) const noexcept {
 
 void Servo::write_force(const Vec3& force_n) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
-  device_.write(force_n, begin_ns);
+  device_.write({.force_n = force_n}, begin_ns);
   device_ns_ += clock_.now_ns() - begin_ns;
   const bool is_let_go = !is_finished_ && force_n == Vec3::Zero() && written_n_ != Vec3::Zero() && guard_.silent();
   if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);

@@ -15,24 +15,48 @@ struct DeviceLimits {
   double max_stiffness_n_per_m = 0.0;   // a hint: stiffer walls buzz
   Vec3 workspace_min_m = Vec3::Zero();  // axis-aligned box the device point stays in
   Vec3 workspace_max_m = Vec3::Zero();
+  double max_torque_nm = 0.0;  // norm; 0: no motor turns the stylus
+  double max_torque_slew_nm_per_s = 0.0;
+  double continuous_force_n = 0.0;  // what the motors bear without end; 0: max_force_n
+  double peak_s = 0.0;              // how long max_force_n may last, beginning cold; 0: without end
+  double max_speed_m_per_s = 0.0;   // faster is no hand: a broken encoder or a device out of control; 0: not known
 };
 
-// The device at one instant. p_WD: device point in W (m), q_WT: stylus in W, buttons: one bit each, lowest first.
+// What goes to the motors, frame W.
+struct Wrench {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 torque_nm = Vec3::Zero();
+};
+
+// The device at one instant. p_WD: device point in W (m), q_WT: stylus in W, buttons: one bit each, lowest first. is_held: a hand holds
+// the stylus, as far as the device can tell; a device that cannot says true.
 struct DeviceSample {
   std::int64_t time_ns = 0;
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;
+  bool is_held = true;
 };
 
 enum class DeviceStatus : std::uint8_t {
   ready,
-  ended,  // a recording has been played to its end
-  fault,  // the hardware stopped answering: it takes no force any more
+  ended,        // a recording has been played to its end
+  fault,        // the hardware stopped answering for good: it takes no force any more
+  away,         // unplugged or silent, looked for all the while: reads repeat the last sample, forces go nowhere
+  calibrating,  // its position is not to be trusted yet: forces go nowhere
 };
 
-// A force-feedback device: 6 DOF in, 3 DOF out. One thread owns it; now_ns never goes back.
-// RT: read, write, status and limits yes (bounded, no heap, lock, log or throw); making one is set-up only.
+// What the hardware says of itself, for people. Texts live as long as the device.
+struct DeviceCondition {
+  std::string_view model;
+  std::string_view serial;
+  std::string_view firmware;
+  bool is_calibrated = true;
+  double motor_temperature = -1.0;  // 0 cold .. 1 too hot; below 0: not known
+};
+
+// A force-feedback device: 6 DOF in, 3 or 6 DOF out. One thread owns it; now_ns never goes back.
+// RT: read, write, status, condition and limits yes (bounded, no heap, lock, log or throw); making one is set-up only.
 class Device {
  public:
   virtual ~Device() = default;
@@ -42,10 +66,11 @@ class Device {
   // The device at now_ns.
   virtual DeviceSample read(std::int64_t now_ns) noexcept = 0;
 
-  // Puts force_n (N, frame W) on the motors from now_ns on, until the next write. Must be finite and within the limits.
-  virtual void write(const Vec3& force_n, std::int64_t now_ns) noexcept = 0;
+  // Puts a wrench (N, N m, frame W) on the motors from now_ns on, until the next write. Must be finite and within the limits.
+  virtual void write(const Wrench& wrench, std::int64_t now_ns) noexcept = 0;
 
   virtual DeviceStatus status() const noexcept = 0;
+  virtual DeviceCondition condition() const noexcept { return {}; }
 
   // Leads the simulated hand to p_WH, or lets it go its own way again; false: a real hand or a recording moves this device.
   virtual bool lead_hand(const std::optional<Vec3>& p_WH) noexcept = 0;

@@ -19,7 +19,11 @@ constexpr double kMaxSlewNPerS = kMaxForceN / 0.004;
 
 inline DeviceLimits limits() {
   const Vec3 half = 0.5 * kInchM * Vec3(10.5, 7.5, 15.0);
-  return {kMaxForceN, kMaxSlewNPerS, 1000.0, -half, half};
+  return {.max_force_n = kMaxForceN,
+          .max_slew_n_per_s = kMaxSlewNPerS,
+          .max_stiffness_n_per_m = 1000.0,
+          .workspace_min_m = -half,
+          .workspace_max_m = half};
 }
 
 }  // namespace model_a

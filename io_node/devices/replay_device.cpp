@@ -46,7 +46,7 @@ DeviceSample ReplayDevice::read(std::int64_t now_ns) noexcept {
   return sample;
 }
 
-void ReplayDevice::write(const Vec3&, std::int64_t) noexcept {}
+void ReplayDevice::write(const Wrench&, std::int64_t) noexcept {}
 
 bool ReplayDevice::lead_hand(const std::optional<Vec3>&) noexcept { return false; }
 

@@ -26,7 +26,7 @@ class ReplayDevice final : public Device {
   std::string_view name() const noexcept override { return "replay"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
-  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   DeviceStatus status() const noexcept override { return status_; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
 

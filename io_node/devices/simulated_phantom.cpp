@@ -72,9 +72,9 @@ DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
   return sample;
 }
 
-void SimulatedPhantom::write(const Vec3& force_n, std::int64_t now_ns) noexcept {
+void SimulatedPhantom::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   advance_to(now_ns);
-  force_n_ = force_n;
+  force_n_ = wrench.force_n;
 }
 
 }  // namespace hapton

@@ -28,7 +28,7 @@ class SimulatedPhantom final : public Device {
   std::string_view name() const noexcept override { return "simulated"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
-  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
 

@@ -46,7 +46,7 @@ class PressingDevice final : public Device {
     const double x_m = 0.01 + 0.001 * std::sin(1e-9 * static_cast<double>(now_ns - begin_ns_));
     return {now_ns, Vec3(x_m, 0.02, 0.06 - 0.012 * share), Quat::Identity(), 0};
   }
-  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
 

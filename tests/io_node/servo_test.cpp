@@ -37,7 +37,7 @@ class BenchDevice final : public Device {
     place += drift;
     return {now_ns, place, Quat::Identity(), 5};
   }
-  void write(const Vec3& force_n, std::int64_t now_ns) noexcept override { written.push_back({force_n, now_ns}); }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return state; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override {
     hand = p_WH;

@@ -53,7 +53,8 @@ TEST(SimulatedPhantom, trajectory_does_not_depend_on_the_servo_rate) {
     for (std::int64_t now = 0; now <= 4000 * kMs; now += dt) {
       device.read(1000 + now);
       // The same forces at the same times, whatever the rate.
-      if (now % (4 * kMs) == 0) device.write(held(Vec3(0.3, -0.2, 20.0 * std::sin(1e-9 * static_cast<double>(now)))), 1000 + now);
+      if (now % (4 * kMs) == 0)
+        device.write({.force_n = held(Vec3(0.3, -0.2, 20.0 * std::sin(1e-9 * static_cast<double>(now))))}, 1000 + now);
     }
     return device.exact_position_m();
   };
@@ -66,7 +67,7 @@ TEST(SimulatedPhantom, trajectory_does_not_depend_on_the_servo_rate) {
 TEST(SimulatedPhantom, same_seed_same_motion_other_seed_other_motion) {
   const auto run = [](std::uint64_t seed) {
     SimulatedPhantom device({.seed = seed, .stylus = {}});
-    for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) device.write(wall_force(device.read(now).p_WD), now + 100'000);
+    for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) device.write({.force_n = wall_force(device.read(now).p_WD)}, now + 100'000);
     return device.exact_position_m();
   };
   EXPECT_EQ(run(3), run(3));
@@ -81,7 +82,7 @@ TEST(SimulatedPhantom, force_pushes_the_hand_back_by_its_stiffness) {
   device.lead_hand(place);
   for (std::int64_t now = 0; now < 3000 * kMs; now += kMs) device.read(now);
   EXPECT_LT((device.exact_position_m() - place).norm(), 1e-6);
-  device.write(Vec3(0.0, 0.0, 4.0), 3000 * kMs);
+  device.write({.force_n = Vec3(0.0, 0.0, 4.0)}, 3000 * kMs);
   for (std::int64_t now = 3000 * kMs; now < 6000 * kMs; now += kMs) device.read(now);
   const StylusModel model;
   const double give = 4.0 * (1.0 / model.hand_stiffness_n_per_m + 1.0 / model.structure_stiffness_n_per_m());
@@ -92,7 +93,7 @@ TEST(SimulatedPhantom, stays_in_the_workspace_whatever_pushes) {
   SimulatedPhantom device({});
   device.lead_hand(Vec3(10.0, -10.0, 10.0));
   for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) {
-    device.write(Vec3(8.0, -8.0, 8.0), now);
+    device.write({.force_n = Vec3(8.0, -8.0, 8.0)}, now);
     const Vec3 p = device.read(now).p_WD;
     ASSERT_TRUE((p.array() <= device.limits().workspace_max_m.array() + 1e-12).all());
     ASSERT_TRUE((p.array() >= device.limits().workspace_min_m.array() - 1e-12).all());
@@ -117,7 +118,7 @@ Exploration explore(std::uint64_t seed, std::int64_t dt, std::int64_t delay, dou
   for (std::int64_t now = 0; now < 20'000 * kMs; now += dt) {
     const Vec3 p = device.read(now).p_WD;
     const Vec3 force = held(wall_force(p - Vec3(0.0, 0.0, wall_z)));
-    device.write(force, now + delay);
+    device.write({.force_n = force}, now + delay);
     const bool now_touching = force.norm() > 0.0;
     seen.contact_steps += now_touching;
     seen.contacts += now_touching && !touching;
