@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "io_node/device_maker.h"
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "runtime/config.h"
@@ -16,24 +17,27 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();
   app.add_option("--key", options.key_file, kKeyHelp);
-  app.add_option("--device", options.device, "simulated: a PHANToM Model A with a scripted hand; replay: a recorded trajectory")
-      ->check(CLI::IsMember({"simulated", "replay"}))
-      ->capture_default_str();
-  app.add_option("--trajectory", options.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
-  app.add_flag("--loop", options.loop, "Begin the replay again at its end, else the program ends with it");
+  app.add_option("--device", options.device.name, describe_devices())->check(CLI::IsMember(device_names()))->capture_default_str();
+  app.add_option("--device-id", options.device.id,
+                 "Which of several: serial number, path, index or the vendor's name for it (default: the first found; see hapton doctor)");
+  app.add_option("--device-file", options.device.file, "TOML with the device's own parameters (docs/devices.md)");
+  app.add_option("--trajectory", options.device.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
+  app.add_flag("--loop", options.device.loop, "Begin the replay again at its end, else the program ends with it");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")
       ->check(CLI::Range(Servo::kLowestRateHz, Servo::kHighestRateHz))
       ->capture_default_str();
-  app.add_option("--vision-rate", options.vision_rate_hz, "Probe positions a second to each vision node, at most, and 10 while nothing changes; 0: none")
+  app.add_option("--vision-rate", options.vision_rate_hz,
+                 "Probe positions a second to each vision node, at most, and 10 while nothing changes; 0: none")
       ->check(CLI::Range(0.0, Servo::kHighestRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
       ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks");
-  app.add_option("--seed", options.seed, "Of the simulated hand's script")->capture_default_str();
-  app.add_option("--max-force", options.max_force_n, "Tighter limit on the force, N (0: the device's own)")->check(CLI::Range(0.0, 1e3));
-  app.add_option("--max-slew", options.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
+  app.add_option("--seed", options.device.seed, "Of the simulated hand's script")->capture_default_str();
+  app.add_option("--max-force", options.device.max_force_n, "Tighter limit on the force, N (0: the device's own)")
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
   app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");

@@ -4,24 +4,20 @@
 #include <string>
 #include <variant>
 
+#include "io_node/devices/device_settings.h"
 #include "runtime/realtime.h"
 
 namespace hapton {
 
 struct IoOptions {
   std::string bind = "127.0.0.1:4950";
-  std::string device = "simulated";  // or "replay"
-  std::string trajectory;            // CSV of the replay
-  bool loop = false;                 // the replay begins again
+  DeviceSettings device;
   double rate_hz = 1000.0;
   double vision_rate_hz = 240.0;
   double seconds = 0.0;  // 0: until stopped
   std::string out;       // folder for reports; empty: none
-  std::uint64_t seed = 1;
-  double max_force_n = 0.0;  // 0: the device's
-  double max_slew_n_per_s = 0.0;
-  std::string record;  // file for the whole session; empty: none
-  std::string flight;  // folder for flight records; empty: see find_flight_folder; "off": none
+  std::string record;    // file for the whole session; empty: none
+  std::string flight;    // folder for flight records; empty: see find_flight_folder; "off": none
   std::string overrun = "skip";
   double spin_share = 0.1;     // of a period that the loop may spin before its tick, at most
   std::string metrics;         // where the figures are served by HTTP; empty: nowhere

@@ -163,9 +163,9 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   add_ratio(report, stats, "round_trip_over_echo_p50", 0.5);
   add_ratio(report, stats, "round_trip_over_echo_p99", 0.99);
   report.notes = {{"bind", options.bind},
-                  {"device", options.device},
+                  {"device", options.device.name},
                   {"realtime", realtime},
-                  {"seed", std::to_string(options.seed)},
+                  {"seed", std::to_string(options.device.seed)},
                   {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
   report.notes["haptics_clock_ahead"] = describe_clocks(stats.ways);
   if (stats.ways.is_offset_known) {
@@ -173,7 +173,9 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
     report.notes["haptics_clock_error_ns"] = std::to_string(stats.ways.clock_error_ns);
   }
   report.nodes = make_nodes(stats);
-  if (!options.trajectory.empty()) report.notes["trajectory"] = options.trajectory;
+  if (!options.device.id.empty()) report.notes["device_id"] = options.device.id;
+  if (!options.device.file.empty()) report.notes["device_file"] = options.device.file;
+  if (!options.device.trajectory.empty()) report.notes["trajectory"] = options.device.trajectory;
   if (!options.echo_probe.empty()) report.notes["echo_probe"] = options.echo_probe;
   if (options.echo_bytes > 0) report.notes["echo_bytes"] = std::to_string(options.echo_bytes);
   // The way of one sample first, in its order; then what it adds up to.

@@ -71,7 +71,7 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
 int run(const IoOptions& options) {
   StopSignal stop;
   SteadyClock clock;
-  const auto device = make_device(options);
+  const auto device = make_device(options.device);
   if (!device) return give_up(device.error());
   const auto address = parse_address(options.bind);
   if (!address) return give_up(address.error());
@@ -92,13 +92,14 @@ int run(const IoOptions& options) {
   SessionRecorder recorder(recording, make_session_header(options, session_id, clock), clock);
   ServoTap* tap = recording.record.empty() && recording.flight_folder.empty() ? nullptr : &recorder;
   HubPeers peers(sealed, clock, session_id, options.rate_hz);
-  const Servo::Options limits{options.rate_hz,          options.vision_rate_hz,  options.max_force_n,
-                              options.max_slew_n_per_s, overrun_policy(options), options.spin_share};
+  const Servo::Options limits{options.rate_hz,         options.vision_rate_hz, options.device.max_force_n, options.device.max_slew_n_per_s,
+                              overrun_policy(options), options.spin_share};
   const auto servo = std::make_unique<Servo>(**device, peers, clock, limits, echo->probe.get(), tap);
   fmt::print("hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}\n", to_string((*endpoint)->local_address()), (*device)->name(),
-             options.rate_hz, servo->force_limits().max_force_n, options.seed);
+             options.rate_hz, servo->force_limits().max_force_n, options.device.seed);
   std::fflush(stdout);
-  if (options.max_force_n > (*device)->limits().max_force_n || options.max_slew_n_per_s > (*device)->limits().max_slew_n_per_s)
+  if (options.device.max_force_n > (*device)->limits().max_force_n ||
+      options.device.max_slew_n_per_s > (*device)->limits().max_slew_n_per_s)
     log_warning("limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", (*device)->limits().max_force_n,
                 (*device)->limits().max_slew_n_per_s);
   WayMeter ways(metered);

@@ -14,14 +14,19 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
   header.start_unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   header.session = session;
   header.settings = {{"bind", options.bind},
-                     {"device", options.device},
+                     {"device", options.device.name},
                      {"rate", fmt::format("{}", options.rate_hz)},
                      {"vision-rate", fmt::format("{}", options.vision_rate_hz)},
-                     {"seed", fmt::format("{}", options.seed)},
-                     {"max-force", fmt::format("{}", options.max_force_n)},
-                     {"max-slew", fmt::format("{}", options.max_slew_n_per_s)},
+                     {"seed", fmt::format("{}", options.device.seed)},
+                     {"max-force", fmt::format("{}", options.device.max_force_n)},
+                     {"max-slew", fmt::format("{}", options.device.max_slew_n_per_s)},
                      {"overrun", options.overrun}};
-  if (!options.trajectory.empty()) header.settings.emplace_back("trajectory", options.trajectory);
+  const auto add_text = [&](const char* name, const std::string& value) {
+    if (!value.empty()) header.settings.emplace_back(name, value);
+  };
+  add_text("device-id", options.device.id);
+  add_text("device-file", options.device.file);
+  add_text("trajectory", options.device.trajectory);
   return header;
 }
 

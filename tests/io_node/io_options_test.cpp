@@ -16,23 +16,27 @@ std::variant<IoOptions, int> parse(std::vector<const char*> arguments) {
 TEST(IoOptions, has_the_defaults_of_a_single_host) {
   const auto options = std::get<IoOptions>(parse({}));
   EXPECT_EQ(options.bind, "127.0.0.1:4950");
-  EXPECT_EQ(options.device, "simulated");
+  EXPECT_EQ(options.device.name, "simulated");
   EXPECT_EQ(options.rate_hz, 1000.0);
   EXPECT_EQ(options.vision_rate_hz, 240.0);
   EXPECT_EQ(options.realtime.mode, RealtimeMode::attempt);
 }
 
 TEST(IoOptions, reads_flags) {
-  const auto options = std::get<IoOptions>(parse({"--rate", "4000", "--device", "replay", "--trajectory", "t.csv", "--loop", "--rt", "off",
-                                                  "--seed", "42", "--max-force", "2.5", "--echo-probe", "127.0.0.1:9", "--cpu", "1"}));
+  const auto options = std::get<IoOptions>(
+      parse({"--rate", "4000",        "--device", "replay",        "--trajectory", "t.csv",        "--loop",      "--rt",
+             "off",    "--seed",      "42",       "--max-force",   "2.5",          "--echo-probe", "127.0.0.1:9", "--cpu",
+             "1",      "--device-id", "7",        "--device-file", "mine.toml"}));
   EXPECT_EQ(options.rate_hz, 4000.0);
-  EXPECT_EQ(options.device, "replay");
-  EXPECT_EQ(options.trajectory, "t.csv");
-  EXPECT_TRUE(options.loop);
+  EXPECT_EQ(options.device.name, "replay");
+  EXPECT_EQ(options.device.id, "7");
+  EXPECT_EQ(options.device.file, "mine.toml");
+  EXPECT_EQ(options.device.trajectory, "t.csv");
+  EXPECT_TRUE(options.device.loop);
   EXPECT_EQ(options.realtime.mode, RealtimeMode::off);
   EXPECT_EQ(options.realtime.cpu, 1);
-  EXPECT_EQ(options.seed, 42U);
-  EXPECT_EQ(options.max_force_n, 2.5);
+  EXPECT_EQ(options.device.seed, 42U);
+  EXPECT_EQ(options.device.max_force_n, 2.5);
   EXPECT_EQ(options.echo_probe, "127.0.0.1:9");
 }
 
@@ -59,7 +63,7 @@ TEST(IoOptions, reads_a_config_file_that_the_command_line_overrides) {
   std::ofstream(path) << "rate = 2000\nseed = 9\n";
   const auto options = std::get<IoOptions>(parse({"--config", path.c_str(), "--seed", "3"}));
   EXPECT_EQ(options.rate_hz, 2000.0);
-  EXPECT_EQ(options.seed, 3U);
+  EXPECT_EQ(options.device.seed, 3U);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ std::unique_ptr<ServoStats> two_seconds() {
 TEST(IoReport, holds_hops_rates_counters_and_the_ratio_to_the_bare_echo) {
   IoOptions options;
   options.echo_probe = "127.0.0.1:9";
-  options.seed = 17;
+  options.device.seed = 17;
   const LatencyReport report = make_io_report(*two_seconds(), options, "real time: off");
   EXPECT_EQ(report.program, "io_node");
   EXPECT_EQ(report.seconds, 2.0);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Which device, with which parameters, and where it stands in W.
+struct DeviceSettings {
+  std::string name = "simulated";  // one of device_makers()
+  std::string id;                  // which of several: serial number, path, index or the vendor's name for it; empty: the first found
+  std::string file;                // TOML with the device's own parameters; empty: those of its maker
+  std::string trajectory;          // CSV of the replay
+  bool loop = false;               // the replay begins again
+  std::uint64_t seed = 1;          // of the simulated hand's script
+  double max_force_n = 0.0;        // tighter than the device's own limit; 0: the device's
+  double max_slew_n_per_s = 0.0;   // the same, of its change
+  Pose X_WB = Pose::Identity();    // of the device's base, as the maker knows it, in W: two hands side by side
+};
+
+}  // namespace hapton
