@@ -12,7 +12,7 @@
 namespace hapton::structure {
 namespace {
 
-const std::vector<std::string> kFolders = {"core", "runtime", "link", "scene", "bench", "io_node", "haptics_node", "vision_node", "tools"};
+const std::vector<std::string> kFolders = {"core", "runtime", "link", "hid", "scene", "bench", "io_node", "haptics_node", "vision_node", "tools"};
 
 // Which folders a folder's files may include from. Its own is always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -23,13 +23,14 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"core/force", {"core/base", "core/math", "core/geometry", "core/collision"}},
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
+    {"hid", {"core/base", "core/math", "runtime"}},
     {"scene", {"core"}},
     {"bench", {"core", "runtime", "link"}},
-    {"io_node", {"core/base", "core/math", "runtime", "link"}},
+    {"io_node", {"core/base", "core/math", "runtime", "link", "hid"}},
     {"haptics_node", {"core", "runtime", "link", "scene"}},
-    {"vision_node", {"core", "runtime", "link", "scene"}},
+    {"vision_node", {"core", "runtime", "link", "hid", "scene"}},
     // The haptic node's step itself, to feel a recording again.
-    {"tools", {"core", "runtime", "link", "scene", "bench", "haptics_node"}},
+    {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptics_node"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace hapton {
+
+enum class HidKind : std::uint8_t {
+  wooden_haptics,  // driven by --device wooden
+  hapton_hid,      // driven by --device hapton-hid: any maker's, found by its usage
+  space_mouse,     // driven by --device spacemouse, and the knob box of vision_node
+  vendor_driver,   // a force-feedback device that only its vendor's library can drive
+};
+
+// One device, or one family of them. A zero pid stands for every product of the vendor, a zero vid for every vendor; a zero usage_page for
+// any usage. Receivers and keyboards show several interfaces under one id, so where a usage is given it must match too.
+struct HidCatalogEntry {
+  std::uint16_t vid = 0;
+  std::uint16_t pid = 0;
+  std::uint16_t usage_page = 0;
+  std::uint16_t usage = 0;
+  HidKind kind = HidKind::vendor_driver;
+  std::string_view name;
+};
+
+// Of Hapton HID, see docs/hid.md.
+constexpr std::uint16_t kHaptonHidUsagePage = 0xFF48;
+constexpr std::uint16_t kHaptonHidUsage = 0x0001;
+
+// Every HID device that we know of, the most special first. RT: yes.
+std::span<const HidCatalogEntry> hid_catalog() noexcept;
+
+// The entry of a device, null when it is none of ours. A usage_page of 0 means that the usage is not known: then the ids alone decide.
+// RT: yes.
+const HidCatalogEntry* find_in_hid_catalog(std::uint16_t vid, std::uint16_t pid, std::uint16_t usage_page = 0,
+                                           std::uint16_t usage = 0) noexcept;
+
+// "WoodenHaptics", "Hapton HID", "SpaceMouse", "vendor's driver".
+std::string_view to_string(HidKind kind) noexcept;
+
+}  // namespace hapton
