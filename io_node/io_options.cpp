@@ -2,12 +2,29 @@
 
 #include <CLI/CLI.hpp>
 
+#include <optional>
+#include <string>
+
 #include "io_node/device_maker.h"
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "runtime/config.h"
 
 namespace hapton {
+namespace {
+
+constexpr int kBadCommandLine = 2;
+
+// The first flag given that is one device's own and stands in the file of several.
+std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
+  for (const char* flag : {"--device", "--device-id", "--device-file", "--trajectory", "--loop", "--seed", "--max-force", "--max-slew",
+                           "--bind", "--metrics", "--record", "--cpu"}) {
+    if (app.count(flag) > 0) return flag;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv) {
   IoOptions options;
@@ -18,6 +35,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--device", options.device.name, describe_devices())->check(CLI::IsMember(device_names()))->capture_default_str();
+  app.add_option("--devices", options.devices_file, "TOML with several devices, each a hub of its own (docs/devices.md)");
   app.add_option("--device-id", options.device.id,
                  "Which of several: serial number, path, index or the vendor's name for it (default: the first found; see hapton doctor)");
   app.add_option("--device-file", options.device.file, "TOML with the device's own parameters (docs/devices.md)");
@@ -66,6 +84,13 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  if (!options.devices_file.empty()) {
+    if (const auto flag = find_flag_of_one_device(app)) {
+      fmt::print(stderr, "io_node: {0} is for one device; with --devices write it into each [[device]] of {1} and leave {0} out\n", *flag,
+                 options.devices_file);
+      return kBadCommandLine;
+    }
+  }
   options.realtime.mode = *parse_realtime_mode(realtime);
   return options;
 }

@@ -10,8 +10,10 @@
 namespace hapton {
 
 struct IoOptions {
+  std::string name;  // of the device among several (--devices); empty: the only one
   std::string bind = "127.0.0.1:4950";
   DeviceSettings device;
+  std::string devices_file;  // several devices; empty: the one above
   double rate_hz = 1000.0;
   double vision_rate_hz = 240.0;
   double seconds = 0.0;  // 0: until stopped
@@ -26,6 +28,9 @@ struct IoOptions {
   std::string key_file;        // empty: the user's own, on loopback
   RealtimeSettings realtime;
 };
+
+// "NAME: " in front of what people are told of one of several devices.
+inline std::string name_prefix(const IoOptions& options) { return options.name.empty() ? "" : options.name + ": "; }
 
 // The program's options, or the exit code to leave main with (help, or an error that has been printed). RT: set-up only.
 std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv);

@@ -49,7 +49,7 @@ std::string_view main_cause(const ServoStats& stats) {
 }  // namespace
 
 IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
-    : servo_(servo), clock_(clock), options_(options), watch_(options.spin_share, read_realtime_share()) {}
+    : servo_(servo), clock_(clock), options_(options), prefix_(name_prefix(options)), watch_(options.spin_share, read_realtime_share()) {}
 
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();
@@ -73,7 +73,7 @@ bool IoSession::is_over(const StopSignal& stop) const {
   return stop.stop_requested() || clock_.now_ns() >= end_ns_ || has_ended_.load(std::memory_order_acquire);
 }
 
-Result<void> IoSession::run(StopSignal& stop) {
+Result<void> IoSession::run(const StopSignal& stop) {
   std::thread servo([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
@@ -84,7 +84,7 @@ Result<void> IoSession::run(StopSignal& stop) {
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();
-  fmt::print("{}", describe_run(stats, watch_.figures()));
+  fmt::print("{}", described(stats));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
   if (servo_.has_overrun()) {
@@ -94,10 +94,10 @@ Result<void> IoSession::run(StopSignal& stop) {
   return reported;
 }
 
-Result<void> IoSession::look_after(StopSignal& stop) {
+Result<void> IoSession::look_after(const StopSignal& stop) {
   Result<void> reported;
-  log_info("{}", realtime_lines_.front());
-  for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}", realtime_lines_[n]);
+  log_info("{}{}", prefix_, realtime_lines_.front());
+  for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}{}", prefix_, realtime_lines_[n]);
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();
@@ -118,16 +118,17 @@ void IoSession::watch_scheduling(bool now) {
   const bool was_near = watch_.figures().near_throttling > 0;
   servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
   if (!was_near && watch_.figures().near_throttling > 0) {
-    log_warning("the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate",
+    log_warning("{}the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);
   }
 }
 
-void IoSession::note_wishes(StopSignal& stop) {
+void IoSession::note_wishes(const StopSignal& stop) {
   const bool asked_by_tool = servo_.take_report_wish();
   const bool asked_by_reader = desk_ != nullptr && desk_->take_wish();
   const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
-  const bool asked_by_signal = stop.take_report_request();
+  const std::uint32_t asked_before = std::exchange(reports_asked_, stop.report_requests());
+  const bool asked_by_signal = reports_asked_ != asked_before;
   if (!asked_by_tool && !asked_by_reader && !metrics_due && !asked_by_signal) return;
   file_wished_ = file_wished_ || asked_by_tool || asked_by_signal;
   desk_wished_ = desk_wished_ || asked_by_reader;
@@ -147,13 +148,18 @@ Result<void> IoSession::grant_wishes(const ServoStats& stats) {
   }
   if (!writes_file) return {};
   const auto written = write_report_of(stats);
-  if (written) log_info("report on request: {}", options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
-  if (options_.out.empty()) fmt::print("{}", describe_run(stats, watch_.figures()));
+  if (written) log_info("{}report on request: {}", prefix_, options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
+  if (options_.out.empty()) fmt::print("{}", described(stats));
   return written;
 }
 
 void IoSession::print_events() {
-  for (ServoEvent event; servo_.events().pop(event);) log_info("{}", describe(event));
+  for (ServoEvent event; servo_.events().pop(event);) log_info("{}{}", prefix_, describe(event));
+}
+
+std::string IoSession::described(const ServoStats& stats) const {
+  const std::string run = describe_run(stats, watch_.figures());
+  return options_.name.empty() ? run : fmt::format("--- {}\n{}", options_.name, run);
 }
 
 Result<void> IoSession::write_report_of(const ServoStats& stats) {

@@ -28,29 +28,32 @@ class IoSession {
 
   // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and refused, the device
   // failed, or a report could not be written.
-  Result<void> run(StopSignal& stop);
+  Result<void> run(const StopSignal& stop);
 
   const std::string& realtime() const noexcept { return realtime_; }
 
  private:
   void servo_thread();
   bool is_over(const StopSignal& stop) const;
-  Result<void> look_after(StopSignal& stop);
-  void note_wishes(StopSignal& stop);
+  Result<void> look_after(const StopSignal& stop);
+  void note_wishes(const StopSignal& stop);
   Result<void> grant_wishes(const ServoStats& stats);
   void print_events();
+  std::string described(const ServoStats& stats) const;
   void watch_scheduling(bool now);
   Result<void> write_report_of(const ServoStats& stats);
 
   Servo& servo_;
   const Clock& clock_;
   const IoOptions& options_;
+  const std::string prefix_;  // of every line for people
   ReportDesk* desk_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
   // What the next copy of the figures is for.
   bool file_wished_ = false;
   bool desk_wished_ = false;
   bool metrics_wished_ = false;
+  std::uint32_t reports_asked_ = 0;  // by signal, so far
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;
   std::vector<std::string> realtime_lines_;

@@ -32,10 +32,11 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
 
 std::filesystem::path find_flight_folder(const IoOptions& options) {
   if (options.flight == "off") return {};
-  if (!options.flight.empty()) return options.flight;
+  const auto of_device = [&](const std::filesystem::path& folder) { return options.name.empty() ? folder : folder / options.name; };
+  if (!options.flight.empty()) return of_device(options.flight);
   if (!options.out.empty()) return std::filesystem::path(options.out) / "flight";
   const std::filesystem::path state = find_state_folder();
-  return state.empty() ? state : state / "flight";
+  return state.empty() ? state : of_device(state / "flight");
 }
 
 }  // namespace hapton

@@ -9,15 +9,16 @@ namespace hapton {
 namespace {
 
 std::atomic<bool> stop_flag{false};
-std::atomic<bool> report_flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+std::atomic<std::uint32_t> reports{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free,
+              "a signal handler may only touch lock-free atomics");
 
 constexpr std::array<int, 3> kSignals = {SIGINT, SIGTERM, SIGUSR1};
 std::array<struct sigaction, kSignals.size()> previous_actions = {};
 
 void on_signal(int signal) {
   if (signal == SIGUSR1) {
-    report_flag.store(true, std::memory_order_relaxed);
+    reports.fetch_add(1, std::memory_order_relaxed);
   } else if (stop_flag.exchange(true, std::memory_order_relaxed)) {
     // Asked twice: the orderly way out is stuck. SIG_DFL and raise are safe here; the signal strikes when the handler returns.
     std::signal(signal, SIG_DFL);
@@ -29,7 +30,7 @@ void on_signal(int signal) {
 
 StopSignal::StopSignal() {
   stop_flag.store(false);
-  report_flag.store(false);
+  reports.store(0);
   struct sigaction action = {};
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESTART;
@@ -49,6 +50,6 @@ bool StopSignal::stop_requested() const noexcept { return stop_flag.load(std::me
 
 void StopSignal::request_stop() noexcept { stop_flag.store(true, std::memory_order_relaxed); }
 
-bool StopSignal::take_report_request() noexcept { return report_flag.exchange(false, std::memory_order_relaxed); }
+std::uint32_t StopSignal::report_requests() const noexcept { return reports.load(std::memory_order_relaxed); }
 
 }  // namespace hapton

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 namespace hapton {
 
 // Turns SIGINT and SIGTERM into a flag to look at, and SIGUSR1 into a wish for a report. Interrupted system calls start again, so a loop
@@ -15,8 +17,8 @@ class StopSignal {
   bool stop_requested() const noexcept;
   // The same wish from inside the program.
   void request_stop() noexcept;
-  // True once for each SIGUSR1 (several before a look count as one).
-  bool take_report_request() noexcept;
+  // How many SIGUSR1 have come: whoever reports does so when it has risen.
+  std::uint32_t report_requests() const noexcept;
 };
 
 }  // namespace hapton

@@ -46,6 +46,8 @@ TEST(IoOptions, refuses_what_makes_no_sense) {
                                                                                      {"--rate", "nan"},
                                                                                      {"--rate", "fast"},
                                                                                      {"--device", "sofa"},
+                                                                                     {"--devices", "two.toml", "--bind", "127.0.0.1:0"},
+                                                                                     {"--devices", "two.toml", "--device", "simulated"},
                                                                                      {"--rt", "maybe"},
                                                                                      {"--max-force", "-1"},
                                                                                      {"--seconds", "-3"},

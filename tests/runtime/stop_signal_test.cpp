@@ -13,16 +13,17 @@ TEST(StopSignalTest, InterruptAndTerminateAskForAStop) {
     EXPECT_FALSE(stop.stop_requested());
     std::raise(signal);
     EXPECT_TRUE(stop.stop_requested());
-    EXPECT_FALSE(stop.take_report_request());
+    EXPECT_EQ(stop.report_requests(), 0U);
   }
 }
 
-TEST(StopSignalTest, UserSignalAsksForOneReport) {
+TEST(StopSignalTest, EachUserSignalAsksForAReport) {
   StopSignal stop;
-  EXPECT_FALSE(stop.take_report_request());
+  EXPECT_EQ(stop.report_requests(), 0U);
   std::raise(SIGUSR1);
-  EXPECT_TRUE(stop.take_report_request());
-  EXPECT_FALSE(stop.take_report_request());
+  EXPECT_EQ(stop.report_requests(), 1U);
+  std::raise(SIGUSR1);
+  EXPECT_EQ(stop.report_requests(), 2U);
   EXPECT_FALSE(stop.stop_requested());
 }
 

@@ -1,0 +1,159 @@
+#include "io_node/device_hub.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "io_node/device_maker.h"
+#include "io_node/io_session.h"
+#include "io_node/session_recorder.h"
+#include "io_node/session_setup.h"
+#include "link/link_key.h"
+#include "link/metered_endpoint.h"
+#include "link/random_id.h"
+#include "link/sealed_hub.h"
+#include "link/udp_endpoint.h"
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+// The bare echo's own socket and what measures with it; empty when it is not asked for.
+struct Echo {
+  std::unique_ptr<Endpoint> endpoint;
+  std::unique_ptr<EchoProbe> probe;
+};
+
+Result<Echo> open_echo(const IoOptions& options, const Clock& clock) {
+  Echo echo;
+  if (options.echo_probe.empty()) return echo;
+  const auto responder = parse_address(options.echo_probe);
+  if (!responder) return tl::unexpected(responder.error());
+  auto endpoint = open_udp_endpoint(responder->ip[10] == 0xff && responder->ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0");
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  echo.endpoint = std::move(*endpoint);
+  echo.probe = std::make_unique<EchoProbe>(*echo.endpoint, clock, *responder, options.echo_bytes);
+  return echo;
+}
+
+OverrunPolicy overrun_policy(const IoOptions& options) {
+  if (options.overrun == "catch-up") return OverrunPolicy::catch_up;
+  return options.overrun == "stop" ? OverrunPolicy::stop : OverrunPolicy::skip;
+}
+
+// Null when nobody wants them.
+Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) {
+  if (options.metrics.empty()) return std::unique_ptr<MetricsEndpoint>();
+  auto metrics = MetricsEndpoint::open(options.metrics);
+  if (metrics) log_info("{}metrics at http://{}/metrics", name_prefix(options), to_string((*metrics)->local_address()));
+  return metrics;
+}
+
+SessionRecorder::Options recording_of(const IoOptions& options) {
+  SessionRecorder::Options recording{options.record, find_flight_folder(options)};
+  recording.makes_flight_folder = !options.flight.empty();
+  return recording;
+}
+
+void print_recording(const IoOptions& options, const SessionRecorder::Counts& counts) {
+  if (!options.record.empty()) {
+    fmt::print("recorded {} entries, {:.1f} MB, {} dropped: {}\n", counts.entries, 1e-6 * static_cast<double>(counts.file_bytes),
+               counts.dropped, options.record);
+  }
+  if (counts.flights + counts.flights_left_out > 0) {
+    fmt::print("faults: {} flight records written, {} more faults left out\n", counts.flights, counts.flights_left_out);
+  }
+}
+
+void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
+  if (options.device.max_force_n <= own.max_force_n && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
+  log_warning("{}limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", name_prefix(options), own.max_force_n,
+              own.max_slew_n_per_s);
+}
+
+}  // namespace
+
+// In the order in which they need each other.
+struct DeviceHub::Parts {
+  Parts(const IoOptions& wanted, const Clock& steady, std::unique_ptr<Device> owned, std::unique_ptr<Endpoint> socket, Echo bare_echo,
+        std::unique_ptr<MetricsEndpoint> served, const LinkKey& key)
+      : options(wanted),
+        device(std::move(owned)),
+        endpoint(std::move(socket)),
+        echo(std::move(bare_echo)),
+        metrics(std::move(served)),
+        metered(*endpoint, steady),
+        sealed(metered, steady, key),
+        recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
+        peers(sealed, steady, session_id, options.rate_hz),
+        servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),
+        ways(metered),
+        session(*servo, steady, options) {
+    servo->set_way_meter(&ways);
+    servo->set_report_desk(&desk);
+    session.set_report_desk(&desk);
+    session.set_metrics(metrics.get());
+  }
+
+  Servo::Options servo_options() const {
+    return {options.rate_hz,         options.vision_rate_hz, options.device.max_force_n, options.device.max_slew_n_per_s,
+            overrun_policy(options), options.spin_share};
+  }
+  ServoTap* tap() { return options.record.empty() && find_flight_folder(options).empty() ? nullptr : &recorder; }
+
+  const IoOptions options;
+  std::unique_ptr<Device> device;
+  std::unique_ptr<Endpoint> endpoint;
+  Echo echo;
+  std::unique_ptr<MetricsEndpoint> metrics;
+  MeteredEndpoint metered;
+  SealedHub sealed;
+  const std::uint64_t session_id = make_random_id();
+  SessionRecorder recorder;
+  HubPeers peers;
+  std::unique_ptr<Servo> servo;
+  WayMeter ways;
+  ReportDesk desk;
+  IoSession session;
+};
+
+DeviceHub::DeviceHub(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+DeviceHub::~DeviceHub() = default;
+
+Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, const Clock& clock) {
+  auto device = make_device(options.device);
+  if (!device) return tl::unexpected(device.error());
+  const auto address = parse_address(options.bind);
+  if (!address) return tl::unexpected(address.error());
+  const auto key = find_link_key(options.key_file, *address);
+  if (!key) return tl::unexpected(key.error());
+  auto endpoint = open_udp_endpoint(options.bind);
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  auto echo = open_echo(options, clock);
+  if (!echo) return tl::unexpected(echo.error());
+  auto metrics = open_metrics(options);
+  if (!metrics) return tl::unexpected(metrics.error());
+  warn_of_loose_limits(options, (*device)->limits());
+  return std::unique_ptr<DeviceHub>(new DeviceHub(
+      std::make_unique<Parts>(options, clock, std::move(*device), std::move(*endpoint), std::move(*echo), std::move(*metrics), *key)));
+}
+
+Address DeviceHub::address() const { return parts_->endpoint->local_address(); }
+const IoOptions& DeviceHub::options() const { return parts_->options; }
+
+std::string DeviceHub::describe() const {
+  const IoOptions& options = parts_->options;
+  return fmt::format("{}hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}", name_prefix(options), to_string(address()),
+                     parts_->device->name(), options.rate_hz, parts_->servo->force_limits().max_force_n, options.device.seed);
+}
+
+Result<void> DeviceHub::run(const StopSignal& stop) {
+  if (const auto started = parts_->recorder.start(); !started) return started;
+  const auto ended = parts_->session.run(stop);
+  const auto recorded = parts_->recorder.stop();
+  print_recording(parts_->options, parts_->recorder.counts());
+  if (!ended && !recorded) log_error("{}{}", name_prefix(parts_->options), recorded.error().what);
+  return ended ? recorded : ended;
+}
+
+}  // namespace hapton

@@ -1,0 +1,119 @@
+#include "io_node/devices_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <string_view>
+
+#include "io_node/device_maker.h"
+#include "io_node/servo.h"
+#include "runtime/toml_reader.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFarthestM = 10.0;  // no two devices of one person are farther apart
+constexpr double kMostForceN = 1e3;
+constexpr double kMostSlewNPerS = 1e6;
+constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
+constexpr std::size_t kLongestName = 32;
+
+// It is a folder and stands in front of lines.
+bool is_good_name(std::string_view name) {
+  const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_'; };
+  return !name.empty() && name.size() <= kLongestName && std::all_of(name.begin(), name.end(), is_plain);
+}
+
+bool has_free_port(std::string_view bind) { return bind.ends_with(":0"); }
+
+// rotation_deg: about W's x axis, then y, then z, as in scene files.
+Pose read_place(TomlReader& reader) {
+  Vec3 position_m = Vec3::Zero();
+  Vec3 rotation_deg = Vec3::Zero();
+  reader.read("position_m", position_m, -kFarthestM, kFarthestM);
+  reader.read("rotation_deg", rotation_deg, -360.0, 360.0);
+  Pose X_WB = Pose::Identity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (rotation_deg[axis] != 0.0) X_WB.prerotate(Eigen::AngleAxisd(rotation_deg[axis] * std::numbers::pi / 180.0, Vec3::Unit(axis)));
+  }
+  X_WB.translation() = position_m;
+  return X_WB;
+}
+
+IoOptions read_device(TomlReader& reader, const IoOptions& common) {
+  IoOptions options = common;
+  reader.allow({"name", "device", "bind", "id", "file", "trajectory", "loop", "seed", "position_m", "rotation_deg", "max_force_n",
+                "max_slew_n_per_s", "rate_hz", "cpu", "record", "metrics"});
+  for (const char* key : {"name", "device", "bind"}) reader.require(key);
+  reader.read("name", options.name);
+  if (!is_good_name(options.name)) {
+    reader.refuse("name",
+                  fmt::format("'name' is '{}': take 1 to {} of a-z, 0-9, - and _; a folder is named so", options.name, kLongestName));
+  }
+  reader.read("device", options.device.name);
+  const auto names = device_names();
+  if (std::find(names.begin(), names.end(), options.device.name) == names.end()) {
+    reader.refuse("device", fmt::format("there is no device '{}'; take {}", options.device.name, fmt::join(names, ", ")));
+  }
+  reader.read("bind", options.bind);
+  reader.read("id", options.device.id);
+  reader.read_path("file", options.device.file);
+  reader.read_path("trajectory", options.device.trajectory);
+  reader.read("loop", options.device.loop);
+  auto seed = static_cast<std::int64_t>(options.device.seed);
+  reader.read("seed", seed, 0, kMostSeed);
+  options.device.seed = static_cast<std::uint64_t>(seed);
+  options.device.X_WB = read_place(reader);
+  reader.read("max_force_n", options.device.max_force_n, 0.0, kMostForceN);
+  reader.read("max_slew_n_per_s", options.device.max_slew_n_per_s, 0.0, kMostSlewNPerS);
+  reader.read("rate_hz", options.rate_hz, Servo::kLowestRateHz, Servo::kHighestRateHz);
+  std::int64_t cpu = options.realtime.cpu;
+  reader.read("cpu", cpu, -1, 4095);
+  options.realtime.cpu = static_cast<int>(cpu);
+  reader.read_path("record", options.record);
+  reader.read("metrics", options.metrics);
+  if (!options.out.empty()) options.out = (std::filesystem::path(common.out) / options.name).string();
+  return options;
+}
+
+bool takes_id(const std::string& name) {
+  const auto makers = device_makers();
+  const auto maker = std::find_if(makers.begin(), makers.end(), [&](const DeviceMaker& m) { return m.name == name; });
+  return maker != makers.end() && maker->takes_id;
+}
+
+// What two devices cannot share.
+void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other) {
+  if (one.name == other.name) reader.refuse("name", fmt::format("there are two devices '{}'; give each a name of its own", one.name));
+  if (one.bind == other.bind && !has_free_port(one.bind)) {
+    reader.refuse("bind", fmt::format("'{}' and '{}' both listen at {}; give each a port of its own", one.name, other.name, one.bind));
+  }
+  if (!one.record.empty() && one.record == other.record) {
+    reader.refuse("record", fmt::format("'{}' and '{}' both record into {}; name two files", one.name, other.name, one.record));
+  }
+  const bool is_same_kind = one.device.name == other.device.name && takes_id(one.device.name);
+  if (is_same_kind && (one.device.id.empty() || other.device.id.empty() || one.device.id == other.device.id)) {
+    reader.refuse("id", fmt::format("'{}' and '{}' are both {}: say which is which with an id for each (hapton doctor lists them)",
+                                    one.name, other.name, one.device.name));
+  }
+}
+
+}  // namespace
+
+Result<std::vector<IoOptions>> read_devices_file(const std::filesystem::path& path, const IoOptions& common) {
+  auto file = TomlReader::open(path);
+  if (!file) return tl::unexpected(file.error());
+  file->allow({"device"});
+  std::vector<TomlReader> tables = file->tables("device");
+  if (tables.empty()) file->refuse("device", "there is no [[device]]: add one for each device");
+  std::vector<IoOptions> devices;
+  for (TomlReader& table : tables) {
+    devices.push_back(read_device(table, common));
+    for (std::size_t n = 0; n + 1 < devices.size(); ++n) check_pair(table, devices[n], devices.back());
+  }
+  if (const auto result = file->result(); !result) return tl::unexpected(result.error());
+  return devices;
+}
+
+}  // namespace hapton

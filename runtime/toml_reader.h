@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// One table of a TOML file, read strictly and key by key: what is no key, of the wrong kind or out of its range is an error with file and
+// line. The first error of the file is kept and all reads after it do nothing, so that a caller looks once, at the end.
+// A key that is not there leaves the value as it was, but for require. Pre: ranges are finite.
+// RT: set-up only. Threads: one.
+class TomlReader {
+ public:
+  // The whole file. Error: it cannot be read, is larger than 1 MiB, or is no TOML.
+  static Result<TomlReader> open(const std::filesystem::path& path);
+
+  // Any other key is an error that says which there are.
+  void allow(std::initializer_list<std::string_view> known);
+  void require(std::string_view key);
+  bool has(std::string_view key) const;
+
+  void read(std::string_view key, std::string& value);
+  void read(std::string_view key, bool& value);
+  void read(std::string_view key, double& value, double least, double most);
+  void read(std::string_view key, std::int64_t& value, std::int64_t least, std::int64_t most);
+  void read(std::string_view key, Vec3& value, double least, double most);
+  // A path that is not absolute is meant from the file's folder.
+  void read_path(std::string_view key, std::string& value);
+
+  // The tables of [[key]], empty when there are none.
+  std::vector<TomlReader> tables(std::string_view key);
+  // The table [key]; an empty one when it is not there.
+  TomlReader table(std::string_view key);
+
+  // An error of the caller's own, at this key (or the table, when it has no such key).
+  void refuse(std::string_view key, std::string_view what);
+
+  // Error: the first of the whole file, "FILE:LINE: what".
+  Result<void> result() const;
+
+ private:
+  struct File;
+  struct Table;
+  explicit TomlReader(std::shared_ptr<const Table> table) : table_(std::move(table)) {}
+
+  std::shared_ptr<const Table> table_;
+};
+
+}  // namespace hapton

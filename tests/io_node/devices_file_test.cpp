@@ -1,0 +1,101 @@
+#include "io_node/devices_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kLeft = "[[device]]\nname = \"left\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:4950\"\n";
+const std::string kRight = "[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:4951\"\n";
+
+struct DevicesFiles : testing::Test {
+  Result<std::vector<IoOptions>> read(const std::string& text, const IoOptions& common = {}) {
+    std::ofstream(path) << text;
+    return read_devices_file(path, common);
+  }
+  std::string refusal(const std::string& text) {
+    const auto devices = read(text);
+    return devices ? "it was read" : devices.error().what;
+  }
+
+  ScratchFolder scratch;
+  std::filesystem::path path = scratch.path() / "devices.toml";
+};
+
+TEST_F(DevicesFiles, give_each_device_its_options_and_the_rest_in_common) {
+  IoOptions common;
+  common.out = "out";
+  common.rate_hz = 500.0;
+  common.seconds = 3.0;
+  const auto devices = read(kLeft + "position_m = [-0.1, 0, 0.2]\nrotation_deg = [0, 90, 0]\nseed = 7\nmax_force_n = 2.5\ncpu = 1\n" +
+                                kRight + "rate_hz = 2000\nrecord = \"right.hapton\"\nmetrics = \"127.0.0.1:9464\"\n",
+                            common);
+  ASSERT_TRUE(devices) << devices.error().what;
+  ASSERT_EQ(devices->size(), 2U);
+  const IoOptions& left = devices->front();
+  EXPECT_EQ(left.name, "left");
+  EXPECT_EQ(left.bind, "127.0.0.1:4950");
+  EXPECT_EQ(left.out, "out/left");
+  EXPECT_EQ(left.rate_hz, 500.0);
+  EXPECT_EQ(left.seconds, 3.0);
+  EXPECT_EQ(left.device.seed, 7U);
+  EXPECT_EQ(left.device.max_force_n, 2.5);
+  EXPECT_EQ(left.realtime.cpu, 1);
+  EXPECT_LT((left.device.X_WB * Vec3::UnitX() - Vec3(-0.1, 0.0, -0.8)).norm(), 1e-12);
+  const IoOptions& right = devices->back();
+  EXPECT_EQ(right.rate_hz, 2000.0);
+  EXPECT_EQ(right.metrics, "127.0.0.1:9464");
+  EXPECT_EQ(right.record, (scratch.path() / "right.hapton").string());
+  EXPECT_EQ(right.device.X_WB.matrix(), Pose::Identity().matrix());
+}
+
+TEST_F(DevicesFiles, turn_about_x_then_y_then_z_of_the_world) {
+  const auto devices = read(kLeft + "rotation_deg = [90, 90, 0]\n");
+  ASSERT_TRUE(devices) << devices.error().what;
+  // y goes to z by the first turn and to x by the second.
+  EXPECT_LT((devices->front().device.X_WB * Vec3::UnitY() - Vec3::UnitX()).norm(), 1e-12);
+}
+
+TEST_F(DevicesFiles, name_other_files_from_their_own_folder) {
+  const auto devices =
+      read("[[device]]\nname = \"a\"\ndevice = \"replay\"\nbind = \"127.0.0.1:0\"\ntrajectory = \"sub/t.csv\"\nloop = true\n");
+  ASSERT_TRUE(devices) << devices.error().what;
+  EXPECT_EQ(devices->front().device.trajectory, (scratch.path() / "sub/t.csv").string());
+  EXPECT_TRUE(devices->front().device.loop);
+}
+
+TEST_F(DevicesFiles, say_what_is_wrong_where_and_how_to_mend_it) {
+  EXPECT_THAT(refusal(""), HasSubstr("add one for each device"));
+  EXPECT_THAT(refusal("[device]\nname = \"left\"\n"), HasSubstr("[[device]]"));
+  EXPECT_THAT(refusal("rate = 1000\n" + kLeft), HasSubstr("devices.toml:1: unknown key 'rate'"));
+  EXPECT_THAT(refusal("[[device]]\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'name' is missing in [[device]] 1"));
+  EXPECT_THAT(refusal("[[device]]\nname = \"a\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'device' is missing"));
+  EXPECT_THAT(refusal("[[device]]\nname = \"a\"\ndevice = \"simulated\"\n"), HasSubstr("'bind' is missing"));
+  EXPECT_THAT(refusal("[[device]]\nname = \"../a\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr(":2: 'name' is '../a'"));
+  EXPECT_THAT(refusal("[[device]]\nname = \"a\"\ndevice = \"sofa\"\nbind = \"127.0.0.1:0\"\n"),
+              HasSubstr("there is no device 'sofa'; take simulated"));
+  EXPECT_THAT(refusal(kLeft + "max_force_n = -1\n"), HasSubstr("'max_force_n' in [[device]] 1 is -1"));
+  EXPECT_THAT(refusal(kLeft + "position_m = [0, 0, 1e9]\n"), HasSubstr("number 3 of 'position_m'"));
+  EXPECT_THAT(refusal(kLeft + "posiiton_m = [0, 0, 0]\n"), HasSubstr(":5: unknown key 'posiiton_m' in [[device]] 1"));
+  EXPECT_THAT(refusal(kLeft + kLeft), HasSubstr("two devices 'left'"));
+  EXPECT_THAT(refusal(kLeft + "[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:4950\"\n"),
+              HasSubstr(":8: 'left' and 'right' both listen at 127.0.0.1:4950"));
+  EXPECT_THAT(refusal(kLeft + "record = \"a\"\n" + kRight + "record = \"a\"\n"), HasSubstr("name two files"));
+  EXPECT_THAT(read_devices_file(scratch.path() / "none.toml", {}).error().what, HasSubstr("none.toml"));
+}
+
+TEST_F(DevicesFiles, of_the_package_are_right) {
+  const auto devices = read_devices_file(HAPTON_SOURCE_DIR "/deploy/etc/devices.toml", {});
+  ASSERT_TRUE(devices) << devices.error().what;
+  EXPECT_EQ(devices->size(), 2U);
+}
+
+}  // namespace
+}  // namespace hapton

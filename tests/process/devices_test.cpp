@@ -1,0 +1,91 @@
+// Several devices in one io_node.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <fstream>
+#include <memory>
+
+#include "tests/process/program.h"
+#include "tests/process/system.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Two simulated hands on one scene, a haptics node for each.
+struct TwoHands : testing::Test {
+  void SetUp() override {
+    std::ofstream(system.folder() / "devices.toml") << device("left", -0.02) << device("right", 0.02);
+    io = std::make_unique<Program>(
+        "io_node",
+        std::vector<std::string>{"--devices", (system.folder() / "devices.toml").string(), "--out", (system.folder() / "out").string()},
+        system.folder());
+    ASSERT_TRUE(System::wait_until([&] { return io->out().find("right: hub on ") != std::string::npos || !io->is_running(); }));
+  }
+  std::string device(const std::string& name, double x_m) {
+    hubs[name] = "127.0.0.1:" + find_free_port();
+    return "[[device]]\nname = \"" + name + "\"\ndevice = \"simulated\"\nbind = \"" + hubs[name] + "\"\nposition_m = [" +
+           std::to_string(x_m) + ", 0, 0]\n";
+  }
+  void start_haptics(const std::string& name) {
+    haptics[name] = std::make_unique<Program>(
+        "haptics_node", std::vector<std::string>{"--hub", hubs.at(name), "--scene", (system.folder() / "cube.toml").string()},
+        system.folder());
+  }
+  Json report_of(const std::string& name) const {
+    return Json::parse(read_text(system.folder() / "out" / name / "report.json"), nullptr, false);
+  }
+  // Asks for reports until both hands' hold.
+  bool wait_for(const std::function<bool(const Json& left, const Json& right)>& holds) {
+    return System::wait_until([&] {
+      if (!io->is_running()) return true;
+      io->send_signal(SIGUSR1);
+      const Json left = report_of("left");
+      const Json right = report_of("right");
+      return left.is_object() && right.is_object() && holds(left, right);
+    });
+  }
+
+  System system;
+  std::map<std::string, std::string> hubs;
+  std::unique_ptr<Program> io;
+  std::map<std::string, std::unique_ptr<Program>> haptics;
+};
+
+TEST_F(TwoHands, TouchEachByItself) {
+  start_haptics("left");
+  start_haptics("right");
+  ASSERT_TRUE(wait_for([](const Json& left, const Json& right) { return has_contact(left) && has_contact(right); }))
+      << io->out() << io->err();
+  // The right hand goes on when the left one's haptics node is gone.
+  haptics["left"]->kill();
+  ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "silence_events") > 0; })) << io->err();
+  const std::int64_t felt = count(report_of("right"), "contact_samples");
+  ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > felt; })) << io->err();
+  io->send_signal(SIGTERM);
+  const auto ended = io->wait(kPatience);
+  ASSERT_TRUE(ended) << "io_node does not end";
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  for (const char* name : {"left", "right"}) {
+    EXPECT_THAT(ended->out, HasSubstr(std::string("--- ") + name));
+    expect_sane(report_of(name));
+  }
+}
+
+TEST(Devices, AFileThatIsWrongIsOneLine) {
+  TestFolder folder;
+  std::ofstream(folder.path() / "bad.toml") << "[[device]]\nname = \"left\"\ndevice = \"sofa\"\nbind = \"127.0.0.1:0\"\n";
+  const auto ended = run("io_node", {"--devices", (folder.path() / "bad.toml").string()}, folder.path());
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 1);
+  EXPECT_THAT(ended->err, HasSubstr("bad.toml:3: there is no device 'sofa'; take simulated"));
+  const auto both = run("io_node", {"--devices", (folder.path() / "bad.toml").string(), "--device", "simulated"}, folder.path());
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->exit_code, 2);
+  EXPECT_THAT(both->err, HasSubstr("--devices"));
+}
+
+}  // namespace
+}  // namespace hapton::process
