@@ -7,7 +7,7 @@
 namespace hapton {
 
 enum class HidKind : std::uint8_t {
-  wooden_haptics,  // driven by --device wooden
+  wooden_haptics,  // driven by --device wooden-haptics
   hapton_hid,      // driven by --device hapton-hid: any maker's, found by its usage
   space_mouse,     // driven by --device spacemouse, and the knob box of vision_node
   vendor_driver,   // a force-feedback device that only its vendor's library can drive

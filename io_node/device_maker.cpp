@@ -6,9 +6,12 @@
 #include <array>
 #include <utility>
 
+#include "io_node/devices/hapton_hid_device.h"
 #include "io_node/devices/placed_device.h"
 #include "io_node/devices/replay_device.h"
 #include "io_node/devices/simulated_phantom.h"
+#include "io_node/devices/space_mouse_device.h"
+#include "io_node/devices/wooden_haptics.h"
 
 namespace hapton {
 namespace {
@@ -29,6 +32,10 @@ Made make_replay(const DeviceSettings& settings) {
 constexpr std::array kMakers = {
     DeviceMaker{.name = "simulated", .about = "a PHANToM Model A with a scripted hand", .make = make_simulated},
     DeviceMaker{.name = "replay", .about = "a recorded trajectory", .takes_trajectory = true, .make = make_replay},
+    DeviceMaker{
+        .name = "wooden-haptics", .about = "WoodenHaptics by USB", .takes_id = true, .takes_file = true, .make = make_wooden_haptics},
+    DeviceMaker{.name = "hapton-hid", .about = "any device that speaks Hapton HID", .takes_id = true, .make = make_hapton_hid},
+    DeviceMaker{.name = "spacemouse", .about = "a SpaceMouse moves the hand, without force", .takes_id = true, .make = make_space_mouse},
 };
 
 // The names of the kinds that take a setting: "replay", "wooden-haptics or haply".

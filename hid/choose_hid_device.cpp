@@ -1,0 +1,78 @@
+#include "hid/choose_hid_device.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+std::optional<std::size_t> parse_place(std::string_view id) {
+  std::size_t place = 0;
+  const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), place);
+  // Serial numbers may be digits too; a place has one or two.
+  if (error != std::errc() || end != id.data() + id.size() || id.size() > 2) return std::nullopt;
+  return place;
+}
+
+std::string list(const std::vector<HidDescription>& devices) {
+  std::string text;
+  for (const HidDescription& device : devices) {
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", device.path, device.serial.empty() ? "no serial number" : device.serial);
+  }
+  return text;
+}
+
+std::string_view what_to_do(HidKind kind) {
+  switch (kind) {
+    case HidKind::wooden_haptics:
+      return "plug it in, switch its motor drivers on";
+    case HidKind::hapton_hid:
+      return "plug one in (docs/hid.md says how it is recognised)";
+    case HidKind::space_mouse:
+      return "plug it or its receiver in";
+    case HidKind::vendor_driver:
+      break;
+  }
+  return "plug it in";
+}
+
+}  // namespace
+
+const HidCatalogEntry* find_in_hid_catalog(const HidDescription& device) noexcept {
+  if (const auto* entry = find_in_hid_catalog(device.vid, device.pid, device.usage_page, device.usage)) return entry;
+  for (const HidLayout::Usage& usage : device.layout.applications) {
+    if (const auto* entry = find_in_hid_catalog(device.vid, device.pid, usage.page, usage.usage)) return entry;
+  }
+  return nullptr;
+}
+
+Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices, HidKind kind, std::string_view id) {
+  std::vector<HidDescription> of_kind;
+  for (const HidDescription& device : devices) {
+    const HidCatalogEntry* entry = find_in_hid_catalog(device);
+    const bool is_listed =
+        std::any_of(of_kind.begin(), of_kind.end(), [&](const HidDescription& known) { return known.path == device.path; });
+    if (entry != nullptr && entry->kind == kind && !is_listed) of_kind.push_back(device);
+  }
+  if (of_kind.empty()) {
+    return fail("no {} is plugged in, among {} HID devices; {}, or see what is there with: hapton doctor", to_string(kind), devices.size(),
+                what_to_do(kind));
+  }
+  if (id.empty()) {
+    if (of_kind.size() == 1) return of_kind.front();
+    return fail("{} {} devices are plugged in; say which by serial number or path: {}", of_kind.size(), to_string(kind), list(of_kind));
+  }
+  const auto named =
+      std::find_if(of_kind.begin(), of_kind.end(), [&](const HidDescription& device) { return device.serial == id || device.path == id; });
+  if (named != of_kind.end()) return *named;
+  if (const auto place = parse_place(id); place && *place < of_kind.size()) return of_kind[*place];
+  return fail("no {} has the serial number, path or place '{}'; plugged in are: {}", to_string(kind), id, list(of_kind));
+}
+
+bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept {
+  return a.vid == b.vid && a.pid == b.pid && a.serial == b.serial;
+}
+
+}  // namespace hapton

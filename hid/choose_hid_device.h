@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "hid/hid_catalog.h"
+#include "hid/hid_transport.h"
+
+namespace hapton {
+
+// The kind of a device by its ids and by every usage that it has; null when it is none of ours. RT: yes.
+const HidCatalogEntry* find_in_hid_catalog(const HidDescription& device) noexcept;
+
+// The device of that kind with that id: its serial number, its path ("/dev/hidraw0") or its place among its kind ("0", "1").
+// An empty id: the only one there is. Error: none of that kind, none with that id, or several and no id; the line lists what there is.
+// RT: no.
+Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices, HidKind kind, std::string_view id);
+
+// Whether they are the same piece of hardware, as far as one can tell after it was unplugged: its node may be another one then.
+bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept;
+
+}  // namespace hapton

@@ -1,0 +1,160 @@
+#include "hid/hid_layout.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace hapton {
+namespace {
+
+// More bits than any report has: a descriptor that says so is broken.
+constexpr std::size_t kMostBits = std::size_t{1} << 19;
+constexpr std::size_t kMostNested = 64;
+
+// An item's prefix without its size bits (HID 1.11, 6.2.2.2 to 6.2.2.8).
+enum Item : std::uint8_t {
+  kInput = 0x80,
+  kOutput = 0x90,
+  kCollection = 0xA0,
+  kFeature = 0xB0,
+  kEndCollection = 0xC0,
+  kUsagePage = 0x04,
+  kReportSize = 0x74,
+  kReportId = 0x84,
+  kReportCount = 0x94,
+  kPush = 0xA4,
+  kPop = 0xB4,
+  kUsage = 0x08,
+};
+constexpr std::uint8_t kLongItem = 0xFE;
+constexpr std::uint32_t kApplication = 0x01;
+
+struct Globals {
+  std::uint16_t page = 0;
+  std::uint32_t size_bits = 0;
+  std::uint32_t count = 0;
+  std::uint8_t id = 0;
+};
+
+struct Bits {
+  std::uint8_t id = 0;
+  std::size_t input = 0;
+  std::size_t output = 0;
+  std::size_t feature = 0;
+};
+
+class Reader {
+ public:
+  // False: the descriptor is flawed here.
+  bool take(std::uint8_t item, std::uint32_t value) {
+    switch (item) {
+      case kUsagePage:
+        globals_.page = static_cast<std::uint16_t>(value);
+        return true;
+      case kReportSize:
+        globals_.size_bits = value;
+        return true;
+      case kReportCount:
+        globals_.count = value;
+        return true;
+      case kReportId:
+        globals_.id = static_cast<std::uint8_t>(value);
+        return value != 0 && value <= 0xFF;
+      case kPush:
+        saved_.push_back(globals_);
+        return saved_.size() <= kMostNested;
+      case kPop:
+        if (saved_.empty()) return false;
+        globals_ = saved_.back();
+        saved_.pop_back();
+        return true;
+      case kUsage:
+        if (!usage_) usage_ = value;
+        return true;
+      default:
+        return take_main(item, value);
+    }
+  }
+
+  HidLayout finish() const {
+    HidLayout layout{applications_, {}};
+    for (const Bits& bits : bits_) layout.reports.push_back({bits.id, (bits.input + 7) / 8, (bits.output + 7) / 8, (bits.feature + 7) / 8});
+    return layout;
+  }
+
+ private:
+  bool take_main(std::uint8_t item, std::uint32_t value) {
+    switch (item) {
+      case kInput:
+        return add(&Bits::input);
+      case kOutput:
+        return add(&Bits::output);
+      case kFeature:
+        return add(&Bits::feature);
+      case kCollection:
+        if (depth_++ == 0 && value == kApplication && usage_) applications_.push_back(compute_usage());
+        usage_.reset();
+        return depth_ <= kMostNested;
+      case kEndCollection:
+        usage_.reset();
+        return depth_-- > 0;
+      default:
+        return true;  // limits, units, strings: not needed here
+    }
+  }
+
+  bool add(std::size_t Bits::*kind) {
+    usage_.reset();
+    auto of_id = std::find_if(bits_.begin(), bits_.end(), [&](const Bits& bits) { return bits.id == globals_.id; });
+    if (of_id == bits_.end()) of_id = bits_.insert(bits_.end(), Bits{globals_.id});
+    const std::uint64_t more = std::uint64_t{globals_.size_bits} * globals_.count;
+    if (more > kMostBits || (*of_id).*kind + more > kMostBits) return false;
+    (*of_id).*kind += more;
+    return true;
+  }
+
+  // A usage of four bytes carries its page with it.
+  HidLayout::Usage compute_usage() const {
+    const std::uint32_t usage = *usage_;
+    return {usage > 0xFFFF ? static_cast<std::uint16_t>(usage >> 16) : globals_.page, static_cast<std::uint16_t>(usage)};
+  }
+
+  Globals globals_;
+  std::vector<Globals> saved_;
+  std::optional<std::uint32_t> usage_;
+  std::size_t depth_ = 0;
+  std::vector<HidLayout::Usage> applications_;
+  std::vector<Bits> bits_;
+};
+
+}  // namespace
+
+bool HidLayout::has_application(std::uint16_t page, std::uint16_t usage) const noexcept {
+  return std::find(applications.begin(), applications.end(), Usage{page, usage}) != applications.end();
+}
+
+const HidLayout::Report* HidLayout::find_report(std::uint8_t id) const noexcept {
+  const auto found = std::find_if(reports.begin(), reports.end(), [&](const Report& report) { return report.id == id; });
+  return found == reports.end() ? nullptr : &*found;
+}
+
+HidLayout read_hid_layout(std::span<const std::uint8_t> descriptor) {
+  Reader reader;
+  while (!descriptor.empty()) {
+    const std::uint8_t prefix = descriptor.front();
+    descriptor = descriptor.subspan(1);
+    if (prefix == kLongItem) {
+      if (descriptor.size() < 2 || descriptor.size() - 2 < descriptor[0]) break;
+      descriptor = descriptor.subspan(std::size_t{2} + descriptor[0]);
+      continue;
+    }
+    const std::size_t size = (prefix & 3) == 3 ? 4 : prefix & 3;
+    if (descriptor.size() < size) break;
+    std::uint32_t value = 0;
+    for (std::size_t byte = 0; byte < size; ++byte) value |= std::uint32_t{descriptor[byte]} << (8 * byte);
+    descriptor = descriptor.subspan(size);
+    if (!reader.take(prefix & 0xFC, value)) break;
+  }
+  return reader.finish();
+}
+
+}  // namespace hapton

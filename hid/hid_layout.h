@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hapton {
+
+// What a HID report descriptor says of its reports: enough to recognise a device and to tell its variants apart.
+struct HidLayout {
+  struct Usage {
+    std::uint16_t page = 0;
+    std::uint16_t usage = 0;
+    friend bool operator==(const Usage&, const Usage&) = default;
+  };
+  // Bytes of a report as hidraw reads and writes it, without the id in front; 0: there is none of that kind.
+  struct Report {
+    std::uint8_t id = 0;  // 0: the device's reports have no numbers
+    std::size_t input_bytes = 0;
+    std::size_t output_bytes = 0;
+    std::size_t feature_bytes = 0;
+    friend bool operator==(const Report&, const Report&) = default;
+  };
+
+  std::vector<Usage> applications;  // top-level collections, in order
+  std::vector<Report> reports;      // in the order of their first field
+
+  bool has_application(std::uint16_t page, std::uint16_t usage) const noexcept;
+  const Report* find_report(std::uint8_t id) const noexcept;
+};
+
+// Reads a report descriptor; what follows a flaw is left out, so that any bytes are safe. RT: no, it allocates.
+// Source: Device Class Definition for HID 1.11, section 6.2.2.
+HidLayout read_hid_layout(std::span<const std::uint8_t> descriptor);
+
+}  // namespace hapton

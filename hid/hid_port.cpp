@@ -1,0 +1,109 @@
+#include "hid/hid_port.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kWaitMs = 20;  // so soon it notices that it shall end
+constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;
+constexpr int kMostDrained = 256;  // four full queues: a device that sends faster than it is read must not keep the listener waiting
+
+}  // namespace
+
+HidPort::HidPort(HidOpener opener, HidListener& listener, std::string name, std::optional<RealtimeSettings> realtime)
+    : opener_(std::move(opener)), listener_(listener), name_(std::move(name)), realtime_(std::move(realtime)) {}
+
+HidPort::~HidPort() { close(); }
+
+Result<void> HidPort::open() {
+  if (auto looked = look(); !looked) return looked;
+  start();
+  return {};
+}
+
+void HidPort::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void HidPort::close() noexcept {
+  ends_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+  set_transport(nullptr);
+}
+
+std::shared_ptr<HidTransport> HidPort::transport() const noexcept {
+  const std::lock_guard lock(mutex_);
+  return transport_;
+}
+
+void HidPort::set_transport(std::shared_ptr<HidTransport> transport) noexcept {
+  // What was there is closed after the lock is let go: that may wait for the bus.
+  const std::lock_guard lock(mutex_);
+  transport_.swap(transport);
+}
+
+Result<void> HidPort::look() {
+  auto opened = opener_();
+  if (!opened) return tl::unexpected(opened.error());
+  std::shared_ptr<HidTransport> transport = std::move(*opened);
+  is_suspect_.store(false, std::memory_order_release);
+  if (auto usable = listener_.on_opened(*transport); !usable) return usable;
+  set_transport(std::move(transport));
+  return {};
+}
+
+void HidPort::run() noexcept {
+  // What the system refuses, the servo's own report has told already.
+  if (realtime_) (void)enter_realtime(*realtime_);
+  while (!ends_.load(std::memory_order_acquire)) {
+    if (const auto transport = this->transport()) {
+      read_until_gone(*transport);
+      set_transport(nullptr);
+      if (ends_.load(std::memory_order_acquire)) return;
+      listener_.on_gone();
+      log_warning("{}: unplugged or silent; no force until it is back", name_);
+      told_.clear();
+    }
+    await_next_look();
+    if (ends_.load(std::memory_order_acquire)) return;
+    if (const auto looked = look(); !looked) {
+      tell_failure(looked.error());
+    } else {
+      log_info("{}: there at {}", name_, this->transport()->description().path);
+    }
+  }
+}
+
+void HidPort::read_until_gone(HidTransport& transport) noexcept {
+  std::array<std::uint8_t, HidTransport::kMostBytes> report;
+  while (!ends_.load(std::memory_order_acquire) && !is_suspect_.load(std::memory_order_acquire)) {
+    HidRead read = transport.read(report, kWaitMs);
+    std::int64_t now_ns = clock_.now_ns();
+    for (int drained = 0; read.outcome == HidIo::done && drained < kMostDrained; ++drained) {
+      listener_.on_report(std::span(report).first(std::min(read.size, report.size())), now_ns);
+      read = transport.read(report, 0);
+      now_ns = clock_.now_ns();
+    }
+    listener_.on_drained(now_ns);
+    if (read.outcome == HidIo::gone) return;
+  }
+}
+
+void HidPort::await_next_look() noexcept {
+  const std::int64_t until_ns = clock_.now_ns() + kLookEveryNs;
+  for (std::int64_t now_ns = clock_.now_ns(); now_ns < until_ns && !ends_.load(std::memory_order_acquire); now_ns = clock_.now_ns()) {
+    clock_.sleep_until_ns(std::min(now_ns + kShortSleepNs, until_ns));
+  }
+}
+
+// Once for each reason, not four times a second.
+void HidPort::tell_failure(const Error& error) {
+  if (std::exchange(told_, error.what) != error.what) log_info("{}: looking for it: {}", name_, error.what);
+}
+
+}  // namespace hapton

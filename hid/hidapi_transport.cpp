@@ -1,0 +1,171 @@
+#include "hid/hidapi_transport.h"
+
+#include <hidapi.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <optional>
+
+#include "hid/choose_hid_device.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+// What of hidapi belongs to no device (the list, opening, its last error) is one thread's at a time.
+std::mutex hidapi_turn;
+
+constexpr std::int64_t kAccessPatienceNs = kNanosecondsPerSecond;
+constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;
+
+void append_utf8(std::string& text, std::uint32_t code) {
+  const auto tail = [&](int shift) { text += static_cast<char>(0x80 | ((code >> shift) & 0x3F)); };
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+  } else if (code < 0x800) {
+    text += static_cast<char>(0xC0 | (code >> 6));
+    tail(0);
+  } else if (code < 0x10000) {
+    text += static_cast<char>(0xE0 | (code >> 12));
+    tail(6);
+    tail(0);
+  } else {
+    text += static_cast<char>(0xF0 | ((code >> 18) & 7));
+    tail(12);
+    tail(6);
+    tail(0);
+  }
+}
+
+std::string to_utf8(const wchar_t* wide) {
+  std::string text;
+  for (; wide != nullptr && *wide != 0; ++wide) append_utf8(text, static_cast<std::uint32_t>(*wide));
+  return text;
+}
+
+HidLayout read_layout(const std::string& path) {
+  const std::string node = path.substr(path.find_last_of('/') + 1);
+  std::ifstream file("/sys/class/hidraw/" + node + "/device/report_descriptor", std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::vector<std::uint8_t> descriptor(bytes.begin(), bytes.end());
+  return read_hid_layout(descriptor);
+}
+
+HidDescription describe(const hid_device_info& info) {
+  HidDescription device;
+  device.path = info.path;
+  device.vid = info.vendor_id;
+  device.pid = info.product_id;
+  device.usage_page = info.usage_page;
+  device.usage = info.usage;
+  device.serial = to_utf8(info.serial_number);
+  device.maker = to_utf8(info.manufacturer_string);
+  device.product = to_utf8(info.product_string);
+  device.layout = read_layout(device.path);
+  return device;
+}
+
+struct CloseHid {
+  void operator()(hid_device* device) const noexcept { hid_close(device); }
+};
+using HidHandle = std::unique_ptr<hid_device, CloseHid>;
+
+// Two handles, because one of hidapi's is for one thread; each has a queue of its own in the kernel, and the second one's is never read.
+class HidapiTransport final : public HidTransport {
+ public:
+  HidapiTransport(HidDescription description, HidHandle reading, HidHandle writing)
+      : description_(std::move(description)), reading_(std::move(reading)), writing_(std::move(writing)) {}
+
+  const HidDescription& description() const noexcept override { return description_; }
+
+  HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept override {
+    const int read = hid_read_timeout(reading_.get(), into.data(), into.size(), wait_ms);
+    if (read < 0) return {HidIo::gone, 0};
+    return {read == 0 ? HidIo::nothing : HidIo::done, static_cast<std::size_t>(read)};
+  }
+
+  bool write(std::span<const std::uint8_t> report) noexcept override {
+    return hid_write(writing_.get(), report.data(), report.size()) >= 0;
+  }
+
+  Result<std::size_t> get_feature(std::span<std::uint8_t> into) override {
+    const int id = into.empty() ? -1 : into.front();
+    const int read = hid_get_feature_report(writing_.get(), into.data(), into.size());
+    if (read < 0) return fail("{}: it does not give feature report {}: {}", description_.path, id, to_utf8(hid_error(writing_.get())));
+    return static_cast<std::size_t>(read);
+  }
+
+ private:
+  HidDescription description_;
+  HidHandle reading_;
+  HidHandle writing_;
+};
+
+bool is_refused(const std::string& path) { return ::access(path.c_str(), R_OK | W_OK) != 0 && (errno == EACCES || errno == EPERM); }
+
+Result<HidHandle> open_handle(const std::string& path) {
+  SteadyClock clock;
+  const std::int64_t until_ns = clock.now_ns() + kAccessPatienceNs;
+  while (true) {
+    {
+      const std::lock_guard turn(hidapi_turn);
+      HidHandle handle(hid_open_path(path.c_str()));
+      if (handle) return handle;
+      if (!is_refused(path)) return fail("{}: it cannot be opened: {}", path, to_utf8(hid_error(nullptr)));
+    }
+    if (clock.now_ns() >= until_ns) {
+      return fail("{}: permission denied; install the udev rules (deploy/udev/70-hapton.rules, or the Debian package) and plug it in again",
+                  path);
+    }
+    clock.sleep_until_ns(clock.now_ns() + kAccessEveryNs);
+  }
+}
+
+// Its node may have another name now; where several look the same, it must not.
+Result<HidDescription> find_again(std::vector<HidDescription> devices, const HidDescription& chosen, HidKind kind) {
+  std::erase_if(devices, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
+  return choose_hid_device(devices, kind, devices.size() > 1 ? chosen.path : "");
+}
+
+}  // namespace
+
+std::vector<HidDescription> list_hid_devices() {
+  std::vector<HidDescription> devices;
+  const std::lock_guard turn(hidapi_turn);
+  const std::unique_ptr<hid_device_info, decltype(&hid_free_enumeration)> all(hid_enumerate(0, 0), &hid_free_enumeration);
+  for (const hid_device_info* info = all.get(); info != nullptr; info = info->next) {
+    if (info->path == nullptr) continue;
+    const bool is_listed =
+        std::any_of(devices.begin(), devices.end(), [&](const HidDescription& known) { return known.path == info->path; });
+    if (!is_listed) devices.push_back(describe(*info));
+  }
+  std::sort(devices.begin(), devices.end(), [](const HidDescription& a, const HidDescription& b) {
+    return std::pair(a.path.size(), a.path) < std::pair(b.path.size(), b.path);  // hidraw10 after hidraw9
+  });
+  return devices;
+}
+
+Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device) {
+  auto reading = open_handle(device.path);
+  if (!reading) return tl::unexpected(reading.error());
+  auto writing = open_handle(device.path);
+  if (!writing) return tl::unexpected(writing.error());
+  return std::make_unique<HidapiTransport>(device, std::move(*reading), std::move(*writing));
+}
+
+HidOpener make_hid_opener(HidKind kind, std::string id) {
+  return [kind, id = std::move(id), chosen = std::optional<HidDescription>()]() mutable -> Result<std::unique_ptr<HidTransport>> {
+    std::vector<HidDescription> devices = list_hid_devices();
+    const auto device = chosen ? find_again(devices, *chosen, kind) : choose_hid_device(devices, kind, id);
+    if (!device) return tl::unexpected(device.error());
+    auto opened = open_hid_device(*device);
+    if (opened) chosen = *device;
+    return opened;
+  };
+}
+
+}  // namespace hapton

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// The arm of a WoodenHaptics device. The numbers given are those of the "2016 edition"; other builds name their own in a TOML file.
+// A body is what a motor turns through a capstan and a cable: a the column, b the upper arm, c the lower arm.
+struct WoodenArm {
+  struct Body {
+    double capstan_diameter_m = 0.010;
+    double body_diameter_m = 0.120;
+    double length_m = 0.0;
+    double counts_per_turn = 2000.0;           // of the motor, all four edges counted
+    double torque_constant_nm_per_a = 0.0259;  // of the motor
+    double direction = 1.0;                    // -1: the encoder counts down as the angle grows
+    double rest_rad = 0.0;                     // the angle in the rest pose, where the encoder says zero
+    double mass_kg = 0.0;
+    double mass_centre_m = 0.0;  // from the body's lower joint, along it
+  };
+  std::array<Body, 3> bodies = {
+      Body{.body_diameter_m = 0.160, .length_m = 0.080},
+      Body{.body_diameter_m = 0.120, .length_m = 0.205, .mass_kg = 0.17, .mass_centre_m = 0.051},
+      Body{.body_diameter_m = 0.120, .length_m = 0.245, .mass_kg = 0.11, .mass_centre_m = 0.091},
+  };
+  Vec3 origin_m = Vec3(0.22, 0.0, 0.08);  // of the workspace, in the arm's base frame
+};
+
+// Frame: B, the base: z up along the column's axis, x forward where all angles are zero, y as the right hand rule says; its origin is
+// WoodenArm::origin_m. Units: m, rad, N, N m, A. RT: yes, all of it pure.
+//
+// With angles a, b, c and the lengths La, Lb, Lc:
+//   x = cos a (Lb sin b + Lc sin c) - x0
+//   y = sin a (Lb sin b + Lc sin c) - y0
+//   z = La + Lb cos b - Lc cos c - z0
+// so that at zero the upper arm stands upright and the lower arm hangs down along it. b and c are both measured against the vertical:
+// a cable drives c, not the elbow.
+class WoodenKinematics {
+ public:
+  explicit WoodenKinematics(const WoodenArm& arm) noexcept : arm_(arm) {}
+
+  Vec3 angles_rad(const std::array<std::int16_t, 3>& counts) const noexcept;
+  Vec3 position_m(const Vec3& angles_rad) const noexcept;
+  // d position / d angles.
+  Mat3 jacobian(const Vec3& angles_rad) const noexcept;
+
+  // Of the two moving arms, in the field of the Earth; zero at height zero of the base frame before the origin was moved.
+  double potential_energy_j(const Vec3& angles_rad) const noexcept;
+  // What the joints must give to carry the arms: the gradient of that energy.
+  Vec3 gravity_torque_nm(const Vec3& angles_rad) const noexcept;
+
+  // The joints' torque for a force on the device point: J^T F.
+  Vec3 joint_torque_nm(const Vec3& angles_rad, const Vec3& force_n) const noexcept;
+  Vec3 motor_current_a(const Vec3& joint_torque_nm) const noexcept;
+
+  // The gimbal's frame, which stands on the end of the lower arm, in B.
+  Quat lower_arm(const Vec3& angles_rad) const noexcept;
+
+ private:
+  // Turns of the joint for a turn of the motor, signed.
+  double ratio(std::size_t body) const noexcept;
+
+  WoodenArm arm_;
+};
+
+}  // namespace hapton
