@@ -7,10 +7,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;   // a lost transform is mended so soon
-constexpr std::int64_t kProbeRepeatNs = 100 * kNanosecondsPerMillisecond;  // and a lost probe
-constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;      // as often as a person reads them
-constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;          // no oftener are they worth a line
+constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
+constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
+constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -19,13 +18,6 @@ void relax() noexcept {
 }
 
 constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
-
-// Apart from when: nothing that a person sees.
-bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
-  return a.p_WD == b.p_WD && a.q_WT.coeffs() == b.q_WT.coeffs() && a.visual_offset_m == b.visual_offset_m && a.force_n == b.force_n &&
-         a.contact == b.contact && a.buttons == b.buttons && a.servo_rate_hz == b.servo_rate_hz &&
-         a.round_trip_p50_us == b.round_trip_p50_us && a.round_trip_p99_us == b.round_trip_p99_us && a.view_revision == b.view_revision;
-}
 
 }  // namespace
 
@@ -37,7 +29,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       tap_(tap),
       policy_(options.overrun),
       guard_({device.limits().max_force_n, device.limits().max_slew_n_per_s}),
-      vision_period_ns_(options.vision_rate_hz > 0.0 ? std::llround(1e9 / options.vision_rate_hz) : 0),
+      pace_(options.vision_rate_hz),
       spin_(options.spin_share) {
   guard_.tighten({options.max_force_n, options.max_slew_n_per_s});
   stats_.rate_hz = options.rate_hz;
@@ -50,7 +42,7 @@ std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / stats
 void Servo::start() noexcept {
   tick_ns_ = clock_.now_ns() + period_ns();
   stats_.start_ns = stats_.end_ns = tick_ns_;
-  next_vision_ns_ = next_view_repeat_ns_ = tick_ns_;
+  next_view_repeat_ns_ = tick_ns_;
   figures_since_ns_ = stats_.start_ns;
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
@@ -274,6 +266,8 @@ void Servo::on_drawn(const Drawn& drawn, std::size_t peer) noexcept {
   const bool is_ours =
       drawn.echo_sample != 0 && drawn.echo_sample <= sample_number_ && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
+  pace_.on_drawn(peer, drawn, clock_.now_ns());
+  if (drawn.unchanged) return;
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);
   if (ways_ != nullptr) ways_->on_drawn(incoming_.header, drawn, peer);
@@ -305,7 +299,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   tell(ServoEvent::Kind::joined, event.role, peers_.peer(event.peer).address);
   if (ways_ != nullptr) ways_->on_joined(event.peer, peers_.peer(event.peer).address);
   if (event.peer == hand_leader_) on_hand({}, event.peer);
-  if (event.role == NodeRole::vision) next_probe_repeat_ns_ = 0;
+  pace_.on_joined(event.peer);
   if (event.role != NodeRole::haptics) return;
   is_haptics_new_ = true;
   ledger_.excuse_waiting();
@@ -326,10 +320,7 @@ void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) n
 void Servo::do_spare_work() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   ledger_.settle(now_ns);
-  if (vision_period_ns_ > 0 && now_ns >= next_vision_ns_) {
-    next_vision_ns_ = std::max(next_vision_ns_ + vision_period_ns_, now_ns);
-    send_probe();
-  }
+  if (peers_.count(NodeRole::vision) > 0) tell_vision(now_ns);
   if (view_ && now_ns >= next_view_repeat_ns_) {
     next_view_repeat_ns_ = now_ns + kViewRepeatNs;
     peers_.send_to_role(NodeRole::haptics, *view_);
@@ -366,7 +357,7 @@ void Servo::tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) n
   faults_ = is_there ? faults_ | bit : faults_ & ~bit;
 }
 
-void Servo::send_probe() noexcept {
+void Servo::fill_probe() noexcept {
   probe_.sample = sample_number_;
   probe_.sample_time_ns = sample_.time_ns;
   probe_.p_WD = sample_.p_WD;
@@ -377,14 +368,18 @@ void Servo::send_probe() noexcept {
   probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
   probe_.force_n = written_n_;
   probe_.view_revision = view_ ? view_->revision : 0;
-  const std::int64_t now_ns = clock_.now_ns();
-  if (now_ns < next_probe_repeat_ns_ && looks_same(probe_, probe_told_)) {
-    stats_.probe_states_spared += peers_.count(NodeRole::vision);
-    return;
+}
+
+void Servo::tell_vision(std::int64_t now_ns) noexcept {
+  fill_probe();
+  std::size_t reached = 0;
+  for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
+    const Peer& peer = peers_.peer(place);
+    if (!peer.present || peer.role != NodeRole::vision) continue;
+    const VisionPace::Verdict verdict = pace_.judge(place, probe_, now_ns);
+    stats_.probe_states_spared += verdict == VisionPace::Verdict::spare ? 1 : 0;
+    if (verdict == VisionPace::Verdict::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
   }
-  next_probe_repeat_ns_ = now_ns + kProbeRepeatNs;
-  probe_told_ = probe_;
-  const std::size_t reached = peers_.send_to_role(NodeRole::vision, probe_);
   stats_.probe_states_sent += reached;
   if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(sample_number_);
 }

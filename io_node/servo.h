@@ -13,6 +13,7 @@
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
+#include "io_node/vision_pace.h"
 #include "io_node/way_meter.h"
 #include "link/hub_peers.h"
 #include "runtime/adaptive_spin.h"
@@ -46,7 +47,7 @@ class Servo {
 
   struct Options {
     double rate_hz = 1000.0;
-    double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most, 10 while nothing changes; 0: none
+    double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most (vision_pace.h); 0: none
     double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
     double max_slew_n_per_s = 0.0;
     OverrunPolicy overrun = OverrunPolicy::skip;
@@ -112,7 +113,8 @@ class Servo {
   void hold_force() noexcept;
   void write_force(const Vec3& force_n) noexcept;
   void do_spare_work() noexcept;
-  void send_probe() noexcept;
+  void fill_probe() noexcept;
+  void tell_vision(std::int64_t now_ns) noexcept;
   void refresh_figures(std::int64_t now_ns) noexcept;
   void tell_of_strangers(std::int64_t now_ns) noexcept;
   bool haptics_alive(std::int64_t now_ns) const noexcept;
@@ -132,7 +134,7 @@ class Servo {
   ForceGuard guard_;
   SampleLedger ledger_;
   ServoStats stats_;
-  std::int64_t vision_period_ns_ = 0;
+  VisionPace pace_;
 
   std::int64_t tick_ns_ = 0;
   AdaptiveSpin spin_;
@@ -143,9 +145,7 @@ class Servo {
   CycleNote cycle_;
   ForceGuard::Counters guard_told_;
   std::uint32_t faults_ = 0;  // of the newest cycle, a bit each
-  std::int64_t next_vision_ns_ = 0;
   std::int64_t next_view_repeat_ns_ = 0;
-  std::int64_t next_probe_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
   std::int64_t next_strangers_ns_ = 0;
   SealCounts told_;  // of strangers
@@ -165,7 +165,6 @@ class Servo {
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;
   ProbeState probe_;
-  ProbeState probe_told_;  // to the vision nodes, last
   Datagram incoming_;
 
   EventRing events_;

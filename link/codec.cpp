@@ -104,6 +104,8 @@ void write(const Drawn& from, wire::Drawn& to) {
   to.set_echo_sample_time_ns(from.echo_sample_time_ns);
   to.set_frame_rate_hz(from.frame_rate_hz);
   to.set_held_ns(from.held_ns);
+  to.set_rest_ns(from.rest_ns);
+  to.set_unchanged(from.unchanged);
 }
 
 void write(const HandTarget& from, wire::HandTarget& to) {
@@ -248,6 +250,8 @@ bool read(const wire::Drawn& from, Drawn& to) {
   to.echo_sample_time_ns = from.echo_sample_time_ns();
   to.frame_rate_hz = from.frame_rate_hz();
   to.held_ns = from.held_ns();
+  to.rest_ns = from.rest_ns();
+  to.unchanged = from.unchanged();
   return is_rate(to.frame_rate_hz);
 }
 

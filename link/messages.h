@@ -81,12 +81,14 @@ struct ProbeState {
   std::uint32_t view_revision = 0;  // newest ViewTransform the hub has forwarded
 };
 
-// vision -> hub, after a picture was drawn: which sample it shows.
+// vision -> hub, after a picture was drawn, or where it would have looked the same: which sample it shows. Asks for the next state.
 struct Drawn {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;
   float frame_rate_hz = 0.0F;
   std::uint32_t held_ns = 0;  // from hearing the state to this message, vision's clock; 0: not told
+  std::uint32_t rest_ns = 0;  // from this message until vision would draw again
+  bool unchanged = false;     // no picture was drawn: it would have looked the same
 };
 
 // vision -> hub: where the mouse asks the simulated device's hand to go.

@@ -122,7 +122,10 @@ void VisionSession::speak() {
 
 Result<void> VisionSession::draw_if_wanted() {
   const std::int64_t begin_ns = clock_.now_ns();
-  if (!step_.wants_picture(begin_ns, where())) return {};
+  if (!step_.wants_picture(begin_ns, where())) {
+    if (const auto same = step_.take_unseen()) hub_.send(*same);
+    return {};
+  }
   const VisionStep::Shown shown = step_.compose(begin_ns);
   view_.set_scene_pose(shown.X_WS);
   if (shown.probe) view_.set_probe(*shown.probe);

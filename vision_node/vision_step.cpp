@@ -1,5 +1,7 @@
 #include "vision_node/vision_step.h"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "vision_node/hud_text.h"
@@ -73,6 +75,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   if (std::exchange(moved_, false)) {
     if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;
     frames_.skipped();
+    unseen_ = true;
   }
   return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud_now() != hud_shown_;
 }
@@ -100,7 +103,20 @@ std::optional<Drawn> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns
   moved_ = false;
   if (!state_) return std::nullopt;
   watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);
-  return Drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  Drawn drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  if (settings_.max_rate_hz > 0.0) {
+    const auto period_ns = static_cast<std::int64_t>(1e9 / settings_.max_rate_hz);
+    drawn.rest_ns =
+        static_cast<std::uint32_t>(std::clamp<std::int64_t>(start_ns + period_ns - end_ns, 0, std::numeric_limits<std::uint32_t>::max()));
+  }
+  return drawn;
+}
+
+std::optional<Drawn> VisionStep::take_unseen() {
+  if (!std::exchange(unseen_, false)) return std::nullopt;
+  Drawn same{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};
+  same.unchanged = true;
+  return same;
 }
 
 }  // namespace hapton

@@ -66,6 +66,8 @@ class VisionStep {
   Shown compose(std::int64_t now_ns);
   // The picture of the last compose() is in the window. Returns what the hub is to be told of it.
   std::optional<Drawn> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
+  // What the hub is to be told of a state that wants_picture() found to look the same; once for each.
+  std::optional<Drawn> take_unseen();
 
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
@@ -84,7 +86,8 @@ class VisionStep {
   std::optional<ProbeState> state_;
   bool connected_ = false;
   bool stale_ = true;
-  bool moved_ = false;  // a new state has come since the last picture
+  bool moved_ = false;   // a new state has come since the last picture
+  bool unseen_ = false;  // and would look the same
   bool cull_;
   bool help_;
   Vec3 dials_shown_ = Vec3::Zero();

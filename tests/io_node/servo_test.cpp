@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <deque>
 #include <limits>
 #include <map>
 #include <memory>
@@ -71,6 +72,9 @@ struct Servos : testing::Test {
   // How the haptics node answers; -1: not at all.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
+  // How long the vision node draws at a state; -1: it never says.
+  std::int64_t draw_ns = 0;
+  std::deque<std::pair<std::int64_t, Drawn>> drawing;
 
   static Address at(std::uint16_t port) { return {{9}, port}; }
   static constexpr std::uint16_t kHaptics = 1, kVision = 2, kTool = 3;
@@ -92,7 +96,10 @@ struct Servos : testing::Test {
       states.push_back(*state);
       if (answer_delay_ns >= 0) force(*state, answer_delay_ns);
     }
-    if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) probes.push_back(*probe);
+    if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
+      probes.push_back(*probe);
+      if (draw_ns >= 0) drawing.emplace_back(clock.now_ns() + draw_ns, Drawn{probe->sample, probe->sample_time_ns, 60.0F});
+    }
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
   }
@@ -115,6 +122,7 @@ struct Servos : testing::Test {
       if (n % 100 == 50) {
         for (const auto& [port, unused] : std::map(sequences)) say(port, Hello{roles.at(port)});
       }
+      for (; !drawing.empty() && drawing.front().first <= clock.now_ns(); drawing.pop_front()) say(kVision, drawing.front().second);
       servo->step();
     }
   }
@@ -338,8 +346,20 @@ TEST_F(Servos, what_has_not_changed_is_told_to_vision_ten_times_a_second_and_at_
   EXPECT_EQ(probes.back().p_WD, device.place);
 }
 
+TEST_F(Servos, vision_gets_no_more_than_it_draws) {
+  make();
+  device.drift.x() = 1e-6;
+  draw_ns = 20 * kMs;
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 1000.0 / 21.0, 3.0);
+  EXPECT_NEAR(static_cast<double>(stats().drawn), static_cast<double>(probes.size()), 1.0);
+  EXPECT_LE(stats().device_to_drawn.max_ns(), 21 * kMs);
+}
+
 TEST_F(Servos, drawn_gives_the_age_of_the_picture) {
   make();
+  draw_ns = -1;
   join(kVision, NodeRole::vision);
   run(100);
   const ProbeState probe = probes.back();

@@ -61,7 +61,7 @@ class RandomDatagrams {
       case 6:
         return ProbeState{bits(), time, vector(), rotation(), vector(), vector(), flag(), bits32(), rate(), rate(), rate(), bits32()};
       case 7:
-        return Drawn{bits(), time, rate(), bits32()};
+        return Drawn{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
         return HandTarget{flag(), vector()};
       case 9:
@@ -167,6 +167,8 @@ void expect_equal(const Drawn& a, const Drawn& b) {
   EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
   EXPECT_EQ(a.frame_rate_hz, b.frame_rate_hz);
   EXPECT_EQ(a.held_ns, b.held_ns);
+  EXPECT_EQ(a.rest_ns, b.rest_ns);
+  EXPECT_EQ(a.unchanged, b.unchanged);
 }
 void expect_equal(const HandTarget& a, const HandTarget& b) {
   EXPECT_EQ(a.active, b.active);

@@ -116,6 +116,33 @@ TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
   ASSERT_TRUE(drawn);
   EXPECT_EQ(drawn->echo_sample, 42u);
   EXPECT_EQ(drawn->echo_sample_time_ns, 42 * kMs);
+  EXPECT_FALSE(drawn->unchanged);
+  EXPECT_FALSE(step.take_unseen());
+}
+
+TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
+  VisionStepSettings slow = settings();
+  slow.max_rate_hz = 20.0;
+  VisionStep step(slow);
+  step.joined();
+  step.hear(state_at(0.01, 41));
+  step.compose(0);
+  EXPECT_EQ(step.drew(0, 5 * kMs, where_)->rest_ns, 45 * kMs);
+  EXPECT_EQ(step.drew(100 * kMs, 190 * kMs, where_)->rest_ns, 0);
+}
+
+TEST_F(VisionStepTest, AStateThatLooksTheSameIsToldOfOnce) {
+  VisionStep step(settings());
+  step.joined();
+  step.hear(state_at(0.01, 41));
+  ASSERT_TRUE(turn(step, 0));
+  step.hear(state_at(0.01 + 1e-9, 42));
+  ASSERT_FALSE(turn(step, 100 * kMs));
+  const auto same = step.take_unseen();
+  ASSERT_TRUE(same);
+  EXPECT_TRUE(same->unchanged);
+  EXPECT_EQ(same->echo_sample, 42U);
+  EXPECT_FALSE(step.take_unseen());
 }
 
 TEST_F(VisionStepTest, WithoutAHubThereIsAPictureButNoReport) {
