@@ -41,6 +41,9 @@ std::string describe(const ServoEvent& event) {
   return {};
 }
 
+// A device that is unplugged or being calibrated will be back.
+bool has_future(DeviceStatus status) { return status != DeviceStatus::ended && status != DeviceStatus::fault; }
+
 std::string_view main_cause(const ServoStats& stats) {
   const auto most = std::max_element(stats.missed_by_cause.begin(), stats.missed_by_cause.end());
   return to_string(static_cast<MissCause>(most - stats.missed_by_cause.begin()));
@@ -63,7 +66,7 @@ void IoSession::servo_thread() {
   if (realtime) servo_.start();
   is_started_.store(true, std::memory_order_release);
   if (realtime) {
-    while (!ends_.load(std::memory_order_relaxed) && servo_.device_status() == DeviceStatus::ready && !servo_.has_overrun()) servo_.step();
+    while (!ends_.load(std::memory_order_relaxed) && has_future(servo_.device_status()) && !servo_.has_overrun()) servo_.step();
     servo_.finish();
   }
   has_ended_.store(true, std::memory_order_release);
