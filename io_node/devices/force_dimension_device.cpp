@@ -254,6 +254,7 @@ void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
   dhd::Status status = {};
   if (dhd_.get_status(status.data(), id_) < 0) return;
   if (status[dhd::kStatusConnected] == 0) return tell_away(now_ns, "it says that it is not connected");
+  if (!reading_.is_calibrated) return;
   const bool was_off = std::exchange(is_force_off_, status[dhd::kStatusForce] == 0);
   if (!is_force_off_) return;
   exchange_.restart_ramp(now_ns);

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "io_node/devices/device.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Does with a device what the servo does, in real time, until something holds or half a minute is over.
+class ServoHand {
+ public:
+  static constexpr std::int64_t kPatienceNs = 30 * kNanosecondsPerSecond;
+
+  template <class Condition>
+  bool serve_until(Device& device, Condition&& holds, const Wrench& wrench = {}) {
+    return wait_until([&] {
+      const std::int64_t now_ns = clock_.now_ns();
+      sample_ = device.read(now_ns);
+      device.write(wrench, now_ns);
+      return holds();
+    });
+  }
+
+  template <class Condition>
+  static bool wait_until(Condition&& holds) {
+    SteadyClock clock;
+    const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+    while (!holds()) {
+      if (clock.now_ns() > end_ns) return false;
+      clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+    }
+    return true;
+  }
+
+  const DeviceSample& sample() const { return sample_; }
+
+ private:
+  SteadyClock clock_;
+  DeviceSample sample_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <new>
+#include <string>
+
+// Where a test and the stand-in of a vendor's library meet, in one process or in two: memory shared through a file, whose path the library
+// finds in HAPTON_STANDIN_BOARD. The test sets what the hardware does and reads what was done to it.
+namespace hapton::standin {
+
+constexpr const char* kBoardVariable = "HAPTON_STANDIN_BOARD";
+
+using Vector = std::array<std::atomic<double>, 3>;
+
+struct Board {
+  // Set by the test.
+  std::atomic<int> is_plugged{1};
+  std::atomic<int> calibration{0};           // 0 good, 1 needs update, 2 needs a person
+  std::atomic<int> calibration_style{4};     // HD: 1 encoder reset, 2 auto, 4 inkwell, or several
+  std::atomic<int> updates_until_good{1};    // so many calls of the calibration make it good; 0: never
+  std::atomic<unsigned> error_each_tick{0};  // HD: reported after each frame
+  std::atomic<unsigned> error_once{0};       // HD: reported after the next frame
+  std::atomic<int> known_name{0};            // HD: 0 "Default Device", 1 "Default PHANToM", 2 the default alone, 3 "Left Hand"
+  std::atomic<unsigned> open_error{0};       // HD: what opening reports, plugged or not
+  std::atomic<double> motor_temperature{0.2};
+  std::atomic<int> slow_us{0};          // each tick takes so much longer
+  std::atomic<int> stands_still{0};     // the scheduler calls nobody
+  std::atomic<int> force_off_cause{0};  // DHD: not 0: the firmware has let the force go
+  std::atomic<int> system_type{33};     // DHD
+  std::atomic<int> result{0};           // DHD: of every call that moves data: 1 time guard, 2 saturated
+  std::atomic<int> buttons{0};
+  std::atomic<int> output_dof{3};
+  std::atomic<double> max_force_n{3.3};
+  std::atomic<int> follows_hand{1};  // 0: the point stays where the hand was put, else it is a mass on the hand's spring
+  Vector hand_m{};                   // device axes
+  Vector turn_rad{};                 // of the stylus, about x, then y, then z
+
+  // Told by the stand-in. Forces as they were given, in the device's own units and axes.
+  Vector position_m{};
+  Vector force{};
+  Vector torque{};
+  std::atomic<double> largest_force{0};
+  std::atomic<double> largest_step{0};  // of the force, from frame to frame
+  std::atomic<std::uint64_t> ticks{0};
+  std::atomic<std::uint64_t> pushed_ticks{0};    // with a force above zero
+  std::atomic<std::uint64_t> pushed_unasked{0};  // with a force while not calibrated
+  std::atomic<std::uint64_t> wrong_calls{0};     // outside a frame, from another thread, with a handle that is not open
+  std::atomic<std::uint64_t> calibration_updates{0};
+  std::atomic<int> last_update_style{0};
+  std::atomic<std::uint64_t> opened{0};
+  std::atomic<std::uint64_t> closed{0};
+  std::atomic<int> enabled{0};  // HD: bit n for capability 0x4000 + n; DHD: forces are on
+  std::atomic<int> watchdog{0};
+  std::atomic<int> is_running{0};
+  std::atomic<int> moved_by_itself{0};  // DHD: calibrated by motor
+};
+static_assert(std::atomic<double>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free);
+
+// The board of a file. The test makes it, the stand-in maps it.
+class BoardFile {
+ public:
+  // Test: makes the file and names it to whoever is started from now on.
+  explicit BoardFile(const std::filesystem::path& path) : BoardFile(path.c_str(), O_RDWR | O_CREAT | O_TRUNC) {
+    new (board_) Board;
+    ::setenv(kBoardVariable, path.c_str(), 1);
+  }
+  // Stand-in: the one that the environment names.
+  static Board& of_environment() {
+    static Board alone;
+    // Kept, should someone still look at the one before.
+    static std::map<std::string, BoardFile> mapped;
+    const char* path = std::getenv(kBoardVariable);
+    if (path == nullptr) return alone;
+    return *mapped.try_emplace(path, path, O_RDWR).first->second.board_;
+  }
+
+  BoardFile(const char* path, int flags) {
+    const int file = ::open(path, flags | O_CLOEXEC, 0600);
+    if (file < 0 || ::ftruncate(file, sizeof(Board)) != 0) std::abort();
+    void* const memory = ::mmap(nullptr, sizeof(Board), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    ::close(file);
+    if (memory == MAP_FAILED) std::abort();
+    board_ = static_cast<Board*>(memory);
+  }
+  ~BoardFile() { ::munmap(static_cast<void*>(board_), sizeof(Board)); }
+  BoardFile(const BoardFile&) = delete;
+  BoardFile& operator=(const BoardFile&) = delete;
+
+  Board* operator->() const { return board_; }
+  Board& operator*() const { return *board_; }
+
+ private:
+  Board* board_;
+};
+
+}  // namespace hapton::standin

@@ -1,0 +1,148 @@
+// Our own library with the binary interface of libdrd, as far as it is used, and a point mass in place of a device.
+#include <chrono>
+#include <thread>
+
+#include "tests/standins/board.h"
+#include "tests/standins/point_mass.h"
+
+namespace {
+
+using namespace hapton::standin;
+using Clock = std::chrono::steady_clock;
+
+constexpr char kDevice = 3;
+
+class Hardware {
+ public:
+  int count() {
+    board_ = &BoardFile::of_environment();
+    return board_->is_plugged;
+  }
+
+  int open(char index) {
+    if (count() == 0 || index != 0 || is_open_) return -1;
+    is_open_ = true;
+    updates_ = 0;
+    mass_.place(board());
+    force_ = torque_ = {};
+    stepped_ = Clock::now();
+    ++board().opened;
+    board().enabled = 0;
+    return kDevice;
+  }
+
+  int close(char id) {
+    if (id != kDevice || !is_open_) return wrong();
+    is_open_ = false;
+    ++board().closed;
+    return 0;
+  }
+
+  // What moves data: 0, the board's result, or an error while unplugged.
+  int exchange(char id) {
+    if (id != kDevice || !is_open_) return wrong();
+    if (board().slow_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(board().slow_us));
+    return board().is_plugged != 0 ? board().result.load() : -1;
+  }
+
+  int position(double* x, double* y, double* z, char id) {
+    const auto now = Clock::now();
+    const double passed_s = std::min(std::chrono::duration<double>(now - stepped_).count(), 0.005);
+    stepped_ = now;
+    const bool pushes = board().enabled != 0 && board().force_off_cause == 0;
+    mass_.step(board(), pushes ? force_ : std::array<double, 3>{}, passed_s);
+    ++board().ticks;
+    *x = mass_.position_m()[0];
+    *y = mass_.position_m()[1];
+    *z = mass_.position_m()[2];
+    return exchange(id);
+  }
+
+  int set_force(const std::array<double, 3>& force, const std::array<double, 3>& torque, char id) {
+    force_ = force;
+    torque_ = torque;
+    PointMass::note_force(board(), force, torque, board().calibration == 0);
+    // A Falcon is calibrated by hand while it is being talked to.
+    if (board().system_type == 60) calibrate();
+    return exchange(id);
+  }
+
+  void calibrate() {
+    if (board().updates_until_good != 0 && ++updates_ >= board().updates_until_good) board().calibration = 0;
+    ++board().calibration_updates;
+  }
+
+  int wrong() {
+    ++board().wrong_calls;
+    return -1;
+  }
+
+  Board& board() { return *board_; }
+
+ private:
+  Board* board_ = &BoardFile::of_environment();
+  PointMass mass_;
+  std::array<double, 3> force_ = {};
+  std::array<double, 3> torque_ = {};
+  Clock::time_point stepped_;
+  int updates_ = 0;
+  bool is_open_ = false;
+};
+
+Hardware& hardware() {
+  static auto* const all = new Hardware;
+  return *all;
+}
+
+}  // namespace
+
+extern "C" {
+
+int dhdGetDeviceCount() { return hardware().count(); }
+int dhdOpenID(char index) { return hardware().open(index); }
+int drdOpenID(char index) { return hardware().open(index); }
+int dhdClose(char id) { return hardware().close(id); }
+int dhdEnableForce(unsigned char on, char) {
+  hardware().board().enabled = on;
+  if (on != 0) hardware().board().force_off_cause = 0;
+  return 0;
+}
+int dhdGetPosition(double* x, double* y, double* z, char id) { return hardware().position(x, y, z, id); }
+int dhdGetOrientationFrame(double (*frame)[3], char id) {
+  const auto rows = PointMass::rotation(hardware().board());
+  for (std::size_t row = 0; row < 3; ++row) std::copy(rows[row].begin(), rows[row].end(), frame[row]);
+  return hardware().exchange(id);
+}
+int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double, char id) {
+  return hardware().set_force({fx, fy, fz}, {tx, ty, tz}, id);
+}
+unsigned dhdGetButtonMask(char) { return static_cast<unsigned>(hardware().board().buttons.load()); }
+int dhdGetSystemType(char) { return hardware().board().system_type; }
+const char* dhdGetSystemName(char) { return "stand-in omega"; }
+int dhdGetSerialNumber(unsigned short* number, char) {
+  *number = 42;
+  return 0;
+}
+int dhdGetStatus(int* status, char) {
+  std::fill(status, status + 17, 0);
+  const Board& board = hardware().board();
+  status[0] = 1;
+  status[1] = board.is_plugged;
+  status[5] = board.enabled != 0 && board.force_off_cause == 0 ? 1 : 0;
+  status[14] = board.force_off_cause;
+  return 0;
+}
+const char* dhdErrorGetLastStr() { return "the stand-in's own words"; }
+int dhdSetWatchdog(unsigned char units, char) {
+  hardware().board().watchdog = units;
+  return 0;
+}
+int dhdSetGravityCompensation(int, char) { return 0; }
+bool drdIsInitialized(char) { return hardware().board().calibration == 0; }
+int drdAutoInit(char) {
+  hardware().board().moved_by_itself = 1;
+  hardware().calibrate();
+  return hardware().board().calibration == 0 ? 0 : -1;
+}
+int drdStop(bool, char) { return 0; }
+}
