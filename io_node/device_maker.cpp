@@ -6,7 +6,9 @@
 #include <array>
 #include <utility>
 
+#include "io_node/devices/force_dimension_device.h"
 #include "io_node/devices/hapton_hid_device.h"
+#include "io_node/devices/open_haptics_device.h"
 #include "io_node/devices/placed_device.h"
 #include "io_node/devices/replay_device.h"
 #include "io_node/devices/simulated_phantom.h"
@@ -29,6 +31,9 @@ Made make_replay(const DeviceSettings& settings) {
   return std::make_unique<ReplayDevice>(std::move(*rows), ReplayDevice::Options{.loop = settings.loop});
 }
 
+Made make_openhaptics(const DeviceSettings& settings) { return make_open_haptics(settings); }
+Made make_forcedimension(const DeviceSettings& settings) { return make_force_dimension(settings); }
+
 constexpr std::array kMakers = {
     DeviceMaker{.name = "simulated", .about = "a PHANToM Model A with a scripted hand", .make = make_simulated},
     DeviceMaker{.name = "replay", .about = "a recorded trajectory", .takes_trajectory = true, .make = make_replay},
@@ -36,6 +41,9 @@ constexpr std::array kMakers = {
         .name = "wooden-haptics", .about = "WoodenHaptics by USB", .takes_id = true, .takes_file = true, .make = make_wooden_haptics},
     DeviceMaker{.name = "hapton-hid", .about = "any device that speaks Hapton HID", .takes_id = true, .make = make_hapton_hid},
     DeviceMaker{.name = "spacemouse", .about = "a SpaceMouse moves the hand, without force", .takes_id = true, .make = make_space_mouse},
+    DeviceMaker{.name = "openhaptics", .about = "PHANToM, Omni, Touch by libHD", .takes_id = true, .make = make_openhaptics},
+    DeviceMaker{
+        .name = "forcedimension", .about = "omega, delta, sigma, lambda, Falcon by libdrd", .takes_id = true, .make = make_forcedimension},
 };
 
 // The names of the kinds that take a setting: "replay", "wooden-haptics or haply".
