@@ -45,7 +45,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(CLI::Range(Servo::kLowestRateHz, Servo::kHighestRateHz))
       ->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
-                 "Probe positions a second to each vision node, at most, and 10 while nothing changes; 0: none")
+                 "Probe positions a second to each vision node, at most; it gets no more than it draws; 0: none")
       ->check(CLI::Range(0.0, Servo::kHighestRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
