@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/atomic_file.h"
+#include "runtime/bare_timer.h"
 #include "runtime/stop_signal.h"
 #include "tools/child_process.h"
 #include "tools/hub_report.h"
@@ -22,6 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
+constexpr double kLongestTimerSeconds = 5.0;
 
 Result<void> measure_here(const LatencyRunOptions& options) {
   const auto echo_at = find_free_address();
@@ -68,6 +70,34 @@ Result<void> measure_here(const LatencyRunOptions& options) {
     }
   }
   return {};
+}
+
+// A quarter of the time, on the CPU and at the priority of the nodes.
+Result<BareTimer> measure_timer(const LatencyRunOptions& options) {
+  const auto mode = parse_realtime_mode(options.realtime);
+  if (!mode) {
+    return tl::unexpected(mode.error());
+  }
+  const bool is_ordinary = *mode == RealtimeMode::off;
+  return measure_bare_timer({.mode = *mode, .priority = is_ordinary ? 0 : 80, .cpu = is_ordinary ? -1 : options.cpu, .lock_memory = false},
+                            options.rate_hz, std::min(0.25 * options.seconds, kLongestTimerSeconds));
+}
+
+// The nodes, with the bare timer of the same CPU before and after them: beside them it would be in their way.
+Result<BareTimer> measure_between_timers(const LatencyRunOptions& options) {
+  auto timer = measure_timer(options);
+  if (!timer) {
+    return timer;
+  }
+  if (const auto measured = measure_here(options); !measured) {
+    return tl::unexpected(measured.error());
+  }
+  const auto after = measure_timer(options);
+  if (!after) {
+    return after;
+  }
+  timer->merge(*after);
+  return timer;
 }
 
 Result<void> measure_hub(const LatencyRunOptions& options) {
@@ -128,8 +158,27 @@ std::string counts_text(const Json& report) {
          fmt::format("haptics' clock ahead of the hub's: {}\n", report.value("notes", Json::object()).value("haptics_clock_ahead", "?"));
 }
 
-// Adds the verdict to the report's file and tells it all.
-Result<LatencyRun> tell(const std::filesystem::path& file, bool wants_echo) {
+Json to_json(const BareTimer& timer) {
+  const auto late_us = [&](double share) { return 1e-3 * timer.lateness.quantile_ns(share); };
+  return {{"rate_hz", timer.rate_hz},        {"ticks", timer.ticks},
+          {"missed", timer.missed},          {"missed_share", timer.missed_share()},
+          {"late_p50_us", late_us(0.5)},     {"late_p99_us", late_us(0.99)},
+          {"late_p99_9_us", late_us(0.999)}, {"late_max_us", 1e-3 * static_cast<double>(timer.lateness.max_ns())}};
+}
+
+std::string timer_text(const Json& report, const BareTimer& timer) {
+  const double missed = number(report, "counters", "missed_cycles");
+  const double cycles = std::max(1.0, number(report, "counters", "samples") + missed);
+  const auto late_us = [&](double share) { return 1e-3 * timer.lateness.quantile_ns(share); };
+  return fmt::format(
+      "ticks missed: servo {:.3f} %, bare timer of the same CPU, before and after, {:.3f} % (late by p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f} "
+      "us)\n",
+      100.0 * missed / cycles, 100.0 * timer.missed_share(), late_us(0.5), late_us(0.99), late_us(0.999));
+}
+
+// Adds the verdict, and the bare timer if one was measured, to the report's file and tells it all.
+Result<LatencyRun> tell(const std::filesystem::path& file, const BareTimer* timer) {
+  const bool wants_echo = timer != nullptr;
   auto json = Json::parse(read_text(file), nullptr, false);
   if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
     return fail("{}: is no latency report", file.string());
@@ -144,6 +193,9 @@ Result<LatencyRun> tell(const std::filesystem::path& file, bool wants_echo) {
     return fail("{}: no echo was measured; see the logs beside it", file.string());
   }
   json["verdict"] = to_json(*verdict);
+  if (timer != nullptr) {
+    json["bare_timer"] = to_json(*timer);
+  }
   if (const auto written = write_file_atomically(file, json.dump(2) + "\n"); !written) {
     return tl::unexpected(written.error());
   }
@@ -151,6 +203,7 @@ Result<LatencyRun> tell(const std::filesystem::path& file, bool wants_echo) {
   run.text += has_echo ? fmt::format("force round trip over bare echo of the same run: p50 {:.2f} x, p99 {:.2f} x\n",
                                      number(json, "ratios", "round_trip_over_echo_p50"), number(json, "ratios", "round_trip_over_echo_p99"))
                        : "no bare echo: the hub was started without --echo-probe\n";
+  run.text += timer != nullptr ? timer_text(json, *timer) : "";
   run.text += to_text(*verdict);
   return run;
 }
@@ -169,10 +222,16 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   }
   // An interrupt reaches the nodes as well: they end, the hub writes what it has, and that is reported.
   const StopSignal interrupts;
-  if (const auto measured = is_here ? measure_here(options) : measure_hub(options); !measured) {
-    return tl::unexpected(measured.error());
+  Result<BareTimer> timer;
+  if (is_here) {
+    timer = measure_between_timers(options);
+  } else if (const auto measured = measure_hub(options); !measured) {
+    timer = tl::unexpected(measured.error());
   }
-  auto run = tell(options.out / "report.json", is_here);
+  if (!timer) {
+    return tl::unexpected(timer.error());
+  }
+  auto run = tell(options.out / "report.json", is_here ? &*timer : nullptr);
   if (!run) {
     return run;
   }
