@@ -66,7 +66,7 @@ void HidPort::run() noexcept {
       set_transport(nullptr);
       if (ends_.load(std::memory_order_acquire)) return;
       listener_.on_gone();
-      log_warning("{}: unplugged or silent; no force until it is back", name_);
+      log_warning("{}: unplugged; it is looked for", name_);
       told_.clear();
     }
     await_next_look();

@@ -1,0 +1,65 @@
+#include "hid/choose_hid_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+HidDescription device(std::string path, std::uint16_t vid, std::uint16_t pid, std::string serial = "") {
+  HidDescription description;
+  description.path = std::move(path);
+  description.vid = vid;
+  description.pid = pid;
+  description.serial = std::move(serial);
+  return description;
+}
+
+HidDescription wooden(std::string path, std::string serial = "") { return device(std::move(path), 0x1234, 0x0006, std::move(serial)); }
+
+std::string refusal(const Result<HidDescription>& chosen) { return chosen ? "chose " + chosen->path : chosen.error().what; }
+
+TEST(ChooseHidDevice, TheOnlyOneOfItsKindNeedsNoName) {
+  const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "A")};
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "")->path, "/dev/hidraw1");
+}
+
+TEST(ChooseHidDevice, SeveralAreToldApartBySerialNumberPathOrPlace) {
+  const std::vector devices = {wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw4", "B")};
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "B")->path, "/dev/hidraw4");
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "/dev/hidraw1")->path, "/dev/hidraw1");
+  EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "1")->path, "/dev/hidraw4");
+  const std::string line = refusal(choose_hid_device(devices, HidKind::wooden_haptics, ""));
+  EXPECT_THAT(line, HasSubstr("say which"));
+  EXPECT_THAT(line, HasSubstr("/dev/hidraw1 (A), /dev/hidraw4 (B)"));
+}
+
+TEST(ChooseHidDevice, ANameThatNobodyHasListsWhatThereIs) {
+  const std::vector devices = {wooden("/dev/hidraw1", "A")};
+  EXPECT_THAT(refusal(choose_hid_device(devices, HidKind::wooden_haptics, "C")), HasSubstr("'C'; plugged in are: /dev/hidraw1 (A)"));
+  EXPECT_THAT(refusal(choose_hid_device(devices, HidKind::wooden_haptics, "1")), HasSubstr("'1'"));
+}
+
+TEST(ChooseHidDevice, NoneOfItsKindSaysHowManyOthersThereAre) {
+  const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077)};
+  EXPECT_THAT(refusal(choose_hid_device(devices, HidKind::hapton_hid, "")), HasSubstr("no Hapton HID is plugged in, among 1 HID devices"));
+}
+
+TEST(ChooseHidDevice, AHaptonHidDeviceIsFoundByAnyOfItsUsages) {
+  HidDescription composite = device("/dev/hidraw2", 0xcafe, 1);
+  composite.usage_page = 1;
+  composite.usage = 6;
+  EXPECT_FALSE(choose_hid_device(std::vector{composite}, HidKind::hapton_hid, ""));
+  composite.layout.applications = {{1, 6}, {kHaptonHidUsagePage, kHaptonHidUsage}};
+  EXPECT_TRUE(choose_hid_device(std::vector{composite}, HidKind::hapton_hid, ""));
+}
+
+TEST(ChooseHidDevice, TheSameDeviceMayComeBackAtAnotherNode) {
+  EXPECT_TRUE(is_same_device(wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw7", "A")));
+  EXPECT_FALSE(is_same_device(wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw1", "B")));
+}
+
+}  // namespace
+}  // namespace hapton

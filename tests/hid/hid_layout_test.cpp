@@ -1,0 +1,70 @@
+#include "hid/hid_layout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "docs/hid/hapton_hid_device.h"
+#include "hid/hid_catalog.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::ElementsAre;
+using Bytes = std::vector<std::uint8_t>;
+
+// What the mbed library tells of WoodenHaptics: vendor page 0xFFAB, usage 0x0200, reports without numbers.
+Bytes wooden_descriptor(std::uint8_t in, std::uint8_t out) {
+  return {0x06, 0xAB, 0xFF, 0x0A, 0x00, 0x02, 0xA1, 0x01, 0x75, 0x08, 0x15, 0x00, 0x26, 0xFF,
+          0x00, 0x95, in,   0x09, 0x01, 0x81, 0x02, 0x95, out,  0x09, 0x02, 0x91, 0x02, 0xC0};
+}
+
+TEST(HidLayout, TellsTheVariantsOfWoodenHapticsApart) {
+  const HidLayout layout = read_hid_layout(wooden_descriptor(8, 8));
+  EXPECT_TRUE(layout.has_application(0xFFAB, 0x0200));
+  EXPECT_THAT(layout.reports, ElementsAre(HidLayout::Report{0, 8, 8, 0}));
+  EXPECT_THAT(read_hid_layout(wooden_descriptor(14, 14)).reports, ElementsAre(HidLayout::Report{0, 14, 14, 0}));
+}
+
+TEST(HidLayout, OfHaptonHidIsThatOfItsReports) {
+  const HidLayout layout = read_hid_layout(hapton_hid_descriptor);
+  EXPECT_THAT(layout.applications, ElementsAre(HidLayout::Usage{kHaptonHidUsagePage, kHaptonHidUsage}));
+  EXPECT_THAT(layout.reports, ElementsAre(HidLayout::Report{HAPTON_HID_STATE_ID, HAPTON_HID_STATE_BYTES - 1, 0, 0},
+                                          HidLayout::Report{HAPTON_HID_FORCE_ID, 0, HAPTON_HID_FORCE_BYTES - 1, 0},
+                                          HidLayout::Report{HAPTON_HID_LIMITS_ID, 0, 0, HAPTON_HID_LIMITS_BYTES - 1},
+                                          HidLayout::Report{HAPTON_HID_NAMES_ID, 0, 0, HAPTON_HID_NAMES_BYTES - 1}));
+}
+
+TEST(HidLayout, KnowsTheUsagesOfAllTopLevelCollections) {
+  // A mouse (1/2) and a multi-axis controller (1/8) in one interface; the second by a usage of four bytes. What is nested does not count.
+  const Bytes descriptor = {0x05, 0x01, 0x09, 0x02, 0xA1, 0x01, 0x09, 0x01, 0xA1, 0x00,
+                            0xC0, 0xC0, 0x0B, 0x08, 0x00, 0x01, 0x00, 0xA1, 0x01, 0xC0};
+  EXPECT_THAT(read_hid_layout(descriptor).applications, ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
+}
+
+TEST(HidLayout, PushAndPopBringBackTheSizes) {
+  const Bytes descriptor = {0x75, 0x08, 0x95, 0x02, 0xA4, 0x75, 0x20, 0x95, 0x08, 0xB4, 0x81, 0x02};
+  EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, 2, 0, 0}));
+}
+
+TEST(HidLayout, ADescriptorCutOffAnywhereGivesWhatCameBefore) {
+  const Bytes whole(std::begin(hapton_hid_descriptor), std::end(hapton_hid_descriptor));
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const HidLayout layout = read_hid_layout(std::span(whole).first(size));
+    EXPECT_LE(layout.reports.size(), 4U);
+    EXPECT_EQ(layout.applications.size(), size >= 7 ? 1U : 0U) << size;
+  }
+}
+
+TEST(HidLayout, AnyBytesAreSafeAndNoReportIsHuge) {
+  std::mt19937_64 random(1);
+  for (int turn = 0; turn < 20'000; ++turn) {
+    Bytes bytes(random() % 96);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    for (const HidLayout::Report& report : read_hid_layout(bytes).reports) EXPECT_LE(report.input_bytes, std::size_t{1} << 16);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

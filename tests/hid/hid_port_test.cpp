@@ -1,0 +1,126 @@
+#include "hid/hid_port.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "tests/support/fake_hid.h"
+#include "tests/support/patience.h"
+
+namespace hapton {
+namespace {
+
+struct Listener final : HidListener {
+  Result<void> on_opened(HidTransport&) override {
+    ++opened;
+    if (is_unusable) return fail("not this one");
+    return {};
+  }
+  void on_report(std::span<const std::uint8_t> report, std::int64_t) noexcept override {
+    newest = report.empty() ? 0 : report[0];
+    ++reports;
+  }
+  void on_drained(std::int64_t) noexcept override { ++drained; }
+  void on_gone() noexcept override { ++gone; }
+
+  std::atomic<bool> is_unusable = false;
+  std::atomic<int> opened = 0, reports = 0, drained = 0, gone = 0, newest = -1;
+};
+
+TEST(HidPort, WhatIsNotThereIsAnErrorInOneLine) {
+  FakeHid hid;
+  hid.unplug();
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  const auto opened = port.open();
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().what, "the fake device is not plugged in");
+}
+
+TEST(HidPort, BringsEveryReportInOrderAndThenSaysThatThereAreNoMore) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  for (std::uint8_t n = 1; n <= 50; ++n) ASSERT_TRUE(hid.send({n}));
+  EXPECT_TRUE(wait_until([&] { return listener.reports == 50; }));
+  EXPECT_EQ(listener.newest, 50);
+  const int drained = listener.drained;
+  EXPECT_TRUE(wait_until([&] { return listener.drained > drained; }));
+}
+
+TEST(HidPort, ADeviceThatFloodsIsStillDrainedNowAndThen) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  std::atomic<bool> ends = false;
+  std::thread flood([&] {
+    while (!ends) hid.send({1});
+  });
+  EXPECT_TRUE(wait_until([&] { return listener.reports > 2000 && listener.drained > 3; }));
+  ends = true;
+  flood.join();
+}
+
+TEST(HidPort, UnpluggedItIsLookedForAndOpenedAgain) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  for (int round = 1; round <= 3; ++round) {
+    hid.unplug();
+    EXPECT_TRUE(wait_until([&] { return listener.gone == round && port.transport() == nullptr; }));
+    hid.plug_in();
+    EXPECT_TRUE(wait_until([&] { return listener.opened == 1 + round && port.transport() != nullptr; }));
+    hid.send({static_cast<std::uint8_t>(round)});
+    EXPECT_TRUE(wait_until([&] { return listener.newest == round; }));
+  }
+}
+
+TEST(HidPort, PulledAndPluggedInBetweenTwoLooksItIsOpenedAnew) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  hid.unplug();
+  hid.plug_in();
+  EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
+}
+
+TEST(HidPort, WhatIsNotUsableIsAskedAgainLater) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  listener.is_unusable = true;
+  hid.unplug();
+  hid.plug_in();
+  EXPECT_TRUE(wait_until([&] { return listener.opened >= 3; }));
+  EXPECT_EQ(port.transport(), nullptr);
+  listener.is_unusable = false;
+  EXPECT_TRUE(wait_until([&] { return port.transport() != nullptr; }));
+}
+
+TEST(HidPort, ASuspectIsClosedAndOpenedAnew) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  port.suspect();
+  EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
+}
+
+TEST(HidPort, WhoHoldsTheTransportMayGoOnWithItAfterItHasGone) {
+  FakeHid hid;
+  Listener listener;
+  HidPort port(hid.opener(), listener, "fake");
+  ASSERT_TRUE(port.open());
+  const auto held = port.transport();
+  hid.unplug();
+  EXPECT_TRUE(wait_until([&] { return port.transport() == nullptr; }));
+  EXPECT_FALSE(held->write(std::vector<std::uint8_t>{0, 1}));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Waits until something holds, half a minute at most: whether it came to hold. How long it took is no part of the answer.
+template <class Condition>
+bool wait_until(Condition&& holds) {
+  SteadyClock clock;
+  const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
+  while (!holds()) {
+    if (clock.now_ns() > end_ns) return false;
+    clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+  }
+  return true;
+}
+
+}  // namespace hapton
