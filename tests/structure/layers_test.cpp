@@ -164,6 +164,7 @@ TEST(Sources, ThrowNothingOfOurs) {
 const std::map<std::string, std::string> kMayReadTheDate = {
     {"io_node/session_setup.cpp", "a recording says on what day it was made"},
     {"link/random_id.cpp", "one more source of chance, should the system have none"},
+    {"io_node/vrpn/vrpn_server.cpp", "VRPN stamps its messages with the time of day"},
 };
 
 TEST(Clocks, OnlyTheSteadyOneKeepsTime) {

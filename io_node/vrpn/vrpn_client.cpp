@@ -1,0 +1,104 @@
+#include "io_node/vrpn/vrpn_client.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hapton::vrpn {
+namespace {
+
+constexpr std::string_view kPing = "vrpn_Base ping_message";
+constexpr std::string_view kWorkspaceRequest = "vrpn_Tracker Request_Tracker_Workspace";
+constexpr std::string_view kForceDevice = "vrpn_ForceDevice ";
+
+bool contains(const std::vector<std::int32_t>& ids, std::int32_t id) { return std::find(ids.begin(), ids.end(), id) != ids.end(); }
+
+void remember(std::vector<std::int32_t>& ids, std::int32_t id, std::size_t most) {
+  if (!contains(ids, id) && ids.size() < most) ids.push_back(id);
+}
+
+}  // namespace
+
+bool Client::hear(std::span<const std::byte> bytes, Time now) {
+  in_.insert(in_.end(), bytes.begin(), bytes.end());
+  if (!is_connected_) {
+    if (in_.size() < kCookieBytes) return true;
+    if (!take_cookie()) return false;
+    introduce(now);
+  }
+  std::span<const std::byte> rest(in_);
+  while (true) {
+    Message message;
+    const ReadStatus status = read_message(rest, message);
+    if (status == ReadStatus::broken) return false;
+    if (status == ReadStatus::incomplete) break;
+    if (!hear_message(message, now)) return false;
+  }
+  in_.erase(in_.begin(), in_.end() - static_cast<std::ptrdiff_t>(rest.size()));
+  return true;
+}
+
+bool Client::take_cookie() {
+  if (!is_cookie_good(std::span(in_).first(kCookieBytes))) return false;
+  in_.erase(in_.begin(), in_.begin() + kCookieBytes);
+  return true;
+}
+
+void Client::introduce(Time now) {
+  is_connected_ = true;
+  append_description(out_, kSenderDescription, kOurSender, name_, now, ++sequence_);
+  for (std::size_t n = 0; n < kOurTypes.size(); ++n) {
+    append_description(out_, kTypeDescription, static_cast<std::int32_t>(n), kOurTypes[n], now, ++sequence_);
+  }
+}
+
+bool Client::hear_message(const Message& message, Time now) {
+  switch (message.type) {
+    case kSenderDescription:
+      hear_sender(message);
+      return true;
+    case kTypeDescription:
+      hear_type(message);
+      return true;
+    case kUdpDescription:
+      hear_udp(message);
+      return true;
+    case kDisconnect:
+      return false;
+    default:
+      break;
+  }
+  if (message.type < 0 || !is_about_us(message.sender)) return true;
+  if (ping_type_ == message.type) append_empty(out_, header(OurType::pong, now));
+  if (workspace_type_ == message.type) wants_workspace_ = true;
+  if (contains(force_types_, message.type)) ++refused_forces_;
+  return true;
+}
+
+// The number of what is described stands in the sender's place.
+void Client::hear_sender(const Message& message) {
+  const bool is_us = name_of(message) == name_;
+  if (is_us) remember(us_, message.sender, kMostIds);
+  // The number now means someone else.
+  if (!is_us) std::erase(us_, message.sender);
+}
+
+void Client::hear_type(const Message& message) {
+  const std::string_view name = name_of(message);
+  if (name == kPing) ping_type_ = message.sender;
+  if (name == kWorkspaceRequest) workspace_type_ = message.sender;
+  if (name.starts_with(kForceDevice)) remember(force_types_, message.sender, kMostIds);
+}
+
+void Client::hear_udp(const Message& message) {
+  constexpr std::size_t kLongestAddress = 64;
+  const auto* const text = reinterpret_cast<const char*>(message.body.data());
+  const std::string_view address(text, std::find(text, text + message.body.size(), '\0') - text);
+  if (address.size() > kLongestAddress || message.sender < 1 || message.sender > 65535) return;
+  udp_wish_ = UdpWish{std::string(address), static_cast<std::uint16_t>(message.sender)};
+}
+
+bool Client::is_about_us(std::int32_t sender) const { return contains(us_, sender); }
+
+bool Client::take_workspace_wish() { return std::exchange(wants_workspace_, false); }
+
+}  // namespace hapton::vrpn

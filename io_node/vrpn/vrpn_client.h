@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io_node/vrpn/vrpn_wire.h"
+
+namespace hapton::vrpn {
+
+// What we say, by the numbers that we give our types.
+enum class OurType : std::int32_t { pong, position, velocity, workspace, button_change, button_states, analog, force, force_error };
+constexpr std::array<std::string_view, 9> kOurTypes = {"vrpn_Base pong_message", "vrpn_Tracker Pos_Quat",  "vrpn_Tracker Velocity",
+                                                       "vrpn_Tracker Workspace", "vrpn_Button Change",     "vrpn_Button States",
+                                                       "vrpn_Analog Channel",    "vrpn_ForceDevice Force", "vrpn_ForceDevice Force_Error"};
+constexpr std::int32_t kOurSender = 0;
+
+// One program that speaks VRPN: what it says is understood, and what it must be answered is put into out(). Whatever bytes come, memory and
+// time stay within bounds. Pure: no socket, no clock.
+// Forces that it asks for (vrpn_ForceDevice Plane, Force_Field and the rest) are refused and counted: see docs/vrpn.md.
+class Client {
+ public:
+  // name: of the device, what clients write before the '@'.
+  explicit Client(std::string_view name) : name_(name) { append_cookie(out_); }
+
+  // Takes what came. False: nothing more is to be heard from this one, or it said goodbye.
+  bool hear(std::span<const std::byte> bytes, Time now);
+
+  // Has shown a cookie that we understand, and was told our names.
+  bool is_connected() const { return is_connected_; }
+  // Wishes for UDP: the port, and the address as it wrote it. The caller decides whether to follow.
+  struct UdpWish {
+    std::string address;
+    std::uint16_t port = 0;
+  };
+  const std::optional<UdpWish>& udp_wish() const { return udp_wish_; }
+  std::uint64_t refused_forces() const { return refused_forces_; }
+  // Wants to know the workspace since the last call.
+  bool take_workspace_wish();
+
+  Header header(OurType type, Time time) { return {kOurSender, static_cast<std::int32_t>(type), time, ++sequence_}; }
+  // To go by TCP; whoever sends it clears it.
+  Bytes& out() { return out_; }
+
+ private:
+  bool take_cookie();
+  bool hear_message(const Message& message, Time now);
+  void hear_sender(const Message& message);
+  void hear_type(const Message& message);
+  void hear_udp(const Message& message);
+  void introduce(Time now);
+  bool is_about_us(std::int32_t sender) const;
+
+  // Names may be described again and again: no more are kept than a client has reason to.
+  static constexpr std::size_t kMostIds = 128;
+
+  std::string name_;
+  Bytes in_;
+  Bytes out_;
+  bool is_connected_ = false;
+  std::uint32_t sequence_ = 0;
+  std::vector<std::int32_t> us_;  // its numbers for our device
+  std::vector<std::int32_t> force_types_;
+  std::optional<std::int32_t> ping_type_;
+  std::optional<std::int32_t> workspace_type_;
+  bool wants_workspace_ = false;
+  std::optional<UdpWish> udp_wish_;
+  std::uint64_t refused_forces_ = 0;
+};
+
+}  // namespace hapton::vrpn

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <cstring>
+#include <span>
+
+#include "io_node/devices/device.h"
+#include "runtime/byte_ring.h"
+
+namespace hapton::vrpn {
+
+// The device at one servo cycle.
+struct FeedSample {
+  DeviceSample device;
+  Wrench wrench;  // on the motors until then
+  DeviceStatus status = DeviceStatus::ready;
+  double motor_temperature = -1.0;
+};
+
+// Brings every sample from the servo to whoever shows it to others. One who is late loses samples; the servo never waits.
+// RT: push yes, wait-free; take no. Threads: one pushes, one takes.
+class Feed {
+ public:
+  Feed() : ring_(kBytes) {}
+
+  void push(const FeedSample& sample) noexcept {
+    if (is_wanted_.load(std::memory_order_relaxed)) ring_.push(std::as_bytes(std::span(&sample, 1)), {});
+  }
+
+  // Whether anybody is there to see the samples.
+  void set_wanted(bool is_wanted) noexcept { is_wanted_.store(is_wanted, std::memory_order_relaxed); }
+
+  // Hands every sample since the last call to visit(const FeedSample&), oldest first.
+  template <class Visit>
+  void take(Visit&& visit) {
+    ring_.drain([&](std::span<const std::byte> bytes) {
+      FeedSample sample;
+      std::memcpy(static_cast<void*>(&sample), bytes.data(), sizeof sample);
+      visit(sample);
+    });
+  }
+
+ private:
+  static constexpr std::size_t kBytes = 1 << 16;  // some hundred samples
+
+  ByteRing ring_;
+  std::atomic<bool> is_wanted_{false};
+};
+
+// A device that tells a feed of all that it does, and is otherwise the device itself. RT: as the device's own.
+class WatchedDevice final : public Device {
+ public:
+  // Pre: both outlive this.
+  WatchedDevice(Device& device, Feed& feed) : device_(device), feed_(feed) {}
+
+  std::string_view name() const noexcept override { return device_.name(); }
+  const DeviceLimits& limits() const noexcept override { return device_.limits(); }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    const DeviceSample sample = device_.read(now_ns);
+    feed_.push({sample, wrench_, device_.status(), device_.condition().motor_temperature});
+    return sample;
+  }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
+    wrench_ = wrench;
+    device_.write(wrench, now_ns);
+  }
+  DeviceStatus status() const noexcept override { return device_.status(); }
+  DeviceCondition condition() const noexcept override { return device_.condition(); }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override { return device_.lead_hand(p_WH); }
+
+ private:
+  Device& device_;
+  Feed& feed_;
+  Wrench wrench_;
+};
+
+}  // namespace hapton::vrpn

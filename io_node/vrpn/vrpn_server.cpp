@@ -1,0 +1,293 @@
+#include "io_node/vrpn/vrpn_server.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <chrono>
+#include <utility>
+
+#include "link/link_key.h"
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+
+namespace hapton::vrpn {
+namespace {
+
+constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;  // nobody there: look so often
+constexpr std::int64_t kCookiePatienceNs = 5 * kNanosecondsPerSecond;
+constexpr std::int32_t kButtons = 32;
+constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;  // of vrpn_ForceDevice Force_Error
+constexpr int kNiceness = 10;
+
+// VRPN stamps its messages with the time of day.
+Time to_time_of_day(std::int64_t monotonic_ns) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const std::int64_t us =
+      std::chrono::duration_cast<std::chrono::microseconds>(now).count() + (monotonic_ns - SteadyClock().now_ns()) / 1000;
+  return {static_cast<std::uint32_t>(us / 1'000'000), static_cast<std::uint32_t>(us % 1'000'000)};
+}
+
+// Whether a client wrote its own address, as a number: no name of its is looked up.
+bool names_itself(const std::string& text, const Address& peer) {
+  const std::string with_port = to_string(peer);
+  const std::string port = ":" + std::to_string(peer.port);
+  return with_port == text + port || with_port == "[" + text + "]" + port;
+}
+
+// The port of "HOST PORT" with a zero at its end, as a client asks to be called back. The host is not looked at: only who sent the
+// datagram is called, or anyone could have us call anyone.
+std::optional<std::uint16_t> callback_port(std::span<const std::byte> bytes) {
+  constexpr std::size_t kLongest = 200;
+  constexpr int kLowest = 1024;
+  if (bytes.size() > kLongest) return std::nullopt;
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  text = text.substr(0, text.find('\0'));
+  const std::size_t space = text.find(' ');
+  if (space == std::string_view::npos || space == 0) return std::nullopt;
+  const std::string_view digits = text.substr(space + 1);
+  int port = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc() || end != digits.data() + digits.size() || port < kLowest || port > 65535) return std::nullopt;
+  return static_cast<std::uint16_t>(port);
+}
+
+}  // namespace
+
+struct Server::State final : StreamEndpoint::Listener {
+  struct Peer {
+    explicit Peer(std::string_view name) : client(name) {}
+    Client client;
+    Address address;
+    std::int64_t since_ns = 0;
+    bool is_open = false;  // TCP is there
+    bool is_told = false;  // the log knows it
+    bool knows_buttons = false;
+    bool is_refusal_told = false;
+    std::optional<Address> udp;
+  };
+
+  State(Feed& feed_in, Options options_in, std::unique_ptr<StreamEndpoint> endpoint_in)
+      : feed(feed_in), options(std::move(options_in)), endpoint(std::move(endpoint_in)) {}
+
+  void run();
+  void on_connected(StreamEndpoint::Id id, const Address& peer) override;
+  void on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) override;
+  void on_closed(StreamEndpoint::Id id) override;
+  void on_datagram(const Address& from, std::span<const std::byte> bytes) override;
+
+  void answer(StreamEndpoint::Id id, Peer& peer);
+  void follow_udp_wish(Peer& peer);
+  void drop_silent(std::int64_t now_ns);
+  void take_samples();
+  void report();
+  void report_to(Peer& peer, Time time);
+  template <class Append>
+  void to_those_who_know(OurType type, Append&& append);
+  bool is_anybody_there() const {
+    return std::any_of(peers.begin(), peers.end(), [](const auto& peer) { return peer.second.client.is_connected(); });
+  }
+
+  Feed& feed;
+  const Options options;
+  std::unique_ptr<StreamEndpoint> endpoint;
+  SteadyClock clock;
+  std::map<StreamEndpoint::Id, Peer> peers;
+  std::optional<FeedSample> newest, told;
+  Vec3 v_m_per_s = Vec3::Zero();
+  Quat turn = Quat::Identity();
+  double dt_s = 0.0;
+  std::atomic<bool> ends{false};
+  std::thread thread;
+};
+
+void Server::State::run() {
+  ::setpriority(PRIO_PROCESS, 0, kNiceness);
+  const auto period_ns = static_cast<std::int64_t>(1e9 / options.rate_hz);
+  std::int64_t next_ns = clock.now_ns();
+  while (!ends.load(std::memory_order_relaxed)) {
+    const bool is_watched = is_anybody_there();
+    feed.set_wanted(is_watched);
+    if (!is_watched) newest = told = std::nullopt;
+    endpoint->wait(is_watched ? next_ns : clock.now_ns() + kIdleNs, *this);
+    const std::int64_t now_ns = clock.now_ns();
+    drop_silent(now_ns);
+    if (now_ns < next_ns) continue;
+    next_ns = std::max(next_ns + period_ns, now_ns);
+    take_samples();
+    report();
+  }
+}
+
+void Server::State::on_connected(StreamEndpoint::Id id, const Address& address) {
+  auto& peer = peers.try_emplace(id, options.name).first->second;
+  peer.address = address;
+  peer.since_ns = clock.now_ns();
+  peer.is_open = true;
+  answer(id, peer);
+}
+
+void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) {
+  const auto found = peers.find(id);
+  if (found == peers.end()) return;
+  Peer& peer = found->second;
+  if (!peer.client.hear(bytes, to_time_of_day(clock.now_ns()))) {
+    endpoint->close(id);
+    return;
+  }
+  if (peer.client.is_connected() && !std::exchange(peer.is_told, true)) {
+    log_info("a VRPN client at {} sees {}", to_string(peer.address), options.name);
+  }
+  if (peer.client.refused_forces() > 0 && !std::exchange(peer.is_refusal_told, true)) {
+    log_warning("the VRPN client at {} asks for forces; they are refused: forces come from the haptics node alone",
+                to_string(peer.address));
+  }
+  follow_udp_wish(peer);
+  if (peer.client.take_workspace_wish()) {
+    append_workspace(peer.client.out(), peer.client.header(OurType::workspace, to_time_of_day(clock.now_ns())),
+                     options.limits.workspace_min_m, options.limits.workspace_max_m);
+  }
+  answer(id, peer);
+}
+
+// Datagrams go to nobody but who has the connection.
+void Server::State::follow_udp_wish(Peer& peer) {
+  if (!peer.client.udp_wish() || peer.udp) return;
+  if (!names_itself(peer.client.udp_wish()->address, peer.address)) return;
+  peer.udp = peer.address;
+  peer.udp->port = peer.client.udp_wish()->port;
+}
+
+void Server::State::answer(StreamEndpoint::Id id, Peer& peer) {
+  if (peer.client.out().empty()) return;
+  endpoint->send(id, peer.client.out());
+  peer.client.out().clear();
+}
+
+void Server::State::on_closed(StreamEndpoint::Id id) {
+  const auto found = peers.find(id);
+  if (found == peers.end()) return;
+  if (found->second.is_told) log_info("the VRPN client at {} left", to_string(found->second.address));
+  peers.erase(found);
+}
+
+void Server::State::on_datagram(const Address& from, std::span<const std::byte> bytes) {
+  const auto port = callback_port(bytes);
+  if (!port) return;
+  Address to = from;
+  to.port = *port;
+  // It asks again and again until it is called.
+  const bool is_there = std::any_of(peers.begin(), peers.end(), [&](const auto& peer) { return peer.second.address == to; });
+  if (is_there) return;
+  if (const StreamEndpoint::Id id = endpoint->connect(to); id != 0) {
+    auto& peer = peers.try_emplace(id, options.name).first->second;
+    peer.address = to;
+    peer.since_ns = clock.now_ns();
+  }
+}
+
+// Who takes a place and says nothing.
+void Server::State::drop_silent(std::int64_t now_ns) {
+  for (const auto& [id, peer] : peers) {
+    if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookiePatienceNs) endpoint->close(id);
+  }
+}
+
+template <class Append>
+void Server::State::to_those_who_know(OurType type, Append&& append) {
+  const Time time = to_time_of_day(newest->device.time_ns);
+  for (auto& [id, peer] : peers) {
+    if (peer.knows_buttons) append(peer.client.out(), peer.client.header(type, time));
+  }
+}
+
+// Every change of a button counts; of the rest the newest is enough.
+void Server::State::take_samples() {
+  feed.take([&](const FeedSample& sample) {
+    const std::uint32_t before = newest ? newest->device.buttons : 0;
+    const bool had_error = newest && newest->status != DeviceStatus::ready;
+    newest = sample;
+    for (std::int32_t n = 0; n < kButtons; ++n) {
+      const std::uint32_t bit = std::uint32_t{1} << n;
+      if (((before ^ sample.device.buttons) & bit) == 0) continue;
+      to_those_who_know(OurType::button_change, [&](Bytes& out, const Header& header) {
+        append_button_change(out, header, n, (sample.device.buttons & bit) != 0);
+      });
+    }
+    const bool has_error = sample.status != DeviceStatus::ready;
+    if (has_error == had_error) return;
+    to_those_who_know(OurType::force_error, [&](Bytes& out, const Header& header) {
+      append_force_error(out, header, has_error ? kMiscellaneousError : kNoError);
+    });
+  });
+}
+
+void Server::State::report() {
+  const bool is_new = newest && (!told || newest->device.time_ns != told->device.time_ns);
+  // Where a device is that is away or not calibrated nobody knows.
+  const bool is_known = is_new && newest->status == DeviceStatus::ready;
+  if (is_known && told && told->status == DeviceStatus::ready) {
+    dt_s = 1e-9 * static_cast<double>(newest->device.time_ns - told->device.time_ns);
+    v_m_per_s = dt_s > 0.0 ? Vec3((newest->device.p_WD - told->device.p_WD) / dt_s) : Vec3::Zero();
+    turn = (newest->device.q_WT * told->device.q_WT.conjugate()).normalized();
+  }
+  const Time time = newest ? to_time_of_day(newest->device.time_ns) : Time{};
+  for (auto& [id, peer] : peers) {
+    if (!peer.is_open) continue;
+    if (newest && peer.client.is_connected() && !std::exchange(peer.knows_buttons, true)) {
+      append_button_states(peer.client.out(), peer.client.header(OurType::button_states, time), newest->device.buttons, kButtons);
+    }
+    if (is_known && peer.client.is_connected()) report_to(peer, time);
+    answer(id, peer);
+  }
+  if (is_new) told = newest;
+}
+
+void Server::State::report_to(Peer& peer, Time time) {
+  Client& client = peer.client;
+  Bytes datagram;
+  Bytes& out = peer.udp ? datagram : client.out();
+  const Vec3 &f = newest->wrench.force_n, &t = newest->wrench.torque_nm;
+  const std::array<double, 7> channels = {f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), newest->motor_temperature};
+  append_position(out, client.header(OurType::position, time), newest->device.p_WD, newest->device.q_WT);
+  append_velocity(out, client.header(OurType::velocity, time), v_m_per_s, turn, dt_s);
+  append_force(out, client.header(OurType::force, time), f);
+  append_analog(out, client.header(OurType::analog, time), channels);
+  // A datagram that is lost is lost: the next is under way.
+  if (peer.udp) endpoint->send_datagram(*peer.udp, datagram);
+}
+
+Result<std::unique_ptr<Server>> Server::open(Feed& feed, const Options& options) {
+  constexpr std::size_t kLongestName = 64;
+  const bool is_name_good = !options.name.empty() && options.name.size() <= kLongestName &&
+                            std::all_of(options.name.begin(), options.name.end(),
+                                        [](unsigned char letter) { return std::isalnum(letter) != 0 || letter == '_' || letter == '-'; });
+  if (!is_name_good) return fail("'{}' is no name for a VRPN device; take letters, digits, '-' and '_'", options.name);
+  auto endpoint = StreamEndpoint::open(options.address, kPort);
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  const Address at = (*endpoint)->local_address();
+  log_info("VRPN: {}@{}", options.name, to_string(at));
+  if (!is_loopback(at)) {
+    log_warning("VRPN knows no passwords: whoever reaches {} sees where the hand is; bind it to 127.0.0.1, or to a network of your own",
+                to_string(at));
+  }
+  auto state = std::make_unique<State>(feed, options, std::move(*endpoint));
+  State& running = *state;
+  state->thread = std::thread([&running] { running.run(); });
+  return std::unique_ptr<Server>(new Server(std::move(state)));
+}
+
+Server::Server(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Server::~Server() {
+  state_->ends.store(true, std::memory_order_relaxed);
+  state_->endpoint->wake();
+  state_->thread.join();
+  state_->feed.set_wanted(false);
+}
+
+const Address& Server::local_address() const { return state_->endpoint->local_address(); }
+
+}  // namespace hapton::vrpn

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/math/types.h"
+
+// VRPN's wire format, version 07.xx: a cookie each way, then messages of a 24-byte header and a body padded to 8 bytes, all big-endian.
+// Pure: bytes in, bytes out. Source: the published sources of VRPN (vrpn_Connection.C, vrpn_Tracker.C, vrpn_Button.C, vrpn_Analog.C,
+// vrpn_ForceDevice.C), read for their format.
+namespace hapton::vrpn {
+
+using Bytes = std::vector<std::byte>;
+
+constexpr std::size_t kCookieBytes = 24;
+constexpr std::size_t kHeaderBytes = 24;
+constexpr std::size_t kPadding = 8;
+// Longer than anything a client has to say to a server of ours; VRPN itself stops at 64000.
+constexpr std::size_t kMostMessageBytes = 16384;
+// VRPN's own limit of a datagram with messages.
+constexpr std::size_t kMostDatagramBytes = 1472;
+
+// What the types below zero mean.
+constexpr std::int32_t kSenderDescription = -1, kTypeDescription = -2, kUdpDescription = -3, kLogDescription = -4, kDisconnect = -5;
+
+// Time of day.
+struct Time {
+  std::uint32_t s = 0;
+  std::uint32_t us = 0;
+};
+
+struct Header {
+  std::int32_t sender = 0;
+  std::int32_t type = 0;
+  Time time;
+  std::uint32_t sequence = 0;
+};
+
+// "vrpn: ver. 07.38  0": no logging asked for.
+void append_cookie(Bytes& out);
+// Whether we understand who sent this: the version up to its last dot. Pre: cookie.size() == kCookieBytes.
+bool is_cookie_good(std::span<const std::byte> cookie);
+
+// A name with the number that its sender uses for it.
+void append_description(Bytes& out, std::int32_t kind, std::int32_t id, std::string_view name, Time time, std::uint32_t sequence);
+
+// vrpn_Tracker Pos_Quat. SI; the quaternion as x, y, z, w.
+void append_position(Bytes& out, const Header& header, const Vec3& p_m, const Quat& q);
+// vrpn_Tracker Velocity: m/s, and the turn made in dt_s.
+void append_velocity(Bytes& out, const Header& header, const Vec3& v_m_per_s, const Quat& turn, double dt_s);
+// vrpn_Tracker Workspace.
+void append_workspace(Bytes& out, const Header& header, const Vec3& low_m, const Vec3& high_m);
+// vrpn_Button Change.
+void append_button_change(Bytes& out, const Header& header, std::int32_t button, bool is_down);
+// vrpn_Button States: of the lowest `count` bits.
+void append_button_states(Bytes& out, const Header& header, std::uint32_t buttons, std::int32_t count);
+// vrpn_Analog Channel.
+void append_analog(Bytes& out, const Header& header, std::span<const double> channels);
+// vrpn_ForceDevice Force, N.
+void append_force(Bytes& out, const Header& header, const Vec3& force_n);
+// vrpn_ForceDevice Force_Error.
+void append_force_error(Bytes& out, const Header& header, std::int32_t error);
+// Without a body: vrpn_Base pong_message.
+void append_empty(Bytes& out, const Header& header);
+
+// A message as it came; its body lies in the bytes it was read from.
+struct Message {
+  std::int32_t sender = 0;
+  std::int32_t type = 0;
+  std::span<const std::byte> body;
+};
+
+enum class ReadStatus : std::uint8_t {
+  message,
+  incomplete,  // the rest is still to come
+  broken,      // no such message can be: whoever sent it is not to be listened to
+};
+
+// Takes one message off the front of bytes.
+ReadStatus read_message(std::span<const std::byte>& bytes, Message& into);
+
+// The name in a description's body, without its terminating zero; empty when it is not well-formed.
+std::string_view name_of(const Message& description);
+
+}  // namespace hapton::vrpn

@@ -1,0 +1,349 @@
+#include "link/stream_endpoint.h"
+
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <utility>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr int kMostAcceptsAtOnce = 8;
+constexpr int kMostDatagramsAtOnce = 64;
+constexpr int kTriesForAPort = 32;  // free for TCP and UDP alike
+
+std::int64_t monotonic_ns() {
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * kSecondNs + now.tv_nsec;
+}
+
+// A file descriptor, closed with this.
+class Descriptor {
+ public:
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  int get() const { return number_; }
+
+ private:
+  int number_;
+};
+
+// An address as the system takes it.
+struct SystemAddress {
+  sockaddr_storage storage = {};
+  socklen_t size = sizeof(sockaddr_storage);
+  sockaddr* get() { return reinterpret_cast<sockaddr*>(&storage); }
+};
+
+bool is_v4(const Address& address) {
+  return std::all_of(address.ip.begin(), address.ip.begin() + 10, [](std::uint8_t byte) { return byte == 0; }) && address.ip[10] == 0xFF &&
+         address.ip[11] == 0xFF;
+}
+
+SystemAddress to_system(const Address& address) {
+  SystemAddress system;
+  if (is_v4(address)) {
+    sockaddr_in v4 = {};
+    v4.sin_family = AF_INET;
+    v4.sin_port = htons(address.port);
+    std::memcpy(&v4.sin_addr, address.ip.data() + 12, 4);
+    std::memcpy(&system.storage, &v4, sizeof v4);
+    system.size = sizeof v4;
+  } else {
+    sockaddr_in6 v6 = {};
+    v6.sin6_family = AF_INET6;
+    v6.sin6_port = htons(address.port);
+    std::memcpy(&v6.sin6_addr, address.ip.data(), 16);
+    std::memcpy(&system.storage, &v6, sizeof v6);
+    system.size = sizeof v6;
+  }
+  return system;
+}
+
+Address from_system(const SystemAddress& system) {
+  Address address;
+  if (system.storage.ss_family == AF_INET) {
+    sockaddr_in v4 = {};
+    std::memcpy(&v4, &system.storage, sizeof v4);
+    address.ip[10] = address.ip[11] = 0xFF;
+    std::memcpy(address.ip.data() + 12, &v4.sin_addr, 4);
+    address.port = ntohs(v4.sin_port);
+  } else {
+    sockaddr_in6 v6 = {};
+    std::memcpy(&v6, &system.storage, sizeof v6);
+    std::memcpy(address.ip.data(), &v6.sin6_addr, 16);
+    address.port = ntohs(v6.sin6_port);
+  }
+  return address;
+}
+
+Descriptor make_socket(const Address& like, int type) {
+  return Descriptor(::socket(is_v4(like) ? AF_INET : AF_INET6, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+}
+
+// 0, or what the system said.
+int bind_to(const Descriptor& socket, const Address& address) {
+  SystemAddress system = to_system(address);
+  return ::bind(socket.get(), system.get(), system.size) == 0 ? 0 : errno;
+}
+
+class SocketStreams final : public StreamEndpoint {
+ public:
+  // 0, or what the system said.
+  int open(const Address& at);
+
+  const Address& local_address() const override { return local_; }
+  void wait(std::int64_t deadline_ns, Listener& listener) override;
+  void wake() noexcept override;
+  Id connect(const Address& to) override;
+  bool send(Id id, std::span<const std::byte> bytes) override;
+  bool send_datagram(const Address& to, std::span<const std::byte> bytes) override;
+  void close(Id id) override;
+
+ private:
+  struct Connection {
+    Id id = 0;
+    Descriptor socket;
+    Address peer;
+    bool is_connecting = false;
+    bool is_closing = false;
+    std::vector<std::byte> waiting;
+  };
+
+  int open_at(const Address& at);
+  Connection* find(Id id);
+  void poll_until(std::int64_t deadline_ns);
+  void accept_some(Listener& listener);
+  void receive_datagrams(Listener& listener);
+  void serve(std::size_t place, short events, Listener& listener);
+  void finish_connecting(Connection& connection, Listener& listener);
+  void flush(Connection& connection);
+  void receive(Id id, Listener& listener);
+  void forget_closed(Listener& listener);
+
+  Descriptor listening_, datagrams_, waker_;
+  Address local_;
+  std::vector<Connection> connections_;
+  std::vector<pollfd> polled_;
+  Id last_id_ = 0;
+  std::array<std::byte, 65536> buffer_;
+};
+
+int SocketStreams::open_at(const Address& at) {
+  listening_ = make_socket(at, SOCK_STREAM);
+  datagrams_ = make_socket(at, SOCK_DGRAM);
+  if (listening_.get() < 0 || datagrams_.get() < 0) return errno;
+  const int yes = 1;
+  ::setsockopt(listening_.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (const int error = bind_to(listening_, at); error != 0) return error;
+  SystemAddress bound;
+  if (::getsockname(listening_.get(), bound.get(), &bound.size) != 0) return errno;
+  local_ = at;
+  local_.port = from_system(bound).port;
+  if (const int error = bind_to(datagrams_, local_); error != 0) return error;
+  return ::listen(listening_.get(), static_cast<int>(kMostConnections)) == 0 ? 0 : errno;
+}
+
+int SocketStreams::open(const Address& at) {
+  waker_ = Descriptor(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+  if (waker_.get() < 0) return errno;
+  int error = open_at(at);
+  for (int n = 1; at.port == 0 && error == EADDRINUSE && n < kTriesForAPort; ++n) error = open_at(at);
+  return error;
+}
+
+SocketStreams::Connection* SocketStreams::find(Id id) {
+  const auto found = std::find_if(connections_.begin(), connections_.end(), [&](const Connection& c) { return c.id == id; });
+  return found != connections_.end() && !found->is_closing ? &*found : nullptr;
+}
+
+void SocketStreams::wake() noexcept {
+  const std::uint64_t one = 1;
+  // A counter that is full has woken already.
+  [[maybe_unused]] const ssize_t written = ::write(waker_.get(), &one, sizeof one);
+}
+
+StreamEndpoint::Id SocketStreams::connect(const Address& to) {
+  if (connections_.size() >= kMostConnections) return 0;
+  Connection connection;
+  connection.socket = make_socket(to, SOCK_STREAM);
+  SystemAddress system = to_system(to);
+  if (connection.socket.get() < 0) return 0;
+  if (::connect(connection.socket.get(), system.get(), system.size) != 0 && errno != EINPROGRESS) return 0;
+  connection.id = ++last_id_;
+  connection.peer = to;
+  connection.is_connecting = true;
+  connections_.push_back(std::move(connection));
+  return last_id_;
+}
+
+bool SocketStreams::send(Id id, std::span<const std::byte> bytes) {
+  Connection* connection = find(id);
+  if (connection == nullptr) return false;
+  if (connection->waiting.size() + bytes.size() > kMostWaitingBytes) {
+    connection->is_closing = true;
+    return false;
+  }
+  connection->waiting.insert(connection->waiting.end(), bytes.begin(), bytes.end());
+  if (!connection->is_connecting) flush(*connection);
+  return !connection->is_closing;
+}
+
+bool SocketStreams::send_datagram(const Address& to, std::span<const std::byte> bytes) {
+  SystemAddress system = to_system(to);
+  return is_v4(to) == is_v4(local_) &&
+         ::sendto(datagrams_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, system.get(), system.size) >= 0;
+}
+
+void SocketStreams::close(Id id) {
+  if (Connection* connection = find(id)) connection->is_closing = true;
+}
+
+void SocketStreams::flush(Connection& connection) {
+  std::vector<std::byte>& waiting = connection.waiting;
+  if (waiting.empty()) return;
+  const ssize_t sent = ::send(connection.socket.get(), waiting.data(), waiting.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (sent > 0) waiting.erase(waiting.begin(), waiting.begin() + sent);
+  if (sent < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) connection.is_closing = true;
+}
+
+void SocketStreams::poll_until(std::int64_t deadline_ns) {
+  const auto all = std::to_array<pollfd>({{waker_.get(), POLLIN, 0}, {listening_.get(), POLLIN, 0}, {datagrams_.get(), POLLIN, 0}});
+  polled_.assign(all.begin(), all.end());
+  bool is_one_closing = false;
+  for (const Connection& connection : connections_) {
+    const bool writes = connection.is_connecting || !connection.waiting.empty();
+    polled_.push_back({connection.socket.get(), static_cast<short>(writes ? POLLIN | POLLOUT : POLLIN), 0});
+    is_one_closing = is_one_closing || connection.is_closing;
+  }
+  const std::int64_t left_ns = is_one_closing ? 0 : std::max<std::int64_t>(0, deadline_ns - monotonic_ns());
+  const timespec timeout = {.tv_sec = left_ns / kSecondNs, .tv_nsec = left_ns % kSecondNs};
+  if (::ppoll(polled_.data(), polled_.size(), &timeout, nullptr) < 0) {
+    for (pollfd& each : polled_) each.revents = 0;
+  }
+}
+
+void SocketStreams::wait(std::int64_t deadline_ns, Listener& listener) {
+  poll_until(deadline_ns);
+  const std::size_t known = connections_.size();
+  if (polled_[0].revents != 0) {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const ssize_t read = ::read(waker_.get(), &count, sizeof count);
+  }
+  for (std::size_t place = 0; place < known; ++place) serve(place, polled_[3 + place].revents, listener);
+  if (polled_[1].revents != 0) accept_some(listener);
+  if (polled_[2].revents != 0) receive_datagrams(listener);
+  forget_closed(listener);
+}
+
+void SocketStreams::serve(std::size_t place, short events, Listener& listener) {
+  if (events == 0 || connections_[place].is_closing) return;
+  const Id id = connections_[place].id;
+  if (connections_[place].is_connecting) return finish_connecting(connections_[place], listener);
+  if ((events & POLLOUT) != 0) flush(connections_[place]);
+  if ((events & (POLLIN | POLLERR | POLLHUP)) != 0) receive(id, listener);
+}
+
+void SocketStreams::finish_connecting(Connection& connection, Listener& listener) {
+  int error = 0;
+  socklen_t size = sizeof error;
+  ::getsockopt(connection.socket.get(), SOL_SOCKET, SO_ERROR, &error, &size);
+  if (error != 0) {
+    connection.is_closing = true;
+    return;
+  }
+  const int yes = 1;
+  ::setsockopt(connection.socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  connection.is_connecting = false;
+  flush(connection);
+  // The listener may open connections: no reference is good after it.
+  const Id id = connection.id;
+  const Address peer = connection.peer;
+  listener.on_connected(id, peer);
+}
+
+// One buffer's worth: the others are to have their turn.
+void SocketStreams::receive(Id id, Listener& listener) {
+  Connection* connection = find(id);
+  if (connection == nullptr) return;
+  const ssize_t bytes = ::recv(connection->socket.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  if (bytes > 0) return listener.on_bytes(id, std::span(buffer_).first(static_cast<std::size_t>(bytes)));
+  if (bytes == 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR)) connection->is_closing = true;
+}
+
+void SocketStreams::accept_some(Listener& listener) {
+  for (int n = 0; n < kMostAcceptsAtOnce; ++n) {
+    SystemAddress from;
+    Descriptor socket(::accept4(listening_.get(), from.get(), &from.size, SOCK_NONBLOCK | SOCK_CLOEXEC));
+    if (socket.get() < 0) return;
+    // One more than may be is let go without a word.
+    if (connections_.size() >= kMostConnections) continue;
+    const int yes = 1;
+    ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    Connection connection;
+    connection.id = ++last_id_;
+    connection.socket = std::move(socket);
+    connection.peer = from_system(from);
+    const Address peer = connection.peer;
+    connections_.push_back(std::move(connection));
+    listener.on_connected(last_id_, peer);
+  }
+}
+
+void SocketStreams::receive_datagrams(Listener& listener) {
+  for (int n = 0; n < kMostDatagramsAtOnce; ++n) {
+    SystemAddress from;
+    const ssize_t bytes = ::recvfrom(datagrams_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT, from.get(), &from.size);
+    if (bytes < 0 && errno == ECONNREFUSED) continue;
+    if (bytes < 0) return;
+    listener.on_datagram(from_system(from), std::span(buffer_).first(static_cast<std::size_t>(bytes)));
+  }
+}
+
+void SocketStreams::forget_closed(Listener& listener) {
+  std::vector<Id> closed;
+  for (const Connection& connection : connections_) {
+    if (connection.is_closing) closed.push_back(connection.id);
+  }
+  std::erase_if(connections_, [](const Connection& c) { return c.is_closing; });
+  for (const Id id : closed) listener.on_closed(id);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<StreamEndpoint>> StreamEndpoint::open(std::string_view bind_address, std::uint16_t default_port) {
+  const auto at = parse_address(bind_address, default_port);
+  if (!at) return tl::unexpected(at.error());
+  auto streams = std::make_unique<SocketStreams>();
+  const int error = streams->open(*at);
+  if (error == EADDRINUSE) {
+    return fail("cannot listen on TCP and UDP {}: another program holds this port; stop it or choose another port", to_string(*at));
+  }
+  if (error == EADDRNOTAVAIL)
+    return fail("cannot listen on TCP and UDP {}: this host has no such address; use one of its own", to_string(*at));
+  if (error != 0) return fail("cannot listen on TCP and UDP {}: {}", to_string(*at), std::strerror(error));
+  return streams;
+}
+
+}  // namespace hapton
