@@ -8,6 +8,7 @@
 #include "io_node/io_session.h"
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
+#include "io_node/vrpn/vrpn_server.h"
 #include "link/link_key.h"
 #include "link/metered_endpoint.h"
 #include "link/random_id.h"
@@ -49,6 +50,23 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
   return metrics;
 }
 
+// Who sees the device besides the nodes; empty when nobody is to.
+struct Show {
+  std::unique_ptr<vrpn::Feed> feed;
+  std::unique_ptr<vrpn::Server> server;
+};
+
+Result<Show> open_show(const IoOptions& options, std::unique_ptr<Device>& device) {
+  Show show;
+  if (options.vrpn.empty()) return show;
+  show.feed = std::make_unique<vrpn::Feed>();
+  auto server = vrpn::Server::open(*show.feed, {.address = options.vrpn, .name = options.vrpn_name, .limits = device->limits()});
+  if (!server) return tl::unexpected(server.error());
+  show.server = std::move(*server);
+  device = std::make_unique<vrpn::WatchedDevice>(std::move(device), *show.feed);
+  return show;
+}
+
 SessionRecorder::Options recording_of(const IoOptions& options) {
   SessionRecorder::Options recording{options.record, find_flight_folder(options)};
   recording.makes_flight_folder = !options.flight.empty();
@@ -75,9 +93,10 @@ void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
 
 // In the order in which they need each other.
 struct DeviceHub::Parts {
-  Parts(const IoOptions& wanted, const Clock& steady, std::unique_ptr<Device> owned, std::unique_ptr<Endpoint> socket, Echo bare_echo,
-        std::unique_ptr<MetricsEndpoint> served, const LinkKey& key)
+  Parts(const IoOptions& wanted, const Clock& steady, Show shown, std::unique_ptr<Device> owned, std::unique_ptr<Endpoint> socket,
+        Echo bare_echo, std::unique_ptr<MetricsEndpoint> served, const LinkKey& key)
       : options(wanted),
+        show(std::move(shown)),
         device(std::move(owned)),
         endpoint(std::move(socket)),
         echo(std::move(bare_echo)),
@@ -102,6 +121,7 @@ struct DeviceHub::Parts {
   ServoTap* tap() { return options.record.empty() && find_flight_folder(options).empty() ? nullptr : &recorder; }
 
   const IoOptions options;
+  Show show;
   std::unique_ptr<Device> device;
   std::unique_ptr<Endpoint> endpoint;
   Echo echo;
@@ -133,9 +153,11 @@ Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, con
   if (!echo) return tl::unexpected(echo.error());
   auto metrics = open_metrics(options);
   if (!metrics) return tl::unexpected(metrics.error());
+  auto show = open_show(options, *device);
+  if (!show) return tl::unexpected(show.error());
   warn_of_loose_limits(options, (*device)->limits());
-  return std::unique_ptr<DeviceHub>(new DeviceHub(
-      std::make_unique<Parts>(options, clock, std::move(*device), std::move(*endpoint), std::move(*echo), std::move(*metrics), *key)));
+  return std::unique_ptr<DeviceHub>(new DeviceHub(std::make_unique<Parts>(
+      options, clock, std::move(*show), std::move(*device), std::move(*endpoint), std::move(*echo), std::move(*metrics), *key)));
 }
 
 Address DeviceHub::address() const { return parts_->endpoint->local_address(); }

@@ -44,7 +44,7 @@ Pose read_place(TomlReader& reader) {
 IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   IoOptions options = common;
   reader.allow({"name", "device", "bind", "id", "file", "trajectory", "loop", "seed", "position_m", "rotation_deg", "max_force_n",
-                "max_slew_n_per_s", "rate_hz", "cpu", "record", "metrics"});
+                "max_slew_n_per_s", "rate_hz", "cpu", "record", "metrics", "vrpn", "vrpn_name"});
   for (const char* key : {"name", "device", "bind"}) reader.require(key);
   reader.read("name", options.name);
   if (!is_good_name(options.name)) {
@@ -73,6 +73,8 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   options.realtime.cpu = static_cast<int>(cpu);
   reader.read_path("record", options.record);
   reader.read("metrics", options.metrics);
+  reader.read("vrpn", options.vrpn);
+  reader.read("vrpn_name", options.vrpn_name);
   if (!options.out.empty()) options.out = (std::filesystem::path(common.out) / options.name).string();
   return options;
 }

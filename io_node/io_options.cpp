@@ -18,7 +18,7 @@ constexpr int kBadCommandLine = 2;
 // The first flag given that is one device's own and stands in the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
   for (const char* flag : {"--device", "--device-id", "--device-file", "--trajectory", "--loop", "--seed", "--max-force", "--max-slew",
-                           "--bind", "--metrics", "--record", "--cpu"}) {
+                           "--bind", "--metrics", "--vrpn", "--vrpn-name", "--record", "--cpu"}) {
     if (app.count(flag) > 0) return flag;
   }
   return std::nullopt;
@@ -73,6 +73,9 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--metrics", options.metrics,
                  "Serve the figures by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: nowhere)");
+  app.add_option("--vrpn", options.vrpn,
+                 "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: nowhere; see docs/vrpn.md)");
+  app.add_option("--vrpn-name", options.vrpn_name, "The device's name there, NAME@host")->capture_default_str();
   app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();

@@ -21,8 +21,10 @@ struct IoOptions {
   std::string record;    // file for the whole session; empty: none
   std::string flight;    // folder for flight records; empty: see find_flight_folder; "off": none
   std::string overrun = "skip";
-  double spin_share = 0.1;     // of a period that the loop may spin before its tick, at most
-  std::string metrics;         // where the figures are served by HTTP; empty: nowhere
+  double spin_share = 0.1;  // of a period that the loop may spin before its tick, at most
+  std::string metrics;      // where the figures are served by HTTP; empty: nowhere
+  std::string vrpn;         // where the stylus is shown by VRPN; empty: nowhere
+  std::string vrpn_name = "Phantom0";
   std::size_t echo_bytes = 0;  // of the bare echo's datagrams; 0: as a DeviceState's
   std::string echo_probe;      // responder of the bare echo; empty: not measured
   std::string key_file;        // empty: the user's own, on loopback

@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <cstring>
+#include <memory>
 #include <span>
+#include <utility>
 
 #include "io_node/devices/device.h"
 #include "runtime/byte_ring.h"
@@ -50,26 +52,26 @@ class Feed {
 // A device that tells a feed of all that it does, and is otherwise the device itself. RT: as the device's own.
 class WatchedDevice final : public Device {
  public:
-  // Pre: both outlive this.
-  WatchedDevice(Device& device, Feed& feed) : device_(device), feed_(feed) {}
+  // Pre: the feed outlives this.
+  WatchedDevice(std::unique_ptr<Device> device, Feed& feed) : device_(std::move(device)), feed_(feed) {}
 
-  std::string_view name() const noexcept override { return device_.name(); }
-  const DeviceLimits& limits() const noexcept override { return device_.limits(); }
+  std::string_view name() const noexcept override { return device_->name(); }
+  const DeviceLimits& limits() const noexcept override { return device_->limits(); }
   DeviceSample read(std::int64_t now_ns) noexcept override {
-    const DeviceSample sample = device_.read(now_ns);
-    feed_.push({sample, wrench_, device_.status(), device_.condition().motor_temperature});
+    const DeviceSample sample = device_->read(now_ns);
+    feed_.push({sample, wrench_, device_->status(), device_->condition().motor_temperature});
     return sample;
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
     wrench_ = wrench;
-    device_.write(wrench, now_ns);
+    device_->write(wrench, now_ns);
   }
-  DeviceStatus status() const noexcept override { return device_.status(); }
-  DeviceCondition condition() const noexcept override { return device_.condition(); }
-  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override { return device_.lead_hand(p_WH); }
+  DeviceStatus status() const noexcept override { return device_->status(); }
+  DeviceCondition condition() const noexcept override { return device_->condition(); }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override { return device_->lead_hand(p_WH); }
 
  private:
-  Device& device_;
+  std::unique_ptr<Device> device_;
   Feed& feed_;
   Wrench wrench_;
 };
