@@ -75,13 +75,18 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
   if (status == DeviceStatus::fault) latch(SafetyFault::device);
   const bool was_held = std::exchange(is_held_, dead_man_.is_held(sample));
   if (was_held && !is_held_) ++counters_.releases;
-  if (status == DeviceStatus::away || status == DeviceStatus::calibrating) return motion_.forget();
-  look(sample);
+  if (status == DeviceStatus::away || status == DeviceStatus::calibrating) {
+    motion_.forget();
+  } else {
+    look(sample);
+  }
+  // However short it was shut: a ramp follows.
+  is_open_ = is_open_ && gate() == GovernorState::live;
 }
 
 void SafetyGovernor::look(const DeviceSample& sample) noexcept {
   const DeviceLimits& limits = limits_.now();
-  switch (motion_.look(sample, now_ns_, limits.max_speed_m_per_s)) {
+  switch (motion_.look(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
     case MotionWatch::Verdict::fine:
       break;
     case MotionWatch::Verdict::no_pose:
@@ -138,11 +143,11 @@ GovernorState SafetyGovernor::state() const noexcept {
   return state == GovernorState::live && ramp_.share(now_ns_) < 1.0 ? GovernorState::ramping : state;
 }
 
-// The length of the longest force allowed now, the gate being open.
-double SafetyGovernor::ball_n() const noexcept {
+// Of max_force and of max_torque: what the budgets leave.
+double SafetyGovernor::allowed_share() const noexcept {
   const DeviceLimits& limits = limits_.now();
-  return std::min({thermal_.allowed_n(limits), limits.max_force_n * energy_.share(limits.max_force_n),
-                   limits_.release_n_per_s() * intake_.left_s(now_ns_)});
+  if (limits.max_force_n == 0.0) return 0.0;
+  return std::min(thermal_.allowed_n(limits) / limits.max_force_n, energy_.share(limits.max_force_n));
 }
 
 // What was asked for, with all that is taken from it for where the device is and how it moves.
@@ -155,6 +160,7 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   const double damping = energy_.damping_n_s_per_m(limits.max_force_n, motion_.speed_m_per_s(), most_damping);
   if (damping > 0.0) force_n -= damping * motion_.velocity_m_per_s();
   was_damped_ = damping > 0.0;
+  force_n = shortened(force_n, limits.max_force_n);
   const Vec3 inside_n = WorkspaceStop::shape(limits, force_n, motion_.p_WD());
   was_stopped_ = inside_n != force_n;
   return inside_n;
@@ -162,27 +168,36 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
 
 const Wrench& SafetyGovernor::step(const std::optional<WantedWrench>& wanted, std::int64_t now_ns) noexcept {
   const double passed_s = std::exchange(unheld_s_, 0.0) + advance(now_ns);
-  if (intake_.falls_silent(now_ns_)) ++counters_.silences;
+  if (intake_.falls_silent(now_ns_)) {
+    ++counters_.silences;
+    is_open_ = false;
+  }
   is_accepted_ = false;
   if (wanted) take(*wanted);
   const bool was_open = std::exchange(is_open_, gate() == GovernorState::live);
   if (is_open_ && !was_open) ramp_.begin(now_ns_);
-  const double ramp = is_open_ ? ramp_.share(now_ns_) : 0.0;
-  const double ball = is_open_ ? ball_n() : 0.0;
-  const DeviceLimits& limits = limits_.now();
-  out_.force_n = force_.follow(is_open_ ? shaped_n(ramp) : Vec3(Vec3::Zero()), ball,
-                               {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
-  if (limits.max_torque_nm > 0.0) {
-    // What is left of the force is left of the torque: one budget, one gate, one silence.
-    const double ball_nm = limits.max_torque_nm * std::min(1.0, ball / limits.max_force_n);
-    out_.torque_nm = torque_.follow(ramp * shortened(intake_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
-                                    {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
+  if (is_open_) {
+    follow(ramp_.share(now_ns_), allowed_share(), intake_.left_s(now_ns_), passed_s);
+  } else {
+    follow(0.0, 0.0, 0.0, passed_s);
   }
-  if (is_accepted_ && is_open_) count_accepted(ball);
+  if (is_accepted_ && is_open_) count_accepted();
   return out_;
 }
 
-void SafetyGovernor::count_accepted(double ball_n) noexcept {
+// ramp: of what is wanted; share: of the limits; left_s: until nothing may be left.
+void SafetyGovernor::follow(double ramp, double share, double left_s, double passed_s) noexcept {
+  const DeviceLimits& limits = limits_.now();
+  const double ball_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);
+  out_.force_n = force_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), ball_n,
+                               {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
+  if (limits.max_torque_nm == 0.0) return;
+  const double ball_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
+  out_.torque_nm = torque_.follow(ramp * shortened(intake_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
+                                  {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
+}
+
+void SafetyGovernor::count_accepted() noexcept {
   const DeviceLimits& limits = limits_.now();
   const double wanted_n = length_of(intake_.wanted().force_n);
   counters_.clamped += wanted_n > limits.max_force_n ? 1 : 0;
@@ -191,8 +206,7 @@ void SafetyGovernor::count_accepted(double ball_n) noexcept {
   counters_.braked += was_braked_ ? 1 : 0;
   const double energy_n = limits.max_force_n * energy_.share(limits.max_force_n);
   counters_.damped += was_damped_ || energy_n < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
-  const double thermal_n = thermal_.allowed_n(limits);
-  counters_.cooled += thermal_n < std::min(wanted_n, limits.max_force_n) && thermal_n <= ball_n ? 1 : 0;
+  counters_.cooled += thermal_.allowed_n(limits) < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
 }
 
 }  // namespace hapton

@@ -90,9 +90,10 @@ class SafetyGovernor {
   void take(const WantedWrench& wanted) noexcept;
   void look(const DeviceSample& sample) noexcept;
   GovernorState gate() const noexcept;
-  double ball_n() const noexcept;
+  double allowed_share() const noexcept;
+  void follow(double ramp, double share, double left_s, double passed_s) noexcept;
   Vec3 shaped_n(double ramp) noexcept;
-  void count_accepted(double ball_n) noexcept;
+  void count_accepted() noexcept;
 
   SafetyLimits limits_;
   DeadMan dead_man_;

@@ -7,7 +7,8 @@
 namespace hapton {
 namespace {
 
-bool usable(double limit) { return std::isfinite(limit) && limit > 0.0; }
+// Beyond is a slip of a unit, and no arithmetic to trust.
+bool usable(double limit) { return limit > 1e-9 && limit < 1e9; }
 
 // Fast enough that `most` is gone within kLongestReleaseNs.
 double letting_go(double slew, double most) {

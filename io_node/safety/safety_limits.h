@@ -15,7 +15,7 @@ constexpr std::int64_t kLongestReleaseNs = kSilenceLimitNs / 2;
 constexpr double kFastestHandMPerS = 5.0;
 
 // What a device is held to: its own limits, as far as they make sense, which can only become tighter.
-//   a device whose force or slew is not finite and above zero gets no force at all, one without torque no torque
+//   a device whose force or slew makes no sense (not between 1e-9 and 1e9) gets no force at all, one without torque no torque
 //   a device too slow to let go within kLongestReleaseNs gets the slew that does
 //   an axis of the workspace that is empty or not finite has no end; one without max_speed gets kFastestHandMPerS
 // RT: tighten yes; making one is set-up only.
@@ -24,7 +24,7 @@ class SafetyLimits {
   explicit SafetyLimits(const DeviceLimits& device);
 
   // Takes the smaller of the present and the given, field by field, and of the workspaces what both have in common (where there is any).
-  // What is not finite and above zero changes nothing; nor do max_stiffness and peak_s, which limit nothing by themselves.
+  // What makes no sense changes nothing; nor do max_stiffness and peak_s, which limit nothing by themselves.
   void tighten(const DeviceLimits& wanted) noexcept;
 
   const DeviceLimits& now() const noexcept { return now_; }
