@@ -115,8 +115,11 @@ struct DeviceHub::Parts {
   }
 
   Servo::Options servo_options() const {
-    return {options.rate_hz,         options.vision_rate_hz, options.device.max_force_n, options.device.max_slew_n_per_s,
-            overrun_policy(options), options.spin_share};
+    return {.rate_hz = options.rate_hz,
+            .vision_rate_hz = options.vision_rate_hz,
+            .tighter = {.max_force_n = options.device.max_force_n, .max_slew_n_per_s = options.device.max_slew_n_per_s},
+            .overrun = overrun_policy(options),
+            .spin_share = options.spin_share};
   }
   ServoTap* tap() { return options.record.empty() && find_flight_folder(options).empty() ? nullptr : &recorder; }
 
@@ -166,7 +169,7 @@ const IoOptions& DeviceHub::options() const { return parts_->options; }
 std::string DeviceHub::describe() const {
   const IoOptions& options = parts_->options;
   return fmt::format("{}hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}", name_prefix(options), to_string(address()),
-                     parts_->device->name(), options.rate_hz, parts_->servo->force_limits().max_force_n, options.device.seed);
+                     parts_->device->name(), options.rate_hz, parts_->servo->limits().max_force_n, options.device.seed);
 }
 
 Result<void> DeviceHub::run(const StopSignal& stop) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "io_node/safety/safety_fault.h"
 #include "link/endpoint.h"
 #include "link/messages.h"
 
@@ -12,12 +13,27 @@ namespace hapton {
 
 // Something a person wants to read about, told by the servo loop.
 struct ServoEvent {
-  enum class Kind : std::uint8_t { joined, left, refused, rate_changed, method_asked, wrong_key, wrong_version };
+  enum class Kind : std::uint8_t {
+    joined,
+    left,
+    refused,
+    rate_changed,
+    method_asked,
+    wrong_key,
+    wrong_version,
+    latched,
+    reset,
+    reset_refused,
+    away,
+    calibrating,
+    back
+  };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;              // of rate_changed
-  std::array<char, 16> method = {};  // of method_asked
+  double rate_hz = 0.0;                   // of rate_changed
+  std::array<char, 16> method = {};       // of method_asked
+  SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_refused
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

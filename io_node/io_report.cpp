@@ -49,12 +49,12 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
                      {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
                      {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
-                     {"silence_events", whole(s.guard.silences)},
-                     {"clamped", whole(s.guard.clamped)},
-                     {"slewed", whole(s.guard.slewed)},
-                     {"not_finite", whole(s.guard.not_finite)},
-                     {"refused_old", whole(s.guard.refused_old)},
-                     {"refused_future", whole(s.guard.refused_future)},
+                     {"silence_events", whole(s.governor.counters.silences)},
+                     {"clamped", whole(s.governor.counters.clamped)},
+                     {"slewed", whole(s.governor.counters.slewed)},
+                     {"not_finite", whole(s.governor.counters.not_finite)},
+                     {"refused_old", whole(s.governor.counters.refused_old)},
+                     {"refused_future", whole(s.governor.counters.refused_future)},
                      {"longest_release_us", (s.longest_release_ns + 999) / 1000},
                      {"datagrams_sent", whole(s.ways.link.datagrams_sent)},
                      {"bytes_sent", whole(s.ways.link.bytes_sent)},
@@ -203,8 +203,8 @@ std::string describe_run(const ServoStats& s, const SchedulingFigures& schedulin
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, strongest {:.2f} N\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
-                      s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.guard.silences,
-                      s.guard.clamped, s.guard.slewed);
+                      s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.governor.counters.silences,
+                      s.governor.counters.clamped, s.governor.counters.slewed);
   if (s.seal.refused() > 0) {
     text += fmt::format(
         "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form\n",

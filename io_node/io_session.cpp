@@ -37,6 +37,18 @@ std::string describe(const ServoEvent& event) {
       return "someone asks to join with another key or none; if it is a node of yours, start it with the same --key FILE";
     case ServoEvent::Kind::wrong_version:
       return "someone speaks another protocol version; if it is a node of yours, build all from the same sources";
+    case ServoEvent::Kind::latched:
+      return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
+    case ServoEvent::Kind::reset:
+      return fmt::format("fault reset ({}), the force ramps in", to_string(event.fault));
+    case ServoEvent::Kind::reset_refused:
+      return fmt::format("fault not reset, its cause is still there: {}", describe(event.fault));
+    case ServoEvent::Kind::away:
+      return "the device is away; no force until it is back";
+    case ServoEvent::Kind::calibrating:
+      return "the device is being calibrated; no force until it is ready";
+    case ServoEvent::Kind::back:
+      return "the device is ready, the force ramps in";
   }
   return {};
 }

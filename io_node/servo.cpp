@@ -17,6 +17,28 @@ void relax() noexcept {
 #endif
 }
 
+SessionFault session_fault_of(SafetyFault fault) noexcept {
+  switch (fault) {
+    case SafetyFault::none:
+      break;
+    case SafetyFault::not_finite:
+      return SessionFault::not_finite;
+    case SafetyFault::torque:
+      return SessionFault::torque;
+    case SafetyFault::speed:
+      return SessionFault::speed;
+    case SafetyFault::position:
+      return SessionFault::position;
+    case SafetyFault::jump:
+      return SessionFault::jump;
+    case SafetyFault::thermal:
+      return SessionFault::thermal;
+    case SafetyFault::device:
+      return SessionFault::device;
+  }
+  return SessionFault::none;
+}
+
 constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
 
 }  // namespace
@@ -28,10 +50,11 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       echo_(echo),
       tap_(tap),
       policy_(options.overrun),
-      guard_({device.limits().max_force_n, device.limits().max_slew_n_per_s}),
+      governor_(device.limits()),
       pace_(options.vision_rate_hz),
       spin_(options.spin_share) {
-  guard_.tighten({options.max_force_n, options.max_slew_n_per_s});
+  governor_.tighten(options.tighter);
+  governor_.require_button(options.hold_button);
   stats_.rate_hz = options.rate_hz;
   peers_.set_tap(tap_);
   start();
@@ -125,6 +148,7 @@ void Servo::sample_device() noexcept {
   sample_.time_ns = clock_.now_ns();
   stats_.device_read.record(sample_.time_ns - begin_ns);
   device_ns_ += sample_.time_ns - begin_ns;
+  governor_.observe(sample_, device_.status());
   ++sample_number_;
   ++stats_.samples;
   const bool is_expected =
@@ -140,11 +164,11 @@ void Servo::sample_device() noexcept {
   if (!std::exchange(is_force_new_, false)) hold_force();
 }
 
-// Without news the guard may still have to let the force sink or rise. With news every cycle it must not be asked in between: it would
+// Without news the governor may still have to let the force sink or rise. With news every cycle it must not be asked in between: it would
 // spend the cycle's share of the slew on nothing.
 void Servo::hold_force() noexcept {
-  const Vec3 held_n = guard_.step(std::nullopt, clock_.now_ns());
-  if (held_n != written_n_) write_force(held_n);
+  const Wrench& held = governor_.step(std::nullopt, clock_.now_ns());
+  if (held.force_n != written_.force_n || held.torque_nm != written_.torque_nm) write(held);
 }
 
 // A node that has not been heard for so long gives up its place to the first who asks: it counts as gone.
@@ -152,14 +176,14 @@ bool Servo::haptics_alive(std::int64_t now_ns) const noexcept {
   return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsPlace).last_heard_ns < HubPeers::kHapticsSilenceNs;
 }
 
-void Servo::write_force(const Vec3& force_n) noexcept {
+void Servo::write(const Wrench& wrench) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
-  device_.write({.force_n = force_n}, begin_ns);
+  device_.write(wrench, begin_ns);
   device_ns_ += clock_.now_ns() - begin_ns;
-  const bool is_let_go = !is_finished_ && force_n == Vec3::Zero() && written_n_ != Vec3::Zero() && guard_.silent();
+  const bool is_let_go = !is_finished_ && wrench.force_n == Vec3::Zero() && written_.force_n != Vec3::Zero() && governor_.is_silent();
   if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
-  written_n_ = force_n;
-  stats_.max_force_n = std::max(stats_.max_force_n, force_n.norm());
+  written_ = wrench;
+  stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
 }
 
 void Servo::receive_one(std::int64_t deadline_ns) noexcept {
@@ -225,13 +249,12 @@ void Servo::on_force(const ForceCommand& command) noexcept {
   const SampleLedger::Verdict verdict = ledger_.answer(command);
   if (verdict == SampleLedger::Verdict::duplicate || verdict == SampleLedger::Verdict::unknown) return;
   const bool is_newest = verdict != SampleLedger::Verdict::reordered;
-  Vec3 force_n = Vec3::Zero();
-  if (is_newest) force_n = guard_.step(WantedForce{command.force_n, command.echo_sample_time_ns}, clock_.now_ns());
+  if (is_newest) governor_.step(WantedWrench{{.force_n = command.force_n}, command.echo_sample_time_ns}, clock_.now_ns());
   const std::int64_t ready_ns = clock_.now_ns();
   const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
   if (is_newest) {
-    if (!guard_.silent()) accepted_ns_ = ready_ns;
-    write_force(force_n);
+    if (!governor_.is_silent()) accepted_ns_ = ready_ns;
+    write(governor_.output());
     is_force_new_ = true;
     const std::int64_t written_ns = clock_.now_ns();
     stats_.force_age.record(written_ns - command.echo_sample_time_ns);
@@ -284,15 +307,23 @@ void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
   if (settings.servo_rate_hz >= kLowestRateHz && settings.servo_rate_hz <= kHighestRateHz) {
     stats_.rate_hz = settings.servo_rate_hz;
     peers_.set_servo_rate_hz(settings.servo_rate_hz);
-    events_.push({ServoEvent::Kind::rate_changed, role, {}, settings.servo_rate_hz, {}});
+    events_.push({ServoEvent::Kind::rate_changed, role, {}, settings.servo_rate_hz, {}, {}});
   } else if (settings.servo_rate_hz != 0.0) {
     ++stats_.bad_settings;
   }
   if (settings.method[0] != '\0') {
-    peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false});
-    events_.push({ServoEvent::Kind::method_asked, role, {}, 0.0, settings.method});
+    peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false, false});
+    events_.push({ServoEvent::Kind::method_asked, role, {}, 0.0, settings.method, {}});
   }
+  if (settings.reset_faults && role == NodeRole::tool) reset_faults();
   if (settings.report_now) report_wished_.store(true, std::memory_order_release);
+}
+
+void Servo::reset_faults() noexcept {
+  const SafetyFault fault = governor_.fault();
+  if (fault == SafetyFault::none) return;
+  const auto kind = governor_.reset_faults() ? ServoEvent::Kind::reset : ServoEvent::Kind::reset_refused;
+  events_.push({kind, NodeRole::tool, {}, 0.0, {}, fault});
 }
 
 void Servo::on_joined(const PeerEvent& event) noexcept {
@@ -314,7 +345,9 @@ void Servo::on_left(const PeerEvent& event) noexcept {
   if (event.role == NodeRole::haptics) ledger_.excuse_waiting();
 }
 
-void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept { events_.push({kind, role, address, 0.0, {}}); }
+void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept {
+  events_.push({kind, role, address, 0.0, {}, {}});
+}
 
 // Once a cycle, when the force path is done.
 void Servo::do_spare_work() noexcept {
@@ -330,24 +363,39 @@ void Servo::do_spare_work() noexcept {
     tell_of_strangers(now_ns);
   }
   if (desk_ != nullptr) desk_->serve(peers_);
-  if (tap_ != nullptr) tell_tap(now_ns);
+  tell_of_safety(now_ns);
   if (snapshot_asked_.exchange(false, std::memory_order_acq_rel)) snapshots_.publish(collect_stats());
 }
 
 void Servo::tell_tap(std::int64_t now_ns) noexcept {
   cycle_.sample = sample_number_;
-  cycle_.written_n = written_n_;
+  cycle_.written_n = written_.force_n;
   tap_->on_cycle(cycle_, now_ns);
-  const ForceGuard::Counters& guard = guard_.counters();
+  const GovernorCounters& governor = governor_.counters();
   // A node that has said goodbye is no fault.
   const bool is_missed = last_force_.contact && peers_.has_haptics();
-  tell_fault(SessionFault::silence, guard.silences > guard_told_.silences && is_missed, now_ns);
-  tell_fault(SessionFault::not_finite, guard.not_finite > guard_told_.not_finite, now_ns);
-  tell_fault(SessionFault::refused_future, guard.refused_future > guard_told_.refused_future, now_ns);
-  tell_fault(SessionFault::clamped, guard.clamped > guard_told_.clamped, now_ns);
-  tell_fault(SessionFault::stalled, cycle_.late_ns >= ForceGuard::kSilenceLimitNs, now_ns);
+  tell_fault(SessionFault::silence, governor.silences > governor_told_.silences && is_missed, now_ns);
+  tell_fault(SessionFault::not_finite, governor.not_finite > governor_told_.not_finite, now_ns);
+  tell_fault(SessionFault::refused_future, governor.refused_future > governor_told_.refused_future, now_ns);
+  tell_fault(SessionFault::clamped, governor.clamped > governor_told_.clamped, now_ns);
+  tell_fault(SessionFault::stalled, cycle_.late_ns >= kSilenceLimitNs, now_ns);
   tell_fault(SessionFault::overrun, has_overrun_, now_ns);
-  guard_told_ = guard;
+  tell_fault(SessionFault::energy, governor_.is_energy_gone(), now_ns);
+  if (governor.latched > governor_told_.latched) tap_->on_fault(session_fault_of(governor_.fault()), now_ns);
+}
+
+// People first: they may have to do something about it.
+void Servo::tell_of_safety(std::int64_t now_ns) noexcept {
+  if (governor_.counters().latched > governor_told_.latched) events_.push({ServoEvent::Kind::latched, {}, {}, 0.0, {}, governor_.fault()});
+  const DeviceStatus status = device_.status();
+  if (status != status_told_) {
+    if (status == DeviceStatus::away) tell(ServoEvent::Kind::away, NodeRole::io, {});
+    if (status == DeviceStatus::calibrating) tell(ServoEvent::Kind::calibrating, NodeRole::io, {});
+    if (status == DeviceStatus::ready) tell(ServoEvent::Kind::back, NodeRole::io, {});
+  }
+  status_told_ = status;
+  if (tap_ != nullptr) tell_tap(now_ns);
+  governor_told_ = governor_.counters();
 }
 
 // Once when it begins: a force that stays above the limit is one fault.
@@ -363,10 +411,10 @@ void Servo::fill_probe() noexcept {
   probe_.p_WD = sample_.p_WD;
   probe_.q_WT = sample_.q_WT;
   probe_.buttons = sample_.buttons;
-  const bool is_live = !guard_.silent();
+  const bool is_live = !governor_.is_silent();
   probe_.contact = is_live && last_force_.contact;
   probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
-  probe_.force_n = written_n_;
+  probe_.force_n = written_.force_n;
   probe_.view_revision = view_ ? view_->revision : 0;
 }
 
@@ -390,6 +438,7 @@ void Servo::refresh_figures(std::int64_t now_ns) noexcept {
   if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(stats_.samples - figures_samples_) / passed_s);
   figures_since_ns_ = now_ns;
   figures_samples_ = stats_.samples;
+  governor_.observe_temperature(device_.condition().motor_temperature);
   probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
   probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
 }
@@ -406,22 +455,22 @@ void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
 
 void Servo::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
-  stats_.guard = guard_.counters();
+  stats_.governor = governor_.figures();
   is_finished_ = true;
   if (tap_ != nullptr && device_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
-  const std::int64_t end_ns = clock_.now_ns() + ForceGuard::kSilenceLimitNs + 2 * kStepNs;
+  const std::int64_t end_ns = clock_.now_ns() + kSilenceLimitNs + 2 * kStepNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     receive_until(now_ns + kStepNs);
     hold_force();
   }
-  write_force(Vec3::Zero());
+  write({});
   ledger_.close(haptics_alive(sample_.time_ns));
 }
 
 const ServoStats& Servo::collect_stats() noexcept {
   stats_.ledger = ledger_.counts();
   // The silence at the end is our own doing.
-  if (!is_finished_) stats_.guard = guard_.counters();
+  if (!is_finished_) stats_.governor = governor_.figures();
   stats_.hub = peers_.counts();
   stats_.seal = peers_.seal_counts();
   stats_.events_dropped = events_.dropped();

@@ -9,7 +9,7 @@
 #include "io_node/echo_probe.h"
 #include "io_node/event_ring.h"
 #include "io_node/report_desk.h"
-#include "io_node/safety/force_guard.h"
+#include "io_node/safety/safety_governor.h"
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
@@ -25,11 +25,11 @@ namespace hapton {
 // The loop that owns the device and is the clock of the whole system. One cycle, begun at each tick of absolute time:
 //
 //   read the device, send the sample to the haptics node
-//   wait on the hub's socket until the next tick; the instant the force for this sample is there: guard it, write it
+//   wait on the hub's socket until the next tick; the instant the force for this sample is there: govern it, write it
 //   then what is left to do: the probe to the vision nodes, a repeat of the view, figures, halfway a bare echo
 //
 // A cycle that comes a period or more late follows the overrun policy, and is counted with its cause. The newest force wins: one that
-// answers an older sample than the last is counted and dropped. Forces reach the device through the guard only.
+// answers an older sample than the last is counted and dropped. Forces reach the device through the governor only.
 // Overruns:
 //   skip      whole periods are left out, and the next tick is on time again
 //   catch_up  the cycles that were missed run at once, one after the other, up to kMostCaughtUp of them; what is beyond that is skipped
@@ -48,8 +48,8 @@ class Servo {
   struct Options {
     double rate_hz = 1000.0;
     double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most (vision_pace.h); 0: none
-    double max_force_n = 0.0;       // tighter than the device's own limit; 0: the device's
-    double max_slew_n_per_s = 0.0;
+    DeviceLimits tighter;           // than the device's own limits, field by field; 0: the device's
+    int hold_button = -1;           // that must be held for force to be there, lowest bit 0; below 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;  // of a period, at most, before each tick; 0: sleeps to the tick
   };
@@ -65,7 +65,7 @@ class Servo {
   void start() noexcept;
   // One cycle: from this tick, waiting for it if need be, to the next.
   void step() noexcept;
-  // Hears the last answers and lets the device go as the guard does in a silence; about 22 ms.
+  // Hears the last answers and lets the device go as the governor does in a silence; about 22 ms.
   void finish() noexcept;
 
   // What was measured so far, as a copy; the servo's thread only.
@@ -73,7 +73,7 @@ class Servo {
   DeviceStatus device_status() const noexcept { return device_.status(); }
   // A cycle was missed under OverrunPolicy::stop.
   bool has_overrun() const noexcept { return has_overrun_; }
-  const ForceLimits& force_limits() const noexcept { return guard_.limits(); }
+  const DeviceLimits& limits() const noexcept { return governor_.limits(); }
   double rate_hz() const noexcept { return stats_.rate_hz; }
 
   // The other thread: how much may be spun, and was.
@@ -93,6 +93,7 @@ class Servo {
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
   void tell_tap(std::int64_t now_ns) noexcept;
+  void tell_of_safety(std::int64_t now_ns) noexcept;
   void tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept;
   void sample_device() noexcept;
   void receive_until(std::int64_t deadline_ns) noexcept;
@@ -108,10 +109,11 @@ class Servo {
   void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
   void on_settings(const Settings& settings, NodeRole role) noexcept;
+  void reset_faults() noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void hold_force() noexcept;
-  void write_force(const Vec3& force_n) noexcept;
+  void write(const Wrench& wrench) noexcept;
   void do_spare_work() noexcept;
   void fill_probe() noexcept;
   void tell_vision(std::int64_t now_ns) noexcept;
@@ -131,7 +133,7 @@ class Servo {
   ReportDesk* desk_ = nullptr;
   ServoTap* tap_;
   OverrunPolicy policy_;
-  ForceGuard guard_;
+  SafetyGovernor governor_;
   SampleLedger ledger_;
   ServoStats stats_;
   VisionPace pace_;
@@ -143,7 +145,8 @@ class Servo {
   bool is_behind_ = false;         // the loop came to wait for this tick when it had passed
   bool has_overrun_ = false;
   CycleNote cycle_;
-  ForceGuard::Counters guard_told_;
+  GovernorCounters governor_told_;
+  DeviceStatus status_told_ = DeviceStatus::ready;
   std::uint32_t faults_ = 0;  // of the newest cycle, a bit each
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
@@ -154,10 +157,10 @@ class Servo {
 
   DeviceSample sample_;
   std::uint64_t sample_number_ = 0;
-  Vec3 written_n_ = Vec3::Zero();
+  Wrench written_;
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
-  std::int64_t accepted_ns_ = 0;     // the last force that the guard let pass
+  std::int64_t accepted_ns_ = 0;     // the last force that the governor let pass
   std::array<Vec3, 256> p_WD_ = {};  // of the newest samples, by number
   std::optional<Vec3> p_WP_;         // where the probe rests, in contact, as far as known
   bool is_haptics_new_ = false;      // it has not answered yet

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "io_node/echo_probe.h"
-#include "io_node/safety/force_guard.h"
+#include "io_node/safety/safety_governor.h"
 #include "io_node/sample_ledger.h"
 #include "io_node/way_meter.h"
 #include "link/hub_peers.h"
@@ -56,7 +56,7 @@ struct ServoStats {
   std::int64_t longest_release_ns = 0;  // last force accepted -> zero on the device, of all silences
 
   SampleLedger::Counts ledger;
-  ForceGuard::Counters guard;
+  GovernorFigures governor;
   HubCounts hub;
   SealCounts seal;
   EchoProbe::Counts echo;

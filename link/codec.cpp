@@ -118,6 +118,7 @@ void write(const Settings& from, wire::Settings& to) {
   const auto* end = std::find(from.method.data(), from.method.data() + from.method.size(), '\0');
   to.mutable_method()->assign(from.method.data(), static_cast<std::size_t>(end - from.method.data()));
   to.set_report_now(from.report_now);
+  to.set_reset_faults(from.reset_faults);
 }
 
 template <std::size_t N>
@@ -263,6 +264,7 @@ bool read(const wire::HandTarget& from, HandTarget& to) {
 bool read(const wire::Settings& from, Settings& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.report_now = from.report_now();
+  to.reset_faults = from.reset_faults();
   const std::string& method = from.method();
   if (method.size() > to.method.size() || !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
     return false;

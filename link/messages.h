@@ -105,6 +105,7 @@ struct Settings {
   double servo_rate_hz = 0.0;        // kMinServoRateHz .. kMaxServoRateHz
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;           // write the latency report
+  bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool only
 };
 
 // haptics -> hub, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt again.

@@ -36,6 +36,18 @@ std::string_view to_string(SessionFault fault) noexcept {
       return "device";
     case SessionFault::overrun:
       return "overrun";
+    case SessionFault::speed:
+      return "speed";
+    case SessionFault::position:
+      return "position";
+    case SessionFault::jump:
+      return "jump";
+    case SessionFault::thermal:
+      return "thermal";
+    case SessionFault::torque:
+      return "torque";
+    case SessionFault::energy:
+      return "energy";
   }
   return "unknown";
 }

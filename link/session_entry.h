@@ -33,6 +33,12 @@ enum class SessionFault : std::uint8_t {
   stalled,         // the loop stood still longer than a force may be old
   device,          // the device failed
   overrun,         // a cycle was missed where none may be
+  speed,           // from here on what the safety governor latches (io_node/safety/safety_fault.h)
+  position,
+  jump,
+  thermal,
+  torque,
+  energy,  // not latched: the energy budget has taken all force away
 };
 std::string_view to_string(SessionFault fault) noexcept;
 

@@ -17,6 +17,7 @@
 
 namespace hapton {
 
+// What a governor has done.
 struct GovernorCounters {
   std::uint64_t accepted = 0;
   std::uint64_t not_finite = 0;      // forces and torques that are no numbers
@@ -35,6 +36,16 @@ struct GovernorCounters {
   std::uint64_t resets = 0;
   std::uint64_t resets_refused = 0;  // their cause was still there
   std::array<std::uint64_t, kSafetyFaults> faults = {};
+};
+
+// A governor at one moment, for people and programs.
+struct GovernorFigures {
+  GovernorCounters counters;
+  GovernorState state = GovernorState::silent;
+  SafetyFault fault = SafetyFault::none;
+  double thermal_load = 0.0;
+  double energy_spent_j = 0.0;
+  double energy_most_j = 0.0;  // there nothing is left of the force
 };
 
 // The last word on every wrench before it reaches the motors of one device, whatever the others send and whatever the device says of
@@ -71,6 +82,7 @@ class SafetyGovernor {
   // A person says that the cause of the latched fault is mended. False: it is still there, and so is the fault. The force ramps in.
   bool reset_faults() noexcept;
 
+  const Wrench& output() const noexcept { return out_; }
   SafetyFault fault() const noexcept { return fault_; }
   GovernorState state() const noexcept;
   // No force is there or can be, until another one is accepted.
@@ -80,6 +92,10 @@ class SafetyGovernor {
   const GovernorCounters& counters() const noexcept { return counters_; }
   double thermal_load() const noexcept { return thermal_.load(limits_.now()); }
   double energy_spent_j() const noexcept { return energy_.spent_j(); }
+  bool is_energy_gone() const noexcept { return energy_.share(limits().max_force_n) == 0.0; }
+  GovernorFigures figures() const noexcept {
+    return {counters_, state(), fault_, thermal_load(), energy_spent_j(), EnergyBudget::most_j(limits().max_force_n)};
+  }
   double speed_m_per_s() const noexcept { return motion_.speed_m_per_s(); }
   double most_damping_n_s_per_m() const noexcept;
 

@@ -164,9 +164,9 @@ TEST_F(Faults, a_storm_leaves_the_force_bounded_and_the_session_alive) {
 TEST_F(Faults, jitter_alone_within_the_silence_limit_keeps_the_contact) {
   press();
   system->set_faults({.jitter_ns = 5 * kMs}, {.jitter_ns = 5 * kMs});
-  const std::uint64_t silences = system->stats().guard.silences;
+  const std::uint64_t silences = system->stats().governor.counters.silences;
   system->run_for_ns(3000 * kMs);
-  EXPECT_EQ(system->stats().guard.silences, silences);
+  EXPECT_EQ(system->stats().governor.counters.silences, silences);
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
 }
 
@@ -207,10 +207,10 @@ TEST_F(Faults, a_clock_that_steps_at_the_haptics_node_is_not_felt) {
   press();
   for (const std::int64_t step_ns : {3600'000'000'000LL, -7200'000'000'000LL, 1LL, -1'000'000LL}) {
     system->haptics->clock.step_ns(step_ns);
-    const std::uint64_t silences = system->stats().guard.silences;
+    const std::uint64_t silences = system->stats().governor.counters.silences;
     const std::uint64_t forces = system->stats().forces;
     system->run_for_ns(1500 * kMs);
-    EXPECT_EQ(system->stats().guard.silences, silences) << step_ns;
+    EXPECT_EQ(system->stats().governor.counters.silences, silences) << step_ns;
     EXPECT_NEAR(static_cast<double>(system->stats().forces - forces), 1500.0, 5.0) << step_ns;
     EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << step_ns;
   }
@@ -244,7 +244,7 @@ TEST_F(Faults, junk_by_the_hundred_a_cycle_is_not_felt) {
     system->run_for_ns(kMs);
   }
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
-  EXPECT_EQ(system->stats().guard.silences, 0U);
+  EXPECT_EQ(system->stats().governor.counters.silences, 0U);
   EXPECT_GT(system->stats().seal.refused(), 90'000U);
 }
 

@@ -166,11 +166,11 @@ TEST_F(Servos, the_whole_slew_of_a_cycle_is_there_for_its_force) {
   answer.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
   servo->step();
   EXPECT_EQ(device.written.back().force_n, answer.force_n);
-  EXPECT_EQ(stats().guard.slewed, 0U);
+  EXPECT_EQ(stats().governor.counters.slewed, 0U);
   answer.force_n = Vec3(0, 0, 6.5);
   servo->step();
   EXPECT_NEAR(device.written.back().force_n.z(), 5.9, 1e-9);
-  EXPECT_EQ(stats().guard.slewed, 1U);
+  EXPECT_EQ(stats().governor.counters.slewed, 1U);
 }
 
 TEST_F(Servos, late_forces_are_counted_and_the_newest_wins) {
@@ -210,7 +210,7 @@ TEST_F(Servos, silence_lets_go_and_the_force_ramps_back_in) {
   EXPECT_NE(device.written.back().force_n, Vec3::Zero());
   run(3);
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
-  EXPECT_EQ(stats().guard.silences, 1U);
+  EXPECT_EQ(stats().governor.counters.silences, 1U);
   answer_delay_ns = 50 * kUs;
   run(10);
   EXPECT_LT(device.written.back().force_n.z(), 0.3);
@@ -283,8 +283,8 @@ TEST_F(Servos, hostile_forces_never_reach_the_motors_as_they_are) {
     last = written.force_n;
     last_ns = written.time_ns;
   }
-  EXPECT_GT(stats().guard.clamped, 60U);
-  EXPECT_GT(stats().guard.slewed, 0U);
+  EXPECT_GT(stats().governor.counters.clamped, 60U);
+  EXPECT_GT(stats().governor.counters.slewed, 0U);
 }
 
 TEST_F(Servos, duplicates_and_forged_echoes_are_ignored) {
@@ -664,7 +664,7 @@ TEST_F(Servos, a_haptics_node_that_says_goodbye_in_contact_is_no_fault) {
   run(200);
   say(kHaptics, Bye{});
   for (int n = 0; n < 40; ++n) servo->step();
-  EXPECT_EQ(stats().guard.silences, 1U);
+  EXPECT_EQ(stats().governor.counters.silences, 1U);
   EXPECT_TRUE(tap.faults.empty());
   peers.set_tap(nullptr);
 }
@@ -678,7 +678,7 @@ TEST_F(Servos, a_silence_in_free_space_is_no_fault) {
   run(200);
   answer_delay_ns = -1;
   run(40);
-  EXPECT_EQ(stats().guard.silences, 1U);
+  EXPECT_EQ(stats().governor.counters.silences, 1U);
   EXPECT_TRUE(tap.faults.empty());
   peers.set_tap(nullptr);
 }
@@ -697,7 +697,7 @@ TEST_F(Servos, a_flood_of_rubbish_does_not_hold_up_the_loop) {
   EXPECT_EQ(device.reads.size(), reads + 1);
   run(100);
   EXPECT_EQ(stats().hub.undecodable, heard + 500);
-  EXPECT_EQ(stats().guard.silences, 0U);
+  EXPECT_EQ(stats().governor.counters.silences, 0U);
 }
 
 TEST_F(Servos, echo_is_measured_halfway_and_leaves_the_force_path_alone) {
@@ -729,12 +729,12 @@ TEST_F(Servos, finish_lets_the_device_go) {
   servo->finish();
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
   EXPECT_EQ(stats().ledger.lost, 0U);
-  EXPECT_EQ(stats().guard.silences, 0U);
+  EXPECT_EQ(stats().governor.counters.silences, 0U);
   EXPECT_NEAR(stats().seconds(), 0.3, 1e-12);
 }
 
 TEST_F(Servos, tighter_limits_hold) {
-  make({.max_force_n = 1.5});
+  make({.tighter = {.max_force_n = 1.5}});
   join(kHaptics, NodeRole::haptics);
   run(300);
   EXPECT_NEAR(device.written.back().force_n.z(), 1.5, 1e-9);
