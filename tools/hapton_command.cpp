@@ -12,6 +12,7 @@
 #include "runtime/config.h"
 #include "scene/near_miss.h"
 #include "tools/bench_command.h"
+#include "tools/doctor_command.h"
 #include "tools/echo_command.h"
 #include "tools/figures_command.h"
 #include "tools/info_command.h"
@@ -70,6 +71,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   app.set_version_flag("--version", "hapton " HAPTON_VERSION);
   app.require_subcommand(1);
   add_bench_command(app, exit_code);
+  add_doctor_command(app, exit_code);
   add_echo_command(app, exit_code);
   add_figures_command(app, exit_code);
   add_info_command(app, exit_code);

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "tools/doctor/finding.h"
+#include "tools/doctor/machine.h"
+
+namespace hapton::doctor {
+
+// Devices that are plugged in and known: ids, nodes, drivers, rights, udev rules, sleep. Opens none of them. RT: no.
+Findings check_devices(const Machine& machine);
+
+// Daemons that meddle with devices, or that devices need: ModemManager, spacenavd, Haply's service. RT: no.
+Findings check_services(const Machine& machine);
+
+}  // namespace hapton::doctor

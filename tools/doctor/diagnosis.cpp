@@ -1,0 +1,120 @@
+#include "tools/doctor/diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "tools/doctor/device_check.h"
+#include "tools/doctor/display_check.h"
+#include "tools/doctor/hub_check.h"
+#include "tools/doctor/library_check.h"
+#include "tools/doctor/network_check.h"
+#include "tools/doctor/rights_check.h"
+#include "tools/doctor/timing_check.h"
+
+namespace hapton::doctor {
+namespace {
+
+constexpr std::array kChecks = {
+    Check{"devices", "what is plugged in, its node, driver and rights", check_devices},
+    Check{"libraries", "vendors' libraries", check_libraries},
+    Check{"services", "daemons beside us", check_services},
+    Check{"hub", "what a running io_node says of its device", check_hub},
+    Check{"rights", "what the servo loop may ask for", check_rights},
+    Check{"sleep", "how soon CPUs wake", check_sleep},
+    Check{"cpus", "number, frequency, hypervisor", check_cpus},
+    Check{"clock", "what the time is read from", check_clock},
+    Check{"kernel", "whether it can be interrupted", check_kernel},
+    Check{"ports", "free, or who has them", check_ports},
+    Check{"keys", "of the sealed link", check_keys},
+    Check{"firewall", "whether other hosts get in", check_firewall},
+    Check{"display", "who draws, and quad-buffer stereo", check_display},
+};
+
+constexpr std::string_view colour_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::ok:
+      return "\x1b[32m";
+    case Verdict::note:
+      return "\x1b[36m";
+    case Verdict::warning:
+      return "\x1b[33m";
+    case Verdict::problem:
+      return "\x1b[1;31m";
+  }
+  return {};
+}
+
+std::string marked(Verdict verdict, bool with_colours) {
+  const std::string word = fmt::format("{:<8}", to_string(verdict));
+  return with_colours ? fmt::format("{}{}\x1b[0m", colour_of(verdict), word) : word;
+}
+
+std::string counted(int count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+
+std::string verdict_line(const Diagnosis& diagnosis) {
+  const int problems = diagnosis.count(Verdict::problem);
+  const int warnings = diagnosis.count(Verdict::warning);
+  if (problems > 0)
+    return fmt::format("{} and {}: mend the problems first, the lines that do so are above\n", counted(problems, "problem"),
+                       counted(warnings, "warning"));
+  return fmt::format("no problem{}\n", warnings == 0 ? "" : ", " + counted(warnings, "warning"));
+}
+
+bool is_wanted(const Check& check, std::span<const std::string> only) {
+  return only.empty() || std::find(only.begin(), only.end(), check.name) != only.end();
+}
+
+}  // namespace
+
+std::span<const Check> all_checks() { return kChecks; }
+
+int Diagnosis::count(Verdict verdict) const {
+  int count = 0;
+  for (const Section& section : sections) {
+    count += static_cast<int>(std::count_if(section.findings.begin(), section.findings.end(),
+                                            [&](const Finding& finding) { return finding.verdict == verdict; }));
+  }
+  return count;
+}
+
+Diagnosis diagnose(const Machine& machine, std::span<const std::string> only) {
+  Diagnosis diagnosis;
+  for (const Check& check : kChecks) {
+    if (is_wanted(check, only)) diagnosis.sections.push_back({std::string(check.name), std::string(check.about), check.look(machine)});
+  }
+  return diagnosis;
+}
+
+std::string to_text(const Diagnosis& diagnosis, bool with_colours) {
+  std::string text;
+  for (const Section& section : diagnosis.sections) {
+    text += fmt::format("{}: {}\n", section.name, section.about);
+    for (const Finding& finding : section.findings) {
+      text += fmt::format("  {} {}: {}\n", marked(finding.verdict, with_colours), finding.subject, finding.seen);
+      if (!finding.remedy.empty()) text += fmt::format("           mend: {}\n", finding.remedy);
+    }
+  }
+  return text + "\n" + verdict_line(diagnosis);
+}
+
+std::string to_json(const Diagnosis& diagnosis) {
+  nlohmann::ordered_json json = {{"schema", "hapton.doctor/1"},
+                                 {"fit", diagnosis.is_fit()},
+                                 {"problems", diagnosis.count(Verdict::problem)},
+                                 {"warnings", diagnosis.count(Verdict::warning)},
+                                 {"checks", nlohmann::ordered_json::array()}};
+  for (const Section& section : diagnosis.sections) {
+    nlohmann::ordered_json check = {{"name", section.name}, {"about", section.about}, {"findings", nlohmann::ordered_json::array()}};
+    for (const Finding& finding : section.findings) {
+      check["findings"].push_back(
+          {{"subject", finding.subject}, {"verdict", to_string(finding.verdict)}, {"seen", finding.seen}, {"remedy", finding.remedy}});
+    }
+    json["checks"].push_back(std::move(check));
+  }
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hapton::doctor

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/doctor/finding.h"
+#include "tools/doctor/machine.h"
+
+namespace hapton::doctor {
+
+// One thing that is looked into.
+struct Check {
+  std::string_view name;   // for --only
+  std::string_view about;  // a few words
+  Findings (*look)(const Machine&) = nullptr;
+};
+
+// All of them, in the order of the report.
+std::span<const Check> all_checks();
+
+// What a check found.
+struct Section {
+  std::string name;
+  std::string about;
+  Findings findings;
+};
+
+struct Diagnosis {
+  std::vector<Section> sections;
+
+  int count(Verdict verdict) const;
+  // No problem was found.
+  bool is_fit() const { return count(Verdict::problem) == 0; }
+};
+
+// Runs the named checks, or all when none is named. Pre: the names are of all_checks(). RT: no.
+Diagnosis diagnose(const Machine& machine, std::span<const std::string> only = {});
+
+// For people: a table, and a verdict at its end; colours where asked for.
+std::string to_text(const Diagnosis& diagnosis, bool with_colours);
+// For programs: schema hapton.doctor/1.
+std::string to_json(const Diagnosis& diagnosis);
+
+}  // namespace hapton::doctor

@@ -1,0 +1,85 @@
+#include "tools/doctor/display_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "tools/doctor/ask_in_child.h"
+#include "tools/doctor/display_probe.h"
+
+namespace hapton::doctor {
+namespace {
+
+constexpr double kLongestS = 10.0;
+constexpr const char* kVirtual = "xvfb-run -a -s '-screen 0 1280x1024x24' vision_node   # draws where nobody sees it";
+
+bool is_drawn_by_cpu(const std::string& renderer) {
+  constexpr std::array<std::string_view, 3> kSoftware = {"llvmpipe", "softpipe", "SWR"};
+  return std::any_of(kSoftware.begin(), kSoftware.end(), [&](std::string_view name) { return renderer.find(name) != renderer.npos; });
+}
+
+Finding check_renderer(const std::string& display, const DisplayAnswer& answer) {
+  const std::string seen = fmt::format("{}, OpenGL {} at {}", answer.renderer, answer.version, display);
+  if (is_drawn_by_cpu(answer.renderer)) {
+    return warning(
+        "renderer", seen + ": the CPU draws, and takes time from the loops",
+        "install the driver of the graphics card (sudo apt-get install firmware-misc-nonfree libgl1-mesa-dri, or nvidia-driver), or run "
+        "vision_node on another host");
+  }
+  if (!answer.is_direct)
+    return warning("renderer", seen + ": drawn through the X protocol, slowly",
+                   "run vision_node on the host that the display is plugged into");
+  return good("renderer", seen);
+}
+
+Finding check_stereo(const Machine& machine, const DisplayAnswer& answer) {
+  if (answer.has_stereo) return good("quad-buffer stereo", "there: vision_node --stereo crystal_eyes");
+  const bool is_wayland = !machine.environment("WAYLAND_DISPLAY").empty();
+  return note(
+      "quad-buffer stereo",
+      fmt::format("none{}; the other modes of vision_node --stereo need none", is_wayland ? " (Wayland has none: log in with Xorg)" : ""),
+      "it takes a professional card and, with NVIDIA's driver: sudo nvidia-xconfig --stereo=11");
+}
+
+}  // namespace
+
+Findings check_display(const Machine& machine) {
+  const std::string display = machine.environment("DISPLAY");
+  if (display.empty())
+    return {warning("display", "DISPLAY is not set, so vision_node cannot show anything here",
+                    fmt::format("start it from a desktop, or: {}", kVirtual))};
+  if (!machine.questions().display) return {note("display", display + ", not asked")};
+  const DisplayAnswer answer = machine.questions().display();
+  if (!answer.error.empty())
+    return {problem("display", fmt::format("{}: {}", display, answer.error),
+                    fmt::format("start it from a desktop's own terminal (echo $DISPLAY there), or: {}", kVirtual))};
+  return {check_renderer(display, answer), check_stereo(machine, answer)};
+}
+
+DisplayAnswer try_display() {
+  const ChildAnswer said = ask_in_child(
+      [] {
+        const DisplayAnswer answer = probe_display();
+        return nlohmann::json({{"error", answer.error},
+                               {"renderer", answer.renderer},
+                               {"version", answer.version},
+                               {"is_direct", answer.is_direct},
+                               {"has_stereo", answer.has_stereo}})
+            .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+      },
+      kLongestS);
+  DisplayAnswer answer;
+  answer.error = said.failure;
+  const auto json = nlohmann::json::parse(said.text, nullptr, false);
+  if (!json.is_object()) return answer;
+  answer.error = json.at("error");
+  answer.renderer = json.at("renderer");
+  answer.version = json.at("version");
+  answer.is_direct = json.at("is_direct");
+  answer.has_stereo = json.at("has_stereo");
+  return answer;
+}
+
+}  // namespace hapton::doctor

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace hapton::doctor {
+
+enum class Verdict : std::uint8_t {
+  ok,
+  note,     // worth knowing, nothing has to be mended
+  warning,  // it works, but not as well as it could
+  problem,  // something that a person wants will not work, or not at 1 kHz
+};
+
+// One thing that was looked at. Each text is one line.
+struct Finding {
+  std::string subject;  // what: "WoodenHaptics 1234:0006"
+  Verdict verdict = Verdict::ok;
+  std::string seen;    // how it is
+  std::string remedy;  // the line that mends it; never empty for warnings and problems
+};
+
+using Findings = std::vector<Finding>;
+
+inline Finding good(std::string subject, std::string seen) { return {std::move(subject), Verdict::ok, std::move(seen), {}}; }
+inline Finding note(std::string subject, std::string seen, std::string remedy = {}) {
+  return {std::move(subject), Verdict::note, std::move(seen), std::move(remedy)};
+}
+inline Finding warning(std::string subject, std::string seen, std::string remedy) {
+  return {std::move(subject), Verdict::warning, std::move(seen), std::move(remedy)};
+}
+inline Finding problem(std::string subject, std::string seen, std::string remedy) {
+  return {std::move(subject), Verdict::problem, std::move(seen), std::move(remedy)};
+}
+
+// "ok", "note", "warning", "problem".
+std::string_view to_string(Verdict verdict) noexcept;
+
+}  // namespace hapton::doctor

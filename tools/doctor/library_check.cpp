@@ -1,0 +1,91 @@
+#include "tools/doctor/library_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "io_node/devices/vendor_library.h"
+#include "tools/doctor/ask_in_child.h"
+#include "tools/doctor/plugged_device.h"
+
+namespace hapton::doctor {
+namespace {
+
+constexpr double kLongestLoadS = 10.0;
+
+// As the loader words it when the file itself, not one that it needs, is nowhere.
+bool is_absent(const LibraryFailure& failure) { return failure.error.starts_with(failure.file + ": cannot open shared object file"); }
+
+// A device that this library drives and that is plugged in.
+const PluggedDevice* find_driven(const std::vector<PluggedDevice>& devices, std::string_view library) {
+  const auto found = std::find_if(devices.begin(), devices.end(), [&](const PluggedDevice& d) { return d.library == library; });
+  return found == devices.end() ? nullptr : &*found;
+}
+
+std::string describe_environment(const Machine& machine, const KnownVendorLibrary& library) {
+  std::string text;
+  for (const std::string_view variable : library.environment) {
+    const std::string value = machine.environment(variable);
+    if (!value.empty()) text += fmt::format(", {}={}", variable, value);
+  }
+  return text;
+}
+
+Finding explain_failure(const KnownVendorLibrary& library, const LibraryAnswer& answer, const PluggedDevice* driven) {
+  const std::string name(library.name);
+  const auto telling = std::find_if_not(answer.failures.begin(), answer.failures.end(), is_absent);
+  if (telling != answer.failures.end()) return problem(name, telling->error, telling->hint);
+  if (driven != nullptr) {
+    std::string names;
+    for (const LibraryFailure& failure : answer.failures) names += fmt::format("{}{}", names.empty() ? "" : ", ", failure.file);
+    return problem(
+        name,
+        fmt::format("{} needs it, and it is not here: {}", driven->name, answer.failures.empty() ? names : answer.failures.front().error),
+        fmt::format("install {}", library.source));
+  }
+  return note(name, fmt::format("not installed; only {} need it", library.devices));
+}
+
+Finding check_library(const Machine& machine, const KnownVendorLibrary& library, const std::vector<PluggedDevice>& devices) {
+  const std::string name(library.name);
+  if (!machine.questions().library) return note(name, "not looked at");
+  const LibraryAnswer answer = machine.questions().library(library.name);
+  if (!answer.crash.empty())
+    return problem(name, fmt::format("loading it goes wrong: {}", answer.crash), fmt::format("install it anew: {}", library.source));
+  if (answer.file.empty()) return explain_failure(library, answer, find_driven(devices, library.name));
+  return good(name, fmt::format("{} loads{}; io_node --device {}", answer.file, describe_environment(machine, library), library.device));
+}
+
+}  // namespace
+
+Findings check_libraries(const Machine& machine) {
+  Findings findings;
+  const std::vector<PluggedDevice> devices = find_plugged_devices(machine);
+  for (const KnownVendorLibrary& library : known_vendor_libraries()) findings.push_back(check_library(machine, library, devices));
+  return findings;
+}
+
+LibraryAnswer try_vendor_library(std::string_view name) {
+  const auto libraries = known_vendor_libraries();
+  const auto library = std::find_if(libraries.begin(), libraries.end(), [&](const KnownVendorLibrary& l) { return l.name == name; });
+  if (library == libraries.end()) return {};
+  const ChildAnswer said = ask_in_child(
+      [&] {
+        std::vector<FailedLoad> failures;
+        const VendorLibrary loaded = VendorLibrary::try_open(*library, "", failures);
+        nlohmann::json json = {{"file", loaded.file()}, {"failures", nlohmann::json::array()}};
+        for (const FailedLoad& failure : failures) json["failures"].push_back({failure.file, failure.error, failure.hint});
+        return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+      },
+      kLongestLoadS);
+  LibraryAnswer answer;
+  answer.crash = said.failure;
+  const auto json = nlohmann::json::parse(said.text, nullptr, false);
+  if (!json.is_object()) return answer;
+  answer.file = json.at("file");
+  for (const auto& failure : json.at("failures")) answer.failures.push_back({failure.at(0), failure.at(1), failure.at(2)});
+  return answer;
+}
+
+}  // namespace hapton::doctor

@@ -1,0 +1,140 @@
+#include "tools/doctor/network_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/doctor/port_owner.h"
+
+namespace hapton::doctor {
+namespace {
+
+constexpr int kVrpnPort = 3883;
+constexpr std::uint64_t kKeyBytes = 32;
+
+std::string describe(const PortOwner& owner) {
+  return owner.program.empty() ? "another user's program" : fmt::format("{} (process {})", owner.program, owner.pid);
+}
+
+std::string line_that_shows(Transport transport, int port) {
+  return fmt::format("sudo ss -{}lpn 'sport = :{}'", transport == Transport::udp ? "u" : "t", port);
+}
+
+Finding check_hub_port(const Machine& machine) {
+  const int port = machine.settings().hub_port;
+  const std::string subject = fmt::format("port {}/udp", port);
+  const auto owner = find_port_owner(machine, Transport::udp, port);
+  if (!owner) return good(subject, "free for io_node");
+  if (owner->program == "io_node") return good(subject, fmt::format("io_node has it (process {})", owner->pid));
+  const std::string who = owner->program.empty() ? line_that_shows(Transport::udp, port) : "kill " + owner->pid;
+  return problem(subject, fmt::format("{} has it, so io_node cannot", describe(*owner)),
+                 fmt::format("{}   # or give the hub another one: io_node --bind 127.0.0.1:{}, --hub the same", who, port + 1));
+}
+
+Finding check_vrpn_port(const Machine& machine) {
+  const std::string subject = fmt::format("port {} (VRPN)", kVrpnPort);
+  for (const Transport transport : {Transport::tcp, Transport::udp}) {
+    const auto owner = find_port_owner(machine, transport, kVrpnPort);
+    if (!owner) continue;
+    if (owner->program == "io_node") return good(subject, fmt::format("io_node has it (process {})", owner->pid));
+    return warning(subject, fmt::format("{} has it, so io_node --vrpn cannot", describe(*owner)),
+                   owner->program.empty() ? line_that_shows(transport, kVrpnPort) : fmt::format("kill {}", owner->pid));
+  }
+  return good(subject, "free for io_node --vrpn");
+}
+
+// Where nodes of this user look for the key that nobody named.
+std::string shared_key_path(const Machine& machine) {
+  if (const std::string runtime = machine.environment("XDG_RUNTIME_DIR"); runtime.starts_with('/')) return runtime + "/hapton/key";
+  if (const std::string home = machine.environment("HOME"); home.starts_with('/')) return home + "/.config/hapton/key";
+  return {};
+}
+
+Finding check_key_file(const Machine& machine, const std::string& subject, const std::string& path, bool is_own) {
+  const auto file = machine.facts(path);
+  const User& user = machine.user();
+  if (!file) return problem(subject, path + " is not there", "hapton keygen " + path);
+  if (!file->is_regular) return problem(subject, path + " is no regular file", fmt::format("rm -r {0} && hapton keygen {0}", path));
+  if (is_own && file->uid != user.uid) {
+    return problem(subject,
+                   fmt::format("{} belongs to user {}, and the nodes of {} (user {}) refuse it", path, file->uid, user.name, user.uid),
+                   fmt::format("sudo chown {} {}", user.name, path));
+  }
+  if ((file->mode & 077) != 0) {
+    return problem(subject, fmt::format("{} is open to other users (mode {:04o})", path, file->mode),
+                   fmt::format("{}chmod 600 {}", is_own ? "" : "sudo ", path));
+  }
+  if (file->bytes != kKeyBytes) {
+    return problem(subject, fmt::format("{} holds {} bytes where a key has {}", path, file->bytes, kKeyBytes),
+                   fmt::format("{0}rm {1} && {0}hapton keygen {1}   # then copy it to the other hosts again", is_own ? "" : "sudo ", path));
+  }
+  return good(subject, fmt::format("{}, {} bytes, mode {:04o}", path, file->bytes, file->mode));
+}
+
+Finding check_own_key(const Machine& machine) {
+  const std::string given = machine.settings().key_file;
+  if (!given.empty()) return check_key_file(machine, "key given", given, true);
+  const std::string path = shared_key_path(machine);
+  if (path.empty()) {
+    return problem("key of this user", "no place for one: neither XDG_RUNTIME_DIR nor HOME is set",
+                   "hapton keygen hapton.key   # and give --key hapton.key to every node");
+  }
+  if (!machine.exists(path)) return good("key of this user", fmt::format("the first node that starts makes it: {}", path));
+  return check_key_file(machine, "key of this user", path, true);
+}
+
+bool is_enabled(const Machine& machine, const std::string& unit) {
+  const auto units = machine.list("/etc/systemd/system/multi-user.target.wants");
+  return std::find(units.begin(), units.end(), unit) != units.end();
+}
+
+void check_system_key(const Machine& machine, Findings& findings) {
+  constexpr const char* kPath = "/etc/hapton/key";
+  const bool is_needed = is_enabled(machine, "hapton-io.service") || is_enabled(machine, "hapton-haptics.service");
+  if (machine.exists(kPath)) {
+    findings.push_back(check_key_file(machine, "key of the services", kPath, false));
+  } else if (is_needed) {
+    findings.push_back(problem("key of the services", "a hapton service is enabled, but there is no /etc/hapton/key: it does not start",
+                               "sudo hapton keygen /etc/hapton/key   # on one host, then copied to the others"));
+  }
+}
+
+Finding check_rules(const Machine& machine, const std::string& name, const std::string& rules_file, const std::string& remedy) {
+  const auto rules = machine.read(rules_file);
+  const std::string port = std::to_string(machine.settings().hub_port);
+  if (!rules) return note(name, fmt::format("is on; its rules are for root's eyes. Other hosts need UDP port {}", port), remedy);
+  if (rules->find(port) != rules->npos) return good(name, fmt::format("is on and lets port {} through", port));
+  return warning(name, fmt::format("is on and does not name port {}: other hosts do not reach the hub (this one does)", port), remedy);
+}
+
+}  // namespace
+
+Findings check_ports(const Machine& machine) { return {check_hub_port(machine), check_vrpn_port(machine)}; }
+
+Findings check_keys(const Machine& machine) {
+  Findings findings = {check_own_key(machine)};
+  check_system_key(machine, findings);
+  return findings;
+}
+
+Findings check_firewall(const Machine& machine) {
+  const int port = machine.settings().hub_port;
+  const std::string ufw = machine.read("/etc/ufw/ufw.conf").value_or("");
+  if (find_field(ufw, "ENABLED=") == "yes") {
+    return {check_rules(machine, "ufw", "/etc/ufw/user.rules",
+                        fmt::format("sudo ufw allow from 192.168.0.0/16 to any port {} proto udp   # your network's addresses", port))};
+  }
+  if (machine.find_process("firewalld")) {
+    return {check_rules(machine, "firewalld", "/etc/firewalld/zones/public.xml",
+                        fmt::format("sudo firewall-cmd --permanent --add-port={}/udp && sudo firewall-cmd --reload", port))};
+  }
+  const std::string nft = machine.read("/etc/nftables.conf").value_or("");
+  if (nft.find("policy drop") != nft.npos) {
+    return {
+        check_rules(machine, "nftables", "/etc/nftables.conf",
+                    fmt::format("sudo nft add rule inet filter input udp dport {} accept   # and the same in /etc/nftables.conf", port))};
+  }
+  return {good("firewall", "none found in ufw, firewalld or /etc/nftables.conf")};
+}
+
+}  // namespace hapton::doctor

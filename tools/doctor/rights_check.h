@@ -1,0 +1,17 @@
+#pragma once
+
+#include "tools/doctor/finding.h"
+#include "tools/doctor/machine.h"
+
+namespace hapton::doctor {
+
+// What the servo loop asks the system for: priority, locked memory, and how long it may run. RT: no.
+Findings check_rights(const Machine& machine);
+
+// How soon CPUs wake from idle, for this user. RT: no.
+Findings check_sleep(const Machine& machine);
+
+// The line that gives this user the rights of real time, or says that the session is older than they are. RT: no.
+std::string line_that_grants_realtime(const Machine& machine);
+
+}  // namespace hapton::doctor

@@ -1,0 +1,86 @@
+#include "tools/doctor_command.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "link/link_key.h"
+#include "tools/doctor/diagnosis.h"
+#include "tools/doctor/display_check.h"
+#include "tools/doctor/library_check.h"
+#include "tools/hub_report.h"
+
+namespace hapton {
+namespace {
+
+struct DoctorOptions {
+  std::vector<std::string> only;
+  bool json = false;
+  std::string root = "/";
+  int port = 4950;
+  std::string key_file;
+};
+
+doctor::HubAnswer ask_hub(const DoctorOptions& options) {
+  const auto reader = HubReader::open(fmt::format("127.0.0.1:{}", options.port), options.key_file);
+  if (!reader) return {reader.error().what, {}};
+  const auto report = (*reader)->read();
+  if (!report) return {report.error().what, {}};
+  return {{}, report->json};
+}
+
+// Of another root there is nobody to ask.
+doctor::Machine::Questions questions_for(const DoctorOptions& options) {
+  if (options.root != "/") return {};
+  return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return ask_hub(options); }};
+}
+
+int run(const DoctorOptions& options) {
+  const std::string key = options.key_file.empty() ? "" : std::filesystem::absolute(options.key_file).lexically_normal().string();
+  const doctor::Machine machine(options.root, questions_for(options), {.hub_port = options.port, .key_file = key});
+  const doctor::Diagnosis diagnosis = doctor::diagnose(machine, options.only);
+  const bool with_colours = ::isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  fmt::print("{}", options.json ? doctor::to_json(diagnosis) : doctor::to_text(diagnosis, with_colours));
+  std::fflush(stdout);
+  return diagnosis.is_fit() ? 0 : 1;
+}
+
+std::vector<std::string> check_names() {
+  std::vector<std::string> names;
+  for (const doctor::Check& check : doctor::all_checks()) names.emplace_back(check.name);
+  return names;
+}
+
+std::string describe_checks() {
+  std::string text = "Only this check, may be repeated:";
+  for (const doctor::Check& check : doctor::all_checks()) text += fmt::format(" {} ({});", check.name, check.about);
+  text.back() = '.';
+  return text;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::App* command = app.add_subcommand(
+      "doctor",
+      "Look at devices, libraries, rights, timing, ports, keys and display, and say what mends each problem; exit code 1: there are some");
+  command->add_option("--only", options->only, describe_checks())->check(CLI::IsMember(check_names()))->expected(1)->take_all();
+  command->add_flag("--json", options->json, "For programs: schema hapton.doctor/1");
+  command->add_option("--port", options->port, "The hub's UDP port")->check(CLI::Range(1, 65535))->capture_default_str();
+  command->add_option("--key", options->key_file, kKeyHelp);
+  command
+      ->add_option("--root", options->root,
+                   "Look at the files of another machine's root (for support and tests): nothing is loaded or asked")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton
