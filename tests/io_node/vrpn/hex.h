@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "io_node/vrpn/vrpn_wire.h"
+
+namespace hapton::vrpn {
+
+// "00 2a" as bytes; spaces and line ends are for the reader.
+inline Bytes hex(std::string_view text) {
+  Bytes bytes;
+  int half = -1;
+  for (const char letter : text) {
+    if (letter == ' ' || letter == '\n') continue;
+    const int value = letter <= '9' ? letter - '0' : letter - 'a' + 10;
+    if (half < 0) {
+      half = value;
+    } else {
+      bytes.push_back(static_cast<std::byte>(16 * half + value));
+      half = -1;
+    }
+  }
+  return bytes;
+}
+
+inline std::string to_hex(std::span<const std::byte> bytes) {
+  std::string text;
+  for (std::size_t n = 0; n < bytes.size(); ++n) {
+    constexpr std::string_view kDigits = "0123456789abcdef";
+    const auto value = std::to_integer<unsigned>(bytes[n]);
+    text += kDigits[value / 16];
+    text += kDigits[value % 16];
+    text += n % 8 == 7 ? '\n' : ' ';
+  }
+  return text;
+}
+
+}  // namespace hapton::vrpn

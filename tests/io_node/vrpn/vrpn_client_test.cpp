@@ -1,0 +1,192 @@
+#include "io_node/vrpn/vrpn_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/io_node/vrpn/hex.h"
+
+namespace hapton::vrpn {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr Time kNow = {1, 2};
+
+// What a program says, with numbers of its own for what it names.
+struct Speaker {
+  Bytes said;
+
+  Speaker() { append_cookie(said); }
+  void describe_sender(std::int32_t id, std::string_view name) { append_description(said, kSenderDescription, id, name, kNow, 0); }
+  void describe_type(std::int32_t id, std::string_view name) { append_description(said, kTypeDescription, id, name, kNow, 0); }
+  void say(std::int32_t sender, std::int32_t type) { append_empty(said, {sender, type, kNow, 0}); }
+};
+
+// Types and senders of the messages in there, as "type/sender".
+std::vector<std::string> messages_in(std::span<const std::byte> bytes) {
+  std::vector<std::string> found;
+  Message message;
+  while (read_message(bytes, message) == ReadStatus::message) {
+    found.push_back(std::to_string(message.type) + "/" + std::to_string(message.sender));
+  }
+  return found;
+}
+
+Bytes taken(Client& client) { return std::exchange(client.out(), {}); }
+
+TEST(VrpnClient, is_greeted_with_the_cookie_alone) {
+  Client client("Phantom0");
+  Bytes cookie;
+  append_cookie(cookie);
+  EXPECT_EQ(client.out(), cookie);
+  EXPECT_FALSE(client.is_connected());
+}
+
+TEST(VrpnClient, is_told_our_names_after_its_cookie) {
+  Client client("Phantom0");
+  taken(client);
+  ASSERT_TRUE(client.hear(Speaker().said, kNow));
+  EXPECT_TRUE(client.is_connected());
+  EXPECT_THAT(messages_in(client.out()), ElementsAre("-1/0", "-2/0", "-2/1", "-2/2", "-2/3", "-2/4", "-2/5", "-2/6", "-2/7", "-2/8"));
+  std::span<const std::byte> rest(client.out());
+  Message message;
+  read_message(rest, message);
+  EXPECT_EQ(name_of(message), "Phantom0");
+}
+
+TEST(VrpnClient, may_speak_a_byte_at_a_time) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(4, "Phantom0");
+  speaker.describe_type(17, "vrpn_Base ping_message");
+  speaker.say(4, 17);
+  for (const std::byte byte : speaker.said) ASSERT_TRUE(client.hear({&byte, 1}, kNow));
+  EXPECT_TRUE(client.is_connected());
+}
+
+TEST(VrpnClient, with_another_cookie_is_not_listened_to) {
+  Client client("Phantom0");
+  const std::string said = "GET / HTTP/1.1\r\nHost: localhost\r\n";
+  EXPECT_FALSE(client.hear(std::as_bytes(std::span(said)), kNow));
+}
+
+TEST(VrpnClient, is_answered_a_ping_that_is_for_us) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(4, "Phantom0");
+  speaker.describe_sender(5, "Tracker0");
+  speaker.describe_type(17, "vrpn_Base ping_message");
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  taken(client);
+  speaker.said.clear();
+  speaker.say(5, 17);
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_TRUE(client.out().empty()) << "who asks for another device is not to believe that it is here";
+  speaker.said.clear();
+  speaker.say(4, 17);
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_THAT(messages_in(client.out()), ElementsAre("0/0"));
+}
+
+TEST(VrpnClient, may_give_a_number_another_meaning) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(4, "Phantom0");
+  speaker.describe_sender(4, "Tracker0");
+  speaker.describe_type(17, "vrpn_Base ping_message");
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  taken(client);
+  speaker.said.clear();
+  speaker.say(4, 17);
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_TRUE(client.out().empty());
+}
+
+TEST(VrpnClient, that_wishes_for_udp_says_its_port_in_the_senders_place) {
+  Client client("Phantom0");
+  Speaker speaker;
+  // "127.0.0.1" and a zero, for port 0xd431.
+  const Bytes wish = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
+  speaker.said.insert(speaker.said.end(), wish.begin(), wish.end());
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  ASSERT_TRUE(client.udp_wish());
+  EXPECT_EQ(client.udp_wish()->address, "127.0.0.1");
+  EXPECT_EQ(client.udp_wish()->port, 0xd431);
+}
+
+TEST(VrpnClient, that_wishes_for_an_impossible_port_is_not_followed) {
+  for (const char* port : {"00000000", "00010000", "ffffffff"}) {
+    Client client("Phantom0");
+    Speaker speaker;
+    const Bytes wish = hex("00000022 00000000 00000000" + std::string(port) + "fffffffd 00000000 3132372e302e302e31 00 000000000000");
+    speaker.said.insert(speaker.said.end(), wish.begin(), wish.end());
+    ASSERT_TRUE(client.hear(speaker.said, kNow));
+    EXPECT_FALSE(client.udp_wish()) << port;
+  }
+}
+
+TEST(VrpnClient, that_asks_for_forces_is_refused_and_counted) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(4, "Phantom0");
+  speaker.describe_type(20, "vrpn_ForceDevice Plane");
+  speaker.describe_type(21, "vrpn_ForceDevice Force_Field");
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_EQ(client.refused_forces(), 0U) << "naming a type is asking for nothing";
+  taken(client);
+  speaker.said.clear();
+  speaker.say(4, 20);
+  speaker.say(4, 21);
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_EQ(client.refused_forces(), 2U);
+  EXPECT_TRUE(client.out().empty());
+}
+
+TEST(VrpnClient, may_ask_for_the_workspace) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.describe_sender(4, "Phantom0");
+  speaker.describe_type(30, "vrpn_Tracker Request_Tracker_Workspace");
+  speaker.say(4, 30);
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_TRUE(client.take_workspace_wish());
+  EXPECT_FALSE(client.take_workspace_wish());
+}
+
+TEST(VrpnClient, that_says_goodbye_is_let_go) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.say(0, kDisconnect);
+  EXPECT_FALSE(client.hear(speaker.said, kNow));
+}
+
+TEST(VrpnClient, with_a_message_that_cannot_be_is_let_go) {
+  Client client("Phantom0");
+  Speaker speaker;
+  speaker.said.resize(speaker.said.size() + kHeaderBytes, std::byte{0xff});
+  EXPECT_FALSE(client.hear(speaker.said, kNow));
+}
+
+TEST(VrpnClient, that_names_without_end_takes_no_more_memory_than_a_few) {
+  Client client("Phantom0");
+  Speaker speaker;
+  for (std::int32_t id = 0; id < 100'000; ++id) speaker.describe_type(id, "vrpn_ForceDevice Plane");
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  taken(client);
+  speaker.said.clear();
+  speaker.describe_sender(1, "Phantom0");
+  speaker.say(1, 99'999);
+  ASSERT_TRUE(client.hear(speaker.said, kNow));
+  EXPECT_EQ(client.refused_forces(), 0U) << "beyond what is remembered";
+}
+
+TEST(VrpnClient, sequence_numbers_count_what_was_said) {
+  Client client("Phantom0");
+  const std::uint32_t first = client.header(OurType::position, kNow).sequence;
+  EXPECT_EQ(client.header(OurType::position, kNow).sequence, first + 1);
+}
+
+}  // namespace
+}  // namespace hapton::vrpn

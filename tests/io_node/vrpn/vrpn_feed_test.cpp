@@ -1,0 +1,102 @@
+#include "io_node/vrpn/vrpn_feed.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "io_node/devices/simulated_phantom.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/system_call_guard.h"
+
+namespace hapton::vrpn {
+namespace {
+
+std::vector<FeedSample> all_of(Feed& feed) {
+  std::vector<FeedSample> samples;
+  feed.take([&](const FeedSample& sample) { samples.push_back(sample); });
+  return samples;
+}
+
+std::unique_ptr<Device> simulated() { return std::make_unique<SimulatedPhantom>(SimulatedPhantom::Options{}); }
+
+TEST(VrpnFeed, every_sample_arrives_in_order_with_the_wrench_of_before) {
+  Feed feed;
+  feed.set_wanted(true);
+  WatchedDevice device(simulated(), feed);
+  const DeviceSample first = device.read(1'000'000);
+  device.write({.force_n = Vec3(0, 0, 1)}, 1'000'000);
+  device.read(2'000'000);
+  const auto samples = all_of(feed);
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[0].device.p_WD, first.p_WD);
+  EXPECT_EQ(samples[0].wrench.force_n, Vec3::Zero());
+  EXPECT_EQ(samples[1].device.time_ns, 2'000'000);
+  EXPECT_EQ(samples[1].wrench.force_n, Vec3(0, 0, 1));
+}
+
+TEST(VrpnFeed, nobody_there_costs_nothing) {
+  Feed feed;
+  WatchedDevice device(simulated(), feed);
+  device.read(1'000'000);
+  EXPECT_TRUE(all_of(feed).empty());
+}
+
+TEST(VrpnFeed, one_who_is_late_loses_samples_and_holds_nobody_up) {
+  Feed feed;
+  feed.set_wanted(true);
+  for (int n = 0; n < 100'000; ++n) feed.push({});
+  const std::size_t kept = all_of(feed).size();
+  EXPECT_GT(kept, 100U);
+  EXPECT_LT(kept, 1000U);
+}
+
+TEST(VrpnFeed, the_device_is_the_same_as_unwatched) {
+  Feed feed;
+  feed.set_wanted(true);
+  WatchedDevice watched(simulated(), feed);
+  const auto bare = simulated();
+  EXPECT_EQ(watched.name(), bare->name());
+  EXPECT_EQ(watched.limits().max_force_n, bare->limits().max_force_n);
+  EXPECT_EQ(watched.status(), bare->status());
+  for (std::int64_t t = 1'000'000; t < 100'000'000; t += 1'000'000) {
+    ASSERT_EQ(watched.read(t).p_WD, bare->read(t).p_WD);
+    watched.write({.force_n = Vec3(0, 1, 0)}, t);
+    bare->write({.force_n = Vec3(0, 1, 0)}, t);
+  }
+  EXPECT_EQ(watched.lead_hand(Vec3::Zero()), bare->lead_hand(Vec3::Zero()));
+}
+
+void serve(Device& device) {
+  for (std::int64_t t = 1'000'000; t < 1'000'000'000; t += 1'000'000) {
+    device.read(t);
+    device.write({.force_n = Vec3(0, 0, 0.1)}, t);
+  }
+}
+
+TEST(VrpnFeed, the_servos_side_takes_nothing_from_the_heap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  Feed feed;
+  feed.set_wanted(true);
+  WatchedDevice device(simulated(), feed);
+  const AllocationGuard guard;
+  serve(device);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+TEST(VrpnFeed, the_servos_side_asks_nothing_of_the_kernel) {
+  if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
+  std::unique_ptr<Feed> feed;
+  std::unique_ptr<WatchedDevice> device;
+  EXPECT_EQ(SystemCallGuard::run(
+                [&] {
+                  feed = std::make_unique<Feed>();
+                  feed->set_wanted(true);
+                  device = std::make_unique<WatchedDevice>(simulated(), *feed);
+                },
+                [&] { serve(*device); }),
+            "");
+}
+
+}  // namespace
+}  // namespace hapton::vrpn

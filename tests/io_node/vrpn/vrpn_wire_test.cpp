@@ -1,0 +1,157 @@
+// Byte for byte against messages composed by hand from the protocol.
+#include "io_node/vrpn/vrpn_wire.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/io_node/vrpn/hex.h"
+
+namespace hapton::vrpn {
+namespace {
+
+// length, s, us, sender, type, sequence; then the body.
+constexpr Header kHeader = {.sender = 2, .type = 5, .time = {0x01020304, 0x000f4240 - 1}, .sequence = 9};
+constexpr std::string_view kRest = "01020304 000f423f 00000002 00000005 00000009 ";
+constexpr std::string_view kOne = "3ff0000000000000 ", kMinusTwo = "c000000000000000 ", kHalf = "3fe0000000000000 ",
+                           kZero = "0000000000000000 ";
+
+std::string text(std::initializer_list<std::string_view> parts) {
+  std::string all;
+  for (const std::string_view part : parts) all += part;
+  return all;
+}
+
+void expect_bytes(const Bytes& bytes, std::initializer_list<std::string_view> expected) {
+  EXPECT_EQ(to_hex(bytes), to_hex(hex(text(expected))));
+}
+
+TEST(VrpnWire, cookie) {
+  Bytes out;
+  append_cookie(out);
+  // "vrpn: ver. 07.38", two spaces, the log mode 0, then nothing.
+  expect_bytes(out, {"76 72 70 6e 3a 20 76 65 72 2e 20 30 37 2e 33 38 20 20 30 00 00 00 00 00"});
+}
+
+TEST(VrpnWire, cookies_are_told_by_their_major_version) {
+  const auto is_good = [](std::string_view cookie) {
+    Bytes bytes(kCookieBytes);
+    for (std::size_t n = 0; n < cookie.size(); ++n) bytes[n] = static_cast<std::byte>(cookie[n]);
+    return is_cookie_good(bytes);
+  };
+  EXPECT_TRUE(is_good("vrpn: ver. 07.38  0"));
+  EXPECT_TRUE(is_good("vrpn: ver. 07.33  3"));
+  EXPECT_FALSE(is_good("vrpn: ver. 06.38  0"));
+  EXPECT_FALSE(is_good("GET / HTTP/1.1"));
+  EXPECT_FALSE(is_good(""));
+}
+
+TEST(VrpnWire, sender_description) {
+  Bytes out;
+  append_description(out, kSenderDescription, 3, "Phantom0", {0x01020304, 7}, 1);
+  // 24 + 4 + 9 = 37 = 0x25, padded to 40. The number described stands in the sender's place.
+  expect_bytes(out, {"00000025 01020304 00000007 00000003 ffffffff 00000001 ", "00000009 5068616e746f6d30 00 000000"});
+}
+
+TEST(VrpnWire, type_description) {
+  Bytes out;
+  append_description(out, kTypeDescription, 1, "vrpn_Button Change", {}, 2);
+  expect_bytes(out, {"0000002f 00000000 00000000 00000001 fffffffe 00000002 ", "00000013 7672706e5f427574746f6e204368616e6765 00 00"});
+}
+
+TEST(VrpnWire, tracker_position_and_quaternion_in_the_order_x_y_z_w) {
+  Bytes out;
+  append_position(out, kHeader, {1, -2, 0.5}, Quat(/*w*/ 1, /*x*/ 0.5, /*y*/ 0, /*z*/ -2));
+  expect_bytes(out, {"00000058 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kHalf, kZero, kMinusTwo, kOne});
+}
+
+TEST(VrpnWire, tracker_velocity) {
+  Bytes out;
+  append_velocity(out, kHeader, {1, -2, 0.5}, Quat::Identity(), 0.5);
+  expect_bytes(out, {"00000060 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kZero, kZero, kZero, kOne, kHalf});
+}
+
+TEST(VrpnWire, tracker_workspace) {
+  Bytes out;
+  append_workspace(out, kHeader, {-2, -2, -2}, {1, 1, 0.5});
+  expect_bytes(out, {"00000048 ", kRest, kMinusTwo, kMinusTwo, kMinusTwo, kOne, kOne, kHalf});
+}
+
+TEST(VrpnWire, button_change_is_two_numbers_without_a_count) {
+  Bytes out;
+  append_button_change(out, kHeader, 3, true);
+  expect_bytes(out, {"00000020 ", kRest, "00000003 00000001"});
+}
+
+TEST(VrpnWire, button_states) {
+  Bytes out;
+  append_button_states(out, kHeader, 0b101, 3);
+  expect_bytes(out, {"00000028 ", kRest, "00000003 00000001 00000000 00000001"});
+}
+
+TEST(VrpnWire, analog_channels_with_their_count_as_a_double) {
+  Bytes out;
+  const std::array<double, 2> channels = {1.0, -2.0};
+  append_analog(out, kHeader, channels);
+  expect_bytes(out, {"00000030 ", kRest, "4000000000000000 ", kOne, kMinusTwo});
+}
+
+TEST(VrpnWire, force) {
+  Bytes out;
+  append_force(out, kHeader, {1, -2, 0.5});
+  expect_bytes(out, {"00000030 ", kRest, kOne, kMinusTwo, kHalf});
+}
+
+TEST(VrpnWire, force_error_is_padded_but_its_length_is_not) {
+  Bytes out;
+  append_force_error(out, kHeader, 3);
+  expect_bytes(out, {"0000001c ", kRest, "00000003 00000000"});
+}
+
+TEST(VrpnWire, pong_is_a_header_alone) {
+  Bytes out;
+  append_empty(out, kHeader);
+  expect_bytes(out, {"00000018 ", kRest});
+}
+
+TEST(VrpnWire, messages_follow_each_other) {
+  Bytes out;
+  append_force_error(out, kHeader, 3);
+  append_empty(out, kHeader);
+  EXPECT_EQ(out.size(), 32U + 24U);
+}
+
+TEST(VrpnWire, a_message_is_read_with_its_padding) {
+  const Bytes bytes = hex("0000001c 00000000 00000000 00000002 00000005 00000000 0000002a 00000000 00000018");
+  std::span<const std::byte> rest(bytes);
+  Message message;
+  ASSERT_EQ(read_message(rest, message), ReadStatus::message);
+  EXPECT_EQ(message.sender, 2);
+  EXPECT_EQ(message.type, 5);
+  EXPECT_EQ(to_hex(message.body), "00 00 00 2a ");
+  EXPECT_EQ(rest.size(), 4U);
+  EXPECT_EQ(read_message(rest, message), ReadStatus::incomplete);
+}
+
+TEST(VrpnWire, lengths_that_cannot_be_are_refused) {
+  Message message;
+  for (const char* length : {"00000000", "00000017", "ffffffff", "80000000", "00004001"}) {
+    const Bytes bytes = hex(text({length, "00000000 00000000 00000000 00000000 00000000"}));
+    std::span<const std::byte> rest(bytes);
+    EXPECT_EQ(read_message(rest, message), ReadStatus::broken) << length;
+  }
+}
+
+TEST(VrpnWire, names_are_taken_by_their_length_and_zero) {
+  const auto name = [](std::string_view body) {
+    const Bytes bytes = hex(body);
+    return std::string(name_of({0, kSenderDescription, bytes}));
+  };
+  EXPECT_EQ(name("00000003 6162 00"), "ab");
+  EXPECT_EQ(name("00000003 6162 63"), "") << "no zero";
+  EXPECT_EQ(name("00000004 6162 00"), "") << "longer than the body";
+  EXPECT_EQ(name("ffffffff 6162 00"), "");
+  EXPECT_EQ(name("00000000 6162 00"), "");
+  EXPECT_EQ(name("0000"), "");
+}
+
+}  // namespace
+}  // namespace hapton::vrpn
