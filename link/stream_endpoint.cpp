@@ -23,7 +23,8 @@ namespace {
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr int kMostAcceptsAtOnce = 8;
 constexpr int kMostDatagramsAtOnce = 64;
-constexpr int kTriesForAPort = 32;  // free for TCP and UDP alike
+constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of what waits: what is older is of no use
+constexpr int kTriesForAPort = 32;            // free for TCP and UDP alike
 
 std::int64_t monotonic_ns() {
   timespec now = {};
@@ -102,6 +103,12 @@ Descriptor make_socket(const Address& like, int type) {
   return Descriptor(::socket(is_v4(like) ? AF_INET : AF_INET6, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
+void prepare(const Descriptor& connection) {
+  const int yes = 1;
+  ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  ::setsockopt(connection.get(), SOL_SOCKET, SO_SNDBUF, &kSendBufferBytes, sizeof kSendBufferBytes);
+}
+
 // 0, or what the system said.
 int bind_to(const Descriptor& socket, const Address& address) {
   SystemAddress system = to_system(address);
@@ -162,7 +169,7 @@ int SocketStreams::open_at(const Address& at) {
   local_ = at;
   local_.port = from_system(bound).port;
   if (const int error = bind_to(datagrams_, local_); error != 0) return error;
-  return ::listen(listening_.get(), static_cast<int>(kMostConnections)) == 0 ? 0 : errno;
+  return ::listen(listening_.get(), SOMAXCONN) == 0 ? 0 : errno;
 }
 
 int SocketStreams::open(const Address& at) {
@@ -273,8 +280,7 @@ void SocketStreams::finish_connecting(Connection& connection, Listener& listener
     connection.is_closing = true;
     return;
   }
-  const int yes = 1;
-  ::setsockopt(connection.socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  prepare(connection.socket);
   connection.is_connecting = false;
   flush(connection);
   // The listener may open connections: no reference is good after it.
@@ -299,8 +305,7 @@ void SocketStreams::accept_some(Listener& listener) {
     if (socket.get() < 0) return;
     // One more than may be is let go without a word.
     if (connections_.size() >= kMostConnections) continue;
-    const int yes = 1;
-    ::setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+    prepare(socket);
     Connection connection;
     connection.id = ++last_id_;
     connection.socket = std::move(socket);

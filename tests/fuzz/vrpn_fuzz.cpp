@@ -1,0 +1,23 @@
+// Any bytes from a program that speaks VRPN, in pieces: the first byte says how long.
+#include <algorithm>
+
+#include "io_node/vrpn/vrpn_client.h"
+#include "tests/fuzz/fuzz_target.h"
+
+FUZZ_TARGET(vrpn) {
+  using namespace hapton;
+  vrpn::Client client("Phantom0");
+  if (bytes.empty()) return;
+  const std::size_t piece = std::size_t{bytes[0]} + 1;
+  std::span<const std::uint8_t> rest = bytes.subspan(1);
+  bool goes_on = true;
+  while (goes_on && !rest.empty()) {
+    const auto now = rest.first(std::min(piece, rest.size()));
+    rest = rest.subspan(now.size());
+    goes_on = client.hear(std::as_bytes(now), {1, 2});
+    client.take_workspace_wish();
+    // A reply is no longer than what asked for it, and our names.
+    fuzz::require(client.out().size() <= bytes.size() + 1024);
+    fuzz::require(!client.udp_wish() || (client.udp_wish()->port != 0 && client.udp_wish()->address.size() <= 64));
+  }
+}

@@ -1,0 +1,243 @@
+// The server over loopback, seen by a program that speaks VRPN by either entry.
+#include "io_node/vrpn/vrpn_server.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "tests/io_node/vrpn/hex.h"
+#include "tests/io_node/vrpn/vrpn_program.h"
+
+namespace hapton::vrpn {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* kPosition = "vrpn_Tracker Pos_Quat";
+constexpr const char* kButton = "vrpn_Button Change";
+
+struct VrpnServer : testing::Test {
+  static void SetUpTestSuite() { start_log("test"); }
+
+  Feed feed;
+  std::unique_ptr<Server> server;
+  FeedSample sample;
+  SteadyClock clock;
+
+  VrpnServer() { sample.device.p_WD = Vec3(1, -2, 0.5); }
+
+  void open(double rate_hz = 500.0) {
+    Server::Options options{.address = "127.0.0.1:0", .name = "Phantom0", .limits = {}, .rate_hz = rate_hz};
+    options.limits.workspace_min_m = Vec3(-2, -2, -2);
+    options.limits.workspace_max_m = Vec3(1, 1, 0.5);
+    auto opened = Server::open(feed, options);
+    ASSERT_TRUE(opened) << opened.error().what;
+    server = std::move(*opened);
+  }
+  const Address& at() const { return server->local_address(); }
+
+  // Feeds a sample a millisecond until it holds, or half a minute is over.
+  template <class Condition>
+  bool feed_until(Program& program, Condition&& holds) {
+    const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
+    while (!holds()) {
+      if (clock.now_ns() > end_ns) return false;
+      sample.device.time_ns = clock.now_ns();
+      feed.push(sample);
+      program.look();
+      clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+    }
+    return true;
+  }
+};
+
+TEST_F(VrpnServer, shows_the_stylus_to_who_comes_by_tcp) {
+  open();
+  sample.wrench.force_n = Vec3(0, 0.5, 1);
+  Program program;
+  program.connect(at());
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition) && program.has_heard("vrpn_Analog Channel"); }));
+  EXPECT_EQ(program.device(), "Phantom0");
+  EXPECT_EQ(to_hex(program.last(kPosition)->body), to_hex(hex("00000000 00000000 3ff0000000000000 c000000000000000 3fe0000000000000"
+                                                              "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000")));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force")->body), to_hex(hex("0000000000000000 3fe0000000000000 3ff0000000000000")));
+  EXPECT_TRUE(program.has_heard("vrpn_Button States"));
+  EXPECT_FALSE(program.last(kPosition)->by_udp);
+}
+
+TEST_F(VrpnServer, calls_who_asks_by_a_datagram_and_sends_positions_by_udp) {
+  open();
+  Program program;
+  program.ask_to_be_called(at());
+  ASSERT_TRUE(feed_until(program, [&] { return program.is_called(); }));
+  program.describe_udp();
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition) && program.last(kPosition)->by_udp; }));
+  sample.device.buttons = 1;
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kButton); }));
+  EXPECT_FALSE(program.last(kButton)->by_udp) << "no change of a button may get lost";
+}
+
+TEST_F(VrpnServer, calls_only_who_asked_whatever_host_is_written) {
+  open();
+  Program program;
+  program.ask_to_be_called(at(), "192.0.2.1");
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+}
+
+TEST_F(VrpnServer, sends_no_datagrams_to_third_parties) {
+  open();
+  Program program;
+  program.connect(at());
+  program.describe_udp("127.0.0.2");
+  ASSERT_TRUE(feed_until(program, [&] { return program.heard().size() > 50; }));
+  EXPECT_TRUE(std::none_of(program.heard().begin(), program.heard().end(), [](const auto& heard) { return heard.by_udp; }));
+}
+
+TEST_F(VrpnServer, tells_every_change_of_a_button_however_short) {
+  open(50.0);
+  Program program;
+  program.connect(at());
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard("vrpn_Button States"); }));
+  for (const std::uint32_t buttons : {2U, 0U, 2U, 0U}) {
+    sample.device.buttons = buttons;
+    sample.device.time_ns = clock.now_ns();
+    feed.push(sample);
+  }
+  std::vector<std::string> changes;
+  ASSERT_TRUE(feed_until(program, [&] {
+    return std::count_if(program.heard().begin(), program.heard().end(), [](const auto& heard) { return heard.name == kButton; }) == 4;
+  }));
+  for (const auto& heard : program.heard()) {
+    if (heard.name == kButton) changes.push_back(to_hex(heard.body));
+  }
+  const std::string down = to_hex(hex("00000001 00000001")), up = to_hex(hex("00000001 00000000"));
+  EXPECT_THAT(changes, testing::ElementsAre(down, up, down, up));
+}
+
+TEST_F(VrpnServer, answers_pings_and_tells_the_workspace) {
+  open();
+  Program program;
+  program.connect(at());
+  program.describe_sender(7, "Phantom0");
+  program.describe_type(8, "vrpn_Base ping_message");
+  program.describe_type(9, "vrpn_Tracker Request_Tracker_Workspace");
+  program.say(7, 8);
+  program.say(7, 9);
+  ASSERT_TRUE(
+      feed_until(program, [&] { return program.has_heard("vrpn_Base pong_message") && program.has_heard("vrpn_Tracker Workspace"); }));
+  EXPECT_EQ(to_hex(program.last("vrpn_Tracker Workspace")->body),
+            to_hex(hex("c000000000000000 c000000000000000 c000000000000000 3ff0000000000000 3ff0000000000000 3fe0000000000000")));
+}
+
+TEST_F(VrpnServer, tells_velocity_as_the_way_over_the_time) {
+  open(100.0);
+  Program program;
+  program.connect(at());
+  const std::int64_t start_ns = clock.now_ns();
+  ASSERT_TRUE(feed_until(program, [&] {
+    // A metre a second along x.
+    sample.device.p_WD.x() = 1e-9 * static_cast<double>(clock.now_ns() - start_ns);
+    return std::count_if(program.heard().begin(), program.heard().end(),
+                         [](const auto& heard) { return heard.name == "vrpn_Tracker Velocity"; }) > 20;
+  }));
+  const Bytes body = program.last("vrpn_Tracker Velocity")->body;
+  std::uint64_t bits = 0;
+  for (std::size_t n = 8; n < 16; ++n) bits = (bits << 8) | std::to_integer<std::uint64_t>(body[n]);
+  EXPECT_NEAR(std::bit_cast<double>(bits), 1.0, 0.5);
+}
+
+TEST_F(VrpnServer, shows_no_positions_of_a_device_that_is_away_but_says_so) {
+  open();
+  Program program;
+  program.connect(at());
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+  sample.status = DeviceStatus::away;
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard("vrpn_ForceDevice Force_Error"); }));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000003")));
+  program.forget();
+  sample.status = DeviceStatus::ready;
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_heard("vrpn_ForceDevice Force_Error"); }));
+  EXPECT_EQ(program.heard().front().name, "vrpn_ForceDevice Force_Error") << "nothing came while it was away";
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+}
+
+TEST_F(VrpnServer, lets_go_of_who_speaks_something_else) {
+  open();
+  Program babbler;
+  babbler.connect(at());
+  babbler.say(Bytes(100'000, std::byte{0x7f}));
+  Program program;
+  program.connect(at());
+  ASSERT_TRUE(feed_until(babbler, [&] {
+    program.look();
+    return babbler.is_closed();
+  }));
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+}
+
+TEST_F(VrpnServer, has_places_for_sixteen_and_lets_the_rest_go) {
+  open();
+  std::vector<std::unique_ptr<Program>> programs;
+  for (int n = 0; n < 24; ++n) {
+    programs.push_back(std::make_unique<Program>());
+    programs.back()->connect(at());
+  }
+  const auto count = [&](auto&& holds) {
+    return std::count_if(programs.begin(), programs.end(), [&](const auto& p) { return holds(*p); });
+  };
+  ASSERT_TRUE(feed_until(*programs.front(), [&] {
+    for (const auto& program : programs) program->look();
+    return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_heard(kPosition); }) == 24;
+  }));
+  EXPECT_EQ(count([](const Program& p) { return p.has_heard(kPosition); }), 16);
+}
+
+TEST_F(VrpnServer, cuts_off_who_reads_nothing_and_serves_the_others) {
+  open(10'000.0);
+  Program lazy;
+  lazy.connect(at(), 4096);
+  // So that it is served at all: its cookie.
+  lazy.look();
+  Program program;
+  program.connect(at());
+  testing::internal::CaptureStderr();
+  std::string said;
+  ASSERT_TRUE(feed_until(program, [&] {
+    for (int n = 0; n < 10; ++n) {
+      // Every change is to be told.
+      sample.device.buttons ^= 0xFFFFFFFF;
+      feed.push(sample);
+    }
+    program.forget();
+    said = testing::internal::GetCapturedStderr();
+    testing::internal::CaptureStderr();
+    return said.find("left") != std::string::npos;
+  }));
+  testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
+}
+
+TEST_F(VrpnServer, what_cannot_be_opened_is_told) {
+  open();
+  const Server::Options same{.address = to_string(at()), .name = "Phantom0", .limits = {}};
+  EXPECT_THAT(Server::open(feed, same).error().what, HasSubstr("another program holds this port"));
+  EXPECT_THAT(Server::open(feed, {.address = "127.0.0.1:0", .name = "a b", .limits = {}}).error().what, HasSubstr("no name"));
+  EXPECT_THAT(Server::open(feed, {.address = "192.0.2.1:0", .name = "a", .limits = {}}).error().what, HasSubstr("no such address"));
+}
+
+TEST_F(VrpnServer, beyond_this_machine_it_warns) {
+  testing::internal::CaptureStderr();
+  EXPECT_TRUE(Server::open(feed, {.address = "0.0.0.0:0", .name = "a", .limits = {}}));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("VRPN knows no passwords"));
+}
+
+}  // namespace
+}  // namespace hapton::vrpn

@@ -1,0 +1,164 @@
+#include "link/stream_endpoint.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+// An endpoint and all that it has heard.
+struct Party final : StreamEndpoint::Listener {
+  std::unique_ptr<StreamEndpoint> endpoint;
+  std::map<StreamEndpoint::Id, std::string> heard;
+  std::map<StreamEndpoint::Id, Address> peers;
+  std::vector<StreamEndpoint::Id> closed;
+  std::vector<std::string> datagrams;
+  Address last_from;
+
+  explicit Party(const std::string& at = "127.0.0.1:0") {
+    auto opened = StreamEndpoint::open(at, 3883);
+    if (opened) endpoint = std::move(*opened);
+  }
+  void on_connected(StreamEndpoint::Id id, const Address& peer) override { peers[id] = peer; }
+  void on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) override { heard[id] += text_of(bytes); }
+  void on_closed(StreamEndpoint::Id id) override {
+    closed.push_back(id);
+    peers.erase(id);
+  }
+  void on_datagram(const Address& from, std::span<const std::byte> bytes) override {
+    datagrams.push_back(text_of(bytes));
+    last_from = from;
+  }
+  void look() { endpoint->wait(0, *this); }
+};
+
+bool until(const std::vector<Party*>& parties, const std::function<bool()>& holds) {
+  SteadyClock clock;
+  const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
+  while (!holds()) {
+    if (clock.now_ns() > end_ns) return false;
+    for (Party* party : parties) party->look();
+    clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond / 4);
+  }
+  return true;
+}
+
+TEST(StreamEndpoint, two_connect_speak_and_part) {
+  Party server, client;
+  const auto id = client.endpoint->connect(server.endpoint->local_address());
+  ASSERT_NE(id, 0U);
+  // What is sent before the connection stands goes out when it does.
+  ASSERT_TRUE(client.endpoint->send(id, bytes_of("hello ")));
+  ASSERT_TRUE(until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
+  EXPECT_EQ(client.peers.at(id), server.endpoint->local_address());
+  ASSERT_TRUE(client.endpoint->send(id, bytes_of("there")));
+  const auto there = server.peers.begin()->first;
+  ASSERT_TRUE(until({&server, &client}, [&] { return server.heard[there] == "hello there"; }));
+  server.endpoint->close(there);
+  ASSERT_TRUE(until({&server, &client}, [&] { return server.closed.size() == 1 && client.closed.size() == 1; }));
+  EXPECT_FALSE(client.endpoint->send(id, bytes_of("gone")));
+}
+
+TEST(StreamEndpoint, much_arrives_whole) {
+  Party server, client;
+  const auto id = client.endpoint->connect(server.endpoint->local_address());
+  const std::string much(200'000, 'x');
+  ASSERT_TRUE(client.endpoint->send(id, bytes_of(much)));
+  EXPECT_TRUE(until({&server, &client}, [&] { return !server.heard.empty() && server.heard.begin()->second == much; }));
+}
+
+TEST(StreamEndpoint, datagrams_come_at_the_same_port) {
+  Party server, client;
+  ASSERT_TRUE(client.endpoint->send_datagram(server.endpoint->local_address(), bytes_of("call me")));
+  ASSERT_TRUE(until({&server}, [&] { return !server.datagrams.empty(); }));
+  EXPECT_EQ(server.datagrams.front(), "call me");
+  EXPECT_EQ(server.last_from, client.endpoint->local_address());
+}
+
+TEST(StreamEndpoint, a_connection_to_nobody_is_closed) {
+  Party client;
+  Address nobody;
+  {
+    const Party gone;
+    nobody = gone.endpoint->local_address();
+  }
+  if (const auto id = client.endpoint->connect(nobody); id != 0) {
+    EXPECT_TRUE(until({&client}, [&] { return client.closed == std::vector<StreamEndpoint::Id>{id}; }));
+    EXPECT_TRUE(client.peers.empty());
+  }
+}
+
+TEST(StreamEndpoint, who_does_not_read_is_cut_off) {
+  Party server, client;
+  client.endpoint->connect(server.endpoint->local_address());
+  ASSERT_TRUE(until({&server, &client}, [&] { return !server.peers.empty(); }));
+  const auto id = server.peers.begin()->first;
+  const std::string much(50'000, 'x');
+  std::size_t sent = 0;
+  while (server.endpoint->send(id, bytes_of(much))) {
+    ASSERT_LT(sent += much.size(), 100'000'000U);
+    server.look();
+  }
+  server.look();
+  EXPECT_EQ(server.closed.size(), 1U);
+}
+
+TEST(StreamEndpoint, one_too_many_is_let_go) {
+  Party server;
+  std::vector<std::unique_ptr<Party>> clients;
+  std::vector<Party*> all = {&server};
+  for (std::size_t n = 0; n < StreamEndpoint::kMostConnections + 3; ++n) {
+    clients.push_back(std::make_unique<Party>());
+    clients.back()->endpoint->connect(server.endpoint->local_address());
+    all.push_back(clients.back().get());
+  }
+  ASSERT_TRUE(until(all, [&] {
+    std::size_t let_go = 0;
+    for (const auto& client : clients) let_go += client->closed.size();
+    return let_go == 3;
+  }));
+  EXPECT_EQ(server.peers.size(), StreamEndpoint::kMostConnections);
+}
+
+TEST(StreamEndpoint, a_wait_ends_when_it_is_woken) {
+  Party party;
+  SteadyClock clock;
+  std::thread other([&] { party.endpoint->wake(); });
+  party.endpoint->wait(clock.now_ns() + 3600 * kNanosecondsPerSecond, party);
+  other.join();
+}
+
+TEST(StreamEndpoint, what_cannot_be_opened_is_told) {
+  const Party first;
+  const auto second = StreamEndpoint::open(to_string(first.endpoint->local_address()), 3883);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().what, HasSubstr("another program holds this port"));
+  EXPECT_THAT(StreamEndpoint::open("192.0.2.1:0", 1).error().what, HasSubstr("no such address"));
+  EXPECT_THAT(StreamEndpoint::open("127.0.0.1:x", 1).error().what, HasSubstr("port 'x'"));
+}
+
+TEST(StreamEndpoint, speaks_ipv6_as_well) {
+  Party server("[::1]:0");
+  if (!server.endpoint) GTEST_SKIP() << "this machine has no IPv6";
+  Party client("[::1]:0");
+  ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
+  EXPECT_TRUE(until({&server, &client}, [&] { return !server.peers.empty(); }));
+}
+
+}  // namespace
+}  // namespace hapton
