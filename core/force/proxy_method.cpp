@@ -131,6 +131,8 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   empty_retry_ -= stride_;
 
   follow(device - moved, device);
+  // Who has left the ball may come back through a face.
+  if ((proxy_ - empty_center_).squaredNorm() >= empty_radius_squared_) empty_radius_squared_ = 0.0;
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;

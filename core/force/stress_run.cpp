@@ -330,6 +330,9 @@ struct StressRun::Inside {
     });
   }
 
+  // The reference, which asks every triangle, comes there too: round an edge or corner that the straight way cuts.
+  bool leads_round(const Vec3& from, const Vec3& to) const { return (judge->settle_from(from, to).p_SP - to).norm() <= kRelative * extent; }
+
   // On the side the device may not be on.
   bool is_wrong(const Vec3& p) const { return solid && solid->is_inside(p) != body.room; }
 
@@ -432,7 +435,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
         const double depth = in.solid->compute_distance(felt.p_SP);
         if (depth > 2.0 * kInsideShare * extent) note(StressFault::kInside, depth);
       }
-    } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP)) {
+    } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP) &&
+               !in.leads_round(felt_before.p_SP, felt.p_SP)) {
       note(StressFault::kThrough, (device - before).norm());
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.

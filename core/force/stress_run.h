@@ -33,12 +33,12 @@ std::string_view name_of(StressMotion motion);
 
 // What went wrong, in steps. All must be zero.
 enum class StressFault : std::uint8_t {
-  kFall,       // no force with the device more than 0.25 % of the extent on the wrong side
-  kInside,     // the proxy itself on the wrong side of the surface
-  kThrough,    // open meshes: from one free place to another straight through a face, away from any border
-  kLock,       // proxy more than 10 % of the extent farther from the device than the surface is, and not at a minimum
-  kLag,        // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
-  kPop,        // convex room: the force changed by more than stiffness times the device's motion
+  kFall,     // no force with the device more than 0.25 % of the extent on the wrong side
+  kInside,   // the proxy itself on the wrong side of the surface
+  kThrough,  // open meshes: from one free place to another straight through a face, away from any border, where the reference does not come
+  kLock,     // proxy more than 10 % of the extent farther from the device than the surface is, and not at a minimum
+  kLag,      // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
+  kPop,      // convex room: the force changed by more than stiffness times the device's motion
   kNotFinite,  // NaN or infinite output
   kBroken,     // force, proxy and contact contradict each other, or a sample that is not finite is felt
   kCount

@@ -364,6 +364,25 @@ TEST(Proxy, FreeStepsAreSkipped) {
   EXPECT_GT(proxy->counters().skipped, 700U);
 }
 
+// Free in front of a sheet, round its border with great strides, and back through it to where it was known to be free.
+TEST(Proxy, WhereItOnceWasFreeIsNoWayThrough) {
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4)));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> inside(-0.03, 0.03);
+  std::uniform_real_distribution<double> height(0.01, 0.2);
+  std::uniform_real_distribution<double> round(0.06, 1.0);
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 over(inside(random), inside(random), height(random));
+    const Vec3 under(over.x(), over.y(), -height(random));
+    const double far = round(random);
+    proxy->reset(over + Vec3(0, 0, height(random)));
+    for (const Vec3& way : {over, Vec3(far, over.y(), over.z()), Vec3(far, over.y(), under.z()), under}) {
+      ASSERT_FALSE(proxy->step({.p_SD = way}).contact) << n;
+    }
+    ASSERT_TRUE(proxy->step({.p_SD = over}).contact) << n;
+  }
+}
+
 TEST(Proxy, StepsTakeNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const auto proxy = proxy_over(scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 4)));
