@@ -125,6 +125,35 @@ std::string describe_scheduling(const SchedulingFigures& s) {
       100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
 }
 
+const char* name_of(DeviceStatus status) {
+  switch (status) {
+    case DeviceStatus::ready:
+      return "ready";
+    case DeviceStatus::ended:
+      return "ended";
+    case DeviceStatus::fault:
+      return "fault";
+    case DeviceStatus::away:
+      return "away";
+    case DeviceStatus::calibrating:
+      return "calibrating";
+  }
+  return "ready";
+}
+
+// What the hardware says of itself, as far as it says anything.
+void add_device(LatencyReport& report, const ServoStats& stats) {
+  const auto add = [&](const char* name, std::string_view text) {
+    if (!text.empty()) report.notes[name] = std::string(text);
+  };
+  report.notes["device_state"] = name_of(stats.device_status);
+  report.notes["device_calibrated"] = stats.device.is_calibrated ? "yes" : "no";
+  add("device_model", stats.device.model);
+  add("device_serial", stats.device.serial);
+  add("device_firmware", stats.device.firmware);
+  if (stats.device.motor_temperature >= 0.0) report.notes["motor_temperature"] = fmt::format("{:.3f}", stats.device.motor_temperature);
+}
+
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {
   const double echo_ns = stats.bare_echo.quantile_ns(fraction);
   if (stats.round_trip.count() > 0 && echo_ns > 0.0) report.ratios[name] = stats.round_trip.quantile_ns(fraction) / echo_ns;
@@ -173,6 +202,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
     report.notes["haptics_clock_error_ns"] = std::to_string(stats.ways.clock_error_ns);
   }
   report.nodes = make_nodes(stats);
+  add_device(report, stats);
   if (!options.device.id.empty()) report.notes["device_id"] = options.device.id;
   if (!options.device.file.empty()) report.notes["device_file"] = options.device.file;
   if (!options.device.trajectory.empty()) report.notes["trajectory"] = options.device.trajectory;

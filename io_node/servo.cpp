@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
+constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;      // a device is away for so long before it is told
 constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
@@ -66,7 +67,7 @@ void Servo::start() noexcept {
   tick_ns_ = clock_.now_ns() + period_ns();
   stats_.start_ns = stats_.end_ns = tick_ns_;
   next_view_repeat_ns_ = tick_ns_;
-  figures_since_ns_ = stats_.start_ns;
+  figures_since_ns_ = status_since_ns_ = stats_.start_ns;
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
 
@@ -388,12 +389,13 @@ void Servo::tell_tap(std::int64_t now_ns) noexcept {
 void Servo::tell_of_safety(std::int64_t now_ns) noexcept {
   if (governor_.counters().latched > governor_told_.latched) events_.push({ServoEvent::Kind::latched, {}, {}, 0.0, {}, governor_.fault()});
   const DeviceStatus status = device_.status();
-  if (status != status_told_) {
+  if (status == status_told_) status_since_ns_ = now_ns;
+  if (now_ns - status_since_ns_ >= kStatusNs) {
     if (status == DeviceStatus::away) tell(ServoEvent::Kind::away, NodeRole::io, {});
     if (status == DeviceStatus::calibrating) tell(ServoEvent::Kind::calibrating, NodeRole::io, {});
     if (status == DeviceStatus::ready) tell(ServoEvent::Kind::back, NodeRole::io, {});
+    status_told_ = status;
   }
-  status_told_ = status;
   if (tap_ != nullptr) tell_tap(now_ns);
   governor_told_ = governor_.counters();
 }
@@ -468,6 +470,8 @@ void Servo::finish() noexcept {
 }
 
 const ServoStats& Servo::collect_stats() noexcept {
+  stats_.device_status = device_.status();
+  stats_.device = device_.condition();
   stats_.ledger = ledger_.counts();
   // The silence at the end is our own doing.
   if (!is_finished_) stats_.governor = governor_.figures();

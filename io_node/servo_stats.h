@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "io_node/devices/device.h"
 #include "io_node/echo_probe.h"
 #include "io_node/safety/safety_governor.h"
 #include "io_node/sample_ledger.h"
@@ -63,6 +64,8 @@ struct ServoStats {
   std::uint64_t events_dropped = 0;
   WayStats ways;
   std::array<PeerFigures, HubPeers::kCapacity> peers = {};
+  DeviceStatus device_status = DeviceStatus::ready;
+  DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }
 };

@@ -48,6 +48,20 @@ TEST(IoReport, holds_hops_rates_counters_and_the_ratio_to_the_bare_echo) {
   EXPECT_EQ(report.hops.back().name, "bare_echo");
 }
 
+TEST(IoReport, says_what_the_device_says_of_itself) {
+  auto stats = two_seconds();
+  stats->device_status = DeviceStatus::calibrating;
+  stats->device = {.model = "Touch", .serial = "SN1", .firmware = "192", .is_calibrated = false, .motor_temperature = 0.25};
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  EXPECT_EQ(report.notes.at("device_state"), "calibrating");
+  EXPECT_EQ(report.notes.at("device_calibrated"), "no");
+  EXPECT_EQ(report.notes.at("device_model"), "Touch");
+  EXPECT_EQ(report.notes.at("device_serial"), "SN1");
+  EXPECT_EQ(report.notes.at("device_firmware"), "192");
+  EXPECT_EQ(report.notes.at("motor_temperature"), "0.250");
+  EXPECT_FALSE(make_io_report(*two_seconds(), {}, "").notes.contains("motor_temperature"));
+}
+
 TEST(IoReport, claims_no_echo_that_was_not_measured) {
   auto stats = two_seconds();
   stats->bare_echo.clear();

@@ -94,7 +94,8 @@ std::string to_text(const Diagnosis& diagnosis, bool with_colours) {
     text += fmt::format("{}: {}\n", section.name, section.about);
     for (const Finding& finding : section.findings) {
       text += fmt::format("  {} {}: {}\n", marked(finding.verdict, with_colours), finding.subject, finding.seen);
-      if (!finding.remedy.empty()) text += fmt::format("           mend: {}\n", finding.remedy);
+      if (finding.remedy.empty()) continue;
+      text += fmt::format("           {}: {}\n", finding.verdict == Verdict::note ? "hint" : "mend", finding.remedy);
     }
   }
   return text + "\n" + verdict_line(diagnosis);

@@ -44,7 +44,7 @@ Finding explain_failure(const KnownVendorLibrary& library, const LibraryAnswer& 
         fmt::format("{} needs it, and it is not here: {}", driven->name, answer.failures.empty() ? names : answer.failures.front().error),
         fmt::format("install {}", library.source));
   }
-  return note(name, fmt::format("not installed; only {} need it", library.devices));
+  return note(name, fmt::format("not installed; it is for {}", library.devices));
 }
 
 Finding check_library(const Machine& machine, const KnownVendorLibrary& library, const std::vector<PluggedDevice>& devices) {
