@@ -11,14 +11,19 @@ namespace hapton {
 
 // A recording in place of a hand: plays a trajectory from its first row on, starting at the first read, straight lines between
 // rows (and the shortest turn). Forces go nowhere. At the end it stays at the last row and says `ended`, or with loop begins
-// again, as if the first row came one mean row distance after the last: a recording that does not close jumps there.
-// The limits are a PHANToM Model A's; the workspace is the recording's own box.
+// again, as if the first row came one mean row distance after the last: a recording that does not close jumps there, and says `away` for
+// that one read, so that nobody takes it for a hand.
+// The limits are a PHANToM Model A's, without a limit of speed: a recording is what it is. The workspace is the recording's own box, with
+// kMarginM around it.
 // RT: all but making one; a read moves on by the rows that have passed.
 class ReplayDevice final : public Device {
  public:
   struct Options {
     bool loop = false;
   };
+
+  static constexpr double kMarginM = 0.02;
+  static constexpr double kSeamM = 0.001;  // a larger step from the last row to the first is a jump
 
   // Pre: rows as read_trajectory_csv gives them (at least one, times rising).
   ReplayDevice(std::vector<TrajectoryRow> rows, const Options& options);
@@ -39,8 +44,10 @@ class ReplayDevice final : public Device {
   Options options_;
   DeviceLimits limits_;
   DeviceStatus status_ = DeviceStatus::ready;
-  double turn_s_ = 0.0;  // length of one round of a loop
-  std::size_t row_ = 0;  // rows_[row_].t_s <= time, as far as known
+  bool is_open_ = false;  // a loop of it jumps
+  double turn_s_ = 0.0;   // length of one round of a loop
+  std::size_t row_ = 0;   // rows_[row_].t_s <= time, as far as known
+  double played_to_s_ = 0.0;
   std::int64_t zero_ns_ = -1;
 };
 

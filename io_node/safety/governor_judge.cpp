@@ -55,7 +55,7 @@ double GovernorJudge::pass(std::int64_t time_ns) noexcept {
   if (passed_s > 0.02) has_stalled_ = true;
   if (time_constant_s_ > 0.0) {
     const double goal = out_.force_n.squaredNorm();
-    heat_n2_ = goal + (heat_n2_ - goal) * std::exp(-passed_s / time_constant_s_);
+    heat_n2_ = goal + (heat_n2_ - goal) * std::exp(-std::min(passed_s, 1.0) / time_constant_s_);
   }
   impulse_n_s_ += out_.force_n * passed_s;
   turn_impulse_nm_s_ += out_.torque_nm * passed_s;

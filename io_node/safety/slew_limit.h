@@ -21,7 +21,8 @@ class SlewLimit {
     const double length = length_of(value_);
     if (length > ball) {
       const double shrink = std::fmin(length - ball * kJustBelow, haste.letting_go);
-      value_ = shrink == length ? Vec3(Vec3::Zero()) : Vec3(value_ * ((length - shrink) / length));
+      // Within rounding of zero is zero.
+      value_ = length - shrink <= 1e-12 * length ? Vec3(Vec3::Zero()) : Vec3(value_ * ((length - shrink) / length));
       left = std::fmax(left - shrink, 0.0);
     }
     const Vec3 aim = shortened(goal, ball);

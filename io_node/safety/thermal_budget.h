@@ -10,11 +10,13 @@ namespace hapton {
 //
 // T follows from how long the device bears max_force_n beginning cold: 1 = (max / continuous)² (1 - exp(-peak_s / T)). From load kFadeFrom
 // on the force allowed² sinks linearly from max² to continuous², where it arrives at load 1: so load stays below 1 and the force never
-// jumps. A device that bears its max_force_n without end, or does not say how long, has no budget.
+// jumps. Nobody watches a gap in time: no more than kLongestHeldS of it counts, every device lets go by itself in less, or sleeps as the
+// machine does. A device that bears its max_force_n without end, or does not say how long, has no budget.
 // RT: held and allowed_n yes; making one is set-up only.
 class ThermalBudget {
  public:
   static constexpr double kFadeFrom = 0.8;
+  static constexpr double kLongestHeldS = 1.0;
   static constexpr double kSpent = 1.02;  // more than the fade lets through: force was held while nobody looked
 
   explicit ThermalBudget(const DeviceLimits& device);

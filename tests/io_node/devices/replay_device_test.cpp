@@ -32,7 +32,24 @@ TEST(ReplayDevice, loops) {
     const Vec3 p = device.read(round * 20'000'000 + 5'000'000).p_WD;
     EXPECT_TRUE(p.isApprox(Vec3(0.005, 0.01, -0.015), 1e-6)) << round;
   }
+}
+
+TEST(ReplayDevice, a_loop_that_does_not_close_is_away_for_the_read_that_jumps) {
+  ReplayDevice device(two_rows(), {.loop = true});
+  device.read(0);
+  device.read(9'000'000);
   EXPECT_EQ(device.status(), DeviceStatus::ready);
+  device.read(21'000'000);
+  EXPECT_EQ(device.status(), DeviceStatus::away);
+  device.read(22'000'000);
+  EXPECT_EQ(device.status(), DeviceStatus::ready);
+  std::vector<TrajectoryRow> closed = two_rows();
+  closed.push_back({10.02, Vec3(0, 0, 0), Quat::Identity()});
+  ReplayDevice closes(closed, {.loop = true});
+  for (std::int64_t now = 0; now < 100'000'000; now += 1'000'000) {
+    closes.read(now);
+    ASSERT_EQ(closes.status(), DeviceStatus::ready);
+  }
 }
 
 TEST(ReplayDevice, one_row_is_a_place_to_stand) {
