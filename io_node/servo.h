@@ -147,7 +147,8 @@ class Servo {
   CycleNote cycle_;
   GovernorCounters governor_told_;
   DeviceStatus status_told_ = DeviceStatus::ready;
-  std::uint32_t faults_ = 0;  // of the newest cycle, a bit each
+  std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
+  std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
   std::int64_t next_strangers_ns_ = 0;
