@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <filesystem>
 #include <fstream>
 #include <memory>
 
@@ -71,6 +72,37 @@ TEST_F(TwoHands, TouchEachByItself) {
   for (const char* name : {"left", "right"}) {
     EXPECT_THAT(ended->out, HasSubstr(std::string("--- ") + name));
     expect_sane(report_of(name));
+  }
+}
+
+TEST_F(TwoHands, TellTheDoctorOfTheirDevices) {
+  const std::string port = hubs["left"].substr(hubs["left"].find(':') + 1);
+  const auto asked = run("hapton", {"doctor", "--only", "hub", "--only", "ports", "--port", port, "--json"}, system.folder());
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->exit_code, 0) << asked->out << asked->err;
+  EXPECT_EQ(Json::parse(asked->out).at("schema"), "hapton.doctor/1");
+  EXPECT_THAT(asked->out, HasSubstr("simulated, calibrated"));
+  EXPECT_THAT(asked->out, HasSubstr("io_node has it (process " + std::to_string(io->pid())));
+}
+
+TEST(Doctor, TellsAProgramByItsExitCode) {
+  TestFolder folder;
+  const std::string clock = (folder.path() / "root/sys/devices/system/clocksource/clocksource0").string();
+  std::filesystem::create_directories(clock);
+  const auto look = [&] {
+    return run("hapton", {"doctor", "--root", (folder.path() / "root").string(), "--only", "clock"}, folder.path()).value_or(Ended{});
+  };
+  std::ofstream(clock + "/current_clocksource") << "tsc\n";
+  EXPECT_EQ(look().exit_code, 0);
+  std::ofstream(clock + "/current_clocksource") << "hpet\n";
+  const Ended slow = look();
+  EXPECT_EQ(slow.exit_code, 1);
+  EXPECT_THAT(slow.out, HasSubstr("mend: "));
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"--only", "nonsense"}, {"--root", "/nowhere"}, {"--port", "0"}, {"stray"}}) {
+    std::vector<std::string> words = {"doctor"};
+    words.insert(words.end(), wrong.begin(), wrong.end());
+    EXPECT_EQ(run("hapton", words, folder.path()).value_or(Ended{}).exit_code, 2) << wrong.front();
   }
 }
 
