@@ -1,0 +1,221 @@
+// Runs inside the guest of deploy/hid-test, on a kernel with uhid: virtual devices below a real HID stack, the unmodified io_node above it.
+// No timing is judged: what is emulated by software takes its time. Waits end with a condition.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <sstream>
+
+#include "hid/hidapi_transport.h"
+#include "io_node/devices/wooden_kinematics.h"
+#include "tests/hid_guest/virtual_devices.h"
+#include "tests/hid_guest/wall_haptics.h"
+#include "tests/process/program.h"
+#include "tests/support/patience.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton::guest {
+namespace {
+
+constexpr const char* kHub = "127.0.0.1:4950";
+
+class Guest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(make_key_file(key_file()));
+    key_ = std::make_unique<LinkKey>(*read_key_file(key_file()));
+  }
+  void TearDown() override {
+    if (!HasFailure() || !io_node_) return;
+    if (io_node_->is_running()) io_node_->kill();
+    io_node_->wait(process::Seconds(10));
+    ADD_FAILURE() << io_node_->out() << io_node_->err();
+  }
+
+  std::string key_file() const { return (folder_.path() / "key").string(); }
+  void start(const std::string& device) {
+    io_node_ = std::make_unique<process::Program>(
+        "io_node", std::vector<std::string>{"--device", device, "--bind", kHub, "--key", key_file(), "--flight", "off", "--spin", "0"},
+        folder_.path());
+  }
+  void touch_a_wall(double z_m) { haptics_ = std::make_unique<WallHaptics>(kHub, *key_, z_m); }
+  void end() {
+    io_node_->send_signal(SIGTERM);
+    const auto ended = io_node_->wait(process::Seconds(30));
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->exit_code, 0) << ended->err;
+    std::istringstream lines(ended->out);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(" samples (") != std::string::npos) std::printf("io_node: %s\n", line.c_str());
+    }
+  }
+  Vec3 p() const { return haptics_->newest().p_WD; }
+  bool is_node(const std::string& serial) const {
+    for (const HidDescription& device : list_hid_devices()) {
+      if (device.serial == serial) return true;
+    }
+    return false;
+  }
+  // So many more samples come, whatever the device does.
+  bool hears_more(std::uint64_t samples) const {
+    const std::uint64_t from = haptics_->states();
+    return wait_until([&] { return haptics_->states() >= from + samples; });
+  }
+
+  ScratchFolder folder_;
+  std::unique_ptr<LinkKey> key_;
+  std::unique_ptr<process::Program> io_node_;
+  std::unique_ptr<WallHaptics> haptics_;
+};
+
+// From nothing, by steps, to what it was: no jump to it.
+void expect_ramp(const std::vector<Vec3>& told, const Vec3& full) {
+  ASSERT_FALSE(told.empty());
+  EXPECT_LT(told.front().norm(), 0.05 * full.norm());
+  std::size_t between = 0;
+  for (const Vec3& value : told) between += value.norm() > 0.05 * full.norm() && value.norm() < 0.9 * full.norm() ? 1 : 0;
+  EXPECT_GE(between, 3U);
+}
+
+void tell(const UhidDevice& device) {
+  std::printf("device: %llu reports in, %llu out\n", static_cast<unsigned long long>(device.inputs()),
+              static_cast<unsigned long long>(device.outputs()));
+}
+
+class GuestWithWooden : public Guest {
+ protected:
+  // The force of the wall and the arm's own weight, at the counts it has now.
+  static Vec3 expected_ma(const VirtualWooden& device, double force_z_n) {
+    const WoodenKinematics arm{WoodenArm{}};
+    const Vec3 angles = arm.angles_rad(device.counts());
+    return 1e3 * arm.motor_current_a(arm.gravity_torque_nm(angles) + arm.joint_torque_nm(angles, Vec3(force_z_n, 0, 0)));
+  }
+  // W's z is the base's x.
+  static double z_of(const VirtualWooden& device) {
+    const WoodenKinematics arm{WoodenArm{}};
+    return arm.position_m(arm.angles_rad(device.counts())).x();
+  }
+};
+
+TEST_F(GuestWithWooden, IsFoundFeltUnpluggedInContactAndFeltAgain) {
+  VirtualWooden device(false);
+  device.plug_in();
+  ASSERT_TRUE(wait_until([&] { return is_node("W8"); }));
+  start("wooden-haptics");
+  const double wall_z_m = z_of(device) - 0.002;
+  touch_a_wall(wall_z_m);
+  ASSERT_TRUE(hears_more(300));
+  EXPECT_NEAR(p().z(), z_of(device), 1e-9);
+  // Into the wall, slowly, 6 mm.
+  const double outside_deg = 35.0;
+  for (double in_deg = 0.0; in_deg <= 2.0; in_deg += 0.02) {
+    device.lean(outside_deg - in_deg);
+    ASSERT_TRUE(hears_more(3));
+  }
+  const double depth_m = wall_z_m - z_of(device);
+  ASSERT_GT(depth_m, 0.003);
+  const Vec3 expected = expected_ma(device, WallHaptics::kStiffnessNPerM * depth_m);
+  const auto is_felt = [&] { return (device.told().last() - expected).norm() < 0.02 * expected.norm(); };
+  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " mA, not " << expected.transpose();
+  ASSERT_TRUE(hears_more(300));
+  EXPECT_TRUE(wait_until([&] { return device.outputs() > 500; }));
+  EXPECT_TRUE(wait_until(is_felt));
+
+  device.unplug();
+  EXPECT_TRUE(wait_until([&] { return !is_node("W8"); }));
+  ASSERT_TRUE(hears_more(200)) << "the servo goes on";
+  EXPECT_TRUE(io_node_->is_running());
+  device.forget();
+  device.plug_in();
+  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " mA, not " << expected.transpose();
+  expect_ramp(device.told().all(), expected);
+
+  end();
+  EXPECT_EQ(device.told().last(), Vec3::Zero());
+  tell(device);
+}
+
+TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsFelt) {
+  VirtualWooden device(true);
+  device.plug_in();
+  ASSERT_TRUE(wait_until([&] { return is_node("W14"); }));
+  start("wooden-haptics");
+  touch_a_wall(z_of(device) + 0.005);
+  const Vec3 expected = expected_ma(device, WallHaptics::kStiffnessNPerM * 0.005);
+  EXPECT_TRUE(wait_until([&] { return (device.told().last() - expected).norm() < 0.02 * expected.norm(); }));
+  end();
+}
+
+TEST_F(Guest, HaptonHidIsFoundFeltFrozenUnpluggedInContactAndFeltAgain) {
+  VirtualHaptonHid device;
+  device.plug_in();
+  ASSERT_TRUE(wait_until([&] { return is_node("V1"); }));
+  start("hapton-hid");
+  touch_a_wall(0.0);
+  ASSERT_TRUE(hears_more(300));
+  EXPECT_NEAR(p().z(), 0.05, 1e-6);
+  for (double z_m = 0.05; z_m >= -0.0051; z_m -= 0.0005) {
+    device.move_to(z_m);
+    ASSERT_TRUE(hears_more(3));
+  }
+  const Vec3 expected(0, 0, 1.5);
+  device.move_to(-0.005);
+  const auto is_felt = [&] { return device.is_on() && (device.told().last() - expected).norm() < 0.01; };
+  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " N";
+  ASSERT_TRUE(hears_more(300));
+  EXPECT_TRUE(wait_until([&] { return device.outputs() > 500; }));
+  EXPECT_TRUE(wait_until(is_felt));
+
+  io_node_->send_signal(SIGSTOP);
+  EXPECT_TRUE(wait_until([&] { return !device.is_on(); })) << "the device's own watchdog";
+  io_node_->send_signal(SIGCONT);
+  EXPECT_TRUE(wait_until(is_felt)) << "armed again";
+
+  device.unplug();
+  ASSERT_TRUE(hears_more(200));
+  EXPECT_TRUE(io_node_->is_running());
+  device.forget();
+  device.plug_in();
+  EXPECT_TRUE(wait_until(is_felt)) << device.told().last().transpose() << " N";
+  expect_ramp(device.told().all(), expected);
+
+  end();
+  EXPECT_FALSE(device.is_on());
+  tell(device);
+}
+
+TEST_F(Guest, SpaceMouseMovesTheHandUntilItIsUnpluggedAndAgainAfterwards) {
+  VirtualSpaceMouse device;
+  device.plug_in();
+  ASSERT_TRUE(wait_until([&] { return is_node("S1"); }));
+  start("spacemouse");
+  touch_a_wall(-1.0);
+  ASSERT_TRUE(hears_more(200));
+  const Vec3 start_m = p();
+  device.push(350, 2);
+  EXPECT_TRUE(wait_until([&] { return p().x() > start_m.x() + 0.01; }));
+  EXPECT_EQ(haptics_->newest().buttons, 2U);
+  device.unplug();
+  EXPECT_TRUE(wait_until([&] {
+    const Vec3 before = p();
+    return hears_more(300) && p() == before;
+  }));
+  device.push(-350, 0);
+  const double there_m = p().x();
+  device.plug_in();
+  EXPECT_TRUE(wait_until([&] { return p().x() < there_m - 0.01; }));
+  end();
+}
+
+TEST_F(Guest, WhatIsNotPluggedInIsSaidInOneLine) {
+  start("hapton-hid");
+  const auto ended = io_node_->wait(process::Seconds(30));
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 1);
+  EXPECT_NE(ended->err.find("no Hapton HID is plugged in"), std::string::npos) << ended->err;
+}
+
+}  // namespace
+}  // namespace hapton::guest

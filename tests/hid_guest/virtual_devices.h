@@ -1,0 +1,107 @@
+#pragma once
+
+#include "core/math/types.h"
+#include "docs/hid/hapton_hid_device.h"
+#include "tests/hid_guest/uhid_device.h"
+
+namespace hapton::guest {
+
+// What a virtual device's motors were told since it was plugged in, in the order of its reports.
+class Told {
+ public:
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    told_.clear();
+  }
+  void add(const Vec3& value) {
+    const std::lock_guard lock(mutex_);
+    told_.push_back(value);
+  }
+  std::vector<Vec3> all() const {
+    const std::lock_guard lock(mutex_);
+    return told_;
+  }
+  Vec3 last() const {
+    const std::lock_guard lock(mutex_);
+    return told_.empty() ? Vec3::Zero() : told_.back();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Vec3> told_;
+};
+
+// WoodenHaptics as its firmware shows itself, with 3 or 6 encoders. The upper arm leans 40 degrees, the column stands still.
+class VirtualWooden final : public UhidDevice {
+ public:
+  explicit VirtualWooden(bool has_wrist);
+  ~VirtualWooden() override { unplug(); }
+
+  // The lower arm's angle against the vertical.
+  void lean(double degrees) { degrees_ = degrees; }
+  // The encoders' counts of the three bodies.
+  std::array<std::int16_t, 3> counts() const;
+  // Currents in mA.
+  const Told& told() const { return told_; }
+  void forget() { told_.clear(); }
+
+ protected:
+  std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
+  void take_output(const Bytes& report, std::uint32_t time_us) override;
+
+ private:
+  bool has_wrist_;
+  std::atomic<double> degrees_ = 35.0;
+  std::uint16_t counter_ = 0;
+  Told told_;
+};
+
+// A Hapton HID device made of docs/hid/hapton_hid_device.c.
+class VirtualHaptonHid final : public UhidDevice {
+ public:
+  static constexpr int kWatchdogMs = 100;
+  static constexpr double kMaxForceN = 6.0;
+
+  VirtualHaptonHid();
+  ~VirtualHaptonHid() override { unplug(); }
+
+  void move_to(double z_m) { z_m_ = z_m; }
+  // Whether its motors are on, as of its newest state.
+  bool is_on() const { return is_on_; }
+  // What its motors do, N.
+  const Told& told() const { return told_; }
+  void forget() { told_.clear(); }
+
+ protected:
+  std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
+  void take_output(const Bytes& report, std::uint32_t time_us) override;
+  Bytes make_feature(std::uint8_t id) override;
+
+ private:
+  hapton_hid_device device_;
+  std::atomic<double> z_m_ = 0.05;
+  std::atomic<bool> is_on_ = false;
+  Told told_;
+};
+
+// A SpaceMouse whose cap is held as it is told: 16 ms a report, pushes and turns by turns.
+class VirtualSpaceMouse final : public UhidDevice {
+ public:
+  VirtualSpaceMouse();
+  ~VirtualSpaceMouse() override { unplug(); }
+
+  void push(int x, int buttons) {
+    x_ = x;
+    buttons_ = buttons;
+  }
+
+ protected:
+  std::vector<Bytes> make_inputs(std::uint32_t time_us) override;
+  void take_output(const Bytes&, std::uint32_t) override {}
+
+ private:
+  std::atomic<int> x_ = 0, buttons_ = 0;
+  std::uint32_t next_us_ = 0;
+};
+
+}  // namespace hapton::guest
