@@ -23,6 +23,7 @@ constexpr double kLockShare = 0.10;
 constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
+constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -323,10 +324,14 @@ struct StressRun::Inside {
     if (!(step > 0.0) || step > kThroughStep * extent) return false;
     const std::optional<Vec3> crossing = find_crossing(body.touched, from, to);
     if (!crossing) return false;
-    return std::none_of(borders.begin(), borders.end(), [&](const auto& border) {
+    return !is_near_border(*crossing, 10.0 * step);
+  }
+
+  bool is_near_border(const Vec3& p, double reach) const {
+    return std::any_of(borders.begin(), borders.end(), [&](const auto& border) {
       const Vec3& a = body.touched.vertices[border.first];
       const Vec3& b = body.touched.vertices[border.second];
-      return closest_point(a, b, b, *crossing).distance < 10.0 * step;
+      return closest_point(a, b, b, p).distance < reach;
     });
   }
 
@@ -447,7 +452,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       const double gain = length - (rested.p_SP - device).norm();
       // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
       const double depth = gain > kLagGain * extent && in.solid ? in.solid->compute_distance(device) : extent;
-      if (gain > kLagGain * extent && depth > kTieShare * extent) {
+      const bool is_late = gain > kLagGain * extent && depth > kTieShare * extent;
+      if (is_late && !in.is_near_border(felt.p_SP, kMouthShare * extent)) {
         note(in.solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
       }
     }
