@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "io_node/devices/force_dimension_device.h"
+#include "io_node/devices/haply_device.h"
 #include "io_node/devices/hapton_hid_device.h"
 #include "io_node/devices/open_haptics_device.h"
 #include "io_node/devices/placed_device.h"
@@ -44,6 +45,7 @@ constexpr std::array kMakers = {
     DeviceMaker{.name = "openhaptics", .about = "PHANToM, Omni, Touch by libHD", .takes_id = true, .make = make_openhaptics},
     DeviceMaker{
         .name = "forcedimension", .about = "omega, delta, sigma, lambda, Falcon by libdrd", .takes_id = true, .make = make_forcedimension},
+    DeviceMaker{.name = "haply", .about = "Haply Inverse3 by its service", .takes_id = true, .make = make_haply},
 };
 
 // The names of the kinds that take a setting: "replay", "wooden-haptics or haply".

@@ -1,0 +1,96 @@
+#include "link/websocket_endpoint.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/buffers_to_string.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <chrono>
+
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = boost::beast::websocket;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+asio::ip::address to_asio(const Address& address) {
+  const bool is_v4 = address.ip[10] == 0xFF && address.ip[11] == 0xFF;
+  if (is_v4) return asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]});
+  return asio::ip::address_v6(address.ip);
+}
+
+class BeastEndpoint final : public WebSocketEndpoint {
+ public:
+  bool open(const Address& to, std::int64_t patience_ns) {
+    // The stream's own time limits would be started anew by every byte.
+    stream_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(), websocket::stream_base::none(), false});
+    stream_.read_message_max(kMostMessageBytes);
+    const bool is_there = run(patience_ns, [&](auto&& done) {
+      lowest().async_connect(tcp::endpoint(to_asio(to), to.port), [done](const error_code& error) { done(error); });
+    });
+    if (!is_there) return false;
+    error_code ignored;
+    lowest().socket().set_option(tcp::no_delay(true), ignored);
+    return run(patience_ns,
+               [&](auto&& done) { stream_.async_handshake(to_string(to), "/", [done](const error_code& error) { done(error); }); });
+  }
+
+  bool send(std::string_view text, std::int64_t patience_ns) override {
+    stream_.text(true);
+    return run(patience_ns, [&](auto&& done) {
+      stream_.async_write(asio::buffer(text), [done](const error_code& error, std::size_t) { done(error); });
+    });
+  }
+
+  bool receive(std::string& into, std::int64_t patience_ns) override {
+    buffer_.clear();
+    const bool is_there =
+        run(patience_ns, [&](auto&& done) { stream_.async_read(buffer_, [done](const error_code& error, std::size_t) { done(error); }); });
+    if (is_there) into = beast::buffers_to_string(buffer_.cdata());
+    return is_there;
+  }
+
+  const std::string& reason() const override { return reason_; }
+
+ private:
+  beast::tcp_stream& lowest() { return beast::get_lowest_layer(stream_); }
+
+  // Starts one operation and waits for its end. One that takes too long ends the connection: half a message is of no use.
+  template <class Start>
+  bool run(std::int64_t patience_ns, Start&& start) {
+    if (is_over_) return false;
+    lowest().expires_after(std::chrono::nanoseconds(patience_ns));
+    error_code result;
+    start([&result](const error_code& error) { result = error; });
+    context_.restart();
+    context_.run();
+    if (!result) return true;
+    is_over_ = true;
+    reason_ = result == beast::error::timeout ? "no answer in time" : result.message();
+    error_code ignored;
+    lowest().socket().close(ignored);
+    return false;
+  }
+
+  asio::io_context context_{1};
+  websocket::stream<beast::tcp_stream> stream_{context_};
+  beast::flat_buffer buffer_{kMostMessageBytes};
+  bool is_over_ = false;
+  std::string reason_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<WebSocketEndpoint>> WebSocketEndpoint::connect(const Address& to, std::int64_t patience_ns) {
+  auto endpoint = std::make_unique<BeastEndpoint>();
+  if (!endpoint->open(to, patience_ns)) return fail("{}: {}", to_string(to), endpoint->reason());
+  return endpoint;
+}
+
+}  // namespace hapton

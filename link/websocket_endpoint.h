@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// The client's end of a WebSocket connection that carries texts (RFC 6455, ws://, no TLS: for services on this machine).
+// RT: no. Threads: one.
+class WebSocketEndpoint {
+ public:
+  // A peer that sends more in one message is cut off.
+  static constexpr std::size_t kMostMessageBytes = 1 << 20;
+
+  // Error: nobody listens, it does not answer in time, or it speaks something else; one line with the system's words.
+  static Result<std::unique_ptr<WebSocketEndpoint>> connect(const Address& to, std::int64_t patience_ns);
+
+  virtual ~WebSocketEndpoint() = default;
+
+  // False: the connection is over, or was not done within patience_ns, which ends it too.
+  virtual bool send(std::string_view text, std::int64_t patience_ns) = 0;
+  virtual bool receive(std::string& into, std::int64_t patience_ns) = 0;
+
+  // Why the connection is over.
+  virtual const std::string& reason() const = 0;
+};
+
+}  // namespace hapton

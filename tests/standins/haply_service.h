@@ -1,0 +1,59 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+namespace hapton {
+
+// Stands in for the Haply Inverse Service: an inventory first, then one state for each message, over a WebSocket of 127.0.0.1. One client
+// at a time, in a thread of its own.
+class HaplyService {
+ public:
+  // port 0: any free one.
+  explicit HaplyService(std::uint16_t port = 0);
+  ~HaplyService();
+
+  std::uint16_t port() const { return port_; }
+  std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
+
+  // What it does from now on.
+  std::atomic<bool> is_plugged{true};
+  std::atomic<bool> is_calibrated{true};
+  std::atomic<bool> has_grip{true};
+  std::atomic<bool> is_silent{false};  // takes messages and answers none
+  std::atomic<bool> babbles{false};    // answers with something else
+  std::array<std::atomic<double>, 3> position_m{0.0, -0.12, 0.15};
+  std::atomic<int> buttons{0};
+
+  // What was done to it.
+  std::array<std::atomic<double>, 3> force_n{};
+  std::atomic<double> largest_force_n{0.0};
+  std::atomic<std::uint64_t> messages{0};
+  std::atomic<std::uint64_t> connections{0};
+  std::string first_message() const {
+    const std::lock_guard lock(mutex_);
+    return first_message_;
+  }
+
+ private:
+  struct Listening;
+  void run();
+  bool await_message(int socket);
+  void serve(void* socket);
+  std::string state(bool with_config) const;
+  void hear(const std::string& message, bool is_first);
+
+  std::unique_ptr<Listening> listening_;
+  std::uint16_t port_ = 0;
+  std::atomic<bool> ends_{false};
+  mutable std::mutex mutex_;
+  std::string first_message_;
+  std::thread thread_;
+};
+
+}  // namespace hapton
