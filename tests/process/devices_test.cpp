@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -104,6 +105,33 @@ TEST(Doctor, TellsAProgramByItsExitCode) {
     words.insert(words.end(), wrong.begin(), wrong.end());
     EXPECT_EQ(run("hapton", words, folder.path()).value_or(Ended{}).exit_code, 2) << wrong.front();
   }
+}
+
+// With a folder for the loader to look into, until this goes.
+class LoaderPath {
+ public:
+  explicit LoaderPath(const std::string& folder) : was_(::getenv("LD_LIBRARY_PATH") == nullptr ? "" : ::getenv("LD_LIBRARY_PATH")) {
+    ::setenv("LD_LIBRARY_PATH", folder.c_str(), 1);
+  }
+  ~LoaderPath() { was_.empty() ? ::unsetenv("LD_LIBRARY_PATH") : ::setenv("LD_LIBRARY_PATH", was_.c_str(), 1); }
+
+ private:
+  std::string was_;
+};
+
+TEST(Doctor, LoadsVendorsLibrariesAndNamesWhatTheyLack) {
+  TestFolder folder;
+  const auto look = [&](const std::string& libraries) {
+    const LoaderPath path(std::string(HAPTON_BIN_DIR) + "/../tests/standins/" + libraries);
+    return run("hapton", {"doctor", "--only", "libraries"}, folder.path()).value_or(Ended{});
+  };
+  const Ended there = look("openhaptics");
+  EXPECT_EQ(there.exit_code, 0) << there.out << there.err;
+  EXPECT_THAT(there.out, HasSubstr("OpenHaptics: libHD.so loads"));
+  const Ended needy = look("needy");
+  EXPECT_EQ(needy.exit_code, 1);
+  EXPECT_THAT(needy.out, HasSubstr("OpenHaptics: libPhantomIOLib42.so: cannot open shared object file: No such file or directory"));
+  EXPECT_THAT(needy.out, HasSubstr("mend: libHD.so is there, but needs libPhantomIOLib42.so"));
 }
 
 TEST(Devices, AFileThatIsWrongIsOneLine) {

@@ -18,19 +18,19 @@ namespace hapton::doctor {
 namespace {
 
 constexpr std::array kChecks = {
-    Check{"devices", "what is plugged in, its node, driver and rights", check_devices},
-    Check{"libraries", "vendors' libraries", check_libraries},
-    Check{"services", "daemons beside us", check_services},
-    Check{"hub", "what a running io_node says of its device", check_hub},
-    Check{"rights", "what the servo loop may ask for", check_rights},
-    Check{"sleep", "how soon CPUs wake", check_sleep},
-    Check{"cpus", "number, frequency, hypervisor", check_cpus},
-    Check{"clock", "what the time is read from", check_clock},
-    Check{"kernel", "whether it can be interrupted", check_kernel},
-    Check{"ports", "free, or who has them", check_ports},
-    Check{"keys", "of the sealed link", check_keys},
-    Check{"firewall", "whether other hosts get in", check_firewall},
-    Check{"display", "who draws, and quad-buffer stereo", check_display},
+    Check{"devices", "what is plugged in, its node, driver and rights", false, check_devices},
+    Check{"libraries", "vendors' libraries", false, check_libraries},
+    Check{"services", "daemons beside us", false, check_services},
+    Check{"hub", "what a running io_node says of its device", false, check_hub},
+    Check{"rights", "what the servo loop may ask for", true, check_rights},
+    Check{"sleep", "how soon CPUs wake", true, check_sleep},
+    Check{"cpus", "number, frequency, hypervisor", true, check_cpus},
+    Check{"clock", "what the time is read from", true, check_clock},
+    Check{"kernel", "whether it can be interrupted", true, check_kernel},
+    Check{"ports", "free, or who has them", false, check_ports},
+    Check{"keys", "of the sealed link", false, check_keys},
+    Check{"firewall", "whether other hosts get in", false, check_firewall},
+    Check{"display", "who draws, and quad-buffer stereo", false, check_display},
 };
 
 constexpr std::string_view colour_of(Verdict verdict) {
@@ -54,13 +54,18 @@ std::string marked(Verdict verdict, bool with_colours) {
 
 std::string counted(int count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
+std::string timing_line(const Diagnosis& diagnosis) {
+  const auto obstacles = diagnosis.obstacles_to_1_khz();
+  if (!obstacles) return {};
+  if (obstacles->empty()) return "1 kHz: nothing here is in the way\n";
+  return fmt::format("1 kHz: in the way {} {}\n", obstacles->size() == 1 ? "is" : "are", fmt::join(*obstacles, ", "));
+}
+
 std::string verdict_line(const Diagnosis& diagnosis) {
   const int problems = diagnosis.count(Verdict::problem);
-  const int warnings = diagnosis.count(Verdict::warning);
-  if (problems > 0)
-    return fmt::format("{} and {}: mend the problems first, the lines that do so are above\n", counted(problems, "problem"),
-                       counted(warnings, "warning"));
-  return fmt::format("no problem{}\n", warnings == 0 ? "" : ", " + counted(warnings, "warning"));
+  const std::string warnings = counted(diagnosis.count(Verdict::warning), "warning");
+  if (problems == 0) return fmt::format("no problem, {}\n", warnings);
+  return fmt::format("{}, {}; the lines that mend them are above\n", counted(problems, "problem"), warnings);
 }
 
 bool is_wanted(const Check& check, std::span<const std::string> only) {
@@ -80,10 +85,27 @@ int Diagnosis::count(Verdict verdict) const {
   return count;
 }
 
+std::optional<std::vector<std::string>> Diagnosis::obstacles_to_1_khz() const {
+  std::vector<std::string> obstacles;
+  std::ptrdiff_t looked_at = 0;
+  for (const Section& section : sections) {
+    if (!section.is_timing) continue;
+    ++looked_at;
+    for (const Finding& finding : section.findings) {
+      if (finding.verdict == Verdict::warning || finding.verdict == Verdict::problem) obstacles.push_back(finding.subject);
+    }
+  }
+  if (looked_at < std::count_if(
+                      kChecks.begin(), kChecks.end(), [](const Check& check) { return check.is_timing; }))
+    return std::nullopt;
+  return obstacles;
+}
+
 Diagnosis diagnose(const Machine& machine, std::span<const std::string> only) {
   Diagnosis diagnosis;
   for (const Check& check : kChecks) {
-    if (is_wanted(check, only)) diagnosis.sections.push_back({std::string(check.name), std::string(check.about), check.look(machine)});
+    if (is_wanted(check, only))
+      diagnosis.sections.push_back({std::string(check.name), std::string(check.about), check.is_timing, check.look(machine)});
   }
   return diagnosis;
 }
@@ -98,7 +120,7 @@ std::string to_text(const Diagnosis& diagnosis, bool with_colours) {
       text += fmt::format("           {}: {}\n", finding.verdict == Verdict::note ? "hint" : "mend", finding.remedy);
     }
   }
-  return text + "\n" + verdict_line(diagnosis);
+  return text + "\n" + timing_line(diagnosis) + verdict_line(diagnosis);
 }
 
 std::string to_json(const Diagnosis& diagnosis) {
@@ -107,6 +129,7 @@ std::string to_json(const Diagnosis& diagnosis) {
                                  {"problems", diagnosis.count(Verdict::problem)},
                                  {"warnings", diagnosis.count(Verdict::warning)},
                                  {"checks", nlohmann::ordered_json::array()}};
+  if (const auto obstacles = diagnosis.obstacles_to_1_khz()) json["obstacles_to_1_khz"] = *obstacles;
   for (const Section& section : diagnosis.sections) {
     nlohmann::ordered_json check = {{"name", section.name}, {"about", section.about}, {"findings", nlohmann::ordered_json::array()}};
     for (const Finding& finding : section.findings) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@ namespace hapton::doctor {
 struct Check {
   std::string_view name;   // for --only
   std::string_view about;  // a few words
+  bool is_timing = false;  // it is about whether a loop keeps time
   Findings (*look)(const Machine&) = nullptr;
 };
 
@@ -24,6 +26,7 @@ std::span<const Check> all_checks();
 struct Section {
   std::string name;
   std::string about;
+  bool is_timing = false;
   Findings findings;
 };
 
@@ -31,6 +34,9 @@ struct Diagnosis {
   std::vector<Section> sections;
 
   int count(Verdict verdict) const;
+  // What keeps a loop from a thousand regular cycles a second: the subjects of all warnings and problems of the timing checks. None: those
+  // were not all looked at.
+  std::optional<std::vector<std::string>> obstacles_to_1_khz() const;
   // No problem was found.
   bool is_fit() const { return count(Verdict::problem) == 0; }
 };

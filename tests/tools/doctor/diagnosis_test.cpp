@@ -268,7 +268,7 @@ TEST(Diagnosis, FindsNothingToMendOnAHealthyMachine) {
   for (const char* told :
        {"WoodenHaptics 1234:0006 SN1-1: /dev/hidraw0 (hid-generic), open to ada by rule 70-hapton.rules; io_node --device wooden-haptics",
         "/dev/ttyACM0 (cdc_acm)", "SpaceMouse Compact 256f:c635", "libHD.so.3.4 loads", "Touch, firmware 192, calibrated",
-        "--stereo crystal_eyes", "no problem\n"}) {
+        "--stereo crystal_eyes", "1 kHz: nothing here is in the way\nno problem, 0 warnings\n"}) {
     EXPECT_THAT(text, HasSubstr(told));
   }
 }
@@ -291,6 +291,16 @@ TEST(Diagnosis, IsJsonForPrograms) {
   const auto& finding = json.at("checks").at(0).at("findings").at(0);
   EXPECT_EQ(finding.at("verdict"), "problem");
   EXPECT_THAT(finding.at("remedy").get<std::string>(), HasSubstr("echo tsc"));
+}
+
+TEST(Diagnosis, SaysWhatIsInTheWayOfOneKilohertz) {
+  FakeMachine machine;
+  machine.set_limits("0", "unlimited");
+  machine.write("/proc/cpuinfo", "flags\t\t: hypervisor\n");
+  const Diagnosis diagnosis = diagnose(machine.look());
+  EXPECT_EQ(diagnosis.obstacles_to_1_khz(), (std::vector<std::string>{"real-time priority", "virtual machine"}));
+  EXPECT_THAT(to_text(diagnosis, false), HasSubstr("1 kHz: in the way are real-time priority, virtual machine\n"));
+  EXPECT_FALSE(diagnose(machine.look(), std::vector<std::string>{"rights"}).obstacles_to_1_khz());
 }
 
 TEST(Diagnosis, UsesColoursOnlyWhereAskedTo) {
