@@ -15,13 +15,15 @@ class SpaceMouseReader final : private HidListener {
 
   // Error: none is plugged in, or it may not be opened; one line.
   Result<void> open() { return port_.open(); }
+  // Instead of open(): looks for one until it is there; the log says when.
+  void start() { port_.start(); }
 
   // How the cap is held at now_ns (CLOCK_MONOTONIC).
   SpaceMouseState state(std::int64_t now_ns) noexcept;
   // As of the last call of state().
   bool is_there() const noexcept { return newest_.value().is_there; }
 
-  // Of the device that was opened.
+  // Of the device that open() opened.
   const HidDescription& description() const noexcept { return description_; }
 
  private:

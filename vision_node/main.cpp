@@ -1,7 +1,9 @@
 #include <cstdio>
+#include <optional>
 
 #include <fmt/core.h>
 
+#include "hid/hidapi_transport.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
@@ -49,6 +51,8 @@ int run(VisionOptions& options) {
   SealedClient sealed(**endpoint, clock, *key, *hub);
   HubClient client(sealed, clock, NodeRole::vision, *hub);
   VisionSession session(**view, client, clock, options);
+  std::optional<SpaceKnobs> knobs;
+  if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
   return ended ? 0 : give_up(ended.error());

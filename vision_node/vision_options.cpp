@@ -54,6 +54,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string size = "1280x720";
   std::string when = "contact";
   std::string unit;
+  std::string knobs = "window";
   bool no_cull = false;
   bool no_help = false;
 
@@ -92,6 +93,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
   app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(between(-360.0, 360.0));
   app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(between(-360.0, 360.0));
+  app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse), or spacemouse, too: turns of its cap")
+      ->check(CLI::IsMember({"window", "spacemouse"}))
+      ->capture_default_str();
   app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Pictures a second at most, 0: no limit (default: 60, in software 30)")
       ->check(between(0.0, 10000.0));
   app.add_option("--msaa", options.view.msaa, "Samples a pixel; slow in software")->check(CLI::Range(0, 16))->capture_default_str();
@@ -116,6 +120,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.view.height_px = pixels.height_px;
   options.view.cull = !no_cull;
   options.help = !no_help;
+  options.has_space_knobs = knobs == "spacemouse";
   options.screenshot_moment = *ScreenshotMoment::parse(when);
   if (!unit.empty()) options.unit = *parse_unit(unit);
   return options;

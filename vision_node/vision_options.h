@@ -31,6 +31,7 @@ struct VisionOptions {
   double seconds = 0.0;       // 0: until the window is closed
   int bench_frames = 0;
   bool help = true;
+  bool has_space_knobs = false;  // a SpaceMouse turns the dials, too
   std::filesystem::path screenshot;
   ScreenshotMoment screenshot_moment;
 };

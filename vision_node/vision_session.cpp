@@ -109,6 +109,7 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
 
 Result<void> VisionSession::attend_window() {
   for (const WindowEvent& event : view_.poll_events()) step_.handle(event, where());
+  if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   if (view_.take_stale()) step_.spoil();
   const Wishes wishes = step_.take_wishes();
   quit_ = quit_ || wishes.quit;

@@ -5,6 +5,7 @@
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
 #include "scene/scene_file.h"
+#include "vision_node/space_knobs.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_step.h"
@@ -25,6 +26,9 @@ class VisionSession {
  public:
   VisionSession(StereoView& view, HubClient& hub, Clock& clock, const VisionOptions& options);
 
+  // What turns the dials besides keys and mouse. Pre: it outlives the session.
+  void set_knobs(SpaceKnobs* knobs) { knobs_ = knobs; }
+
   // Until the window is closed, the time is up or a signal asks. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -40,6 +44,7 @@ class VisionSession {
   VisionStep::Screen where() const;
 
   StereoView& view_;
+  SpaceKnobs* knobs_ = nullptr;
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;

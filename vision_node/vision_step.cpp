@@ -41,6 +41,12 @@ void VisionStep::handle(const WindowEvent& event, const Screen& where) {
   sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
 }
 
+void VisionStep::turn_dials(const Vec3& degrees) {
+  if (degrees.isZero()) return;
+  for (int axis = 0; axis < 3; ++axis) interaction_.dials().turn(axis, degrees[axis]);
+  sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
+}
+
 Wishes VisionStep::take_wishes() {
   const Wishes wishes = interaction_.take_wishes();
   cull_ = cull_ != wishes.toggle_cull;

@@ -53,6 +53,8 @@ class VisionStep {
   // The hub has fallen silent.
   void lost() { connected_ = false; }
   void handle(const WindowEvent& event, const Screen& where);
+  // The knob box' dials were turned, degrees each.
+  void turn_dials(const Vec3& degrees);
   // The window has to be drawn whatever moved (uncovered, resized).
   void spoil() { stale_ = true; }
 

@@ -19,12 +19,14 @@ TEST(VisionOptions, DefaultsAreTheDocumentedOnes) {
   EXPECT_EQ(options.view.height_px, 720);
   EXPECT_EQ(options.view.msaa, 0);
   EXPECT_TRUE(options.view.cull);
+  EXPECT_FALSE(options.has_space_knobs);
   EXPECT_EQ(options.scene, "scenes/car_front.toml");
 }
 
 TEST(VisionOptions, FlagsArrive) {
-  const auto parsed = parse({"--stereo", "dresden", "--size", "800x600", "--no-cull", "--msaa", "4", "--dial-y-deg", "30", "--ipd-mm", "60",
-                             "--screenshot", "a.png", "--screenshot-when", "2.5", "--seconds", "3", "--hub", "box:5000"});
+  const auto parsed = parse({"--stereo",     "dresden",   "--size",   "800x600", "--no-cull",    "--msaa",  "4",
+                             "--dial-y-deg", "30",        "--ipd-mm", "60",      "--screenshot", "a.png",   "--screenshot-when",
+                             "2.5",          "--seconds", "3",        "--hub",   "box:5000",     "--knobs", "spacemouse"});
   ASSERT_TRUE(std::holds_alternative<VisionOptions>(parsed));
   const auto& options = std::get<VisionOptions>(parsed);
   EXPECT_EQ(options.view.stereo, StereoMode::dresden);
@@ -36,10 +38,12 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_EQ(options.ipd_mm, 60.0);
   EXPECT_EQ(options.screenshot, "a.png");
   EXPECT_EQ(options.hub, "box:5000");
+  EXPECT_TRUE(options.has_space_knobs);
 }
 
 TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {
   for (const auto& words : std::vector<std::vector<const char*>>{{"--stereo", "3d"},
+                                                                 {"--knobs", "three"},
                                                                  {"--size", "wide"},
                                                                  {"--size", "1x1"},
                                                                  {"--size", "800x600x24"},

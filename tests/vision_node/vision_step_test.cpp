@@ -53,6 +53,23 @@ class VisionStepTest : public testing::Test {
   VisionStep::Screen where_;
 };
 
+TEST_F(VisionStepTest, ATurnedKnobIsDrawnAndSentAndAStillOneIsNot) {
+  VisionStep step(settings());
+  step.joined();
+  while (step.take_message(0)) {
+  }
+  EXPECT_TRUE(turn(step, 0));
+  step.turn_dials(Vec3::Zero());
+  EXPECT_FALSE(turn(step, 50 * kMs));
+  EXPECT_FALSE(step.take_message(50 * kMs));
+  step.turn_dials(Vec3(0, 2, 0));
+  EXPECT_TRUE(turn(step, 100 * kMs));
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 2, 0));
+  const auto sent = step.take_message(100 * kMs);
+  ASSERT_TRUE(sent);
+  EXPECT_TRUE(std::holds_alternative<ViewTransform>(*sent));
+}
+
 TEST_F(VisionStepTest, DrawsOnceThenRestsWhileNothingMoves) {
   VisionStep step(settings());
   int pictures = 0;
