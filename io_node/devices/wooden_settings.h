@@ -33,7 +33,7 @@ struct WoodenSettings {
   static WoodenSettings make_default();
 };
 
-// docs/hid.md has the keys; what is left out is as in the default. Error: one line with file, line and key.
+// docs/wooden-haptics.md has the keys; what is left out is as in the default. Error: one line with file, line and key.
 Result<WoodenSettings> read_wooden_settings(const std::filesystem::path& path);
 
 }  // namespace hapton

@@ -1,0 +1,85 @@
+// deploy/udev/70-hapton.rules beside the catalogue: no device that we know lacks a rule.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+#include "docs/hid/hapton_hid_device.h"
+#include "hid/hid_catalog.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+std::vector<std::string> read_rules() {
+  std::ifstream file(std::string(HAPTON_SOURCE_DIR) + "/deploy/udev/70-hapton.rules");
+  std::vector<std::string> rules;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty() && line[0] != '#') rules.push_back(line);
+  }
+  return rules;
+}
+
+std::string hex(std::uint16_t id) {
+  char text[5];
+  std::snprintf(text, sizeof text, "%04x", id);
+  return text;
+}
+
+bool grants(const std::vector<std::string>& rules, std::uint16_t vid, std::uint16_t pid) {
+  for (const std::string& rule : rules) {
+    if (rule.find("idVendor}==\"" + hex(vid) + "\"") == std::string::npos) continue;
+    if (rule.find("idProduct}") == std::string::npos || (pid != 0 && rule.find(hex(pid)) != std::string::npos)) return true;
+  }
+  return false;
+}
+
+TEST(UdevRules, NameEveryDeviceOfTheCatalogue) {
+  const auto rules = read_rules();
+  for (const HidCatalogEntry& entry : hid_catalog()) {
+    if (entry.vid != 0) {
+      EXPECT_TRUE(grants(rules, entry.vid, entry.pid)) << entry.name;
+    }
+  }
+  EXPECT_FALSE(grants(rules, 0x046d, 0xc077)) << "a Logitech mouse is no affair of ours";
+}
+
+// udev compares with what sysfs says, which is in small letters.
+TEST(UdevRules, WriteIdsInSmallLetters) {
+  static const std::regex kCapital(R"re(id(Vendor|Product)\}=="[^"]*[A-F])re");
+  for (const std::string& rule : read_rules()) EXPECT_FALSE(std::regex_search(rule, kCapital)) << rule;
+}
+
+class HaptonHidRule : public ::testing::Test {
+ protected:
+  // What udev would run, on a descriptor of ours.
+  bool recognises(std::string_view descriptor) {
+    static const std::regex kProgram(R"re(PROGRAM=="([^"]*)")re");
+    for (const std::string& rule : read_rules()) {
+      std::smatch found;
+      if (!std::regex_search(rule, found, kProgram)) continue;
+      const std::string file = folder_.write("report_descriptor", descriptor).string();
+      const std::string command = std::regex_replace(found[1].str(), std::regex("/sys%p/device/report_descriptor"), file);
+      return std::system(command.c_str()) == 0;
+    }
+    ADD_FAILURE() << "there is no such rule";
+    return false;
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(HaptonHidRule, KnowsADeviceByItsReportDescriptor) {
+  const std::string_view descriptor(reinterpret_cast<const char*>(hapton_hid_descriptor), sizeof hapton_hid_descriptor);
+  EXPECT_TRUE(recognises(descriptor));
+  std::string other(descriptor);
+  other[1] = 0x47;
+  EXPECT_FALSE(recognises(other));
+  EXPECT_FALSE(recognises("\x05\x01\x09\x02\xa1\x01"));
+  EXPECT_FALSE(recognises(""));
+}
+
+}  // namespace
+}  // namespace hapton
