@@ -50,6 +50,15 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
   return metrics;
 }
 
+// A thread that talks to a device for the servo is as punctual as that; what concerns the whole process the servo's thread asks for.
+DeviceSettings device_settings(const IoOptions& options) {
+  DeviceSettings settings = options.device;
+  if (options.realtime.mode == RealtimeMode::off) return settings;
+  settings.realtime = RealtimeSettings{
+      .mode = RealtimeMode::attempt, .priority = options.realtime.priority, .cpu = -1, .lock_memory = false, .low_dma_latency = false};
+  return settings;
+}
+
 // Who sees the device besides the nodes; empty when nobody is to.
 struct Show {
   std::unique_ptr<vrpn::Feed> feed;
@@ -144,7 +153,7 @@ DeviceHub::DeviceHub(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 DeviceHub::~DeviceHub() = default;
 
 Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, const Clock& clock) {
-  auto device = make_device(options.device);
+  auto device = make_device(device_settings(options));
   if (!device) return tl::unexpected(device.error());
   const auto address = parse_address(options.bind);
   if (!address) return tl::unexpected(address.error());

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/math/types.h"
+#include "runtime/realtime.h"
 
 namespace hapton {
 
@@ -17,7 +19,8 @@ struct DeviceSettings {
   std::uint64_t seed = 1;          // of the simulated hand's script
   double max_force_n = 0.0;        // tighter than the device's own limit; 0: the device's
   double max_slew_n_per_s = 0.0;   // the same, of its change
-  Pose X_WB = Pose::Identity();    // of the device's base, as the maker knows it, in W: two hands side by side
+  std::optional<RealtimeSettings> realtime = {};  // of the thread that talks to it, where there is one; none: an ordinary thread
+  Pose X_WB = Pose::Identity();                   // of the device's base, as the maker knows it, in W: two hands side by side
 };
 
 }  // namespace hapton

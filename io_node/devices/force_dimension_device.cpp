@@ -33,8 +33,8 @@ Vec3 from_w(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 
 class ForceDimensionDevice final : public Device {
  public:
-  ForceDimensionDevice(dhd::Library library, int index, const ForceDimensionOptions& options)
-      : dhd_(std::move(library)), index_(index), options_(options) {}
+  ForceDimensionDevice(dhd::Library library, int index, std::optional<RealtimeSettings> realtime, const ForceDimensionOptions& options)
+      : dhd_(std::move(library)), index_(index), realtime_(std::move(realtime)), options_(options) {}
   ~ForceDimensionDevice() override;
 
   Result<void> open();
@@ -69,6 +69,7 @@ class ForceDimensionDevice final : public Device {
 
   const dhd::Library dhd_;
   const int index_;
+  const std::optional<RealtimeSettings> realtime_;
   const ForceDimensionOptions options_;
   DeviceLimits limits_;
   std::string model_, serial_;
@@ -156,6 +157,8 @@ void ForceDimensionDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void ForceDimensionDevice::run() {
+  // What is refused here the servo's thread was refused as well, and says so.
+  if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   calibrate();
   while (!ends_.load(std::memory_order_relaxed)) {
@@ -299,7 +302,7 @@ Result<std::unique_ptr<Device>> make_force_dimension(const DeviceSettings& setti
   if (!index) return tl::unexpected(index.error());
   auto library = dhd::load(options.library_file);
   if (!library) return tl::unexpected(library.error());
-  auto device = std::make_unique<ForceDimensionDevice>(std::move(*library), *index, options);
+  auto device = std::make_unique<ForceDimensionDevice>(std::move(*library), *index, settings.realtime, options);
   if (const auto opened = device->open(); !opened) return tl::unexpected(opened.error());
   const DeviceCondition condition = device->condition();
   log_info("Force Dimension SDK: {}, serial {}, at most {:.2f} N", condition.model, condition.serial.empty() ? "?" : condition.serial,

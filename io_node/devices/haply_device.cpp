@@ -41,7 +41,8 @@ DeviceLimits careful_limits() {
 
 class HaplyDevice final : public Device {
  public:
-  HaplyDevice(const Address& service, std::string id) : service_(service), id_(std::move(id)) {}
+  HaplyDevice(const Address& service, std::string id, std::optional<RealtimeSettings> realtime)
+      : service_(service), realtime_(std::move(realtime)), id_(std::move(id)) {}
   ~HaplyDevice() override {
     ends_.store(true, std::memory_order_relaxed);
     if (thread_.joinable()) thread_.join();
@@ -69,6 +70,7 @@ class HaplyDevice final : public Device {
   void look_for_service(std::int64_t now_ns);
 
   const Address service_;
+  const std::optional<RealtimeSettings> realtime_;
   const DeviceLimits limits_ = careful_limits();
   std::string id_, model_, firmware_;
   SteadyClock clock_;
@@ -117,6 +119,8 @@ void HaplyDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void HaplyDevice::run() {
+  // What is refused here the servo's thread was refused as well, and says so.
+  if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   while (!ends_.load(std::memory_order_relaxed)) {
     tick_ns = std::max(tick_ns + kPeriodNs, clock_.now_ns());
@@ -180,7 +184,7 @@ Result<std::unique_ptr<Device>> make_haply(const DeviceSettings& settings) {
   const std::string id = settings.id.substr(0, at);
   const auto service = parse_address(at == std::string::npos ? kService : std::string_view(settings.id).substr(at + 1), kPort);
   if (!service) return tl::unexpected(service.error());
-  auto device = std::make_unique<HaplyDevice>(*service, id);
+  auto device = std::make_unique<HaplyDevice>(*service, id, settings.realtime);
   if (const auto opened = device->open(); !opened) return tl::unexpected(opened.error());
   log_info("Haply Inverse Service: {} {}, at most {:.2f} N", device->condition().model, device->condition().serial,
            device->limits().max_force_n);

@@ -82,7 +82,7 @@ std::size_t HaptonHidBackend::encode(const Wrench& wrench, bool is_live, std::in
 }
 
 Result<std::unique_ptr<Device>> make_hapton_hid(const DeviceSettings& settings) {
-  return HidDevice::open(std::make_unique<HaptonHidBackend>(), make_hid_opener(HidKind::hapton_hid, settings.id));
+  return HidDevice::open(std::make_unique<HaptonHidBackend>(), make_hid_opener(HidKind::hapton_hid, settings.id), settings.realtime);
 }
 
 }  // namespace hapton

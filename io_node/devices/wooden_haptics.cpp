@@ -154,7 +154,8 @@ Result<std::unique_ptr<Device>> make_wooden_haptics(const DeviceSettings& settin
     if (!read) return tl::unexpected(read.error());
     wooden = *read;
   }
-  return HidDevice::open(std::make_unique<WoodenHapticsBackend>(wooden), make_hid_opener(HidKind::wooden_haptics, settings.id));
+  return HidDevice::open(std::make_unique<WoodenHapticsBackend>(wooden), make_hid_opener(HidKind::wooden_haptics, settings.id),
+                         settings.realtime);
 }
 
 }  // namespace hapton
