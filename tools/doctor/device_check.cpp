@@ -32,7 +32,7 @@ Finding explain_denial(const Machine& machine, const PluggedDevice& device, cons
   const std::string subject = subject_of(device);
   const User& user = machine.user();
   const std::string denied = fmt::format("{} is closed to {}", node.path, user.name);
-  const auto rule = find_udev_rule(machine, device, node.kind);
+  const auto rule = find_udev_rule(machine, device, node);
   if (!rule) return problem(subject, denied + ": no udev rule names it", line_that_adds_rule(device, node.kind));
   if (rule->has_capital_digits) {
     return problem(subject, fmt::format("{}: {} has capital hexadecimal digits, which udev never matches", denied, rule->file),
@@ -69,7 +69,7 @@ Finding check_node(const Machine& machine, const PluggedDevice& device, const De
             node.path);
   }
   if (!machine.may_use(node.path)) return explain_denial(machine, device, node);
-  const auto rule = find_udev_rule(machine, device, node.kind);
+  const auto rule = find_udev_rule(machine, device, node);
   return good(subject_of(device), fmt::format("{}, open to {}{}{}", with_driver(node), machine.user().name,
                                               rule ? " by rule " + rule->name() : "", describe_use(device)));
 }
@@ -93,19 +93,6 @@ Finding describe_nothing(int others) {
               "plug it in, switch its power on, then: lsusb (docs/devices.md has the ids); io_node --device simulated needs none");
 }
 
-bool ignores_modems(const Machine& machine, const PluggedDevice& device) {
-  const std::string vendor = fmt::format("\"{:04x}\"", device.vid);
-  for (const char* folder : {"/etc/udev/rules.d", "/run/udev/rules.d", "/usr/lib/udev/rules.d", "/lib/udev/rules.d"}) {
-    for (const std::string& name : machine.list(folder)) {
-      const std::string text = machine.read(fmt::format("{}/{}", folder, name)).value_or("");
-      for (const std::string_view line : split_lines(text)) {
-        if (line.find("ID_MM_DEVICE_IGNORE") != line.npos && line.find(vendor) != line.npos && !line.starts_with('#')) return true;
-      }
-    }
-  }
-  return false;
-}
-
 void check_modem_manager(const Machine& machine, const std::vector<PluggedDevice>& devices, Findings& findings) {
   const auto pid = machine.find_process("ModemManager");
   if (!pid) {
@@ -115,7 +102,7 @@ void check_modem_manager(const Machine& machine, const std::vector<PluggedDevice
   for (const PluggedDevice& device : devices) {
     const auto serial =
         std::find_if(device.nodes.begin(), device.nodes.end(), [](const DeviceNode& node) { return node.kind == DevicePath::serial; });
-    if (serial == device.nodes.end() || ignores_modems(machine, device)) continue;
+    if (serial == device.nodes.end() || keeps_modem_manager_off(machine, device, *serial)) continue;
     findings.push_back(
         problem("ModemManager",
                 fmt::format("talks to {} ({}) as if it were a modem, for the first half minute and at random", serial->path, device.name),

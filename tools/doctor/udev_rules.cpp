@@ -8,6 +8,7 @@
 #include <cctype>
 #include <map>
 #include <string_view>
+#include <vector>
 
 namespace hapton::doctor {
 namespace {
@@ -26,10 +27,12 @@ std::map<std::string, std::string> find_rule_files(const Machine& machine) {
   return files;
 }
 
+// Without comments, and with what a backslash at a line's end joins.
 std::vector<std::string> find_rule_lines(const std::string& text) {
   std::vector<std::string> lines(1);
   for (const std::string_view line : split_lines(text)) {
-    if (lines.back().empty() && line.find_first_not_of(" \t") != line.npos && line[line.find_first_not_of(" \t")] == '#') continue;
+    const std::size_t first = std::min(line.find_first_not_of(" \t"), line.size());
+    if (lines.back().empty() && line.substr(first).starts_with('#')) continue;
     const bool goes_on = line.ends_with('\\');
     lines.back() += line.substr(0, line.size() - (goes_on ? 1 : 0));
     if (!goes_on) lines.emplace_back();
@@ -37,14 +40,31 @@ std::vector<std::string> find_rule_lines(const std::string& text) {
   return lines;
 }
 
-// What stands in quotes after a key and its operator: `ATTRS{idVendor}=="1234"`; none: the line has no such key.
-std::optional<std::string> value_of(std::string_view line, std::string_view key) {
-  const std::size_t at = line.find(key);
-  if (at == line.npos) return std::nullopt;
-  const std::size_t begin = line.find('"', at);
-  const std::size_t end = begin == line.npos ? begin : line.find('"', begin + 1);
-  if (end == line.npos) return std::nullopt;
-  return std::string(line.substr(begin + 1, end - begin - 1));
+// KEY op "VALUE"
+struct Token {
+  std::string key;
+  std::string op;
+  std::string value;
+
+  bool is_match() const { return op == "==" || op == "!="; }
+};
+
+std::vector<Token> read_tokens(std::string_view line) {
+  constexpr std::string_view kOps = "=!+-:";
+  std::vector<Token> tokens;
+  while (true) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t,"), line.size()));
+    const std::size_t op = line.find_first_of(kOps);
+    const std::size_t begin = line.find('"');
+    if (op == line.npos || begin == line.npos || begin < op) return tokens;
+    const std::size_t end = line.find('"', begin + 1);
+    if (end == line.npos) return tokens;
+    const std::size_t op_end = line.find_first_not_of(kOps, op);
+    const std::string_view key = line.substr(0, op);
+    tokens.push_back({std::string(key.substr(0, key.find_last_not_of(" \t") + 1)), std::string(line.substr(op, op_end - op)),
+                      std::string(line.substr(begin + 1, end - begin - 1))});
+    line.remove_prefix(end + 1);
+  }
 }
 
 std::string lower(std::string text) {
@@ -54,8 +74,7 @@ std::string lower(std::string text) {
 
 // udev's patterns are the shell's, with | between several.
 bool matches(const std::string& patterns, const std::string& text) {
-  std::size_t begin = 0;
-  while (begin <= patterns.size()) {
+  for (std::size_t begin = 0; begin <= patterns.size();) {
     const std::size_t end = std::min(patterns.find('|', begin), patterns.size());
     if (::fnmatch(patterns.substr(begin, end - begin).c_str(), text.c_str(), 0) == 0) return true;
     begin = end + 1;
@@ -76,44 +95,103 @@ std::string_view subsystem_of(DevicePath node) {
   return "usb";
 }
 
-// folds: capital digits count as small ones.
-bool is_about(const std::string& line, const PluggedDevice& device, bool folds) {
-  const auto matches_id = [&](const std::string& pattern, std::uint16_t id) {
-    return matches(folds ? lower(pattern) : pattern, fmt::format("{:04x}", id));
-  };
-  const auto vendor = value_of(line, "idVendor}");
-  const auto product = value_of(line, "idProduct}");
-  if (vendor) return matches_id(*vendor, device.vid) && (!product || matches_id(*product, device.pid));
-  // By Bluetooth the ids are in the name of the HID device: 0005:256F:C63A.0001.
-  const auto parent = value_of(line, "KERNELS");
-  return parent && matches(*parent, fmt::format("0005:{:04X}:{:04X}.0001", device.vid, device.pid));
-}
+// One node's way through the rules.
+class RuleWalk {
+ public:
+  RuleWalk(const PluggedDevice& device, const DeviceNode& node, bool folds) : device_(device), node_(node), folds_(folds) {
+    if (node.kind == DevicePath::usb) env_["DEVTYPE"] = "usb_device";
+  }
 
-std::optional<UdevRule> read_rule(const std::string& line, const PluggedDevice& device, DevicePath node) {
-  if (line.find(subsystem_of(node)) == line.npos) return std::nullopt;
-  UdevRule rule;
-  rule.group = value_of(line, "GROUP").value_or("");
-  rule.has_uaccess = line.find("uaccess") != line.npos;
-  if (rule.group.empty() && !rule.has_uaccess && line.find("MODE") == line.npos) return std::nullopt;
-  if (is_about(line, device, false)) return rule;
-  rule.has_capital_digits = is_about(line, device, true);
-  if (rule.has_capital_digits || (device.device == "hapton-hid" && line.find("FF48") != line.npos)) return rule;
-  return std::nullopt;
+  void read_file(const std::string& file, const std::string& text) {
+    label_.clear();
+    for (const std::string& line : find_rule_lines(text)) read_line(file, read_tokens(line));
+  }
+
+  // The rights that were granted; no file: none.
+  const UdevRule& rule() const { return rule_; }
+  const std::map<std::string, std::string>& env() const { return env_; }
+
+ private:
+  void read_line(const std::string& file, const std::vector<Token>& tokens) {
+    if (!label_.empty()) {
+      const bool is_here = std::any_of(tokens.begin(), tokens.end(), [&](const Token& t) { return t.key == "LABEL" && t.value == label_; });
+      if (is_here) label_.clear();
+      return;
+    }
+    const bool holds =
+        std::all_of(tokens.begin(), tokens.end(), [&](const Token& t) { return !t.is_match() || (is_so(t) == (t.op == "==")); });
+    if (!holds) return;
+    for (const Token& token : tokens) {
+      if (!token.is_match()) take(file, token);
+    }
+  }
+
+  bool is_so(const Token& token) const {
+    const std::string& pattern = token.value;
+    if (token.key == "ACTION") return matches(pattern, "add");
+    if (token.key == "SUBSYSTEM" || token.key == "SUBSYSTEMS") return matches(pattern, std::string(subsystem_of(node_.kind)));
+    if (token.key == "KERNEL") return matches(pattern, node_name());
+    // The HID device above a hidraw node bears its bus and ids in its name; by Bluetooth that is all there is.
+    if (token.key == "KERNELS") return matches(pattern, hid_name()) || matches(pattern, node_name());
+    if (token.key.ends_with("{idVendor}")) return has_id(pattern, device_.vid);
+    if (token.key.ends_with("{idProduct}")) return has_id(pattern, device_.pid);
+    if (token.key == "ATTRS{serial}") return matches(pattern, device_.serial);
+    if (token.key == "PROGRAM") return device_.device == "hapton-hid" && pattern.find("x48") != pattern.npos;
+    if (token.key.starts_with("ENV{")) {
+      const auto known = env_.find(token.key.substr(4, token.key.size() - 5));
+      return matches(pattern, known == env_.end() ? "" : known->second);
+    }
+    return false;
+  }
+
+  void take(const std::string& file, const Token& token) {
+    if (token.key == "GOTO") label_ = token.value;
+    if (token.key.starts_with("ENV{")) env_[token.key.substr(4, token.key.size() - 5)] = token.value;
+    if (token.key == "GROUP") rule_.group = token.value;
+    if (token.key == "TAG" && token.value == "uaccess") rule_.has_uaccess = true;
+    const bool is_for_all = token.key == "MODE" && (token.value.ends_with('6') || token.value.ends_with('7'));
+    if (token.key == "GROUP" || (token.key == "TAG" && token.value == "uaccess") || is_for_all) rule_.file = file;
+  }
+
+  // USB's ids alone: by Bluetooth there are none.
+  bool has_id(const std::string& pattern, std::uint16_t id) const {
+    const bool is_usb = !device_.where.empty();
+    return is_usb && matches(folds_ ? lower(pattern) : pattern, fmt::format("{:04x}", id));
+  }
+  std::string node_name() const { return node_.path.substr(node_.path.find_last_of('/') + 1); }
+  std::string hid_name() const {
+    return fmt::format("{}:{:04X}:{:04X}.0001", device_.where.empty() ? "0005" : "0003", device_.vid, device_.pid);
+  }
+
+  const PluggedDevice& device_;
+  const DeviceNode& node_;
+  bool folds_;
+  std::string label_;  // to go to; empty: nowhere
+  std::map<std::string, std::string> env_;
+  UdevRule rule_;
+};
+
+RuleWalk walk_rules(const Machine& machine, const PluggedDevice& device, const DeviceNode& node, bool folds) {
+  RuleWalk walk(device, node, folds);
+  for (const auto& [name, file] : find_rule_files(machine)) walk.read_file(file, machine.read(file).value_or(""));
+  return walk;
 }
 
 }  // namespace
 
-std::optional<UdevRule> find_udev_rule(const Machine& machine, const PluggedDevice& device, DevicePath node) {
-  std::optional<UdevRule> last;
-  for (const auto& [name, file] : find_rule_files(machine)) {
-    for (const std::string& line : find_rule_lines(machine.read(file).value_or(""))) {
-      auto rule = read_rule(line, device, node);
-      if (!rule || (last && rule->has_capital_digits && !last->has_capital_digits)) continue;
-      rule->file = file;
-      last = std::move(rule);
-    }
-  }
-  return last;
+std::optional<UdevRule> find_udev_rule(const Machine& machine, const PluggedDevice& device, const DeviceNode& node) {
+  const UdevRule rule = walk_rules(machine, device, node, false).rule();
+  if (!rule.file.empty()) return rule;
+  UdevRule folded = walk_rules(machine, device, node, true).rule();
+  if (folded.file.empty()) return std::nullopt;
+  folded.has_capital_digits = true;
+  return folded;
+}
+
+bool keeps_modem_manager_off(const Machine& machine, const PluggedDevice& device, const DeviceNode& node) {
+  const auto env = walk_rules(machine, device, node, false).env();
+  const auto ignored = env.find("ID_MM_DEVICE_IGNORE");
+  return ignored != env.end() && ignored->second == "1";
 }
 
 std::string line_that_applies_rules(DevicePath node) {
@@ -121,10 +199,14 @@ std::string line_that_applies_rules(DevicePath node) {
 }
 
 std::string line_that_adds_rule(const PluggedDevice& device, DevicePath node) {
+  const std::string ids = device.where.empty()
+                              ? fmt::format("KERNELS==\"0005:{:04X}:{:04X}.*\"", device.vid, device.pid)
+                              : fmt::format("ATTRS{{idVendor}}==\"{:04x}\", ATTRS{{idProduct}}==\"{:04x}\"", device.vid, device.pid);
   return fmt::format(
-      "echo 'SUBSYSTEM==\"{}\", ATTRS{{idVendor}}==\"{:04x}\", ATTRS{{idProduct}}==\"{:04x}\", TAG+=\"uaccess\", GROUP=\"plugdev\", "
-      "MODE=\"0660\"' | sudo tee -a /etc/udev/rules.d/70-hapton-local.rules && {}",
-      subsystem_of(node), device.vid, device.pid, line_that_applies_rules(node));
+      "echo 'SUBSYSTEM==\"{}\", {}, TAG+=\"uaccess\", GROUP=\"plugdev\", MODE=\"0660\"' | sudo tee -a "
+      "/etc/udev/rules.d/70-hapton-local.rules "
+      "&& {}",
+      subsystem_of(node), ids, line_that_applies_rules(node));
 }
 
 }  // namespace hapton::doctor

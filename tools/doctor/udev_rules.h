@@ -2,16 +2,15 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "tools/doctor/machine.h"
 #include "tools/doctor/plugged_device.h"
 
 namespace hapton::doctor {
 
-// A line of a udev rules file that is about a device and grants rights on its node.
+// What udev's rules say of a device node.
 struct UdevRule {
-  std::string file;          // "/etc/udev/rules.d/70-hapton.rules"
+  std::string file;          // the last that grants anything: "/etc/udev/rules.d/70-hapton.rules"
   std::string group;         // GROUP=; empty: none
   bool has_uaccess = false;  // TAG+="uaccess": the person at the seat
   // It would match if its hexadecimal digits were small: udev compares letter by letter.
@@ -22,10 +21,15 @@ struct UdevRule {
   bool is_too_late() const { return has_uaccess && name() > "73-seat-late.rules"; }
 };
 
-// The rule for a node of that device, the last one first that udev reads; none: there is none. RT: no.
-std::optional<UdevRule> find_udev_rule(const Machine& machine, const PluggedDevice& device, DevicePath node);
+// Goes through the rules as udev does: files in their order, matches on ids, names and properties, GOTO. A match on anything that sysfs or
+// a program would have to be asked for counts as none, but for the program of 70-hapton.rules that knows Hapton HID. None: no rule gives
+// anybody a right on the node. RT: no.
+std::optional<UdevRule> find_udev_rule(const Machine& machine, const PluggedDevice& device, const DeviceNode& node);
 
-// A shell line that adds one, for people in `group` and at the seat, and applies it.
+// Whether the rules keep ModemManager off the node.
+bool keeps_modem_manager_off(const Machine& machine, const PluggedDevice& device, const DeviceNode& node);
+
+// A shell line that adds a rule, for the group plugdev and the person at the seat, and applies it.
 std::string line_that_adds_rule(const PluggedDevice& device, DevicePath node);
 // Applies the rules there are to what is plugged in.
 std::string line_that_applies_rules(DevicePath node);
