@@ -21,7 +21,7 @@ class SplitMix {
   }
   // 0 .. n - 1; n > 0.
   std::uint64_t below(std::uint64_t n) noexcept { return bits() % n; }
-  double uniform(double low, double high) noexcept { return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) noexcept { return low + (high - low) * (static_cast<double>(bits() >> 11) * 0x1p-53); }
   bool once_in(std::uint64_t n) noexcept { return below(n) == 0; }
   Vec3 vector(double size) noexcept { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
 
