@@ -67,7 +67,7 @@ class ProxyMethod final : public ForceMethod {
   static constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
   static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 1.3;       // strides
-  static constexpr double kCatchUpFold = 0.7;  // where folds hold the proxy
+  static constexpr double kCatchUpFold = 1.01;  // where folds hold the proxy
   static constexpr int kParts = 8;
   static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
