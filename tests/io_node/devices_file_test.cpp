@@ -29,6 +29,14 @@ struct DevicesFiles : testing::Test {
   std::filesystem::path path = scratch.path() / "devices.toml";
 };
 
+TEST_F(DevicesFiles, may_give_each_device_a_vrpn_server_of_its_own) {
+  const auto devices = read(kLeft + "vrpn = \"127.0.0.1:3883\"\nvrpn_name = \"left\"\n" + kRight);
+  ASSERT_TRUE(devices) << devices.error().what;
+  EXPECT_EQ((*devices)[0].vrpn, "127.0.0.1:3883");
+  EXPECT_EQ((*devices)[0].vrpn_name, "left");
+  EXPECT_EQ((*devices)[1].vrpn, "");
+}
+
 TEST_F(DevicesFiles, give_each_device_its_options_and_the_rest_in_common) {
   IoOptions common;
   common.out = "out";

@@ -40,6 +40,14 @@ TEST(IoOptions, reads_flags) {
   EXPECT_EQ(options.echo_probe, "127.0.0.1:9");
 }
 
+TEST(IoOptions, vrpn_is_off_unless_an_address_is_given) {
+  EXPECT_EQ(std::get<IoOptions>(parse({})).vrpn, "");
+  const auto options = std::get<IoOptions>(parse({"--vrpn", "127.0.0.1:3883", "--vrpn-name", "left"}));
+  EXPECT_EQ(options.vrpn, "127.0.0.1:3883");
+  EXPECT_EQ(options.vrpn_name, "left");
+  EXPECT_TRUE(std::holds_alternative<int>(parse({"--vrpn"})));
+}
+
 TEST(IoOptions, refuses_what_makes_no_sense) {
   for (const std::vector<const char*>& wrong : std::vector<std::vector<const char*>>{{"--rate", "249"},
                                                                                      {"--rate", "10001"},
@@ -48,6 +56,7 @@ TEST(IoOptions, refuses_what_makes_no_sense) {
                                                                                      {"--device", "sofa"},
                                                                                      {"--devices", "two.toml", "--bind", "127.0.0.1:0"},
                                                                                      {"--devices", "two.toml", "--device", "simulated"},
+                                                                                     {"--devices", "two.toml", "--vrpn", "127.0.0.1:3883"},
                                                                                      {"--rt", "maybe"},
                                                                                      {"--max-force", "-1"},
                                                                                      {"--seconds", "-3"},

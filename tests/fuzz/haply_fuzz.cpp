@@ -1,0 +1,20 @@
+// Any bytes as a state of the Haply Inverse Service.
+#include <cmath>
+
+#include "io_node/devices/haply_messages.h"
+#include "tests/fuzz/fuzz_target.h"
+
+FUZZ_TARGET(haply) {
+  using namespace hapton;
+  const auto state = haply::read_state({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (!state) {
+    fuzz::require(!state.error().what.empty());
+    return;
+  }
+  for (const haply::Arm& arm : state->arms) {
+    fuzz::require(!arm.id.empty() && arm.p_WD.allFinite());
+    // What it calls itself goes back to it, and cannot break the text it stands in.
+    fuzz::require(haply::read_state(haply::force_message(arm.id, Vec3::Zero())).has_value());
+  }
+  if (state->grip) fuzz::require(std::abs(state->grip->q_WT.norm() - 1.0) < 1e-9);
+}
