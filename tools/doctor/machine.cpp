@@ -208,7 +208,7 @@ User Machine::read_user() const {
   for (const std::string_view group : split_words(find_field(status, "Groups:")))
     user.groups.push_back(number_of<gid_t>(group).value_or(0));
   user.capabilities = number_of<std::uint64_t>(find_field(status, "CapEff:"), 16).value_or(0);
-  user.name = std::to_string(user.uid);
+  user.name = user.uid == 0 ? "root" : std::to_string(user.uid);
   const std::string users = read("/etc/passwd").value_or("");
   for (const std::string_view line : split_lines(users)) {
     const auto fields = split(line, ':');

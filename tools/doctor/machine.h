@@ -20,7 +20,7 @@ struct User {
   uid_t uid = 0;
   std::vector<gid_t> groups;  // the first is its own
   std::uint64_t capabilities = 0;
-  std::string name;  // "ada"; its number when it has none
+  std::string name;  // "ada"; its number when no book has it
 
   bool has_capability(int bit) const { return ((capabilities >> bit) & 1) != 0; }
   bool is_in(gid_t group) const;

@@ -1,0 +1,38 @@
+// The doctor on a real kernel's sysfs, with devices that come and go.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/hid_guest/virtual_devices.h"
+#include "tests/support/patience.h"
+#include "tools/doctor/diagnosis.h"
+
+namespace hapton::guest {
+namespace {
+
+std::string look() { return doctor::to_text(doctor::diagnose(doctor::Machine("/", {}, {}), std::vector<std::string>{"devices"}), false); }
+
+bool says(const std::string& text) {
+  return wait_until([&] { return look().find(text) != std::string::npos; });
+}
+
+TEST(GuestDoctor, SeesDevicesComeAndGo) {
+  EXPECT_TRUE(says("none is plugged in")) << look();
+  VirtualWooden wooden(false);
+  VirtualHaptonHid hapton_hid;
+  VirtualSpaceMouse mouse;
+  wooden.plug_in();
+  hapton_hid.plug_in();
+  mouse.plug_in();
+  EXPECT_TRUE(says("WoodenHaptics 1234:0006 W8: /dev/hidraw")) << look();
+  EXPECT_TRUE(says("(hid-generic), open to root; io_node --device wooden-haptics")) << look();
+  EXPECT_TRUE(says("Hapton HID device ")) << look();
+  EXPECT_TRUE(says("io_node --device hapton-hid")) << look();
+  EXPECT_TRUE(says("io_node --device spacemouse")) << look();
+  wooden.unplug();
+  EXPECT_TRUE(wait_until([] { return look().find("WoodenHaptics") == std::string::npos; })) << look();
+}
+
+}  // namespace
+}  // namespace hapton::guest
