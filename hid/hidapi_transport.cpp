@@ -1,5 +1,6 @@
 #include "hid/hidapi_transport.h"
 
+#include <fcntl.h>
 #include <hidapi.h>
 #include <unistd.h>
 
@@ -105,7 +106,9 @@ class HidapiTransport final : public HidTransport {
   HidHandle writing_;
 };
 
-bool is_refused(const std::string& path) { return ::access(path.c_str(), R_OK | W_OK) != 0 && (errno == EACCES || errno == EPERM); }
+bool is_refused(const std::string& path) {
+  return ::faccessat(AT_FDCWD, path.c_str(), R_OK | W_OK, AT_EACCESS) != 0 && (errno == EACCES || errno == EPERM);
+}
 
 Result<HidHandle> open_handle(const std::string& path) {
   SteadyClock clock;

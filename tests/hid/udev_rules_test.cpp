@@ -23,16 +23,19 @@ std::vector<std::string> read_rules() {
   return rules;
 }
 
-std::string hex(std::uint16_t id) {
-  char text[5];
-  std::snprintf(text, sizeof text, "%04x", id);
+// "0003:256F:C635.", as the kernel calls a USB HID device but for a number.
+std::string kernel_name(std::uint16_t vid, std::uint16_t pid) {
+  char text[16];
+  std::snprintf(text, sizeof text, "0003:%04X:%04X.", vid, pid);
   return text;
 }
 
+// By its product's name, or by one for all of its vendor's: "0003:256F:*".
 bool grants(const std::vector<std::string>& rules, std::uint16_t vid, std::uint16_t pid) {
+  const std::string name = kernel_name(vid, pid);
   for (const std::string& rule : rules) {
-    if (rule.find("idVendor}==\"" + hex(vid) + "\"") == std::string::npos) continue;
-    if (rule.find("idProduct}") == std::string::npos || (pid != 0 && rule.find(hex(pid)) != std::string::npos)) return true;
+    const bool names_it = rule.find(name + "*") != std::string::npos && pid != 0;
+    if (names_it || rule.find(name.substr(0, 10) + "*") != std::string::npos) return true;
   }
   return false;
 }
@@ -47,10 +50,10 @@ TEST(UdevRules, NameEveryDeviceOfTheCatalogue) {
   EXPECT_FALSE(grants(rules, 0x046d, 0xc077)) << "a Logitech mouse is no affair of ours";
 }
 
-// udev compares with what sysfs says, which is in small letters.
-TEST(UdevRules, WriteIdsInSmallLetters) {
-  static const std::regex kCapital(R"re(id(Vendor|Product)\}=="[^"]*[A-F])re");
-  for (const std::string& rule : read_rules()) EXPECT_FALSE(std::regex_search(rule, kCapital)) << rule;
+// udev compares with what sysfs says: ids of USB in small letters, names of HID devices in capital ones.
+TEST(UdevRules, WriteIdsAsTheKernelDoes) {
+  static const std::regex kWrong(R"re(id(Vendor|Product)\}=="[^"]*[A-F]|000[35]:[^"]*[a-f])re");
+  for (const std::string& rule : read_rules()) EXPECT_FALSE(std::regex_search(rule, kWrong)) << rule;
 }
 
 class HaptonHidRule : public ::testing::Test {

@@ -119,4 +119,6 @@ std::vector<Bytes> VirtualSpaceMouse::make_inputs(std::uint32_t time_us) {
   return {pushed, turned, pressed};
 }
 
+VirtualStranger::VirtualStranger() : UhidDevice({"Stranger", "X1", 0xCAFE, 0x0001, wooden_descriptor(8)}) {}
+
 }  // namespace hapton::guest

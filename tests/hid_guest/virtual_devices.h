@@ -104,4 +104,15 @@ class VirtualSpaceMouse final : public UhidDevice {
   std::uint32_t next_us_ = 0;
 };
 
+// A device that is none of ours.
+class VirtualStranger final : public UhidDevice {
+ public:
+  VirtualStranger();
+  ~VirtualStranger() override { unplug(); }
+
+ protected:
+  std::vector<Bytes> make_inputs(std::uint32_t) override { return {}; }
+  void take_output(const Bytes&, std::uint32_t) override {}
+};
+
 }  // namespace hapton::guest
