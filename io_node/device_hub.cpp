@@ -92,6 +92,14 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
   }
 }
 
+DeviceLimits tighter_limits(const DeviceSettings& settings) {
+  return {.max_force_n = settings.max_force_n,
+          .max_slew_n_per_s = settings.max_slew_n_per_s,
+          .max_torque_nm = settings.max_torque_nm,
+          .continuous_force_n = settings.continuous_force_n,
+          .max_speed_m_per_s = settings.max_speed_m_per_s};
+}
+
 void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
   if (options.device.max_force_n <= own.max_force_n && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
   log_warning("{}limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", name_prefix(options), own.max_force_n,
@@ -126,7 +134,8 @@ struct DeviceHub::Parts {
   Servo::Options servo_options() const {
     return {.rate_hz = options.rate_hz,
             .vision_rate_hz = options.vision_rate_hz,
-            .tighter = {.max_force_n = options.device.max_force_n, .max_slew_n_per_s = options.device.max_slew_n_per_s},
+            .tighter = tighter_limits(options.device),
+            .hold_button = options.device.hold_button,
             .overrun = overrun_policy(options),
             .spin_share = options.spin_share};
   }

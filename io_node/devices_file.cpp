@@ -43,8 +43,28 @@ Pose read_place(TomlReader& reader) {
 
 IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   IoOptions options = common;
-  reader.allow({"name", "device", "bind", "id", "file", "trajectory", "loop", "seed", "position_m", "rotation_deg", "max_force_n",
-                "max_slew_n_per_s", "rate_hz", "cpu", "record", "metrics", "vrpn", "vrpn_name"});
+  reader.allow({"name",
+                "device",
+                "bind",
+                "id",
+                "file",
+                "trajectory",
+                "loop",
+                "seed",
+                "position_m",
+                "rotation_deg",
+                "max_force_n",
+                "max_slew_n_per_s",
+                "max_torque_nm",
+                "continuous_force_n",
+                "max_speed_m_per_s",
+                "hold_button",
+                "rate_hz",
+                "cpu",
+                "record",
+                "metrics",
+                "vrpn",
+                "vrpn_name"});
   for (const char* key : {"name", "device", "bind"}) reader.require(key);
   reader.read("name", options.name);
   if (!is_good_name(options.name)) {
@@ -67,6 +87,12 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   options.device.X_WB = read_place(reader);
   reader.read("max_force_n", options.device.max_force_n, 0.0, kMostForceN);
   reader.read("max_slew_n_per_s", options.device.max_slew_n_per_s, 0.0, kMostSlewNPerS);
+  reader.read("max_torque_nm", options.device.max_torque_nm, 0.0, kMostForceN);
+  reader.read("continuous_force_n", options.device.continuous_force_n, 0.0, kMostForceN);
+  reader.read("max_speed_m_per_s", options.device.max_speed_m_per_s, 0.0, 100.0);
+  std::int64_t hold_button = options.device.hold_button;
+  reader.read("hold_button", hold_button, -1, 31);
+  options.device.hold_button = static_cast<int>(hold_button);
   reader.read("rate_hz", options.rate_hz, Servo::kLowestRateHz, Servo::kHighestRateHz);
   std::int64_t cpu = options.realtime.cpu;
   reader.read("cpu", cpu, -1, 4095);

@@ -17,8 +17,9 @@ constexpr int kBadCommandLine = 2;
 
 // The first flag given that is one device's own and stands in the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
-  for (const char* flag : {"--device", "--device-id", "--device-file", "--trajectory", "--loop", "--seed", "--max-force", "--max-slew",
-                           "--bind", "--metrics", "--vrpn", "--vrpn-name", "--record", "--cpu"}) {
+  for (const char* flag :
+       {"--device", "--device-id", "--device-file", "--trajectory", "--loop", "--seed", "--max-force", "--max-slew", "--max-torque",
+        "--continuous-force", "--max-speed", "--hold-button", "--bind", "--metrics", "--vrpn", "--vrpn-name", "--record", "--cpu"}) {
     if (app.count(flag) > 0) return flag;
   }
   return std::nullopt;
@@ -57,6 +58,17 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(CLI::Range(0.0, 1e3));
   app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
       ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--max-torque", options.device.max_torque_nm, "Tighter limit on the torque, N m (0: the device's own)")
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--continuous-force", options.device.continuous_force_n,
+                 "Tighter limit on the force in the long run, N (0: the device's own)")
+      ->check(CLI::Range(0.0, 1e3));
+  app.add_option("--max-speed", options.device.max_speed_m_per_s,
+                 "Tighter limit on the device's speed, m/s: beyond it a fault is latched (0: the device's own)")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--hold-button", options.device.hold_button,
+                 "Dead man's switch: force only while this button is held, 0 the first; -1: none")
+      ->check(CLI::Range(-1, 31));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
   app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");
   app.add_option("--flight", options.flight,

@@ -82,6 +82,26 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"events_dropped", whole(s.events_dropped)}};
 }
 
+// What the safety governor does and has done.
+void add_safety(LatencyReport& report, const GovernorFigures& g) {
+  const GovernorCounters& c = g.counters;
+  report.counters["workspace_stopped"] = whole(c.stopped);
+  report.counters["speed_braked"] = whole(c.braked);
+  report.counters["energy_damped"] = whole(c.damped);
+  report.counters["thermal_cooled"] = whole(c.cooled);
+  report.counters["let_go_of"] = whole(c.releases);
+  report.counters["bad_device_samples"] = whole(c.bad_samples);
+  report.counters["faults_latched"] = whole(c.latched);
+  report.counters["faults_reset"] = whole(c.resets);
+  report.counters["resets_refused"] = whole(c.resets_refused);
+  report.ratios["fault_latched_now"] = g.fault == SafetyFault::none ? 0.0 : 1.0;
+  report.ratios["thermal_load"] = g.thermal_load;
+  report.ratios["energy_spent"] = g.energy_most_j > 0.0 ? g.energy_spent_j / g.energy_most_j : 0.0;
+  report.notes["governor"] = std::string(to_string(g.state));
+  report.notes["safety_fault"] = std::string(to_string(g.fault));
+  if (g.fault != SafetyFault::none) report.notes["safety_fault_is"] = std::string(describe(g.fault));
+}
+
 std::vector<ReportNode> make_nodes(const ServoStats& stats) {
   std::vector<ReportNode> nodes;
   for (const PeerFigures& peer : stats.peers) {
@@ -203,6 +223,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   }
   report.nodes = make_nodes(stats);
   add_device(report, stats);
+  add_safety(report, stats.governor);
   if (!options.device.id.empty()) report.notes["device_id"] = options.device.id;
   if (!options.device.file.empty()) report.notes["device_file"] = options.device.file;
   if (!options.device.trajectory.empty()) report.notes["trajectory"] = options.device.trajectory;
@@ -235,6 +256,10 @@ std::string describe_run(const ServoStats& s, const SchedulingFigures& schedulin
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
                       s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.governor.counters.silences,
                       s.governor.counters.clamped, s.governor.counters.slewed);
+  if (const GovernorFigures& g = s.governor; g.counters.latched > 0) {
+    text += fmt::format("faults: {} latched, {} reset, {} resets refused; now: {}\n", g.counters.latched, g.counters.resets,
+                        g.counters.resets_refused, describe(g.fault));
+  }
   if (s.seal.refused() > 0) {
     text += fmt::format(
         "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form\n",

@@ -68,7 +68,7 @@ std::string to_prometheus(const LatencyReport& report) {
   text += head("hapton_rate_hertz", "gauge", "Since the start.");
   for (const auto& [name, rate_hz] : report.rates_hz)
     text += fmt::format("hapton_rate_hertz{{name=\"{}\"}} {:.9g}\n", escaped(name), rate_hz);
-  text += head("hapton_ratio", "gauge", "Of two latencies of the same run.");
+  text += head("hapton_ratio", "gauge", "Shares, and quotients of two figures of the same run.");
   for (const auto& [name, ratio] : report.ratios) text += fmt::format("hapton_ratio{{name=\"{}\"}} {:.9g}\n", escaped(name), ratio);
   return text + nodes_text(report) + hops_text(report);
 }

@@ -15,6 +15,7 @@
 #include "tools/doctor_command.h"
 #include "tools/echo_command.h"
 #include "tools/figures_command.h"
+#include "tools/governor_command.h"
 #include "tools/info_command.h"
 #include "tools/judge_command.h"
 #include "tools/keygen_command.h"
@@ -74,6 +75,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_doctor_command(app, exit_code);
   add_echo_command(app, exit_code);
   add_figures_command(app, exit_code);
+  add_governor_command(app, exit_code);
   add_info_command(app, exit_code);
   add_judge_command(app, exit_code);
   add_keygen_command(app, exit_code);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "core/base/result.h"
@@ -14,6 +15,7 @@
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
+#include "tools/hub_report.h"
 
 namespace hapton {
 namespace {
@@ -24,8 +26,10 @@ struct SetOptions {
   double rate_hz = 0.0;
   std::string method;
   bool report = false;
+  bool reset_faults = false;
 };
 
+constexpr int kResetLooks = 5;
 constexpr std::int64_t kPatienceNs = 2 * kNanosecondsPerSecond;
 
 // Listens to the hub until it holds or patience ends.
@@ -44,17 +48,37 @@ bool wait_until(HubClient& client, const Clock& clock, Condition&& holds) {
 }
 
 Result<Settings> make_settings(const SetOptions& options) {
-  if (options.rate_hz == 0.0 && options.method.empty() && !options.report) {
-    return fail("nothing to set; give --rate, --method or --report");
+  if (options.rate_hz == 0.0 && options.method.empty() && !options.report && !options.reset_faults) {
+    return fail("nothing to set; give --rate, --method, --report or --reset-faults");
   }
   Settings settings;
   settings.servo_rate_hz = options.rate_hz;
   settings.report_now = options.report;
+  settings.reset_faults = options.reset_faults;
   if (!options.method.empty() && (options.method.size() >= settings.method.size() || !is_method_name(options.method))) {
     return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
   }
   std::copy(options.method.begin(), options.method.end(), settings.method.begin());
   return settings;
+}
+
+// What the hub says of its faults once it has had time to hear us.
+Result<std::string> confirm_reset(const SetOptions& options) {
+  const auto reader = HubReader::open(options.hub, options.key_file);
+  if (!reader) return tl::unexpected(reader.error());
+  std::string what;
+  for (int look = 0; look < kResetLooks; ++look) {
+    const auto texts = (*reader)->read();
+    if (!texts) return tl::unexpected(texts.error());
+    const auto report = nlohmann::json::parse(texts->json, nullptr, false);
+    const auto notes = report.is_object() ? report.value("notes", nlohmann::json::object()) : nlohmann::json::object();
+    const std::string fault = notes.value("safety_fault", "");
+    if (fault == "none") return std::string("no fault is latched, forces ramp in");
+    if (fault.empty()) return fail("the hub tells nothing of its faults; it is another build");
+    what = notes.value("safety_fault_is", fault);
+    (*reader)->idle(0.1);
+  }
+  return fail("the fault stays, its cause is still there: {}; mend that (docs/safety.md), then reset again", what);
 }
 
 const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && hub.ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0"; }
@@ -96,7 +120,10 @@ Result<std::string> set(const SetOptions& options) {
   if (!options.method.empty()) {
     told += fmt::format("; method {} asked for, in use as soon as the haptics node has built it", options.method);
   }
-  return options.report ? told + "; report asked for" : told;
+  if (options.report) told += "; report asked for";
+  if (!options.reset_faults) return told;
+  const auto reset = confirm_reset(options);
+  return reset ? Result<std::string>(told + "; " + *reset) : reset;
 }
 
 int run(const SetOptions& options) {
@@ -119,6 +146,7 @@ void add_set_command(CLI::App& app, int& exit_code) {
   command->add_option("--rate", options->rate_hz, "Servo rate, Hz")->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz));
   command->add_option("--method", options->method, "Force method, one of: " + method_names());
   command->add_flag("--report", options->report, "Have the latency report written now");
+  command->add_flag("--reset-faults", options->reset_faults, "What latched the safety governor is mended: let the force ramp in again");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -53,6 +53,17 @@ const Json* find_node(const Json* report, const Json& node) {
   return nullptr;
 }
 
+// One line; none of a hub that tells nothing of it.
+std::string safety_text(const Json& report) {
+  const Json& notes = section(report, "notes");
+  const Json& ratios = section(report, "ratios");
+  if (word(notes, "governor").empty()) return "";
+  const std::string fault = word(notes, "safety_fault_is");
+  const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
+  return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
+                     100.0 * number(ratios, "thermal_load"), 100.0 * number(ratios, "energy_spent"));
+}
+
 std::string nodes_text(const Span& span) {
   std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "heard/s", "sent/s", "lost",
                                  "reordered", "there for");
@@ -109,6 +120,7 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
   text +=
       fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));
+  if (const std::string safety = safety_text(now.report); !safety.empty()) text += safety + "\n";
   text += nodes_text(span) + "\n";
   text += hops_text(span.before == nullptr ? now.hops : subtract_hops(now.hops, before->hops)) + "\n";
   return text + counters_text(span);

@@ -19,6 +19,10 @@ struct DeviceSettings {
   std::uint64_t seed = 1;          // of the simulated hand's script
   double max_force_n = 0.0;        // tighter than the device's own limit; 0: the device's
   double max_slew_n_per_s = 0.0;   // the same, of its change
+  double max_torque_nm = 0.0;
+  double continuous_force_n = 0.0;
+  double max_speed_m_per_s = 0.0;
+  int hold_button = -1;                           // that must be held for force to be there, lowest bit 0; below 0: none
   std::optional<RealtimeSettings> realtime = {};  // of the thread that talks to it, where there is one; none: an ordinary thread
   Pose X_WB = Pose::Identity();                   // of the device's base, as the maker knows it, in W: two hands side by side
 };

@@ -30,7 +30,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"haptics_node", {"core", "runtime", "link", "scene"}},
     {"vision_node", {"core", "runtime", "link", "hid", "scene"}},
     // The haptic node's step itself, to feel a recording again.
-    {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptics_node", "io_node/devices"}},
+    {"tools", {"core", "runtime", "link", "hid", "scene", "bench", "haptics_node", "io_node/devices", "io_node/safety"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }
