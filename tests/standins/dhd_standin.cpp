@@ -16,7 +16,7 @@ class Hardware {
  public:
   int count() {
     board_ = &BoardFile::of_environment();
-    return board_->is_plugged;
+    return board().is_plugged;
   }
 
   int open(char index) {
@@ -80,7 +80,7 @@ class Hardware {
   Board& board() { return *board_; }
 
  private:
-  Board* board_ = &BoardFile::of_environment();
+  std::atomic<Board*> board_ = &BoardFile::of_environment();
   PointMass mass_;
   std::array<double, 3> force_ = {};
   std::array<double, 3> torque_ = {};

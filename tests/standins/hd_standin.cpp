@@ -36,15 +36,15 @@ class Hardware {
   unsigned open(const char* name) {
     board_ = &BoardFile::of_environment();
     constexpr const char* kNames[] = {"Default Device", "Default PHANToM", nullptr, "Left Hand"};
-    const char* known = kNames[board_->known_name];
+    const char* known = kNames[board().known_name];
     const bool is_known = name == nullptr || known == nullptr ? name == known : std::strcmp(name, known) == 0;
-    if (board_->open_error != 0) return refuse(board_->open_error);
-    if (!is_known || board_->is_plugged == 0) return refuse(kCommError);
+    if (board().open_error != 0) return refuse(board().open_error);
+    if (!is_known || board().is_plugged == 0) return refuse(kCommError);
     if (is_open_) return refuse(kAlreadyInitiated);
     is_open_ = true;
     updates_ = 0;
-    mass_.place(*board_);
-    ++board_->opened;
+    mass_.place(board());
+    ++board().opened;
     return kDevice;
   }
 
@@ -54,11 +54,11 @@ class Hardware {
       return;
     }
     is_open_ = false;
-    ++board_->closed;
+    ++board().closed;
   }
 
   void begin_frame(unsigned device) {
-    if (device != kDevice || !is_open_ || in_frame_ || std::this_thread::get_id() != thread_.get_id()) ++board().wrong_calls;
+    if (device != kDevice || !is_open_ || in_frame_ || std::this_thread::get_id() != scheduler_.load()) ++board().wrong_calls;
     in_frame_ = true;
   }
 
@@ -75,7 +75,7 @@ class Hardware {
   }
 
   void set(unsigned what, const double* values) {
-    if (!in_frame_ || std::this_thread::get_id() != thread_.get_id()) ++board().wrong_calls;
+    if (!in_frame_ || std::this_thread::get_id() != scheduler_.load()) ++board().wrong_calls;
     auto& into = what == 0x2700 ? force_n_ : torque_mnm_;
     if (what != 0x2700 && (what != 0x2701 || board().output_dof != 6)) return report(kInvalidEnum);
     std::copy(values, values + 3, into.begin());
@@ -199,6 +199,7 @@ class Hardware {
   }
 
   void run() {
+    scheduler_ = std::this_thread::get_id();
     auto tick = std::chrono::steady_clock::now();
     while (!ends_) {
       tick += std::chrono::milliseconds(1);
@@ -213,7 +214,7 @@ class Hardware {
     }
   }
 
-  Board* board_ = &BoardFile::of_environment();
+  std::atomic<Board*> board_ = &BoardFile::of_environment();
   PointMass mass_;
   std::array<double, 3> force_n_ = {};
   std::array<double, 3> torque_mnm_ = {};
@@ -222,6 +223,7 @@ class Hardware {
   bool in_frame_ = false;
   std::atomic<bool> ends_{false};
   std::thread thread_;
+  std::atomic<std::thread::id> scheduler_;
   std::mutex mutex_;
   std::vector<Scheduled> scheduled_;
   unsigned long last_id_ = 0;
