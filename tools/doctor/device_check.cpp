@@ -138,7 +138,7 @@ void check_haply(const Machine& machine, Findings& findings) {
   } else if (is_installed) {
     findings.push_back(warning("Haply service", "is installed, but does not run", "sudo systemctl enable --now haply-inverse-service"));
   } else {
-    findings.push_back(note("Haply service", "is not installed; only Haply's Inverse3 needs it"));
+    findings.push_back(note("Haply service", "not installed; it is for Haply's Inverse3"));
   }
 }
 
