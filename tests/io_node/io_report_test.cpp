@@ -66,9 +66,30 @@ TEST(IoReport, claims_no_echo_that_was_not_measured) {
   auto stats = two_seconds();
   stats->bare_echo.clear();
   const LatencyReport report = make_io_report(*stats, {}, "");
-  EXPECT_TRUE(report.ratios.empty());
+  EXPECT_FALSE(report.ratios.contains("round_trip_over_echo_p50"));
   EXPECT_EQ(report.hops.size(), 15U);
   EXPECT_THAT(describe_run(*stats), ::testing::Not(HasSubstr("echo")));
+}
+
+TEST(IoReport, says_what_the_governor_does) {
+  auto stats = two_seconds();
+  stats->governor.state = GovernorState::latched;
+  stats->governor.fault = SafetyFault::speed;
+  stats->governor.counters.latched = 2;
+  stats->governor.counters.resets = 1;
+  stats->governor.thermal_load = 0.25;
+  stats->governor.energy_spent_j = 0.05;
+  stats->governor.energy_most_j = 0.2;
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  EXPECT_EQ(report.notes.at("governor"), "latched");
+  EXPECT_EQ(report.notes.at("safety_fault"), "speed");
+  EXPECT_THAT(report.notes.at("safety_fault_is"), HasSubstr("faster"));
+  EXPECT_EQ(report.counters.at("faults_latched"), 2);
+  EXPECT_EQ(report.counters.at("faults_reset"), 1);
+  EXPECT_EQ(report.ratios.at("fault_latched_now"), 1.0);
+  EXPECT_EQ(report.ratios.at("thermal_load"), 0.25);
+  EXPECT_EQ(report.ratios.at("energy_spent"), 0.25);
+  EXPECT_THAT(describe_run(*stats), HasSubstr("faults: 2 latched, 1 reset"));
 }
 
 TEST(IoReport, names_the_nodes_that_are_there_and_how_far_their_clock_is_off) {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <memory>
@@ -36,10 +38,11 @@ class BenchDevice final : public Device {
     reads.push_back(now_ns);
     if (clock != nullptr) clock->advance_ns(std::exchange(slow_read_ns, 0));
     place += drift;
-    return {now_ns, place, Quat::Identity(), 5};
+    return {now_ns, place, Quat::Identity(), 5, is_held};
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return state; }
+  DeviceCondition condition() const noexcept override { return condition_now; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override {
     hand = p_WH;
     return true;
@@ -49,6 +52,8 @@ class BenchDevice final : public Device {
   SimulatedClock* clock = nullptr;
   std::int64_t slow_read_ns = 0;  // of the next one
   DeviceStatus state = DeviceStatus::ready;
+  bool is_held = true;
+  DeviceCondition condition_now;
   std::vector<Written> written;
   std::vector<std::int64_t> reads;
   std::optional<Vec3> hand;
@@ -655,6 +660,104 @@ TEST_F(Servos, a_tap_hears_each_fault_once) {
   servo->finish();
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
   peers.set_tap(nullptr);
+}
+
+// The events that came since, of these kinds.
+std::vector<ServoEvent> events_of(Servo& servo, std::initializer_list<ServoEvent::Kind> kinds) {
+  std::vector<ServoEvent> events;
+  for (ServoEvent event; servo.events().pop(event);) {
+    if (std::find(kinds.begin(), kinds.end(), event.kind) != kinds.end()) events.push_back(event);
+  }
+  return events;
+}
+
+TEST_F(Servos, a_latched_fault_is_told_recorded_and_reset_by_a_tool_alone) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.place.x() += 0.05;
+  run(20);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::jump});
+  const auto latched = events_of(*servo, {ServoEvent::Kind::latched});
+  ASSERT_EQ(latched.size(), 1U);
+  EXPECT_EQ(latched[0].fault, SafetyFault::jump);
+  EXPECT_EQ(stats().governor.fault, SafetyFault::jump);
+  EXPECT_EQ(stats().governor.state, GovernorState::latched);
+  Settings reset;
+  reset.reset_faults = true;
+  say(kVision, reset);
+  run(300);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::reset}).empty());
+  say(kTool, reset);
+  run(20);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset}).size(), 1U);
+  EXPECT_LT(device.written.back().force_n.z(), 0.6);
+  run(150);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::jump});
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, a_reset_is_refused_while_the_cause_is_there) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.condition_now.motor_temperature = 1.0;
+  run(600);
+  EXPECT_EQ(stats().governor.fault, SafetyFault::thermal);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  Settings reset;
+  reset.reset_faults = true;
+  say(kTool, reset);
+  run(10);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset_refused}).size(), 1U);
+  device.condition_now.motor_temperature = 0.5;
+  run(600);
+  say(kTool, reset);
+  run(300);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+}
+
+TEST_F(Servos, a_device_that_is_away_is_told_of_and_its_force_ramps_in_on_return) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  for (const DeviceStatus status : {DeviceStatus::away, DeviceStatus::calibrating}) {
+    device.state = status;
+    run(500);
+    EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+    device.place.x() = -device.place.x();
+    device.state = DeviceStatus::ready;
+    run(20);
+    EXPECT_LT(device.written.back().force_n.z(), 0.6);
+    run(250);
+    EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  }
+  std::vector<ServoEvent::Kind> kinds;
+  for (const ServoEvent& event : events_of(*servo, {ServoEvent::Kind::away, ServoEvent::Kind::calibrating, ServoEvent::Kind::back})) {
+    kinds.push_back(event.kind);
+  }
+  EXPECT_EQ(kinds, (std::vector{ServoEvent::Kind::away, ServoEvent::Kind::back, ServoEvent::Kind::calibrating, ServoEvent::Kind::back}));
+  EXPECT_EQ(stats().governor.fault, SafetyFault::none);
+}
+
+TEST_F(Servos, the_dead_mans_switch_lets_go) {
+  make({.hold_button = 1});
+  join(kHaptics, NodeRole::haptics);
+  run(300);  // the device holds buttons 0 and 2
+  EXPECT_TRUE(device.written.empty() || device.written.back().force_n == Vec3::Zero());
+  make({.hold_button = 2});
+  run(300);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  device.is_held = false;
+  run(20);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
 }
 
 TEST_F(Servos, a_haptics_node_that_says_goodbye_in_contact_is_no_fault) {
