@@ -37,7 +37,6 @@ Error Session::describe(const ErrorInfo& error, const std::string& what) const {
 }
 
 Result<Handle> Session::open(const std::string& name) {
-  const std::lock_guard lock(mutex_);
   std::vector<const char*> names(kUsualNames.begin(), kUsualNames.end());
   if (!name.empty()) names = {name.c_str()};
   ErrorInfo first = {};
@@ -53,26 +52,49 @@ Result<Handle> Session::open(const std::string& name) {
   return tl::unexpected(describe(first, "cannot open " + tried));
 }
 
-Result<Schedule> Session::start(Callback callback, void* data) {
+Result<Session::Attached> Session::attach_stopped(const std::string& name, const std::function<Result<void>(Handle)>& set_up,
+                                                  Callback callback, void* data) {
+  const auto device = open(name);
+  if (!device) return tl::unexpected(device.error());
+  hd_.make_current_device(*device);
+  if (const auto done = set_up(*device); !done) {
+    hd_.disable_device(*device);
+    return tl::unexpected(done.error());
+  }
+  forget_errors(hd_);
+  return Attached{*device, hd_.schedule_asynchronous(callback, data, kHighestPriority)};
+}
+
+Result<Session::Attached> Session::attach(const std::string& name, const std::function<Result<void>(Handle)>& set_up, Callback callback,
+                                          void* data) {
   const std::lock_guard lock(mutex_);
-  const Schedule schedule = hd_.schedule_asynchronous(callback, data, kHighestPriority);
-  if (users_ == 0) hd_.start_scheduler();
-  if (const ErrorInfo error = hd_.get_error(); error.code != kSuccess && is_device_error(error.code)) {
-    if (users_ == 0) hd_.stop_scheduler();
-    hd_.unschedule(schedule);
+  if (users_ > 0) hd_.stop_scheduler();
+  auto attached = attach_stopped(name, set_up, callback, data);
+  if (users_ > 0 || attached) hd_.start_scheduler();
+  if (!attached) return attached;
+  // With others about, an error may as well be theirs.
+  if (const ErrorInfo error = users_ == 0 ? hd_.get_error() : ErrorInfo{}; is_device_error(error.code)) {
+    hd_.stop_scheduler();
+    hd_.unschedule(attached->schedule);
+    hd_.disable_device(attached->device);
     return tl::unexpected(describe(error, "cannot start its scheduler"));
   }
   ++users_;
-  return schedule;
+  return attached;
 }
 
-void Session::close(Handle device, Schedule schedule) {
+void Session::detach(const Attached& attached) {
   const std::lock_guard lock(mutex_);
-  --users_;
-  if (users_ == 0) hd_.stop_scheduler();
-  hd_.unschedule(schedule);
-  hd_.disable_device(device);
+  hd_.stop_scheduler();
+  hd_.unschedule(attached.schedule);
+  hd_.disable_device(attached.device);
   forget_errors(hd_);
+  if (--users_ > 0) hd_.start_scheduler();
+}
+
+bool Session::has_users() const {
+  const std::lock_guard lock(mutex_);
+  return users_ > 0;
 }
 
 }  // namespace hapton::hd

@@ -22,7 +22,8 @@ constexpr double kMPerMm = 1e-3;
 constexpr double kMNmPerNm = 1e3;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // of what goes on, no oftener is it worth a line
+constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // they stand still meanwhile
+constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of what goes on, no oftener is it worth a line
 // The library's scheduler calls a thousand times a second: after so long it has stopped, or the device with it.
 constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
@@ -78,6 +79,7 @@ class OpenHapticsDevice final : public Device {
 
  private:
   // Set-up, on the keeper's thread but for the first time.
+  Result<void> set_up();
   Result<void> read_limits();
   void read_texts();
   double get(hd::Enum what, double otherwise) const;
@@ -109,8 +111,8 @@ class OpenHapticsDevice final : public Device {
   SteadyClock clock_;
 
   DeviceExchange exchange_;
-  hd::Handle device_ = hd::kInvalidHandle;
-  hd::Schedule schedule_ = 0;
+  hd::Handle device_ = hd::kInvalidHandle;  // set before the first tick
+  hd::Session::Attached attached_;
 
   // The scheduler's thread.
   DeviceExchange::Reading reading_;
@@ -134,7 +136,7 @@ class OpenHapticsDevice final : public Device {
 OpenHapticsDevice::~OpenHapticsDevice() {
   ends_.store(true, std::memory_order_relaxed);
   if (keeper_.joinable()) keeper_.join();
-  if (is_open_) session_->close(device_, schedule_);
+  if (is_open_) session_->detach(attached_);
 }
 
 DeviceCondition OpenHapticsDevice::condition() const noexcept {
@@ -188,18 +190,11 @@ Result<void> OpenHapticsDevice::read_limits() {
   return {};
 }
 
-Result<void> OpenHapticsDevice::open() {
-  const auto device = session_->open(device_name_);
-  if (!device) return tl::unexpected(device.error());
-  device_ = *device;
-  hd_.make_current_device(device_);
+// While it is the current device and nobody ticks.
+Result<void> OpenHapticsDevice::set_up() {
   const bool is_first = model_.empty();
   if (is_first) read_texts();
-  const auto limits = is_first ? read_limits() : Result<void>();
-  if (!limits) {
-    hd_.disable_device(device_);
-    return limits;
-  }
+  if (const auto limits = is_first ? read_limits() : Result<void>(); !limits) return limits;
   int styles = 0;
   hd_.get_integers(hd::kCalibrationStyle, &styles);
   styles_ = static_cast<hd::Enum>(styles);
@@ -214,12 +209,19 @@ Result<void> OpenHapticsDevice::open() {
   device_error_ = hd::kSuccess;
   calibration_ = told_calibration_ = Calibration::unknown;
   ticked_ns_ = clock_.now_ns();
-  const auto schedule = session_->start(on_tick, this);
-  if (!schedule) {
-    hd_.disable_device(device_);
-    return tl::unexpected(schedule.error());
-  }
-  schedule_ = *schedule;
+  return {};
+}
+
+Result<void> OpenHapticsDevice::open() {
+  const auto attached = session_->attach(
+      device_name_,
+      [this](hd::Handle device) {
+        device_ = device;
+        return set_up();
+      },
+      on_tick, this);
+  if (!attached) return tl::unexpected(attached.error());
+  attached_ = *attached;
   is_open_ = true;
   return {};
 }
@@ -231,6 +233,8 @@ hd::Enum OpenHapticsDevice::on_tick(void* self) noexcept {
 
 void OpenHapticsDevice::tick() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
+  // Another device was opened or closed: all stood still.
+  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp(now_ns);
   reading_.sample.time_ns = now_ns;
   hd_.make_current_device(device_);
   hd_.begin_frame(device_);
@@ -364,7 +368,7 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
   if (is_open_) {
     const hd::Enum error = device_error_.load(std::memory_order_relaxed);
     log_warning("{} is gone ({}); looking for it", model_, error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler stands still");
-    session_->close(device_, schedule_);
+    session_->detach(attached_);
     is_open_ = false;
     // Nobody ticks now: the last word until it is back.
     reading_.status = DeviceStatus::away;
@@ -372,7 +376,7 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
     next_reopen_ns_ = now_ns + kReopenEveryNs / 4;
   }
   if (now_ns < next_reopen_ns_) return;
-  next_reopen_ns_ = now_ns + kReopenEveryNs;
+  next_reopen_ns_ = now_ns + (session_->has_users() ? kReopenBesideOthersEveryNs : kReopenEveryNs);
   if (open()) log_info("{} is back", model_);
 }
 

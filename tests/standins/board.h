@@ -18,6 +18,7 @@
 namespace hapton::standin {
 
 constexpr const char* kBoardVariable = "HAPTON_STANDIN_BOARD";
+constexpr const char* kSecondBoardVariable = "HAPTON_STANDIN_SECOND_BOARD";  // of a second device at the same library
 
 using Vector = std::array<std::atomic<double>, 3>;
 
@@ -69,16 +70,17 @@ static_assert(std::atomic<double>::is_always_lock_free && std::atomic<std::uint6
 class BoardFile {
  public:
   // Test: makes the file and names it to whoever is started from now on.
-  explicit BoardFile(const std::filesystem::path& path) : BoardFile(path.c_str(), O_RDWR | O_CREAT | O_TRUNC) {
+  explicit BoardFile(const std::filesystem::path& path, const char* variable = kBoardVariable)
+      : BoardFile(path.c_str(), O_RDWR | O_CREAT | O_TRUNC) {
     new (board_) Board;
-    ::setenv(kBoardVariable, path.c_str(), 1);
+    ::setenv(variable, path.c_str(), 1);
   }
   // Stand-in: the one that the environment names.
-  static Board& of_environment() {
+  static Board& of_environment(const char* variable = kBoardVariable) {
     static Board alone;
     // Kept, should someone still look at the one before.
     static std::map<std::string, BoardFile> mapped;
-    const char* path = std::getenv(kBoardVariable);
+    const char* path = std::getenv(variable);
     if (path == nullptr) return alone;
     return *mapped.try_emplace(path, path, O_RDWR).first->second.board_;
   }

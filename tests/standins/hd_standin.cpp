@@ -1,10 +1,11 @@
 // Our own library with the binary interface of libHD, as far as it is used, and a point mass in place of a device. It keeps the rules of
-// the real one where breaking them would matter: forces are set in frames, frames are of the scheduler's thread, one device once.
+// the real one where breaking them would matter: forces are set in frames, frames are of the scheduler's thread, one device once, one is
+// current for all.
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <mutex>
-#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace {
 
 using namespace hapton::standin;
 
-constexpr unsigned kDevice = 7;
+constexpr unsigned kFirstDevice = 7;
 constexpr unsigned kNoDevice = 0xFFFFFFFF;
 constexpr unsigned kCommError = 0x302, kAlreadyInitiated = 0x301, kBadHandle = 0x104, kInvalidEnum = 0x100, kIllegalEnd = 0x401;
 
@@ -31,64 +32,94 @@ struct Scheduled {
   void* data;
 };
 
+// One device: what the library knows of it, and its point mass.
+struct Unit {
+  unsigned handle = 0;
+  std::atomic<Board*> shared{nullptr};
+  PointMass mass;
+  std::array<double, 3> force_n = {};
+  std::array<double, 3> torque_mnm = {};
+  int updates = 0;
+  bool is_open = false;
+  bool in_frame = false;
+
+  Board& board() const { return *shared; }
+  bool is_calibrated() const { return board().calibration == 0; }
+};
+
 class Hardware {
  public:
+  Hardware() {
+    for (std::size_t n = 0; n < units_.size(); ++n) {
+      units_[n].handle = kFirstDevice + static_cast<unsigned>(n);
+      units_[n].shared = &BoardFile::of_environment();
+    }
+  }
+
   unsigned open(const char* name) {
-    board_ = &BoardFile::of_environment();
-    constexpr const char* kNames[] = {"Default Device", "Default PHANToM", nullptr, "Left Hand"};
-    const char* known = kNames[board().known_name];
-    const bool is_known = name == nullptr || known == nullptr ? name == known : std::strcmp(name, known) == 0;
-    if (board().open_error != 0) return refuse(board().open_error);
-    if (!is_known || board().is_plugged == 0) return refuse(kCommError);
-    if (is_open_) return refuse(kAlreadyInitiated);
-    is_open_ = true;
-    updates_ = 0;
-    mass_.place(board());
-    ++board().opened;
-    return kDevice;
+    Unit& unit = find(name);
+    unit.shared = &BoardFile::of_environment(&unit == units_.data() ? kBoardVariable : kSecondBoardVariable);
+    if (unit.board().open_error != 0) return refuse(unit.board().open_error);
+    if (!is_known(unit, name) || unit.board().is_plugged == 0) return refuse(kCommError);
+    if (unit.is_open) return refuse(kAlreadyInitiated);
+    // The current device is one for all: opening one in the middle of another's frame would be that frame's end.
+    if (is_running_) ++unit.board().wrong_calls;
+    unit.is_open = true;
+    unit.updates = 0;
+    unit.mass.place(unit.board());
+    unit.force_n = unit.torque_mnm = {};
+    ++unit.board().opened;
+    current_ = &unit;
+    return unit.handle;
+  }
+
+  void make_current(unsigned device) {
+    if (Unit* unit = find(device)) current_ = unit;
   }
 
   void close(unsigned device) {
-    if (device != kDevice || !is_open_) {
-      report(kBadHandle);
-      return;
-    }
-    is_open_ = false;
-    ++board().closed;
+    Unit* unit = find(device);
+    if (unit == nullptr || !unit->is_open) return report(kBadHandle);
+    if (is_running_) ++unit->board().wrong_calls;
+    unit->is_open = false;
+    ++unit->board().closed;
   }
 
   void begin_frame(unsigned device) {
-    if (device != kDevice || !is_open_ || in_frame_ || std::this_thread::get_id() != scheduler_.load()) ++board().wrong_calls;
-    in_frame_ = true;
+    Unit* unit = find(device);
+    if (unit == nullptr) return report(kBadHandle);
+    if (unit != current_ || !unit->is_open || unit->in_frame || !is_scheduler()) ++unit->board().wrong_calls;
+    unit->in_frame = true;
   }
 
   void end_frame(unsigned device) {
-    if (device != kDevice || !in_frame_) {
-      ++board().wrong_calls;
-      report(kIllegalEnd);
-    }
-    in_frame_ = false;
-    PointMass::note_force(board(), force_n_, torque_mnm_, is_calibrated());
-    if (board().is_plugged == 0) report(kCommError);
-    if (board().error_each_tick != 0) report(board().error_each_tick);
-    if (const unsigned once = board().error_once.exchange(0); once != 0) report(once);
+    Unit* unit = find(device);
+    if (unit == nullptr || !unit->in_frame) return report(kIllegalEnd);
+    if (unit != current_) ++unit->board().wrong_calls;
+    unit->in_frame = false;
+    Board& board = unit->board();
+    PointMass::note_force(board, unit->force_n, unit->torque_mnm, unit->is_calibrated());
+    if (board.is_plugged == 0) report(kCommError);
+    if (board.error_each_tick != 0) report(board.error_each_tick);
+    if (const unsigned once = board.error_once.exchange(0); once != 0) report(once);
   }
 
   void set(unsigned what, const double* values) {
-    if (!in_frame_ || std::this_thread::get_id() != scheduler_.load()) ++board().wrong_calls;
-    auto& into = what == 0x2700 ? force_n_ : torque_mnm_;
-    if (what != 0x2700 && (what != 0x2701 || board().output_dof != 6)) return report(kInvalidEnum);
-    std::copy(values, values + 3, into.begin());
+    Unit& unit = *current_;
+    if (!unit.in_frame || !is_scheduler()) ++unit.board().wrong_calls;
+    if (what != 0x2700 && (what != 0x2701 || unit.board().output_dof != 6)) return report(kInvalidEnum);
+    std::copy(values, values + 3, (what == 0x2700 ? unit.force_n : unit.torque_mnm).begin());
   }
 
   void get(unsigned what, double* values) {
-    const auto& p = mass_.position_m();
+    const Board& board = current_->board();
+    const auto& p = current_->mass.position_m();
     switch (what) {
       case 0x2050:
         for (std::size_t axis = 0; axis < 3; ++axis) values[axis] = 1e3 * p[axis];
         return;
       case 0x2052: {
-        const auto rows = PointMass::rotation(board());
+        const auto rows = PointMass::rotation(board);
         for (std::size_t column = 0; column < 3; ++column) {
           for (std::size_t row = 0; row < 3; ++row) values[4 * column + row] = rows[row][column];
           values[4 * column + 3] = 0.0;
@@ -106,13 +137,13 @@ class Hardware {
         *values = 1.26;
         return;
       case 0x2603:
-        *values = board().max_force_n;
+        *values = board.max_force_n;
         return;
       case 0x2604:
         *values = 0.88;
         return;
       case 0x2605:
-        for (int motor = 0; motor < 6; ++motor) values[motor] = motor == 2 ? board().motor_temperature.load() : 0.1;
+        for (int motor = 0; motor < 6; ++motor) values[motor] = motor == 2 ? board.motor_temperature.load() : 0.1;
         return;
       default:
         report(kInvalidEnum);
@@ -120,39 +151,46 @@ class Hardware {
   }
 
   void get(unsigned what, int* values) {
+    const Board& board = current_->board();
     if (what == 0x2000) {
-      *values = board().buttons;
+      *values = board.buttons;
     } else if (what == 0x2554) {
-      *values = board().output_dof;
+      *values = board.output_dof;
     } else if (what == 0x2555) {
-      *values = board().calibration_style;
+      *values = board.calibration_style;
     } else {
       report(kInvalidEnum);
     }
   }
 
-  unsigned calibration() { return 0x5000U + static_cast<unsigned>(is_calibrated() ? 0 : board().calibration.load()); }
-
-  void update_calibration(unsigned style) {
-    ++board().calibration_updates;
-    board().last_update_style = static_cast<int>(style);
-    if (board().updates_until_good != 0 && ++updates_ >= board().updates_until_good) board().calibration = 0;
+  unsigned calibration() {
+    const Unit& unit = *current_;
+    return 0x5000U + static_cast<unsigned>(unit.is_calibrated() ? 0 : unit.board().calibration.load());
   }
 
-  void enable(unsigned capability) { board().enabled |= 1 << (capability & 0xFU); }
+  void update_calibration(unsigned style) {
+    Unit& unit = *current_;
+    Board& board = unit.board();
+    ++board.calibration_updates;
+    board.last_update_style = static_cast<int>(style);
+    if (board.updates_until_good != 0 && ++unit.updates >= board.updates_until_good) board.calibration = 0;
+  }
+
+  void enable(unsigned capability) { current_->board().enabled |= 1 << (capability & 0xFU); }
 
   void start() {
-    if (thread_.joinable()) return;
+    if (is_running_) return;
     ends_ = false;
+    is_running_ = true;
     thread_ = std::thread([this] { run(); });
-    board().is_running = 1;
+    units_[0].board().is_running = 1;
   }
 
   void stop() {
     ends_ = true;
     if (thread_.joinable()) thread_.join();
-    thread_ = {};
-    board().is_running = 0;
+    is_running_ = false;
+    units_[0].board().is_running = 0;
   }
 
   unsigned long schedule(unsigned (*callback)(void*), void* data) {
@@ -168,7 +206,7 @@ class Hardware {
 
   ErrorInfo take_error() {
     const std::lock_guard lock(error_mutex_);
-    if (errors_.empty()) return {0, 0, kDevice};
+    if (errors_.empty()) return {0, 0, kFirstDevice};
     const ErrorInfo error = errors_.front();
     errors_.pop_front();
     return error;
@@ -176,10 +214,10 @@ class Hardware {
 
   void report(unsigned code) {
     const std::lock_guard lock(error_mutex_);
-    if (errors_.size() < 32) errors_.push_back({code, -42, kDevice});
+    if (errors_.size() < 32) errors_.push_back({code, -42, kFirstDevice});
   }
 
-  const char* text(unsigned what) {
+  static const char* text(unsigned what) {
     switch (what) {
       case 0x2501:
         return "Stand-in Touch";
@@ -191,8 +229,24 @@ class Hardware {
   }
 
  private:
-  Board& board() { return *board_; }
-  bool is_calibrated() { return board().calibration == 0; }
+  // The second one is there only when it has a board of its own.
+  Unit& find(const char* name) {
+    const bool is_second = name != nullptr && std::strcmp(name, "Second Device") == 0 && std::getenv(kSecondBoardVariable) != nullptr;
+    return units_[is_second ? 1 : 0];
+  }
+  Unit* find(unsigned device) {
+    for (Unit& unit : units_) {
+      if (unit.handle == device) return &unit;
+    }
+    return nullptr;
+  }
+  bool is_known(const Unit& unit, const char* name) const {
+    constexpr const char* kNames[] = {"Default Device", "Default PHANToM", nullptr, "Left Hand"};
+    const char* known = kNames[unit.board().known_name];
+    if (&unit != units_.data()) return true;
+    return name == nullptr || known == nullptr ? name == known : std::strcmp(name, known) == 0;
+  }
+  bool is_scheduler() const { return std::this_thread::get_id() == scheduler_.load(); }
   unsigned refuse(unsigned code) {
     report(code);
     return kNoDevice;
@@ -205,22 +259,23 @@ class Hardware {
       tick += std::chrono::milliseconds(1);
       std::this_thread::sleep_until(tick);
       tick = std::max(tick, std::chrono::steady_clock::now() - std::chrono::milliseconds(5));
-      if (board().slow_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(board().slow_us));
-      if (board().stands_still != 0) continue;
-      mass_.step(board(), force_n_, 1e-3);
+      const Board& first = units_[0].board();
+      if (first.slow_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(first.slow_us));
+      if (first.stands_still != 0) continue;
+      for (Unit& unit : units_) {
+        if (unit.is_open) unit.mass.step(unit.board(), unit.force_n, 1e-3);
+      }
       const std::lock_guard lock(mutex_);
       for (const Scheduled& s : scheduled_) s.callback(s.data);
-      ++board().ticks;
+      for (Unit& unit : units_) {
+        if (unit.is_open) ++unit.board().ticks;
+      }
     }
   }
 
-  std::atomic<Board*> board_ = &BoardFile::of_environment();
-  PointMass mass_;
-  std::array<double, 3> force_n_ = {};
-  std::array<double, 3> torque_mnm_ = {};
-  int updates_ = 0;
-  bool is_open_ = false;
-  bool in_frame_ = false;
+  std::array<Unit, 2> units_;
+  Unit* current_ = units_.data();
+  std::atomic<bool> is_running_{false};
   std::atomic<bool> ends_{false};
   std::thread thread_;
   std::atomic<std::thread::id> scheduler_;
@@ -243,7 +298,7 @@ extern "C" {
 
 unsigned hdInitDevice(const char* name) { return hardware().open(name); }
 void hdDisableDevice(unsigned device) { hardware().close(device); }
-void hdMakeCurrentDevice(unsigned) {}
+void hdMakeCurrentDevice(unsigned device) { hardware().make_current(device); }
 void hdBeginFrame(unsigned device) { hardware().begin_frame(device); }
 void hdEndFrame(unsigned device) { hardware().end_frame(device); }
 #ifndef HAPTON_STANDIN_IS_OLD

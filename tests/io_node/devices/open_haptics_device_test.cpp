@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <memory>
 #include <numbers>
 
@@ -262,6 +263,36 @@ TEST_F(OpenHaptics, a_slow_device_slows_nobody_else) {
   }));
   EXPECT_GT(reads, 10U);
   EXPECT_EQ(device->status(), DeviceStatus::ready);
+}
+
+TEST_F(OpenHaptics, two_at_once_get_each_its_own_force) {
+  const standin::BoardFile second_board(folder.path() / "second", standin::kSecondBoardVariable);
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
+  // While the first is in contact.
+  auto made = make("Second Device");
+  ASSERT_TRUE(made) << made.error().what;
+  const std::unique_ptr<Device> second = std::move(*made);
+  const auto serve_both_until = [&](auto&& holds) {
+    return serve_until(
+        [&] {
+          const std::int64_t now_ns = SteadyClock().now_ns();
+          second->read(now_ns);
+          second->write({.force_n = Vec3(1, 0, 0)}, now_ns);
+          return holds();
+        },
+        {.force_n = Vec3(0, 0, 2)});
+  };
+  EXPECT_TRUE(serve_both_until([&] { return board->force[2] == 2.0 && second_board->force[0] == 1.0; }));
+  EXPECT_EQ(board->force[0], 0.0);
+  EXPECT_EQ(second_board->largest_force, 1.0);
+  // One goes, the other stays.
+  second_board->is_plugged = 0;
+  EXPECT_TRUE(serve_both_until([&] { return second->status() == DeviceStatus::away && second_board->closed == 1U; }));
+  EXPECT_TRUE(serve_both_until([&] { return device->status() == DeviceStatus::ready && board->force[2] == 2.0; }));
+  EXPECT_EQ(board->wrong_calls, 0U);
+  EXPECT_EQ(second_board->wrong_calls, 0U);
+  ::unsetenv(standin::kSecondBoardVariable);
 }
 
 TEST_F(OpenHaptics, a_servo_that_dies_leaves_no_force) {
