@@ -223,9 +223,10 @@ void GovernorJudge::judge_workspace(const Wrench& out) noexcept {
       continue;
     }
     if (axes_[side].shut_ns < 0) axes_[side].shut_ns = now_ns_;
-    // From one end of the ball to the other, at the slew there is.
+    // However the goal jumps about meanwhile: each step goes slew x time of a way that is no longer than the ball is wide.
     const double time_s = 1e-9 * static_cast<double>(now_ns_ - axes_[side].shut_ns);
-    breach_if(GovernorBreach::workspace, time_s > 2.0 * now.max_force_n / slew + 0.02 && outward > 1e-9 * now.max_force_n);
+    const double most_n = governor_.device_limits().max_force_n;
+    breach_if(GovernorBreach::workspace, outward > most_n * (std::exp(-slew * time_s / (2.0 * most_n)) + 1e-9));
   }
 }
 
@@ -233,7 +234,12 @@ void GovernorJudge::judge_latch(const HostileStep& step, bool was_reset) noexcep
   const SafetyFault fault = governor_.fault();
   breach_if(GovernorBreach::unlatched, fault_ != SafetyFault::none && fault != fault_ && !was_reset);
   fault_ = fault;
-  if (was_reset) bad_forces_ = bad_torques_ = bad_samples_ = {};
+  // A reset begins all counts anew.
+  if (was_reset) {
+    bad_forces_ = bad_torques_ = bad_samples_ = {};
+    anchor_ns_ = -1;
+    is_too_fast_ = false;
+  }
   const bool is_force_finite = !step.wanted || step.wanted->wrench.force_n.allFinite();
   const bool is_torque_finite = !step.wanted || !is_force_finite || step.wanted->wrench.torque_nm.allFinite();
   const bool is_seen = step.status != DeviceStatus::away && step.status != DeviceStatus::calibrating;
