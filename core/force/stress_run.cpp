@@ -23,6 +23,7 @@ constexpr double kLockShare = 0.10;
 constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
+constexpr double kOutsideShare = 1e-7;
 constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
@@ -338,6 +339,13 @@ struct StressRun::Inside {
   // The reference, which asks every triangle, comes there too: round an edge or corner that the straight way cuts.
   bool leads_round(const Vec3& from, const Vec3& to) const { return (judge->settle_from(from, to).p_SP - to).norm() <= kRelative * extent; }
 
+  // From a little farther off as well: begun within a hover of a corner, the reference may take the wrong side of a face for its own.
+  bool gains_from_outside(const Vec3& p, const Vec3& device) const {
+    const Vec3 stretch = p - device;
+    const Vec3 start = p + (kOutsideShare * extent / stretch.norm()) * stretch;
+    return stretch.norm() - (judge->settle_from(start, device).p_SP - device).norm() > kLagGain * extent;
+  }
+
   // On the side the device may not be on.
   bool is_wrong(const Vec3& p) const { return solid && solid->is_inside(p) != body.room; }
 
@@ -453,7 +461,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
       const double depth = gain > kLagGain * extent && in.solid ? in.solid->compute_distance(device) : extent;
       const bool is_late = gain > kLagGain * extent && depth > kTieShare * extent;
-      if (is_late && !in.is_near_border(felt.p_SP, kMouthShare * extent)) {
+      if (is_late && !in.is_near_border(felt.p_SP, kMouthShare * extent) && in.gains_from_outside(felt.p_SP, device)) {
         note(in.solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
       }
     }
