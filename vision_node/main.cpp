@@ -1,5 +1,8 @@
 #include <cstdio>
+#include <memory>
+#include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -30,6 +33,32 @@ const char* any_address_like(const Address& hub) {
   return v4 ? "0.0.0.0:0" : "[::]:0";
 }
 
+// Another hand's way to its hub.
+struct OtherLink {
+  OtherLink(std::unique_ptr<Endpoint> socket, const Clock& clock, const LinkKey& key, const Address& hub, const VisionOptions& options)
+      : endpoint(std::move(socket)),
+        sealed(*endpoint, clock, key, hub),
+        client(sealed, clock, NodeRole::vision, hub),
+        hand(client, make_lean(options.stylus_lean_deg * std::numbers::pi / 180.0), options.rate_limit_hz) {}
+
+  std::unique_ptr<Endpoint> endpoint;
+  SealedClient sealed;
+  HubClient client;
+  OtherHand hand;
+};
+
+// Null when there is none to show.
+Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options, const Clock& clock) {
+  if (options.other_hub.empty()) return std::unique_ptr<OtherLink>();
+  const auto hub = parse_address(options.other_hub);
+  if (!hub) return tl::unexpected(hub.error());
+  const auto key = find_link_key(options.key_file, *hub);
+  if (!key) return tl::unexpected(key.error());
+  auto endpoint = open_udp_endpoint(any_address_like(*hub));
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  return std::make_unique<OtherLink>(std::move(*endpoint), clock, *key, *hub, options);
+}
+
 int run(VisionOptions& options) {
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
@@ -50,7 +79,10 @@ int run(VisionOptions& options) {
   const StopSignal stop;
   SealedClient sealed(**endpoint, clock, *key, *hub);
   HubClient client(sealed, clock, NodeRole::vision, *hub);
+  const auto other = open_other_link(options, clock);
+  if (!other) return give_up(other.error());
   VisionSession session(**view, client, clock, options);
+  if (*other) session.set_other_hand(&(*other)->hand);
   std::optional<SpaceKnobs> knobs;
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
   const auto ended = session.run(stop);

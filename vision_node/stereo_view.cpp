@@ -153,6 +153,7 @@ struct StereoView::Window {
   std::vector<std::unique_ptr<EyeView>> eyes;
   std::vector<vtkSmartPointer<vtkActor>> scene;
   std::unique_ptr<ProbeFigure> probe;
+  std::unique_ptr<ProbeFigure> other_probe;
   std::vector<WindowEvent> events;
   bool stale = true;
 
@@ -219,6 +220,7 @@ void StereoView::Window::add_eye(Eye eye, double from, double to) {
   renderer->AddLight(light);
   for (const auto& actor : scene) renderer->AddActor(actor);
   probe->add_to(renderer);
+  other_probe->add_to(renderer);
   if (!settings.plain) view->hud.dress(renderer);
   vtkNew<vtkCallbackCommand> aim;
   aim->SetCallback(aim_before_drawing);
@@ -341,6 +343,7 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
     window->scene.push_back(actor);
   }
   window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing));
+  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing));
   if (window->mode == StereoMode::side_by_side) {
     window->add_eye(Eye::left, 0.0, 0.5);
     window->add_eye(Eye::right, 0.5, 1.0);
@@ -358,6 +361,7 @@ void StereoView::set_scene_pose(const Pose& X_WS) {
 }
 
 void StereoView::set_probe(const ProbeShown& probe) { window_->probe->set(probe); }
+void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 
 void StereoView::set_hud(std::string_view facts, std::string_view help) {
   for (const auto& eye : window_->eyes) {

@@ -53,6 +53,8 @@ class StereoView {
   void set_scene_pose(const Pose& X_WS);
   // Nothing is drawn for the probe before the first call.
   void set_probe(const ProbeShown& probe);
+  // Of another hand; the same holds.
+  void set_other_probe(const ProbeShown& probe);
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
 

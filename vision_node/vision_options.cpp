@@ -55,6 +55,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string when = "contact";
   std::string unit;
   std::string knobs = "window";
+  std::vector<std::string> hubs = {options.hub};
   bool no_cull = false;
   bool no_help = false;
 
@@ -62,7 +63,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       "Draws the scene and the probe in stereo, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn the window:\n" +
           std::string(keys_help()),
       "vision_node"};
-  app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
+  app.add_option("--hub", hubs,
+                 "Where io_node is: HOST or HOST:PORT (default: 127.0.0.1); given twice, the second one's hand is shown as well")
+      ->expected(1, 2);
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
@@ -114,6 +117,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(CLI::Range(0, 1'000'000));
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  options.hub = hubs.front();
+  if (hubs.size() > 1) options.other_hub = hubs.back();
   const PictureSize pixels = *parse_size(size);
   options.view.stereo = *find_stereo_mode(stereo);
   options.view.width_px = pixels.width_px;

@@ -15,6 +15,7 @@ namespace hapton {
 // The command line, read and checked.
 struct VisionOptions {
   std::string hub = "127.0.0.1";
+  std::string other_hub;  // of another hand to show; empty: none
   std::string bind;  // empty: any address of the hub's family, any port
   std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";

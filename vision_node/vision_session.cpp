@@ -80,6 +80,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     if (auto attended = attend_window(); !attended) return attended;
     // Before drawing: what was just heard is fresh, so what looks lost is lost, and nothing waits for a slow picture.
     speak();
+    if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
   }
   if (!options_.screenshot.empty() && !moment_.taken()) return take_screenshot(options_.screenshot);
@@ -123,23 +124,39 @@ void VisionSession::speak() {
 
 Result<void> VisionSession::draw_if_wanted() {
   const std::int64_t begin_ns = clock_.now_ns();
-  if (!step_.wants_picture(begin_ns, where())) {
+  const bool other_wants = other_wants_picture(begin_ns);
+  const bool is_wanted = step_.wants_picture(begin_ns, where());
+  if (!is_wanted) {
     if (const auto same = step_.take_unseen()) hub_.send(*same);
-    return {};
+    if (!other_wants) return {};
   }
   const VisionStep::Shown shown = step_.compose(begin_ns);
   view_.set_scene_pose(shown.X_WS);
   if (shown.probe) view_.set_probe(*shown.probe);
+  if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
   view_.set_cull(shown.cull);
   view_.set_hud(shown.hud, shown.help);
   view_.draw();
-  const std::int64_t end_ns = clock_.now_ns();
-  if (auto drawn = step_.drew(begin_ns, end_ns, where())) {
+  tell_of_picture(is_wanted, begin_ns, clock_.now_ns());
+  const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
+  return keep ? take_screenshot(options_.screenshot) : Result<void>{};
+}
+
+bool VisionSession::other_wants_picture(std::int64_t now_ns) {
+  if (other_ == nullptr || !step_.may_draw(now_ns)) return false;
+  const VisionStep::Screen at = where();
+  return other_->wants_picture(at.sizes, at.screen, at.picture);
+}
+
+// is_for_us: our hub's state is news in it; one that was drawn for the other hand alone says nothing of how old ours is.
+void VisionSession::tell_of_picture(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns) {
+  const VisionStep::Screen at = where();
+  auto drawn = step_.drew(begin_ns, end_ns, at);
+  if (drawn && is_for_us) {
     drawn->held_ns = static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - heard_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
     hub_.send(*drawn);
   }
-  const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
-  return keep ? take_screenshot(options_.screenshot) : Result<void>{};
+  if (other_ != nullptr) other_->drew(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
 }
 
 Result<void> VisionSession::take_screenshot(const std::filesystem::path& file) {

@@ -5,6 +5,7 @@
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
 #include "scene/scene_file.h"
+#include "vision_node/other_hand.h"
 #include "vision_node/space_knobs.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/vision_options.h"
@@ -29,6 +30,9 @@ class VisionSession {
   // What turns the dials besides keys and mouse. Pre: it outlives the session.
   void set_knobs(SpaceKnobs* knobs) { knobs_ = knobs; }
 
+  // Another hand to show. Pre: it outlives the session.
+  void set_other_hand(OtherHand* other) { other_ = other; }
+
   // Until the window is closed, the time is up or a signal asks. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -39,12 +43,15 @@ class VisionSession {
   Result<void> attend_window();
   void speak();
   Result<void> draw_if_wanted();
+  bool other_wants_picture(std::int64_t now_ns);
+  void tell_of_picture(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);
   Result<void> take_screenshot(const std::filesystem::path& file);
   std::filesystem::path next_screenshot_name();
   VisionStep::Screen where() const;
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
+  OtherHand* other_ = nullptr;
   HubClient& hub_;
   Clock& clock_;
   const VisionOptions& options_;

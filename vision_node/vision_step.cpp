@@ -73,10 +73,13 @@ std::string VisionStep::compose_hud_now() const {
   return compose_hud(facts);
 }
 
+bool VisionStep::may_draw(std::int64_t now_ns) const {
+  return settings_.max_rate_hz <= 0.0 || frames_.drawn() == 0 ||
+         static_cast<double>(now_ns - last_start_ns_) >= 1e9 / settings_.max_rate_hz;
+}
+
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
-  if (settings_.max_rate_hz > 0.0 && frames_.drawn() > 0 && static_cast<double>(now_ns - last_start_ns_) < 1e9 / settings_.max_rate_hz) {
-    return false;
-  }
+  if (!may_draw(now_ns)) return false;
   if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_) return true;
   if (std::exchange(moved_, false)) {
     if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;

@@ -65,12 +65,15 @@ class VisionStep {
 
   // True when the picture there is no longer shows how things are, and the rate allows another one.
   bool wants_picture(std::int64_t now_ns, const Screen& where);
+  // The rate allows a picture now, whoever wants one.
+  bool may_draw(std::int64_t now_ns) const;
   Shown compose(std::int64_t now_ns);
   // The picture of the last compose() is in the window. Returns what the hub is to be told of it.
   std::optional<Drawn> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
   // What the hub is to be told of a state that wants_picture() found to look the same; once for each.
   std::optional<Drawn> take_unseen();
 
+  Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }

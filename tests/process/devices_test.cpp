@@ -76,6 +76,23 @@ TEST_F(TwoHands, TouchEachByItself) {
   }
 }
 
+#ifdef HAPTON_WITH_VISION
+TEST_F(TwoHands, AreShownInOnePicture) {
+  const VirtualDisplay display;
+  Program vision(
+      "vision_node",
+      {"--hub", hubs.at("left"), "--hub", hubs.at("right"), "--scene", (system.folder() / "cube.toml").string(), "--size", "320x240"},
+      system.folder(), display.name());
+  EXPECT_TRUE(wait_for([](const Json& left, const Json& right) { return count(left, "drawn") > 3 && count(right, "drawn") > 3; }))
+      << vision.err();
+  vision.send_signal(SIGTERM);
+  const auto ended = vision.wait(kPatience);
+  ASSERT_TRUE(ended) << "vision_node does not end";
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  EXPECT_THAT(ended->err, HasSubstr("joined the other hand's hub"));
+}
+#endif
+
 TEST_F(TwoHands, TellTheDoctorOfTheirDevices) {
   const std::string port = hubs["left"].substr(hubs["left"].find(':') + 1);
   const auto asked = run("hapton", {"doctor", "--only", "hub", "--only", "ports", "--port", port, "--json"}, system.folder());

@@ -41,6 +41,15 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_TRUE(options.has_space_knobs);
 }
 
+TEST(VisionOptions, ASecondHubIsAnotherHand) {
+  const auto one = std::get<VisionOptions>(parse({"--hub", "a"}));
+  EXPECT_EQ(one.hub, "a");
+  EXPECT_EQ(one.other_hub, "");
+  const auto two = std::get<VisionOptions>(parse({"--hub", "a:1", "--hub", "b:2"}));
+  EXPECT_EQ(two.hub, "a:1");
+  EXPECT_EQ(two.other_hub, "b:2");
+}
+
 TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {
   for (const auto& words : std::vector<std::vector<const char*>>{{"--stereo", "3d"},
                                                                  {"--knobs", "three"},
@@ -52,6 +61,7 @@ TEST(VisionOptions, WrongOnesEndWithAnErrorCode) {
                                                                  {"--seconds", "-5"},
                                                                  {"--screenshot-when", "soon"},
                                                                  {"--frames-per-second-limit", "-2"},
+                                                                 {"--hub", "a", "--hub", "b", "--hub", "c"},
                                                                  {"--unheard-of"}}) {
     const auto parsed = parse(words);
     ASSERT_TRUE(std::holds_alternative<int>(parsed)) << words[0];

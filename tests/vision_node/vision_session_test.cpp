@@ -94,6 +94,30 @@ struct Session {
   std::unique_ptr<VisionSession> session;
 };
 
+TEST(VisionSession, ShowsAnotherHandAndTurnsItsSceneToo) {
+  FakeHub hub;
+  FakeHub other_hub;
+  hub.moving = false;
+  VisionOptions options;
+  options.dials_degrees = Vec3(0.0, 30.0, 0.0);
+  Session vision(hub.address(), options);
+  const auto endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
+  HubClient client(*endpoint, vision.clock, NodeRole::vision, other_hub.address());
+  OtherHand other(client, Quat::Identity(), vision.options.rate_limit_hz);
+  vision.session->set_other_hand(&other);
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  vision.session.reset();
+  hub.stop();
+  other_hub.stop();
+  ASSERT_GT(other_hub.drawn.size(), 3U);
+  EXPECT_GT(other_hub.drawn.back().echo_sample, other_hub.samples / 2);
+  std::size_t shown = 0;
+  for (const Drawn& drawn : other_hub.drawn) shown += drawn.unchanged ? 0 : 1;
+  EXPECT_GT(shown, 3U) << "pictures for a hand that moves, though the first one rests";
+  ASSERT_FALSE(other_hub.transforms.empty());
+  EXPECT_EQ(other_hub.transforms.back().X_WS, hub.transforms.back().X_WS);
+}
+
 TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) {
   FakeHub hub;
   Session vision(hub.address());

@@ -1,0 +1,73 @@
+#include "vision_node/other_hand.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+std::uint32_t to_message_ns(std::int64_t ns, std::int64_t least) {
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(ns, least, std::numeric_limits<std::uint32_t>::max()));
+}
+
+}  // namespace
+
+void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
+  hear();
+  const bool is_joined = hub_.state() == JoinState::joined;
+  if (is_joined && (!was_joined_ || hub_.counts().joins != joins_)) {
+    log_info("joined the other hand's hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
+    sender_.rejoin();
+  } else if (!is_joined && was_joined_) {
+    log_warning("the other hand's hub has fallen silent; waiting for it");
+  }
+  was_joined_ = is_joined;
+  joins_ = hub_.counts().joins;
+  sender_.set(X_WS);
+  if (!is_joined) return;
+  if (const auto view = sender_.take_due(now_ns)) hub_.send(*view);
+}
+
+void OtherHand::hear() {
+  Datagram heard;
+  while (hub_.receive(heard, 0)) {
+    const auto* state = std::get_if<ProbeState>(&heard.message);
+    if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
+    state_ = *state;
+    heard_ns_ = hub_.receive_time_ns();
+    moved_ = untold_ = true;
+    sender_.confirm(state->view_revision);
+  }
+}
+
+bool OtherHand::wants_picture(const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) {
+  if (!std::exchange(moved_, false)) return false;
+  if (watch_.differs(*shown(), sizes, screen, size)) return true;
+  untold_ = false;
+  hub_.send(Drawn{.echo_sample = state_->sample, .echo_sample_time_ns = state_->sample_time_ns, .unchanged = true});
+  return false;
+}
+
+std::optional<ProbeShown> OtherHand::shown() const {
+  if (!state_) return std::nullopt;
+  return show_probe(*state_, stylus_lean_);
+}
+
+void OtherHand::drew(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes, const StereoScreen& screen,
+                     PictureSize size) {
+  if (!state_) return;
+  moved_ = false;
+  watch_.drawn(*shown(), sizes, screen, size);
+  if (!std::exchange(untold_, false)) return;
+  Drawn drawn{.echo_sample = state_->sample,
+              .echo_sample_time_ns = state_->sample_time_ns,
+              .frame_rate_hz = static_cast<float>(frame_rate_hz),
+              .held_ns = to_message_ns(end_ns - heard_ns_, 1)};
+  if (max_rate_hz_ > 0.0) drawn.rest_ns = to_message_ns(start_ns + static_cast<std::int64_t>(1e9 / max_rate_hz_) - end_ns, 0);
+  hub_.send(drawn);
+}
+
+}  // namespace hapton
