@@ -12,6 +12,9 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
                                                    std::optional<RealtimeSettings> realtime) {
   std::unique_ptr<HidDevice> device(new HidDevice(std::move(backend), std::move(opener), std::move(realtime)));
   if (auto opened = device->port_.open(); !opened) return tl::unexpected(opened.error());
+  const auto transport = device->port_.transport();
+  const DeviceCondition condition = device->backend_->condition();
+  log_info("{}: {} {} at {}", device->name(), condition.model, condition.serial, transport ? transport->description().path : "?");
   device->writer_ = std::thread([raw = device.get()] { raw->run_writer(); });
   return device;
 }
