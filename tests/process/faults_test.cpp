@@ -126,6 +126,37 @@ TEST(Haptics, StartedAgainIsFeltWithoutTheHandHavingLeft) {
   system.end_all();
 }
 
+std::string note(const Json& report, const char* name) { return report.at("notes").value(name, ""); }
+
+// The hand comes down at 11 mm/s, which is too fast here, and then rests in contact.
+TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
+  System system({"--max-speed", "0.008", "--vision-rate", "1000"});
+  std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
+  system.start("io_node");
+  system.start("haptics_node");
+  const Json latched = system.wait_for_report(
+      [](const Json& report) { return note(report, "safety_fault") == "speed" && count(report, "contact_samples") > 300; });
+  ASSERT_EQ(note(latched, "safety_fault"), "speed");
+  EXPECT_EQ(note(latched, "governor"), "latched");
+  EXPECT_EQ(latched.at("notes").at("max_force_written_n"), "0.000");
+  ASSERT_TRUE(System::wait_until([&] { return system["io_node"].err().find("-speed.hapton") != std::string::npos; }));
+  const auto top = run("hapton", {"top", "--once", "--hub", system.hub()}, system.folder());
+  ASSERT_TRUE(top);
+  EXPECT_THAT(top->out, HasSubstr("safety governor latched: the device moved faster than its limit"));
+  EXPECT_THAT(system["io_node"].err(), HasSubstr("hapton set --reset-faults"));
+
+  const auto reset = run("hapton", {"set", "--hub", system.hub(), "--reset-faults"}, system.folder());
+  ASSERT_TRUE(reset);
+  EXPECT_EQ(reset->exit_code, 0) << reset->err;
+  EXPECT_THAT(reset->out, HasSubstr("no fault is latched"));
+  Onlooker onlooker(system);
+  ProbeState state;
+  EXPECT_TRUE(onlooker.see_until(true, state)) << "no force after the reset";
+  EXPECT_EQ(count(system.ask_for_report(), "faults_reset"), 1);
+  expect_sane(system.ask_for_report());
+  system.end_all();
+}
+
 TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
   System system(kTightLimits);
   system.start("io_node");

@@ -141,6 +141,16 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
   EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
 }
 
+TEST_F(HaptonCommandTest, GovernorHoldsAndSaysHowNearItCame) {
+  const Seen seen = run({"governor", "--steps", "2e5", "--seed", "5", "--threads", "2"});
+  EXPECT_EQ(seen.code, 0) << seen.out;
+  EXPECT_THAT(seen.out, HasSubstr("seed 5"));
+  EXPECT_THAT(seen.out, HasSubstr("worst, 1 is the limit: force "));
+  EXPECT_THAT(seen.out, HasSubstr("governor: 0 breaches in 2"));
+  EXPECT_EQ(run({"governor", "--steps", "0"}).code, 2);
+  EXPECT_EQ(run({"governor", "--program", "7"}).code, 0);
+}
+
 TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
   EXPECT_THAT(run({"set"}).err, HasSubstr("nothing to set"));
   EXPECT_THAT(run({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
