@@ -138,28 +138,51 @@ bool ProxyMethod::leave_jam(const Vec3& device) noexcept {
 // that the motion is blocked at once.
 bool ProxyMethod::leave_along(const Vec3& device, const Vec3& motion, bool& closed) noexcept {
   closed = true;
-  for (const double height : kHeights) {
-    if (!lift(height * hover_)) continue;
-    const Vec3 lifted = proxy_;
-    advance(motion);
-    if ((proxy_ - lifted).norm() > 8.0 * height * hover_) {
-      closed = false;
-      descend(device);
-      if (is_better(device)) return true;
+  for (const Lift lift_over : {Lift::things, Lift::planes}) {
+    for (const double height : kHeights) {
+      if (!lift(height * hover_, lift_over)) continue;
+      const Vec3 lifted = proxy_;
+      advance(motion);
+      if ((proxy_ - lifted).norm() > 8.0 * height * hover_) {
+        closed = false;
+        descend(device);
+        if (is_better(device)) return true;
+      }
+      restore(rest_);
     }
-    restore(rest_);
   }
   return false;
 }
 
-// Lifts the proxy over everything near; false, and nothing moved, where there is no room.
-bool ProxyMethod::lift(double height) noexcept {
+// A face's plane, seen from the side the proxy is on: by the side of the faces that push, wound as this one; zero where none tells.
+Vec3 ProxyMethod::normal_to_proxy(std::uint32_t triangle) const noexcept {
+  const auto wound = [this](std::uint32_t t) {
+    const Vec3& a = geometry_.corner(t, 0);
+    return accurate_cross(geometry_.corner(t, 1) - a, geometry_.corner(t, 2) - a);
+  };
+  const Vec3 normal = wound(triangle);
+  const double length = normal.norm();
+  for (int i = 0; i < touching_count_ && length > 0.0; ++i) {
+    const Separation& s = touching_[i].separation;
+    if (s.feature == Feature::face) return normal * (wound(touching_[i].triangle).dot(s.normal) > 0.0 ? 1.0 / length : -1.0 / length);
+  }
+  return Vec3::Zero();
+}
+
+// Lifts the proxy over everything near, or over the planes of all faces near: from there every way along the faces round a corner is open,
+// also those behind a ridge. False, and nothing moved, where there is no room.
+bool ProxyMethod::lift(double height, Lift over) noexcept {
   ++counters_.attempts;
   const double near = 2.0 * height;
   int count = 0;
   geometry_.for_each_overlapping(Box{proxy_.array() - near, proxy_.array() + near}, [&](std::uint32_t triangle) {
     const Separation s = geometry_.separation(triangle, proxy_);
-    if (count < kMaxTouching && s.distance <= near && can_touch(triangle, proxy_)) planes_[count++] = {s.normal, height - s.distance};
+    if (count == kMaxTouching || s.distance > near || !can_touch(triangle, proxy_)) return;
+    if (over == Lift::things) {
+      planes_[count++] = {s.normal, height - s.distance};
+    } else if (const Vec3 normal = normal_to_proxy(triangle); !normal.isZero(0.0)) {
+      planes_[count++] = {normal, height - normal.dot(proxy_ - s.nearest)};
+    }
   });
   const ConstrainedMotion up =
       constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(count)));

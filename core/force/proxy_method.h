@@ -122,7 +122,9 @@ class ProxyMethod final : public ForceMethod {
   bool is_jammed(const Vec3& device) const noexcept;
   bool leave_jam(const Vec3& device) noexcept;
   bool leave_along(const Vec3& device, const Vec3& motion, bool& closed) noexcept;
-  bool lift(double height) noexcept;
+  enum class Lift : std::uint8_t { things, planes };
+  bool lift(double height, Lift over) noexcept;
+  Vec3 normal_to_proxy(std::uint32_t triangle) const noexcept;
   bool is_better(const Vec3& device) const noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) noexcept;
   Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
