@@ -59,8 +59,6 @@ Finding explain_denial(const Machine& machine, const PluggedDevice& device, cons
                  line_that_applies_rules(node.kind));
 }
 
-std::string describe_use(const PluggedDevice& device) { return device.device.empty() ? "" : "; io_node --device " + device.device; }
-
 Finding check_node(const Machine& machine, const PluggedDevice& device, const DeviceNode& node) {
   if (!machine.exists(node.path)) {
     return problem(
@@ -71,10 +69,15 @@ Finding check_node(const Machine& machine, const PluggedDevice& device, const De
   if (!machine.may_use(node.path)) return explain_denial(machine, device, node);
   const auto rule = find_udev_rule(machine, device, node);
   return good(subject_of(device), fmt::format("{}, open to {}{}{}", with_driver(node), machine.user().name,
-                                              rule ? " by rule " + rule->name() : "", describe_use(device)));
+                                              rule ? " by rule " + rule->name() : "", "; io_node --device " + device.device));
 }
 
 void check_device(const Machine& machine, const PluggedDevice& device, Findings& findings) {
+  if (device.device.empty()) {
+    findings.push_back(note(subject_of(device), "plugged in, but Hapton cannot drive it",
+                            "its maker's software does; or give it the firmware of docs/hid.md"));
+    return;
+  }
   if (device.nodes.empty()) findings.push_back(explain_no_node(machine, device));
   for (const DeviceNode& node : device.nodes) findings.push_back(check_node(machine, device, node));
   if (device.may_sleep && device.path != DevicePath::any) {

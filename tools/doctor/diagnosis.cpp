@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "runtime/build_id.h"
 #include "tools/doctor/device_check.h"
 #include "tools/doctor/display_check.h"
 #include "tools/doctor/hub_check.h"
@@ -125,6 +126,7 @@ std::string to_text(const Diagnosis& diagnosis, bool with_colours) {
 
 std::string to_json(const Diagnosis& diagnosis) {
   nlohmann::ordered_json json = {{"schema", "hapton.doctor/1"},
+                                 {"build", build_id()},
                                  {"fit", diagnosis.is_fit()},
                                  {"problems", diagnosis.count(Verdict::problem)},
                                  {"warnings", diagnosis.count(Verdict::warning)},

@@ -23,7 +23,7 @@ struct KnownUsbDevice {
   std::uint16_t pid = 0;  // 0: all of the vendor's
   DevicePath path = DevicePath::any;
   std::string_view name;
-  std::string_view device;   // as in --device; empty: as a knob box alone
+  std::string_view device;   // as in --device
   std::string_view library;  // KnownVendorLibrary::name that drives it; empty: none is needed
 };
 
@@ -41,7 +41,7 @@ struct PluggedDevice {
   std::string name;     // of the catalogue
   std::string product;  // what it says of itself, with its maker
   std::string serial;
-  std::string device;   // as in --device
+  std::string device;   // as in --device; empty: nothing of ours drives it
   std::string library;  // that drives it
   std::string where;    // its folder in sysfs; empty: not by USB
   DevicePath path = DevicePath::any;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 namespace hapton::doctor {
 namespace {
@@ -68,6 +69,24 @@ Finding check_throttling(const Machine& machine) {
   return problem(subject, seen + ": the loop is stopped for the rest of each second", "sudo sysctl -w kernel.sched_rt_runtime_us=950000");
 }
 
+// With control groups of the first version each group has a share of real time of its own, which is none unless it was given.
+std::optional<Finding> check_group_share(const Machine& machine) {
+  const std::string groups = machine.read("/proc/self/cgroup").value_or("");
+  for (const std::string_view line : split_lines(groups)) {
+    const std::size_t begin = line.find(':') + 1;
+    const std::size_t end = line.find(':', begin);
+    if (begin == 0 || end == line.npos) continue;
+    const std::string controllers = fmt::format(",{},", line.substr(begin, end - begin));
+    if (controllers.find(",cpu,") == controllers.npos) continue;
+    const std::string file = fmt::format("/sys/fs/cgroup/{}{}/cpu.rt_runtime_us", line.substr(begin, end - begin), line.substr(end + 1));
+    if (machine.read_number(file) != 0.0) continue;
+    return problem("real time of the control group",
+                   fmt::format("{} is 0: real-time priority is refused in it, whatever the limits say", file),
+                   fmt::format("echo 950000 | sudo tee {}", file));
+  }
+  return std::nullopt;
+}
+
 // The sleep states of the first CPU that are in use: how late the deepest lets it wake.
 struct SleepStates {
   std::string deepest;
@@ -104,7 +123,11 @@ std::string line_that_grants_realtime(const Machine& machine) {
       machine.user().name, kLimitsFile);
 }
 
-Findings check_rights(const Machine& machine) { return {check_priority(machine), check_memory_lock(machine), check_throttling(machine)}; }
+Findings check_rights(const Machine& machine) {
+  Findings findings = {check_priority(machine), check_memory_lock(machine), check_throttling(machine)};
+  if (auto group = check_group_share(machine)) findings.push_back(std::move(*group));
+  return findings;
+}
 
 Findings check_sleep(const Machine& machine) {
   constexpr const char* kNode = "/dev/cpu_dma_latency";

@@ -179,6 +179,13 @@ const std::vector<Fault> kFaults = {
      "real-time threads get 10 % of each CPU", "sudo sysctl -w kernel.sched_rt_runtime_us=950000"},
     {"NeverThrottled", [](FakeMachine& m) { m.write("/proc/sys/kernel/sched_rt_runtime_us", "-1\n"); }, Verdict::warning,
      "a loop that runs wild would take its CPU for good", "sudo sysctl -w kernel.sched_rt_runtime_us=950000"},
+    {"ControlGroupWithoutRealTime",
+     [](FakeMachine& m) {
+       m.write("/proc/self/cgroup", "9:memory:/user\n4:cpu,cpuacct:/user/ada\n0::/user\n");
+       m.write("/sys/fs/cgroup/cpu,cpuacct/user/ada/cpu.rt_runtime_us", "0\n");
+     },
+     Verdict::problem, "/sys/fs/cgroup/cpu,cpuacct/user/ada/cpu.rt_runtime_us is 0",
+     "echo 950000 | sudo tee /sys/fs/cgroup/cpu,cpuacct/user/ada/cpu.rt_runtime_us"},
     {"DeepSleep", [](FakeMachine& m) { m.set_mode("/dev/cpu_dma_latency", 0600); }, Verdict::problem,
      "the deepest state in use is C10, 890 us to wake up, and /dev/cpu_dma_latency is closed to ada", "/etc/udev/rules.d/60-hapton.rules"},
     {"SlowGovernor", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave\n"); },
@@ -285,6 +292,7 @@ TEST(Diagnosis, IsJsonForPrograms) {
   machine.write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n");
   const auto json = nlohmann::json::parse(to_json(diagnose(machine.look(), std::vector<std::string>{"clock"})));
   EXPECT_EQ(json.at("schema"), "hapton.doctor/1");
+  EXPECT_FALSE(json.at("build").get<std::string>().empty());
   EXPECT_EQ(json.at("fit"), false);
   EXPECT_EQ(json.at("problems"), 1);
   EXPECT_EQ(json.at("warnings"), 0);
@@ -325,6 +333,15 @@ TEST(Diagnosis, FindsHaptonHidByItsUsageWhoeverMadeIt) {
   machine.write("/sys/devices/usb1/1-1/idProduct", "4001\n");
   EXPECT_THAT(to_text(diagnose(machine.look(), std::vector<std::string>{"devices"}), false),
               HasSubstr("Hapton HID device cafe:4001: /dev/hidraw0 (hid-generic), open to ada; io_node --device hapton-hid"));
+}
+
+TEST(Diagnosis, SaysOfADeviceThatNothingDrivesThatNothingDoes) {
+  FakeMachine machine;
+  machine.write("/sys/devices/usb1/1-1/idVendor", "16c0\n");
+  machine.write("/sys/devices/usb1/1-1/idProduct", "0486\n");
+  const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"devices"});
+  EXPECT_THAT(complaints_of(diagnosis), IsEmpty());
+  EXPECT_THAT(to_text(diagnosis, false), HasSubstr("Hapton cannot drive it"));
 }
 
 TEST(Diagnosis, SaysHowToLookWhenNothingIsPluggedIn) {
