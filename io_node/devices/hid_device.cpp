@@ -12,10 +12,14 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
                                                    std::optional<RealtimeSettings> realtime) {
   std::unique_ptr<HidDevice> device(new HidDevice(std::move(backend), std::move(opener), std::move(realtime)));
   if (auto opened = device->port_.open(); !opened) return tl::unexpected(opened.error());
-  const auto transport = device->port_.transport();
-  const DeviceCondition condition = device->backend_->condition();
-  log_info("{}: {} {} at {}", device->name(), condition.model, condition.serial, transport ? transport->description().path : "?");
   device->writer_ = std::thread([raw = device.get()] { raw->run_writer(); });
+  const auto transport = device->port_.transport();
+  const std::string path = transport ? transport->description().path : "gone";
+  if (!device->await_first_report()) {
+    return fail("{} at {}: it sends no reports that make sense; see that its firmware runs, then plug it in again", device->name(), path);
+  }
+  const DeviceCondition condition = device->backend_->condition();
+  log_info("{}: {} {} at {}", device->name(), condition.model, condition.serial, path);
   return device;
 }
 
@@ -32,6 +36,15 @@ HidDevice::~HidDevice() {
   if (writer_.joinable()) writer_.join();
   port_.close();
   ::sem_destroy(&wishes_);
+}
+
+bool HidDevice::await_first_report() noexcept {
+  const std::int64_t until_ns = clock_.now_ns() + kFirstReportNs;
+  while (!has_heard_.load(std::memory_order_acquire)) {
+    if (clock_.now_ns() >= until_ns) return false;
+    clock_.sleep_until_ns(clock_.now_ns() + kNanosecondsPerMillisecond);
+  }
+  return true;
 }
 
 void HidDevice::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
@@ -70,6 +83,7 @@ void HidDevice::on_drained(std::int64_t) noexcept {
     const std::lock_guard lock(driver_mutex_);
     exchange_.publish(reading_);
   }
+  has_heard_.store(true, std::memory_order_release);
   tell_status();
 }
 

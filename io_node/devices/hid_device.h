@@ -22,10 +22,12 @@ namespace hapton {
 class HidDevice final : public Device, private HidListener {
  public:
   static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
+  // A device that is opened must have reported by then.
+  static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
   // So many refused reports in a row, and the device is opened anew.
   static constexpr int kMostRefused = 100;
 
-  // Opens it. Error: it is not there or cannot be driven, one line.
+  // Opens it and waits until it has said where it is. Error: it is not there, cannot be driven or says nothing, one line.
   static Result<std::unique_ptr<HidDevice>> open(std::unique_ptr<HidBackend> backend, HidOpener opener,
                                                  std::optional<RealtimeSettings> realtime = {});
   ~HidDevice() override;
@@ -47,6 +49,7 @@ class HidDevice final : public Device, private HidListener {
   void on_gone() noexcept override;
   void tell_status() noexcept;
 
+  bool await_first_report() noexcept;
   void run_writer() noexcept;
   void await_wish() noexcept;
   void write_newest() noexcept;
@@ -63,6 +66,7 @@ class HidDevice final : public Device, private HidListener {
   DeviceStatus told_ = DeviceStatus::ready;  // to people
   int refused_ = 0;                          // of the writer
   sem_t wishes_;                             // posted by the servo: a wrench is there
+  std::atomic<bool> has_heard_{false};
   std::atomic<bool> ends_{false};
   HidPort port_;
   std::thread writer_;

@@ -200,6 +200,30 @@ TEST_F(HidDeviceTest, ReadAndWriteTakeNothingFromTheHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
+TEST(HidDevice, ThatSaysNothingOrNonsenseIsAnErrorInOneLine) {
+  HidDescription description;
+  description.path = "/dev/fake";
+  FakeHid hid(description);
+  std::atomic<bool> ends = false;
+  std::thread nonsense([&] {
+    while (!ends) {
+      hid.send({1, 2, 3});
+      SteadyClock().sleep_until_ns(SteadyClock().now_ns() + kNanosecondsPerMillisecond);
+    }
+  });
+  const auto opened = HidDevice::open(std::make_unique<PlainBackend>(), hid.opener());
+  ends = true;
+  nonsense.join();
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("plain at /dev/fake: it sends no reports that make sense"), std::string::npos) << opened.error().what;
+}
+
+TEST_F(HidDeviceTest, HasAPositionFromTheFirstReadOn) {
+  SteadyClock clock;
+  EXPECT_EQ(device_->read(clock.now_ns()).p_WD.x(), 0.001);
+  EXPECT_EQ(device_->status(), DeviceStatus::ready);
+}
+
 TEST(HidDevice, ThatIsNotThereIsAnErrorInOneLine) {
   FakeHid hid;
   hid.unplug();
