@@ -224,6 +224,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   report.nodes = make_nodes(stats);
   add_device(report, stats);
   add_safety(report, stats.governor);
+  if (!options.name.empty()) report.notes["name"] = options.name;
   if (!options.device.id.empty()) report.notes["device_id"] = options.device.id;
   if (!options.device.file.empty()) report.notes["device_file"] = options.device.file;
   if (!options.device.trajectory.empty()) report.notes["trajectory"] = options.device.trajectory;

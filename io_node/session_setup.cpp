@@ -24,6 +24,7 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
   const auto add_text = [&](const char* name, const std::string& value) {
     if (!value.empty()) header.settings.emplace_back(name, value);
   };
+  add_text("name", options.name);
   add_text("device-id", options.device.id);
   add_text("device-file", options.device.file);
   add_text("trajectory", options.device.trajectory);

@@ -73,6 +73,7 @@ TEST_F(TwoHands, TouchEachByItself) {
   for (const char* name : {"left", "right"}) {
     EXPECT_THAT(ended->out, HasSubstr(std::string("--- ") + name));
     expect_sane(report_of(name));
+    EXPECT_EQ(report_of(name).at("notes").at("name"), name);
   }
 }
 
