@@ -18,7 +18,7 @@ class StreamEndpoint {
  public:
   using Id = std::uint64_t;  // of a connection; never used twice
   static constexpr std::size_t kMostConnections = 16;
-  static constexpr std::size_t kMostWaitingBytes = 256 * 1024;
+  static constexpr std::size_t kMostWaitingBytes = std::size_t{256} * 1024;
 
   // Hears what happens. Every connection is first on_connected (for one that was asked for: or on_closed) and last on_closed.
   struct Listener {

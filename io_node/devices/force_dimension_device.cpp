@@ -34,7 +34,7 @@ Vec3 from_w(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 class ForceDimensionDevice final : public Device {
  public:
   ForceDimensionDevice(dhd::Library library, int index, std::optional<RealtimeSettings> realtime, const ForceDimensionOptions& options)
-      : dhd_(std::move(library)), index_(index), realtime_(std::move(realtime)), options_(options) {}
+      : dhd_(std::move(library)), index_(index), realtime_(realtime), options_(options) {}
   ~ForceDimensionDevice() override;
 
   Result<void> open();

@@ -42,7 +42,7 @@ DeviceLimits careful_limits() {
 class HaplyDevice final : public Device {
  public:
   HaplyDevice(const Address& service, std::string id, std::optional<RealtimeSettings> realtime)
-      : service_(service), realtime_(std::move(realtime)), id_(std::move(id)) {}
+      : service_(service), realtime_(realtime), id_(std::move(id)) {}
   ~HaplyDevice() override {
     ends_.store(true, std::memory_order_relaxed);
     if (thread_.joinable()) thread_.join();

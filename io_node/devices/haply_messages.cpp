@@ -12,8 +12,8 @@ using Json = nlohmann::json;
 
 // Where the cursor is at home, in the service's axes.
 const Vec3& home_m() {
-  static const Vec3 home(0.0, -0.12, 0.15);
-  return home;
+  static const Vec3 kHome(0.0, -0.12, 0.15);
+  return kHome;
 }
 
 const Json* find(const Json& in, const char* key) {
