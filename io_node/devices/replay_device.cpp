@@ -22,8 +22,6 @@ ReplayDevice::ReplayDevice(std::vector<TrajectoryRow> rows, const Options& optio
   limits_.workspace_min_m = limits_.workspace_max_m = rows_.front().p_WD;
   played_to_s_ = rows_.front().t_s;
   for (const TrajectoryRow& row : rows_) {
-    is_open_ = options_.loop && (rows_.back().p_WD - rows_.front().p_WD).norm() > kSeamM;
-    limits_.max_speed_m_per_s = kNoLimitMPerS;
     limits_.workspace_min_m = limits_.workspace_min_m.cwiseMin(row.p_WD);
     limits_.workspace_max_m = limits_.workspace_max_m.cwiseMax(row.p_WD);
   }
