@@ -99,6 +99,42 @@ TEST_F(Sessions, ends_with_its_recording) {
   EXPECT_TRUE(run(device));
 }
 
+// Is away and being calibrated for 100 reads each, is there until a force has been felt, and has then been played to its end.
+class Wayward final : public Device {
+ public:
+  std::string_view name() const noexcept override { return "wayward"; }
+  const DeviceLimits& limits() const noexcept override { return phantom_.limits(); }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    ++reads_;
+    return phantom_.read(now_ns);
+  }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
+    if (wrench.force_n != Vec3::Zero()) ++(reads_ < 200 ? forces_before : forces_after);
+    phantom_.write(wrench, now_ns);
+  }
+  DeviceStatus status() const noexcept override {
+    if (reads_ < 100) return DeviceStatus::away;
+    if (reads_ < 200) return DeviceStatus::calibrating;
+    return forces_after == 0 ? DeviceStatus::ready : DeviceStatus::ended;
+  }
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+  int forces_before = 0;
+  int forces_after = 0;
+
+ private:
+  SimulatedPhantom phantom_{{}};
+  int reads_ = 0;
+};
+
+TEST_F(Sessions, goes_on_while_the_device_is_away_or_being_calibrated) {
+  options.seconds = 0.0;
+  Wayward device;
+  EXPECT_TRUE(run(device));
+  EXPECT_EQ(device.forces_before, 0);
+  EXPECT_GT(device.forces_after, 0);
+}
+
 TEST_F(Sessions, ends_when_told_and_reports_on_request) {
   options.seconds = 0.0;
   SimulatedPhantom device({});
