@@ -282,6 +282,30 @@ TEST(SafetyGovernor, a_device_faster_than_its_limit_latches) {
   EXPECT_EQ(bench.press(1.0, 10), Vec3::Zero());
 }
 
+TEST(SafetyGovernor, energy_given_beyond_what_is_free_is_damped_against_the_motion) {
+  Bench bench;
+  bench.sample.p_WD.x() = -0.08;
+  const auto move = [&](const Vec3& force_n, int cycles) {
+    for (int n = 0; n < cycles; ++n) {
+      bench.sample.p_WD.x() += 1e-4;
+      bench.cycle(Wrench{force_n, Vec3::Zero()});
+    }
+  };
+  move(Vec3(4, 0, 0), 150);
+  EXPECT_EQ(bench.out.force_n, Vec3(4, 0, 0));
+  move(Vec3(0, 0, 4), 50);
+  EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 4));  // nothing is done about what is free
+  EXPECT_EQ(bench.governor.counters().damped, 0U);
+  move(Vec3(4, 0, 0), 200);
+  ASSERT_GT(bench.governor.energy_spent_j(), EnergyBudget::free_j(8.0));
+  move(Vec3(0, 0, 4), 10);
+  EXPECT_NEAR(bench.out.force_n.x(), -0.1 * bench.governor.most_damping_n_s_per_m(), 0.01);
+  EXPECT_NEAR(bench.out.force_n.z(), 4.0, 1e-9);
+  const double spent_j = bench.governor.energy_spent_j();
+  move(Vec3(0, 0, 4), 50);
+  EXPECT_LT(bench.governor.energy_spent_j(), spent_j - 1e-4);
+}
+
 TEST(SafetyGovernor, the_end_of_the_workspace_takes_what_pushes_outwards_and_adds_nothing) {
   Bench bench;
   const auto at = [&](double z, double force_n) {
