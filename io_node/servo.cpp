@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "io_node/session_fault_of.h"
+
 namespace hapton {
 namespace {
 
@@ -16,28 +18,6 @@ void relax() noexcept {
 #ifdef __x86_64__
   __builtin_ia32_pause();
 #endif
-}
-
-SessionFault session_fault_of(SafetyFault fault) noexcept {
-  switch (fault) {
-    case SafetyFault::none:
-      break;
-    case SafetyFault::not_finite:
-      return SessionFault::not_finite;
-    case SafetyFault::torque:
-      return SessionFault::torque;
-    case SafetyFault::speed:
-      return SessionFault::speed;
-    case SafetyFault::position:
-      return SessionFault::position;
-    case SafetyFault::jump:
-      return SessionFault::jump;
-    case SafetyFault::thermal:
-      return SessionFault::thermal;
-    case SafetyFault::device:
-      return SessionFault::device;
-  }
-  return SessionFault::none;
 }
 
 constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already

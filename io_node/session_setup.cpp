@@ -20,6 +20,10 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
                      {"seed", fmt::format("{}", options.device.seed)},
                      {"max-force", fmt::format("{}", options.device.max_force_n)},
                      {"max-slew", fmt::format("{}", options.device.max_slew_n_per_s)},
+                     {"max-torque", fmt::format("{}", options.device.max_torque_nm)},
+                     {"continuous-force", fmt::format("{}", options.device.continuous_force_n)},
+                     {"max-speed", fmt::format("{}", options.device.max_speed_m_per_s)},
+                     {"hold-button", fmt::format("{}", options.device.hold_button)},
                      {"overrun", options.overrun}};
   const auto add_text = [&](const char* name, const std::string& value) {
     if (!value.empty()) header.settings.emplace_back(name, value);

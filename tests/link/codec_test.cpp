@@ -65,7 +65,7 @@ class RandomDatagrams {
       case 8:
         return HandTarget{flag(), vector()};
       case 9:
-        return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag()};
+        return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag(), flag()};
       case 10:
         return draw_setup();
       case 11:
@@ -178,6 +178,7 @@ void expect_equal(const Settings& a, const Settings& b) {
   EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
   EXPECT_EQ(a.method, b.method);
   EXPECT_EQ(a.report_now, b.report_now);
+  EXPECT_EQ(a.reset_faults, b.reset_faults);
 }
 void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.method_serial, b.method_serial);

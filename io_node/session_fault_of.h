@@ -1,0 +1,31 @@
+#pragma once
+
+#include "io_node/safety/safety_fault.h"
+#include "link/session_entry.h"
+
+namespace hapton {
+
+// How a latched fault is called in a recording. RT: yes.
+inline SessionFault session_fault_of(SafetyFault fault) noexcept {
+  switch (fault) {
+    case SafetyFault::none:
+      break;
+    case SafetyFault::not_finite:
+      return SessionFault::not_finite;
+    case SafetyFault::torque:
+      return SessionFault::torque;
+    case SafetyFault::speed:
+      return SessionFault::speed;
+    case SafetyFault::position:
+      return SessionFault::position;
+    case SafetyFault::jump:
+      return SessionFault::jump;
+    case SafetyFault::thermal:
+      return SessionFault::thermal;
+    case SafetyFault::device:
+      return SessionFault::device;
+  }
+  return SessionFault::none;
+}
+
+}  // namespace hapton
