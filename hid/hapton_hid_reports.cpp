@@ -16,8 +16,10 @@ constexpr double kTemperatureSteps = 200.0;
 // The length of a quaternion of four rounded numbers is off by less than this.
 constexpr double kQuaternionTolerance = 0.01;
 
-enum StatusBit : std::uint8_t { kCalibrated = 1, kOn = 2, kHeld = 4, kBarked = 8, kHot = 16, kFault = 32 };
-enum AbleBit : std::uint8_t { kOrientation = 1, kKnowsHeld = 2, kTorque = 4 };
+// Of the status.
+constexpr std::uint8_t kCalibrated = 1, kOn = 2, kHeld = 4, kBarked = 8, kHot = 16, kFault = 32;
+// Of the abilities.
+constexpr std::uint8_t kOrientation = 1, kKnowsHeld = 2, kTorque = 4;
 constexpr std::uint8_t kFlagOn = 1;
 
 // Beyond these it is a mistake of the maker's, or not a device that a hand may hold.

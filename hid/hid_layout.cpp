@@ -11,20 +11,18 @@ constexpr std::size_t kMostBits = std::size_t{1} << 19;
 constexpr std::size_t kMostNested = 64;
 
 // An item's prefix without its size bits (HID 1.11, 6.2.2.2 to 6.2.2.8).
-enum Item : std::uint8_t {
-  kInput = 0x80,
-  kOutput = 0x90,
-  kCollection = 0xA0,
-  kFeature = 0xB0,
-  kEndCollection = 0xC0,
-  kUsagePage = 0x04,
-  kReportSize = 0x74,
-  kReportId = 0x84,
-  kReportCount = 0x94,
-  kPush = 0xA4,
-  kPop = 0xB4,
-  kUsage = 0x08,
-};
+constexpr std::uint8_t kInput = 0x80;
+constexpr std::uint8_t kOutput = 0x90;
+constexpr std::uint8_t kCollection = 0xA0;
+constexpr std::uint8_t kFeature = 0xB0;
+constexpr std::uint8_t kEndCollection = 0xC0;
+constexpr std::uint8_t kUsagePage = 0x04;
+constexpr std::uint8_t kReportSize = 0x74;
+constexpr std::uint8_t kReportId = 0x84;
+constexpr std::uint8_t kReportCount = 0x94;
+constexpr std::uint8_t kPush = 0xA4;
+constexpr std::uint8_t kPop = 0xB4;
+constexpr std::uint8_t kUsage = 0x08;
 constexpr std::uint8_t kLongItem = 0xFE;
 constexpr std::uint32_t kApplication = 0x01;
 

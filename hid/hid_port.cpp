@@ -16,7 +16,7 @@ constexpr int kMostDrained = 256;  // four full queues: a device that sends fast
 }  // namespace
 
 HidPort::HidPort(HidOpener opener, HidListener& listener, std::string name, std::optional<RealtimeSettings> realtime)
-    : opener_(std::move(opener)), listener_(listener), name_(std::move(name)), realtime_(std::move(realtime)) {}
+    : opener_(std::move(opener)), listener_(listener), name_(std::move(name)), realtime_(realtime) {}
 
 HidPort::~HidPort() { close(); }
 

@@ -10,7 +10,7 @@ namespace hapton {
 
 Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> backend, HidOpener opener,
                                                    std::optional<RealtimeSettings> realtime) {
-  std::unique_ptr<HidDevice> device(new HidDevice(std::move(backend), std::move(opener), std::move(realtime)));
+  std::unique_ptr<HidDevice> device(new HidDevice(std::move(backend), std::move(opener), realtime));
   if (auto opened = device->port_.open(); !opened) return tl::unexpected(opened.error());
   device->writer_ = std::thread([raw = device.get()] { raw->run_writer(); });
   const auto transport = device->port_.transport();
@@ -24,9 +24,7 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
 }
 
 HidDevice::HidDevice(std::unique_ptr<HidBackend> backend, HidOpener opener, std::optional<RealtimeSettings> realtime)
-    : backend_(std::move(backend)),
-      realtime_(realtime),
-      port_(std::move(opener), *this, std::string(backend_->name()), std::move(realtime)) {
+    : backend_(std::move(backend)), realtime_(realtime), port_(std::move(opener), *this, std::string(backend_->name()), realtime) {
   ::sem_init(&wishes_, 0, 0);
 }
 
