@@ -15,6 +15,8 @@ constexpr int kBins = 16;
 constexpr std::uint32_t kOneAxisFrom = 2048;
 // Below this the bins' scale would overflow, and no split is worth looking for.
 constexpr float kSmallestExtent = 1e-30F;
+// An axis thinner than this share of the widest is not worth a split along it: a float has no more digits there.
+constexpr float kThinnestShare = 1e-6F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 Lanes lane_min(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
@@ -117,7 +119,8 @@ struct Builder {
     if (must_halve || !(extent[widest] > kSmallestExtent)) return halve(range, widest);
 
     Lanes scale = {};
-    for (int k = 0; k < 3; ++k) scale[k] = extent[k] > extent[widest] * 1e-6F ? static_cast<float>(kBins) * 0.999F / extent[k] : 0.0F;
+    for (int k = 0; k < 3; ++k)
+      scale[k] = extent[k] > extent[widest] * kThinnestShare ? static_cast<float>(kBins) * 0.999F / extent[k] : 0.0F;
     const Lanes base = range.centers.low;
     const auto bins_of = [&](const Lanes& center) { return __builtin_convertvector((center - base) * scale, IntLanes); };
 

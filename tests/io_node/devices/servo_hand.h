@@ -2,6 +2,7 @@
 
 #include "io_node/devices/device.h"
 #include "runtime/clock.h"
+#include "tests/support/allocation_guard.h"
 
 namespace hapton {
 
@@ -29,6 +30,18 @@ class ServoHand {
       clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
     }
     return true;
+  }
+
+  // What a thousand cycles of the servo take from the heap. Pre: AllocationGuard::is_available().
+  static std::uint64_t count_heap_use(Device& device) {
+    const AllocationGuard guard;
+    for (std::int64_t t = 0; t < 1000; ++t) {
+      device.read(t);
+      device.write({.force_n = Vec3(0, 0, 1)}, t);
+      (void)device.status();
+      (void)device.condition();
+    }
+    return guard.count();
   }
 
   const DeviceSample& sample() const { return sample_; }
