@@ -144,7 +144,7 @@ void expect_sane(const Json& report);
 extern const std::vector<std::string> kNodes;
 bool is_complete(const Json& report);
 
-// Sits at the hub as a vision node does and sees every force that is written to the device.
+// Sits at the hub as a vision node does that draws at once, and so hears of the force as often as any may.
 class Onlooker {
  public:
   explicit Onlooker(const System& system)
@@ -158,6 +158,7 @@ class Onlooker {
       if (!client_.receive(datagram, clock_.now_ns() + 20 * kNanosecondsPerMillisecond)) continue;
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
         state = *probe;
+        client_.send(Drawn{probe->sample, probe->sample_time_ns, 60.0F});
         return true;
       }
     }
