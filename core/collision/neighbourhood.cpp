@@ -10,6 +10,11 @@ __m256 dot(const __m256 u[3], const __m256 v[3]) {
   return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(u[0], v[0]), _mm256_mul_ps(u[1], v[1])), _mm256_mul_ps(u[2], v[2]));
 }
 
+__m256 dot(const float u[3][8], const __m256 v[3]) {
+  const __m256 xy = _mm256_add_ps(_mm256_mul_ps(_mm256_load_ps(u[0]), v[0]), _mm256_mul_ps(_mm256_load_ps(u[1]), v[1]));
+  return _mm256_add_ps(xy, _mm256_mul_ps(_mm256_load_ps(u[2]), v[2]));
+}
+
 void load(const float from[3][8], __m256 into[3]) {
   for (int k = 0; k < 3; ++k) into[k] = _mm256_load_ps(from[k]);
 }
@@ -31,6 +36,12 @@ void cross(const __m256 u[3], const __m256 v[3], __m256 into[3]) {
 void choose(const __m256& mask, const __m256 other[3], __m256 into[3]) {
   for (int k = 0; k < 3; ++k) into[k] = _mm256_blendv_ps(into[k], other[k], mask);
 }
+
+__m256i load(const std::uint32_t from[8]) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(from)); }
+
+__m256i all_equal_to(std::uint32_t value) { return _mm256_set1_epi32(static_cast<int>(value)); }
+
+unsigned lanes(const __m256i& mask) { return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(mask))); }
 
 }  // namespace
 
@@ -87,6 +98,17 @@ Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const _
   return {distance, _mm256_min_ps(zero, dot(off, motion))};
 }
 
+// Of a block's lanes, those whose boxes overlap.
+unsigned Neighbourhood::overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept {
+  __m256 hit = _mm256_cmp_ps(_mm256_load_ps(block.low[0]), high[0], _CMP_LE_OQ);
+  hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[0]), low[0], _CMP_GE_OQ));
+  for (int k = 1; k < 3; ++k) {
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.low[k]), high[k], _CMP_LE_OQ));
+    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[k]), low[k], _CMP_GE_OQ));
+  }
+  return static_cast<unsigned>(_mm256_movemask_ps(hit));
+}
+
 int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radius, const Box& way,
                                  std::array<Meeting, kCapacity>& meetings) const noexcept {
   __m256 low[3];
@@ -110,17 +132,12 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
     const Block& block = blocks_[b];
-    __m256 hit = _mm256_cmp_ps(_mm256_load_ps(block.low[0]), high[0], _CMP_LE_OQ);
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[0]), low[0], _CMP_GE_OQ));
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.low[1]), high[1], _CMP_LE_OQ));
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[1]), low[1], _CMP_GE_OQ));
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.low[2]), high[2], _CMP_LE_OQ));
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[2]), low[2], _CMP_GE_OQ));
-    if (_mm256_testz_ps(hit, hit) != 0) continue;
+    const unsigned near = overlapping(block, low, high);
+    if (near == 0) continue;
     const Bound bound = separation_bound(block, start, move);
     const __m256 gap = _mm256_sub_ps(bound.distance, enough);
-    hit = _mm256_andnot_ps(_mm256_cmp_ps(_mm256_add_ps(gap, bound.approach), zero, _CMP_GT_OQ), hit);
-    auto mask = static_cast<unsigned>(_mm256_movemask_ps(hit));
+    const __m256 misses = _mm256_cmp_ps(_mm256_add_ps(gap, bound.approach), zero, _CMP_GT_OQ);
+    unsigned mask = near & ~static_cast<unsigned>(_mm256_movemask_ps(misses));
     if (mask == 0) continue;
     // gap / -approach, rounded down by a few units; zero where the gap is closed already.
     const __m256 time = _mm256_mul_ps(_mm256_div_ps(gap, _mm256_sub_ps(zero, bound.approach)), _mm256_set1_ps(1.0F - 0x1p-21F));
@@ -134,6 +151,118 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
     }
   }
   return n;
+}
+
+bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span<const std::uint32_t> except) const noexcept {
+  constexpr std::size_t kMostPoints = 32;
+  if (way.size() > kMostPoints) return false;
+  std::array<std::uint8_t, kCapacity / 8> excepted = {};
+  for (const std::uint32_t place : except) excepted[place / 8] |= static_cast<std::uint8_t>(1U << (place % 8));
+  std::array<std::array<float, 3>, kMostPoints> points;
+  std::array<float, 3> least = {};
+  std::array<float, 3> most = {};
+  float magnitude = 0.0F;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    float size = 0.0F;
+    for (int k = 0; k < 3; ++k) {
+      const auto x = static_cast<float>(way[i][k] - center_[k]);
+      points[i][k] = x;
+      least[k] = i == 0 ? x : std::min(least[k], x);
+      most[k] = i == 0 ? x : std::max(most[k], x);
+      size += std::fabs(x);
+    }
+    magnitude = std::max(magnitude, size);
+  }
+  const float enough = detail::round_up(radius) + magnitude * 0x1p-20F;
+  __m256 low[3];
+  __m256 high[3];
+  for (int k = 0; k < 3; ++k) {
+    low[k] = _mm256_set1_ps(least[k] - enough);
+    high[k] = _mm256_set1_ps(most[k] + enough);
+  }
+  const __m256 apart = _mm256_set1_ps(enough);
+  const int blocks = (count_ + 7) / 8;
+  for (int b = 0; b < blocks; ++b) {
+    const Block& block = blocks_[b];
+    const unsigned near = overlapping(block, low, high) & ~static_cast<unsigned>(excepted[b]);
+    if (near == 0) continue;
+    __m256 side_most[3];  // over the polyline
+    __m256 plane_least;
+    __m256 plane_most;
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const __m256 p[3] = {_mm256_set1_ps(points[i][0]), _mm256_set1_ps(points[i][1]), _mm256_set1_ps(points[i][2])};
+      for (int k = 0; k < 3; ++k) {
+        const __m256 along = dot(block.side[k], p);
+        side_most[k] = i == 0 ? along : _mm256_max_ps(side_most[k], along);
+      }
+      const __m256 along = dot(block.unit_normal, p);
+      plane_least = i == 0 ? along : _mm256_min_ps(plane_least, along);
+      plane_most = i == 0 ? along : _mm256_max_ps(plane_most, along);
+    }
+    __m256 parted = _mm256_cmp_ps(_mm256_add_ps(plane_most, apart), _mm256_load_ps(block.plane_from), _CMP_LT_OQ);
+    parted = _mm256_or_ps(parted, _mm256_cmp_ps(_mm256_sub_ps(plane_least, apart), _mm256_load_ps(block.plane_to), _CMP_GT_OQ));
+    for (int k = 0; k < 3; ++k) {
+      const __m256 beyond = _mm256_cmp_ps(_mm256_add_ps(side_most[k], apart), _mm256_load_ps(block.side_from[k]), _CMP_LT_OQ);
+      parted = _mm256_or_ps(parted, beyond);
+    }
+    if ((near & ~static_cast<unsigned>(_mm256_movemask_ps(parted))) != 0) return false;
+  }
+  return true;
+}
+
+std::uint32_t Neighbourhood::place_of(std::uint32_t triangle) const noexcept {
+  const __m256i wanted = all_equal_to(triangle);
+  const int blocks = (count_ + 7) / 8;
+  for (int b = 0; b < blocks; ++b) {
+    const unsigned mask = lanes(_mm256_cmpeq_epi32(load(blocks_[b].triangle), wanted));
+    if (mask != 0) return static_cast<std::uint32_t>(8 * b + std::countr_zero(mask));
+  }
+  return kNowhere;
+}
+
+Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const noexcept {
+  const Block& own = blocks_[place / 8];
+  const std::uint32_t from = own.vertex[k][place % 8];
+  const std::uint32_t to = own.vertex[(k + 1) % 3][place % 8];
+  const __m256i from_8 = all_equal_to(from);
+  const __m256i to_8 = all_equal_to(to);
+  Across found;
+  const int blocks = (count_ + 7) / 8;
+  for (int b = 0; b < blocks; ++b) {
+    __m256i has_from = _mm256_setzero_si256();
+    __m256i has_to = _mm256_setzero_si256();
+    for (const auto& vertices : blocks_[b].vertex) {
+      has_from = _mm256_or_si256(has_from, _mm256_cmpeq_epi32(load(vertices), from_8));
+      has_to = _mm256_or_si256(has_to, _mm256_cmpeq_epi32(load(vertices), to_8));
+    }
+    unsigned mask = lanes(_mm256_and_si256(has_from, has_to));
+    if (static_cast<std::uint32_t>(b) == place / 8) mask &= ~(1U << (place % 8));
+    if (mask == 0) continue;
+    if (found.place != kNowhere || (mask & (mask - 1)) != 0) return {};
+    found.place = static_cast<std::uint32_t>(8 * b + std::countr_zero(mask));
+  }
+  if (found.place == kNowhere) return found;
+  const Block& other = blocks_[found.place / 8];
+  const std::uint32_t lane = found.place % 8;
+  for (int edge = 0; edge < 3; ++edge) {
+    const std::uint32_t first = other.vertex[edge][lane];
+    const std::uint32_t second = other.vertex[(edge + 1) % 3][lane];
+    if (first == to && second == from) return {found.place, edge, true};
+    if (first == from && second == to) return {found.place, edge, false};
+  }
+  return {};
+}
+
+int Neighbourhood::count_round(std::uint32_t place, int k) const noexcept {
+  const __m256i vertex = all_equal_to(blocks_[place / 8].vertex[k][place % 8]);
+  int found = 0;
+  const int blocks = (count_ + 7) / 8;
+  for (int b = 0; b < blocks; ++b) {
+    __m256i has_it = _mm256_setzero_si256();
+    for (const auto& vertices : blocks_[b].vertex) has_it = _mm256_or_si256(has_it, _mm256_cmpeq_epi32(load(vertices), vertex));
+    found += std::popcount(lanes(has_it));
+  }
+  return found;
 }
 
 // Three passes, so that the memory a triangle needs is on its way while others are worked on: numbers, corners, derived values.
@@ -167,13 +296,17 @@ bool Neighbourhood::fill(const TouchGeometry& geometry, const Box& region) noexc
       block.ac[k][lane] = static_cast<float>(c[k] - a[k]);
     }
     block.triangle[lane] = found[i];
+    const Triangle& vertices = geometry.indices(found[i]);
+    for (int k = 0; k < 3; ++k) block.vertex[k][lane] = vertices[k];
   }
   for (int i = n; i % 8 != 0; ++i) {  // unused lanes: a point infinitely far away overlaps nothing
     for (int k = 0; k < 3; ++k) {
       blocks_[i / 8].a[k][i % 8] = std::numeric_limits<float>::infinity();
       blocks_[i / 8].ab[k][i % 8] = 0.0F;
       blocks_[i / 8].ac[k][i % 8] = 0.0F;
+      blocks_[i / 8].vertex[k][i % 8] = kNowhere;
     }
+    blocks_[i / 8].triangle[i % 8] = kNowhere;
   }
   for (int i = 0; i < n; i += 8) derive(blocks_[i / 8]);
   count_ = n;
@@ -218,7 +351,31 @@ void Neighbourhood::derive(Block& block) noexcept {
   const __m256 squared = dot(normal, normal);
   const __m256 has_area = _mm256_cmp_ps(squared, _mm256_set1_ps(1e-37F), _CMP_GT_OQ);
   const __m256 scale = _mm256_and_ps(_mm256_div_ps(_mm256_set1_ps(1.0F), _mm256_sqrt_ps(squared)), has_area);
-  for (int k = 0; k < 3; ++k) _mm256_store_ps(block.unit_normal[k], _mm256_mul_ps(normal[k], scale));
+  for (int k = 0; k < 3; ++k) {
+    normal[k] = _mm256_mul_ps(normal[k], scale);
+    _mm256_store_ps(block.unit_normal[k], normal[k]);
+  }
+  // Whatever a direction's rounding, what the corners have along it is what counts.
+  const auto corner_least = [&](const __m256 direction[3]) {
+    return _mm256_add_ps(dot(direction, a), _mm256_min_ps(zero, _mm256_min_ps(dot(direction, ab), dot(direction, ac))));
+  };
+  _mm256_store_ps(block.plane_from, _mm256_sub_ps(corner_least(normal), rounding));
+  const __m256 highest = _mm256_max_ps(zero, _mm256_max_ps(dot(normal, ab), dot(normal, ac)));
+  _mm256_store_ps(block.plane_to, _mm256_add_ps(_mm256_add_ps(dot(normal, a), highest), rounding));
+  const __m256* const edges[3] = {ab, bc, ac};
+  for (int k = 0; k < 3; ++k) {
+    __m256 side[3];
+    cross(normal, edges[k], side);
+    const __m256 side_squared = dot(side, side);
+    const __m256 has_length = _mm256_cmp_ps(side_squared, _mm256_set1_ps(1e-37F), _CMP_GT_OQ);
+    __m256 unit = _mm256_and_ps(_mm256_div_ps(_mm256_set1_ps(1.0F), _mm256_sqrt_ps(side_squared)), has_length);
+    if (k == 2) unit = _mm256_xor_ps(unit, no_sign);  // ac runs the other way round
+    for (int i = 0; i < 3; ++i) {
+      side[i] = _mm256_mul_ps(side[i], unit);
+      _mm256_store_ps(block.side[k][i], side[i]);
+    }
+    _mm256_store_ps(block.side_from[k], _mm256_sub_ps(corner_least(side), rounding));
+  }
 }
 
 }  // namespace hapton

@@ -3,6 +3,7 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <span>
 
 #include "core/collision/touch_geometry.h"
 #include "core/geometry/contact_triangle.h"
@@ -17,6 +18,7 @@ namespace hapton {
 class Neighbourhood {
  public:
   static constexpr int kCapacity = 256;
+  static constexpr std::uint32_t kNowhere = 0xFFFFFFFFU;
 
   // Copies all triangles that overlap `region`; the geometry must stay while shape() is called. False, and empty, when there are more than
   // kCapacity of them.
@@ -31,12 +33,29 @@ class Neighbourhood {
   // The triangle at a place, in double precision and prepared; prepared when first asked for.
   const ContactTriangle& shape(std::uint32_t place) noexcept {
     if (!is_prepared_[place]) {
-      const std::uint32_t triangle = blocks_[place / 8].triangle[place % 8];
+      const std::uint32_t triangle = triangle_at(place);
       shapes_[place] = ContactTriangle(geometry_->corner(triangle, 0), geometry_->corner(triangle, 1), geometry_->corner(triangle, 2));
       is_prepared_.set(place);
     }
     return shapes_[place];
   }
+
+  // The place of a triangle that is here, or kNowhere.
+  std::uint32_t place_of(std::uint32_t triangle) const noexcept;
+
+  // What lies across an edge.
+  struct Across {
+    std::uint32_t place = kNowhere;  // of the one other triangle here with both the edge's vertices; kNowhere: there is none, or several
+    int edge = 0;                    // its own name for the edge
+    bool same_winding = false;       // it runs along the edge the other way, as in a consistently wound mesh
+  };
+  // Edge k of the triangle at `place` runs from its corner k to the next. Pre: the edge overlaps region().
+  Across across(std::uint32_t place, int k) const noexcept;
+
+  // How many triangles here have the vertex that is corner k of the one at `place`.
+  int count_round(std::uint32_t place, int k) const noexcept;
+
+  std::uint32_t triangle_at(std::uint32_t place) const { return blocks_[place / 8].triangle[place % 8]; }
 
   bool covers(const Box& box) const {
     return (box.low.array() >= region_.low.array()).all() && (box.high.array() <= region_.high.array()).all();
@@ -51,6 +70,11 @@ class Neighbourhood {
     }
     return std::max(t, 0.0);
   }
+
+  // True when surely no triangle but those at the places `except` comes nearer than `radius` to the polyline `way`. What a plane through
+  // one of a triangle's edges, or its own, does not part from the whole polyline is in doubt: false. Pre: covers the polyline's box,
+  // inflated.
+  bool is_clear(std::span<const Vec3> way, double radius, std::span<const std::uint32_t> except) const noexcept;
 
   // A triangle that a moving sphere may meet, not before `earliest` (of the motion's 0..1).
   struct Meeting {
@@ -74,14 +98,20 @@ class Neighbourhood {
     float ab[3][8];
     float ac[3][8];
     float unit_normal[3][8];  // zero for a triangle without area
-    float inverse_ab[8];      // 1 / |ab|^2, zero for a zero edge
+    float side[3][3][8];      // across edge k towards the inside, unit or zero
+    float side_from[3][8];    // no point of the triangle has less along side[k], or along the normal, nor more than plane_to along that
+    float plane_from[8];
+    float plane_to[8];
+    float inverse_ab[8];  // 1 / |ab|^2, zero for a zero edge
     float inverse_ac[8];
     float inverse_bc[8];
-    float rounding[8];  // of any coordinate of this triangle, as float
-    std::uint32_t triangle[8];
+    float rounding[8];           // of any coordinate of this triangle, as float
+    std::uint32_t triangle[8];   // kNowhere in unused lanes, like the next
+    std::uint32_t vertex[3][8];  // the corners' numbers in their object
   };
 
   static void derive(Block& block) noexcept;
+  static unsigned overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept;
 
   // Per lane, from one separating direction (from the triangle's nearest point to the point p): the moving point is at least
   // `distance` + t * `approach` away at time t. A wrong direction only weakens the bound.

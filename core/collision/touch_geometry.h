@@ -38,6 +38,7 @@ class TouchGeometry {
   std::size_t bytes() const;           // of the objects built
 
   const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
+  const Triangle& indices(std::uint32_t id) const { return object(id).triangle(id & triangle_mask_); }  // of its object's vertices
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
   Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {

@@ -61,6 +61,12 @@ class WideBvh {
     std::array<std::uint32_t, kWidth> child;  // kItemBit set: an item; else a node
   };
 
+  // All children of a node are on their way into the processor while the first is looked at.
+  static void prefetch(const Node& node) {
+    const auto* bytes = reinterpret_cast<const char*>(&node);
+    for (std::size_t at = 0; at < sizeof(Node); at += 64) _mm_prefetch(bytes + at, _MM_HINT_T0);
+  }
+
   struct Builder;
 
   std::vector<Node> nodes_;
@@ -107,6 +113,7 @@ void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
       if ((child & kItemBit) != 0) {
         visit(child & ~kItemBit);
       } else {
+        prefetch(nodes_[child]);
         stack[top++] = child;
       }
     }

@@ -8,7 +8,6 @@
 namespace hapton {
 namespace {
 
-constexpr double kBeside = 512.0;            // hovers: an edge or corner as near as this has a say
 constexpr double kLeastGain = 4.0;           // hovers: a step that nobody feels
 constexpr double kTip = 0x1p-6;              // of the probe: how far it is tipped
 constexpr double kFlat = 0x1p-20;            // slopes below this are level

@@ -195,22 +195,32 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
 // step may have let go of one.
 bool ProxyMethod::has_caught_up() const noexcept {
   if (before_.free || free_) return false;
-  const bool is_held_by_fold = before_.pushing_count > 1 || pushing_count_ > 1;
+  const bool is_held_by_fold = met_fold_ || before_.pushing_count > 1 || pushing_count_ > 1;
   return (proxy_ - before_.proxy).norm() > (is_held_by_fold ? kCatchUpFold : kCatchUp) * stride_;
 }
 
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
-// moved, the way it takes depends on where the device was just then: such a step is done again in smaller parts.
+// moved, the way it takes may depend on where the device was just then: such a step is done again in two parts, and in many when those lead
+// elsewhere or it was a leap.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   sweeps_left_ = kMaxSweeps;
   save(before_);
+  met_fold_ = false;
   solve(device);
   if (!has_caught_up()) return;
   ++counters_.caught_up;
-  restore(before_);
-  for (int part = 1; part <= kParts; ++part) {
-    solve(last + (device - last) * (static_cast<double>(part) / kParts));
+  const Vec3 at_once = proxy_;
+  if ((at_once - before_.proxy).norm() <= kLeap * stride_) {
+    follow_in_parts(last, device, 2);
+    if ((proxy_ - at_once).norm() <= kSamePlace * stride_ + kBeside * hover_) return;
   }
+  ++counters_.divided;
+  follow_in_parts(last, device, kParts);
+}
+
+void ProxyMethod::follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept {
+  restore(before_);
+  for (int part = 1; part <= parts; ++part) solve(last + (device - last) * (static_cast<double>(part) / parts));
 }
 
 ContactTriangle ProxyMethod::shape_of(std::uint32_t triangle) const noexcept {
@@ -243,6 +253,7 @@ void ProxyMethod::restore(const Stand& stand) noexcept {
 }
 
 void ProxyMethod::solve(const Vec3& device) noexcept {
+  if (walk(device)) return;
   descend(device);
   for (int i = 0; i < kMaxEscapes && !free_ && sweeps_left_ > kEscapeSweeps && escape(device); ++i) ++counters_.escapes;
 }
@@ -371,7 +382,7 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   double done = 0.0;
   for (int piece = 0; done < 1.0; ++piece) {
     const Vec3 start = from + done * motion;
-    const bool near = piece < kNearPieces && stay_near(start, (1.0 - done) * motion);
+    const bool near = piece < kNearPieces && stay_near(start, (1.0 - done) * motion, clearance_.rest, 0.0);
     double end = 1.0;
     if (near) {
       end = done + near_.time_inside(start, motion, clearance_.rest);
@@ -407,15 +418,16 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   return kNever;
 }
 
-// Makes the neighbourhood cover the beginning of a motion: all of a short one, a fair part of a long one. Its size follows what fits.
-bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion) noexcept {
+// Makes the neighbourhood cover the beginning of a motion with some room around it: all of a short one, a fair part of a long one. Its
+// size follows what fits, its centre lies `ahead` of its reach before the start.
+bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion, double room, double ahead) noexcept {
   near_reach_ = std::min(std::max(near_reach_, stride_), kLargestReach);
   const double length = motion.norm();
   const Vec3 beginning = length > 0.5 * near_reach_ ? Vec3(motion * (0.5 * near_reach_ / length)) : motion;
-  if (near_.covers(Box::around(start, start + beginning).inflated(clearance_.rest))) return true;
+  if (near_.covers(Box::around(start, start + beginning).inflated(room))) return true;
   ++counters_.refills;
-  const double half = near_reach_ + clearance_.rest;
-  const Vec3 center = start + 0.5 * beginning;
+  const double half = near_reach_ + room;
+  const Vec3 center = start + (ahead > 0.0 && length > 0.0 ? Vec3(motion * (ahead * near_reach_ / length)) : Vec3(0.5 * beginning));
   if (!near_.fill(geometry_, Box{center.array() - half, center.array() + half})) {
     near_reach_ *= 0.5;
     return false;
@@ -503,10 +515,11 @@ std::string ProxyMethod::describe_steps() const {
   std::string text = fmt::format(
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
       "{:.3f} "
-      "refills a step; {} done in parts, {} escapes of {} tried, {} unconverged\n",
+      "refills a step; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
-      static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.escapes, counters_.attempts, counters_.unconverged);
+      static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.divided, kParts, counters_.escapes, counters_.attempts,
+      counters_.unconverged);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

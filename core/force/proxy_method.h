@@ -12,6 +12,8 @@
 
 namespace hapton {
 
+class FacetDescent;
+
 // What the proxy did since the last reset of the counters. Steps unless named.
 struct ProxyCounters {
   std::uint64_t steps = 0;
@@ -22,6 +24,8 @@ struct ProxyCounters {
   std::uint64_t refills = 0;      // neighbourhoods copied
   std::uint64_t tests = 0;        // triangle against moving sphere
   std::uint64_t caught_up = 0;    // steps done again in parts
+  std::uint64_t divided = 0;      // and in many
+  std::uint64_t walks = 0;        // minima found from facet to facet, without a sweep
   double shading_squared = 0.0;   // sum over contact steps of (|shaded - unshaded| / |unshaded|)^2
   double shading_most = 0.0;      // and its largest
   std::uint64_t escapes = 0;      // rests left that are none to a point
@@ -58,7 +62,8 @@ class ProxyMethod final : public ForceMethod {
  private:
   static constexpr int kMaxTouching = 32;
   static constexpr int kMaxExits = 64;
-  static constexpr int kMaxEscapes = 8;  // in a step
+  static constexpr double kBeside = 512.0;  // hovers: an edge or corner as near as this has a say
+  static constexpr int kMaxEscapes = 8;     // in a step
   static constexpr int kMaxIterations = 256;
   static constexpr int kMaxSweeps = 4096;           // in a step, whatever it meets: then it ends where it is and goes on in the next
   static constexpr int kEscapeSweeps = 64;          // that an escape may take
@@ -68,7 +73,9 @@ class ProxyMethod final : public ForceMethod {
   static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 1.3;       // strides
   static constexpr double kCatchUpFold = 1.01;  // where folds hold the proxy
+  static constexpr double kLeap = 1.5;          // strides
   static constexpr int kParts = 8;
+  static constexpr double kSamePlace = 0x1p-16;  // strides
   static constexpr int kNearPieces = 4;
   static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
   static constexpr int kManyNear = 48;  // one of more is shrunk
@@ -108,7 +115,10 @@ class ProxyMethod final : public ForceMethod {
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
   bool has_caught_up() const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
+  void follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept;
   void solve(const Vec3& device) noexcept;
+  bool walk(const Vec3& device) noexcept;
+  bool is_open_to(const FacetDescent& way) const noexcept;
   void descend(const Vec3& device) noexcept;
   ContactTriangle shape_of(std::uint32_t triangle) const noexcept;
   void save(Stand& stand) const noexcept;
@@ -131,7 +141,7 @@ class ProxyMethod final : public ForceMethod {
   bool cross_emptiness(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
-  bool stay_near(const Vec3& start, const Vec3& motion) noexcept;
+  bool stay_near(const Vec3& start, const Vec3& motion, double room, double ahead) noexcept;
   void note_grazed(const Separation& at, std::uint32_t triangle) noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
   void step_off_surface() noexcept;
@@ -170,8 +180,9 @@ class ProxyMethod final : public ForceMethod {
   int touching_count_ = 0;
   std::array<double, 3> push_ = {0, 0, 0};  // of the first pushing_count_ of touching_, which hold the proxy
   int pushing_count_ = 0;
-  Stand before_;  // the step
-  Stand rest_;    // what an escape is tried from
+  bool met_fold_ = false;  // in this step, a way from facet to facet did
+  Stand before_;           // the step
+  Stand rest_;             // what an escape is tried from
   std::array<Exit, kMaxExits> exits_;
   int exit_count_ = 0;
   Vec3 exits_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());

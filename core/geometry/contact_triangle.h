@@ -26,6 +26,12 @@ class ContactTriangle {
 
   const Vec3& corner(int k) const { return corner_[k]; }
   const Vec3& edge(int k) const { return edge_[k]; }  // from corner k to the next
+  const Vec3& normal() const { return normal_; }      // unit, as wound; zero without area
+
+  // How far inside edge k a point of the plane lies, times the edge's length: negative beyond it.
+  double inside(int k, const Vec3& p) const { return inward_[k].dot(p - corner_[k]); }
+  // Where along edge k a point is: 0 at corner k, 1 at the next.
+  double along(int k, const Vec3& p) const { return edge_[k].dot(p - corner_[k]) * inverse_squared_[k]; }
 
   // The edge that a point of the face is nearest to, and how near.
   struct Border {

@@ -1,0 +1,258 @@
+#include "core/force/facet_descent.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/force/contact_qp.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kMostLean = 0.5;  // cosine
+constexpr int kMostTurns = 48;
+
+}  // namespace
+
+bool FacetDescent::run(const Vec3& start, std::span<const Hold> held, const Vec3& device) noexcept {
+  point_count_ = 0;
+  face_count_ = 0;
+  hold_count_ = 0;
+  met_fold_ = held.size() > 1;
+  if (!begin(start, held)) return false;
+  Next next = held.size() == 2 ? Next::edge : Next::face;
+  for (int turn = 0; turn < kMostTurns && next != Next::done && next != Next::unclear; ++turn) {
+    next = next == Next::face ? cross_face(device) : next == Next::edge ? follow_edge(device) : turn_corner(device);
+  }
+  if (next != Next::done) return false;
+  const std::span points(points_.data(), static_cast<std::size_t>(point_count_));
+  Box box;
+  for (const Vec3& p : points) box.grow(p);
+  return near_.covers(box.inflated(margin_)) && is_clear(points);
+}
+
+// What the way as a whole leaves in doubt, its pieces may settle.
+bool FacetDescent::is_clear(std::span<const Vec3> points) const {
+  if (near_.is_clear(points, margin_, faces())) return true;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    if (points.size() == 2 || !near_.is_clear(points.subspan(i, 2), margin_, faces())) return false;
+  }
+  return true;
+}
+
+bool FacetDescent::begin(const Vec3& start, std::span<const Hold> held) {
+  at_ = {};
+  if (held.empty() || held.size() > 2) return false;
+  first_normal_ = held[0].normal;
+  go_to(start);
+  at_.facet.place = held[0].place;
+  if (at_.facet.place == Neighbourhood::kNowhere) return false;
+  at_.facet.side = held[0].normal.dot(shape(at_.facet).normal()) > 0.0 ? 1.0 : -1.0;
+  if (!add_face(at_.facet.place)) return false;
+  if (held.size() == 1) return true;
+  for (int k = 0; k < 3; ++k) {
+    const Neighbourhood::Across across = near_.across(at_.facet.place, k);
+    if (across.place == Neighbourhood::kNowhere || across.place != held[1].place) continue;
+    at_.edge = k;
+    const ContactTriangle& face = shape(at_.facet);
+    const double along = std::clamp(face.along(k, start), 0.0, 1.0);
+    if ((face.corner(k) + along * face.edge(k) - start).norm() > margin_) return false;
+    return find_other(at_.facet, k, at_.other, at_.other_edge) && normal_of(at_.other).dot(held[1].normal) > 0.0;
+  }
+  return false;
+}
+
+Vec3 FacetDescent::foot_on(const Facet& facet, const Vec3& device) {
+  const Vec3& normal = shape(facet).normal();
+  return device - normal.dot(device - shape(facet).corner(0)) * normal;
+}
+
+// Towards the foot of the device on the face, over the edge that is met first.
+FacetDescent::Next FacetDescent::cross_face(const Vec3& device) {
+  const ContactTriangle& face = shape(at_.facet);
+  if (!(normal_of(at_.facet).dot(device - face.corner(0)) < 0.0)) return Next::unclear;  // the device is outside
+  const Vec3 foot = foot_on(at_.facet, device);
+  const Vec3& here = points_[point_count_ - 1];
+  int exit = -1;
+  double soonest = 1.0;
+  for (int k = 0; k < 3; ++k) {
+    if (at_.corner >= 0 && k != (at_.corner + 1) % 3) continue;  // its edges meet here
+    const double there = face.inside(k, foot);
+    if (there > 0.0) continue;
+    if (k == at_.edge) return find_other(at_.facet, k, at_.other, at_.other_edge) ? Next::edge : Next::unclear;
+    const double inside = face.inside(k, here);
+    if (!(inside > 0.0)) return Next::unclear;
+    const double t = inside / (inside - there);
+    if (t >= soonest) continue;
+    soonest = t;
+    exit = k;
+  }
+  if (exit < 0) return rest_on_face(device);
+  const Vec3 bend = here + soonest * (foot - here);
+  const double length = face.edge(exit).norm();
+  const double along = face.along(exit, bend);
+  if (along * length <= margin_ || (1.0 - along) * length <= margin_) {
+    at_ = {.facet = at_.facet, .corner = along < 0.5 ? exit : (exit + 1) % 3};
+    return go_to(shape(at_.facet).corner(at_.corner)) ? Next::corner : Next::unclear;
+  }
+  at_ = {.facet = at_.facet, .edge = exit};
+  return find_other(at_.facet, exit, at_.other, at_.other_edge) && go_to(bend) ? Next::edge : Next::unclear;
+}
+
+// Over the edge where either face leads away from it, else along it: a fold holds the point.
+FacetDescent::Next FacetDescent::follow_edge(const Vec3& device) {
+  const ContactTriangle& face = shape(at_.facet);
+  const bool leaves_to_facet = face.inside(at_.edge, foot_on(at_.facet, device)) > 0.0;
+  const bool leaves_to_other = shape(at_.other).inside(at_.other_edge, foot_on(at_.other, device)) > 0.0;
+  if (leaves_to_facet && leaves_to_other) return Next::unclear;
+  if (leaves_to_facet) {
+    at_ = {.facet = at_.facet, .edge = at_.edge};
+    return Next::face;
+  }
+  if (leaves_to_other) {
+    at_ = {.facet = at_.other, .edge = at_.other_edge};
+    return Next::face;
+  }
+  met_fold_ = true;
+  const double length = face.edge(at_.edge).norm();
+  const double along = face.along(at_.edge, device);
+  if (along * length > margin_ && (1.0 - along) * length > margin_) {
+    return rest_in_fold(device, face.corner(at_.edge) + along * face.edge(at_.edge));
+  }
+  const int corner = along < 0.5 ? at_.edge : (at_.edge + 1) % 3;
+  if (!go_to(face.corner(corner))) return Next::unclear;
+  at_ = {.facet = at_.facet, .corner = corner};
+  return Next::corner;
+}
+
+// The one way down from a corner: over one of its faces, or along a fold between two. From a saddle more than one leads down, and the
+// probe's own roundness decides.
+FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
+  met_fold_ = true;
+  std::array<Facet, kMaxFan> fan;
+  std::array<int, kMaxFan> corners;
+  int count = 0;
+  if (!collect_fan(fan, corners, count)) return Next::unclear;
+  const Vec3 here = points_[point_count_ - 1];
+  const Vec3 wish = device - here;
+  const double least = margin_ * 0x1p-10;
+  Next next = Next::unclear;
+  Stand stand;
+  for (int i = 0; i < count; ++i) {
+    // The edge from this corner to the next belongs to this facet and, wound the same way, to the one before; the third edge is shared with
+    // the one after.
+    const int j = (i + 1) % count;
+    const ContactTriangle& face = shape(fan[i]);
+    const int first = corners[i];
+    const int last = (corners[i] + 2) % 3;
+    if (!(normal_of(fan[i]).dot(wish) < 0.0)) return Next::unclear;
+    const Vec3 foot = foot_on(fan[i], device);
+    const bool inside_first = face.inside(first, foot) > 0.0;
+    const bool inside_last = face.inside(last, foot) > 0.0;
+    if (inside_first && inside_last) {
+      if ((foot - here).norm() <= least) continue;
+      if (next != Next::unclear) return Next::unclear;
+      next = Next::face;
+      stand = {.facet = fan[i], .corner = corners[i]};
+      continue;
+    }
+    // The edge shared with the next facet of the fan.
+    const int shared = fan[i].side > 0.0 ? last : first;
+    const Vec3 direction = shared == first ? face.edge(first) : Vec3(-face.edge(last));
+    if (direction.dot(wish) <= least * direction.norm() || face.inside(shared, foot) > 0.0) continue;
+    Facet other;
+    int other_edge = -1;
+    if (!find_other(fan[i], shared, other, other_edge) || other.place != fan[j].place) return Next::unclear;
+    if (shape(other).inside(other_edge, foot_on(other, device)) > 0.0) continue;
+    if (next != Next::unclear) return Next::unclear;
+    next = Next::edge;
+    stand = {.facet = fan[i], .edge = shared, .corner = -1, .other = other, .other_edge = other_edge};
+  }
+  at_ = stand;
+  return next;
+}
+
+// All facets round a corner, in order; false unless they close one fan that goes round once.
+bool FacetDescent::collect_fan(std::array<Facet, kMaxFan>& fan, std::array<int, kMaxFan>& corners, int& count) {
+  Facet facet = at_.facet;
+  int corner = at_.corner;
+  do {
+    if (count == kMaxFan) return false;
+    fan[count] = facet;
+    corners[count] = corner;
+    ++count;
+    const int shared = facet.side > 0.0 ? (corner + 2) % 3 : corner;
+    Facet next;
+    int edge = -1;
+    if (!find_other(facet, shared, next, edge)) return false;
+    // Seen from the next, wound to the same side, the shared edge begins here.
+    corner = next.side > 0.0 ? edge : (edge + 1) % 3;
+    facet = next;
+  } while (facet.place != at_.facet.place);
+  return near_.count_round(at_.facet.place, at_.corner) == count &&
+         winds_once(std::span(fan).first(static_cast<std::size_t>(count)), std::span(corners).first(static_cast<std::size_t>(count)));
+}
+
+bool FacetDescent::winds_once(std::span<const Facet> fan, std::span<const int> corners) {
+  const auto out = [&](std::size_t i, bool first) {
+    const ContactTriangle& face = shape(fan[i]);
+    return first ? face.edge(corners[i]) : Vec3(-face.edge((corners[i] + 2) % 3));
+  };
+  const Vec3 middle = out(0, true).normalized() + out(0, false).normalized();
+  for (std::size_t i = 1; i < fan.size(); ++i) {
+    const Vec3 turned = first_normal_.cross(middle) * fan[i].side;
+    if (out(i, true).dot(turned) <= 0.0 && out(i, false).dot(turned) >= 0.0 && out(i, true).dot(middle) + out(i, false).dot(middle) > 0.0)
+      return false;
+  }
+  return true;
+}
+
+// The facet beyond an edge; it joins those touched.
+bool FacetDescent::find_other(const Facet& facet, int edge, Facet& other, int& other_edge) {
+  const Neighbourhood::Across across = near_.across(facet.place, edge);
+  if (across.place == Neighbourhood::kNowhere) return false;
+  other = {across.place, across.same_winding ? facet.side : -facet.side};
+  other_edge = across.edge;
+  return add_face(across.place) && normal_of(other).dot(first_normal_) >= kMostLean;
+}
+
+bool FacetDescent::go_to(const Vec3& p) {
+  if (point_count_ == kMaxPoints) return false;
+  points_[point_count_++] = p;
+  return true;
+}
+
+bool FacetDescent::add_face(std::uint32_t place) {
+  const auto end = faces_.begin() + face_count_;
+  if (std::find(faces_.begin(), end, place) != end) return true;
+  if (face_count_ == kMaxFaces) return false;
+  faces_[face_count_++] = place;
+  return true;
+}
+
+FacetDescent::Next FacetDescent::rest_on_face(const Vec3& device) {
+  const ContactTriangle& face = shape(at_.facet);
+  const Vec3 normal = normal_of(at_.facet);
+  const Vec3 foot = foot_on(at_.facet, device);
+  if (face.border(foot).distance <= margin_ || !go_to(foot)) return Next::unclear;
+  holds_[0] = {at_.facet.place, normal, rest_ - normal.dot(device - face.corner(0))};
+  hold_count_ = 1;
+  end_ = device + holds_[0].push * normal;
+  return Next::done;
+}
+
+FacetDescent::Next FacetDescent::rest_in_fold(const Vec3& device, const Vec3& on_edge) {
+  const std::array<Facet, 2> facets = {at_.facet, at_.other};
+  std::array<ContactPlane, 2> planes;
+  for (int i = 0; i < 2; ++i) planes[i] = {normal_of(facets[i]), rest_};
+  const ConstrainedMotion motion = constrain_motion(device - on_edge, planes);
+  if (!motion.solved || motion.active_count != 2 || motion.motion.norm() > margin_ || !go_to(on_edge)) return Next::unclear;
+  for (int i = 0; i < 2; ++i) {
+    const int plane = motion.active[i];
+    holds_[i] = {facets[plane].place, planes[plane].normal, motion.push[i]};
+  }
+  hold_count_ = 2;
+  end_ = on_edge + motion.motion;
+  return Next::done;
+}
+
+}  // namespace hapton

@@ -1,0 +1,53 @@
+// The quick way: where the surface is plain the facets alone tell where the proxy comes to rest.
+#include <algorithm>
+
+#include "core/force/facet_descent.h"
+#include "core/force/proxy_method.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kAround = 0.25;  // of the way: how far beside it the neighbourhood reaches at least
+constexpr double kAhead = 0.5;    // of the neighbourhood's reach: its centre lies as far ahead
+
+}  // namespace
+
+// Moves a proxy that a face or fold holds to its minimum, as descend() would. False, and nothing moved, where that is not plain.
+bool ProxyMethod::walk(const Vec3& device) noexcept {
+  if (!is_point_ || has_friction_ || free_ || pushing_count_ < 1 || pushing_count_ > 2) return false;
+  Vec3 along = device - proxy_;
+  if (!(along.norm() <= kLongestMotion)) return false;  // a device far away costs digits
+  std::array<FacetDescent::Hold, 2> held;
+  for (int i = 0; i < pushing_count_; ++i) {
+    if (touching_[i].separation.feature != Feature::face) return false;
+    held[i].normal = touching_[i].separation.normal;
+    along -= held[i].normal.dot(along) * held[i].normal;
+  }
+  const double length = along.norm();
+  if (!(length <= kLargestReach) || !stay_near(proxy_, along, kAround * length + kBeside * hover_, kAhead)) return false;
+  for (int i = 0; i < pushing_count_; ++i) held[i].place = near_.place_of(touching_[i].triangle);
+  FacetDescent way(near_, clearance_.rest, kBeside * hover_);
+  if (!way.run(proxy_, std::span(held).first(static_cast<std::size_t>(pushing_count_)), device) || !is_open_to(way)) return false;
+  ++counters_.walks;
+  met_fold_ |= way.met_fold();
+  proxy_ = way.end();
+  touching_count_ = 0;
+  for (const FacetDescent::Hold& hold : way.holds()) {
+    push_[touching_count_] = hold.push;
+    Touch& touch = touching_[touching_count_++];
+    touch.triangle = near_.triangle_at(hold.place);
+    touch.shape = near_.shape(hold.place);
+    touch.separation = {clearance_.rest, hold.normal, proxy_ - clearance_.rest * hold.normal, Feature::face};
+  }
+  pushing_count_ = touching_count_;
+  return true;
+}
+
+// One-sided faces hold only from their front.
+bool ProxyMethod::is_open_to(const FacetDescent& way) const noexcept {
+  if (!has_one_sided_) return true;
+  const auto faces = way.faces();
+  return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t place) { return can_touch(near_.triangle_at(place), proxy_); });
+}
+
+}  // namespace hapton
