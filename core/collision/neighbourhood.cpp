@@ -37,6 +37,20 @@ void choose(const __m256& mask, const __m256 other[3], __m256 into[3]) {
   for (int k = 0; k < 3; ++k) into[k] = _mm256_blendv_ps(into[k], other[k], mask);
 }
 
+// Eight points to eight of each coordinate.
+void turn(const __m128 points[8], float into[3][8]) {
+  for (int half = 0; half < 8; half += 4) {
+    __m128 x = points[half];
+    __m128 y = points[half + 1];
+    __m128 z = points[half + 2];
+    __m128 w = points[half + 3];
+    _MM_TRANSPOSE4_PS(x, y, z, w);
+    _mm_store_ps(&into[0][half], x);
+    _mm_store_ps(&into[1][half], y);
+    _mm_store_ps(&into[2][half], z);
+  }
+}
+
 __m256i load(const std::uint32_t from[8]) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(from)); }
 
 __m256i all_equal_to(std::uint32_t value) { return _mm256_set1_epi32(static_cast<int>(value)); }
@@ -265,53 +279,78 @@ int Neighbourhood::count_round(std::uint32_t place, int k) const noexcept {
   return found;
 }
 
-// Three passes, so that the memory a triangle needs is on its way while others are worked on: numbers, corners, derived values.
 bool Neighbourhood::fill(const TouchGeometry& geometry, const Box& region) noexcept {
   clear();
-  center_ = region.center();
+  if (!look_for(geometry, region)) return false;
+  fetch();
+  take();
+  return true;
+}
+
+bool Neighbourhood::look_for(const TouchGeometry& geometry, const Box& region) noexcept {
   geometry_ = &geometry;
-  is_prepared_.reset();
-  std::array<std::uint32_t, kCapacity> found;
-  int n = 0;
+  wanted_ = region;
+  found_count_ = 0;
   bool fits = true;
   geometry.for_each_overlapping(region, [&](std::uint32_t triangle) {
-    if (n < kCapacity) {
+    if (found_count_ < kCapacity) {
       geometry.prefetch_indices(triangle);
-      found[n++] = triangle;
+      found_[found_count_++] = triangle;
     } else {
       fits = false;
     }
+    return fits;
   });
-  if (!fits) return false;
-  for (int i = 0; i < n; ++i) geometry.prefetch_corners(found[i]);
-  for (int i = 0; i < n; ++i) {
-    Block& block = blocks_[i / 8];
-    const int lane = i % 8;
-    const Vec3& a = geometry.corner(found[i], 0);
-    const Vec3& b = geometry.corner(found[i], 1);
-    const Vec3& c = geometry.corner(found[i], 2);
-    for (int k = 0; k < 3; ++k) {
-      block.a[k][lane] = static_cast<float>(a[k] - center_[k]);
-      block.ab[k][lane] = static_cast<float>(b[k] - a[k]);
-      block.ac[k][lane] = static_cast<float>(c[k] - a[k]);
-    }
-    block.triangle[lane] = found[i];
-    const Triangle& vertices = geometry.indices(found[i]);
-    for (int k = 0; k < 3; ++k) block.vertex[k][lane] = vertices[k];
+  if (!fits) wanted_ = Box();
+  return fits;
+}
+
+void Neighbourhood::fetch() const noexcept {
+  for (int i = 0; i < found_count_; ++i) geometry_->prefetch_corners(found_[i]);
+}
+
+void Neighbourhood::take() noexcept {
+  center_ = wanted_.center();
+  is_prepared_.reset();
+  for (int first = 0; first < found_count_; first += 8) {
+    Block& block = blocks_[first / 8];
+    copy(std::span(found_).subspan(first, std::min(8, found_count_ - first)), block);
+    derive(block);
   }
-  for (int i = n; i % 8 != 0; ++i) {  // unused lanes: a point infinitely far away overlaps nothing
-    for (int k = 0; k < 3; ++k) {
-      blocks_[i / 8].a[k][i % 8] = std::numeric_limits<float>::infinity();
-      blocks_[i / 8].ab[k][i % 8] = 0.0F;
-      blocks_[i / 8].ac[k][i % 8] = 0.0F;
-      blocks_[i / 8].vertex[k][i % 8] = kNowhere;
+  count_ = found_count_;
+  region_ = wanted_;
+  wanted_ = Box();
+}
+
+void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept {
+  const __m256i three = _mm256_set_epi64x(0, -1, -1, -1);
+  const __m256d center = _mm256_maskload_pd(center_.data(), three);
+  // A point infinitely far away overlaps nothing.
+  const __m128 nowhere = _mm_set1_ps(std::numeric_limits<float>::infinity());
+  __m128 a[8];
+  __m128 ab[8];
+  __m128 ac[8];
+  for (std::size_t lane = 0; lane < 8; ++lane) {
+    if (lane >= triangles.size()) {
+      a[lane] = nowhere;
+      ab[lane] = _mm_setzero_ps();
+      ac[lane] = _mm_setzero_ps();
+      block.triangle[lane] = kNowhere;
+      for (auto& vertices : block.vertex) vertices[lane] = kNowhere;
+      continue;
     }
-    blocks_[i / 8].triangle[i % 8] = kNowhere;
+    const std::uint32_t triangle = triangles[lane];
+    const ObjectGeometry::Corners corners = geometry_->corners(triangle);
+    const __m256d corner = _mm256_maskload_pd(corners.a.data(), three);
+    a[lane] = _mm256_cvtpd_ps(_mm256_sub_pd(corner, center));
+    ab[lane] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_maskload_pd(corners.b.data(), three), corner));
+    ac[lane] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_maskload_pd(corners.c.data(), three), corner));
+    block.triangle[lane] = triangle;
+    for (int k = 0; k < 3; ++k) block.vertex[k][lane] = corners.vertices[k];
   }
-  for (int i = 0; i < n; i += 8) derive(blocks_[i / 8]);
-  count_ = n;
-  region_ = region;
-  return true;
+  turn(a, block.a);
+  turn(ab, block.ab);
+  turn(ac, block.ac);
 }
 
 void Neighbourhood::derive(Block& block) noexcept {

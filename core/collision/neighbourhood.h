@@ -24,9 +24,18 @@ class Neighbourhood {
   // kCapacity of them.
   bool fill(const TouchGeometry& geometry, const Box& region) noexcept;
 
+  // The same in three parts, so that the memory each needs is on its way while something else is done: which triangles, their corners, the
+  // copy. Until take() what was here stays. look_for: false when there are too many.
+  bool look_for(const TouchGeometry& geometry, const Box& region) noexcept;
+  void fetch() const noexcept;
+  void take() noexcept;
+  bool will_cover(const Box& box) const { return lies_in(box, wanted_); }
+
   void clear() noexcept {
     count_ = 0;
+    found_count_ = 0;
     region_ = Box();
+    wanted_ = Box();
   }
   int count() const { return count_; }
 
@@ -57,9 +66,7 @@ class Neighbourhood {
 
   std::uint32_t triangle_at(std::uint32_t place) const { return blocks_[place / 8].triangle[place % 8]; }
 
-  bool covers(const Box& box) const {
-    return (box.low.array() >= region_.low.array()).all() && (box.high.array() <= region_.high.array()).all();
-  }
+  bool covers(const Box& box) const { return lies_in(box, region_); }
 
   // How much of the motion from p a sphere of radius `radius` stays inside the region, as a part of it; may exceed 1.
   double time_inside(const Vec3& p, const Vec3& motion, double radius) const {
@@ -110,6 +117,10 @@ class Neighbourhood {
     std::uint32_t vertex[3][8];  // the corners' numbers in their object
   };
 
+  static bool lies_in(const Box& box, const Box& region) {
+    return (box.low.array() >= region.low.array()).all() && (box.high.array() <= region.high.array()).all();
+  }
+  void copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept;
   static void derive(Block& block) noexcept;
   static unsigned overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept;
 
@@ -128,6 +139,9 @@ class Neighbourhood {
   int count_ = 0;
   Box region_;
   Vec3 center_ = Vec3::Zero();
+  std::array<std::uint32_t, kCapacity> found_;  // by look_for, in wanted_
+  int found_count_ = 0;
+  Box wanted_;
 };
 
 }  // namespace hapton

@@ -36,6 +36,16 @@ class ObjectGeometry {
   const WideBvh& tree() const { return tree_; }
   const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
   const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
+  struct Corners {
+    const Vec3& a;
+    const Vec3& b;
+    const Vec3& c;
+    const Triangle& vertices;  // their numbers in this object
+  };
+  Corners corners(std::uint32_t t) const {
+    const Triangle& v = triangles_[t];
+    return {vertices_[v[0]], vertices_[v[1]], vertices_[v[2]], v};
+  }
   Separation separation(std::uint32_t t, const Vec3& p) const {
     const Triangle& corners = triangles_[t];
     return separation_from_triangle(p, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);

@@ -38,7 +38,7 @@ class TouchGeometry {
   std::size_t bytes() const;           // of the objects built
 
   const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
-  const Triangle& indices(std::uint32_t id) const { return object(id).triangle(id & triangle_mask_); }  // of its object's vertices
+  ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
   Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {
@@ -47,12 +47,13 @@ class TouchGeometry {
   void prefetch_indices(std::uint32_t id) const { object(id).prefetch_indices(id & triangle_mask_); }
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
-  // Calls visit(id) for every triangle whose box overlaps the query, and some that only nearly do.
+  // Calls visit(id) for every triangle whose box overlaps the query, and some that only nearly do. A visit that returns a bool ends the
+  // search within an object by false.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const {
     for (const Slot& slot : slots_) {
       if (slot.active == nullptr || !slot.bounds.overlaps(query)) continue;
-      slot.active->tree().for_each_overlapping(query, [&](std::uint32_t t) { visit(slot.first_id | t); });
+      slot.active->tree().for_each_overlapping(query, [&](std::uint32_t t) { return visit(slot.first_id | t); });
     }
   }
 

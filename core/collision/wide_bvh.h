@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/collision/box.h"
@@ -32,7 +33,8 @@ class WideBvh {
   // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i].
   explicit WideBvh(std::span<const Box> boxes);
 
-  // Calls visit(item) for every item whose box overlaps the query box; some items that only nearly overlap are visited too.
+  // Calls visit(item) for every item whose box overlaps the query box; some items that only nearly overlap are visited too. A visit that
+  // returns a bool ends the search by false.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
@@ -111,7 +113,11 @@ void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
     for (auto mask = static_cast<unsigned>(_mm256_movemask_ps(hit)); mask != 0; mask &= mask - 1) {
       const std::uint32_t child = node.child[std::countr_zero(mask)];
       if ((child & kItemBit) != 0) {
-        visit(child & ~kItemBit);
+        if constexpr (std::is_same_v<decltype(visit(child)), bool>) {
+          if (!visit(child & ~kItemBit)) return;
+        } else {
+          visit(child & ~kItemBit);
+        }
       } else {
         prefetch(nodes_[child]);
         stack[top++] = child;
@@ -166,6 +172,7 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
     for (; mask != 0; mask &= mask - 1) {  // insertion by distance: the nearest ends on top
       const int c = std::countr_zero(mask);
       const Entry next = {node.child[c], distance[c]};
+      if ((next.child & kItemBit) == 0) prefetch(nodes_[next.child]);
       int at = top++;
       for (; at > first && stack[at - 1].distance_squared < next.distance_squared; --at) stack[at] = stack[at - 1];
       stack[at] = next;

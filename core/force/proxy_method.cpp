@@ -74,7 +74,8 @@ void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   step_off_surface();
   last_device_ = proxy_;
   near_reach_ = 0.0;
-  near_.clear();
+  for (Neighbourhood& neighbourhood : neighbourhoods_) neighbourhood.clear();
+  ahead_ = Ahead::nothing;
   exits_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   empty_radius_squared_ = 0.0;
   empty_retry_ = 0.0;
@@ -382,10 +383,10 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   double done = 0.0;
   for (int piece = 0; done < 1.0; ++piece) {
     const Vec3 start = from + done * motion;
-    const bool near = piece < kNearPieces && stay_near(start, (1.0 - done) * motion, clearance_.rest, 0.0);
+    const bool is_near = piece < kNearPieces && stay_near(start, (1.0 - done) * motion, clearance_.rest, 0.0);
     double end = 1.0;
-    if (near) {
-      end = done + near_.time_inside(start, motion, clearance_.rest);
+    if (is_near) {
+      end = done + near().time_inside(start, motion, clearance_.rest);
     } else if (length > 0.0) {
       end = done + far_piece / length;
       far_piece *= 4.0;
@@ -402,11 +403,11 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
       first = std::min(first, t);
       note_blocker(triangle, t);
     };
-    if (near) {
-      const int count = near_.find_meetings(start, part, clearance_.rest, way, meetings_);
+    if (is_near) {
+      const int count = near().find_meetings(start, part, clearance_.rest, way, meetings_);
       for (int i = 0; i < count; ++i) {
         if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first)
-          test(near_.shape(meetings_[i].place), meetings_[i].triangle);
+          test(near().shape(meetings_[i].place), meetings_[i].triangle);
       }
     } else {
       geometry_.for_each_overlapping(way, [&](std::uint32_t triangle) { test(TriangleView{geometry_, triangle}, triangle); });
@@ -416,25 +417,6 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
     done = end;
   }
   return kNever;
-}
-
-// Makes the neighbourhood cover the beginning of a motion with some room around it: all of a short one, a fair part of a long one. Its
-// size follows what fits, its centre lies `ahead` of its reach before the start.
-bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion, double room, double ahead) noexcept {
-  near_reach_ = std::min(std::max(near_reach_, stride_), kLargestReach);
-  const double length = motion.norm();
-  const Vec3 beginning = length > 0.5 * near_reach_ ? Vec3(motion * (0.5 * near_reach_ / length)) : motion;
-  if (near_.covers(Box::around(start, start + beginning).inflated(room))) return true;
-  ++counters_.refills;
-  const double half = near_reach_ + room;
-  const Vec3 center = start + (ahead > 0.0 && length > 0.0 ? Vec3(motion * (ahead * near_reach_ / length)) : Vec3(0.5 * beginning));
-  if (!near_.fill(geometry_, Box{center.array() - half, center.array() + half})) {
-    near_reach_ *= 0.5;
-    return false;
-  }
-  if (near_.count() < kFewNear) near_reach_ *= 1.5;
-  if (near_.count() > kManyNear && near_reach_ > clearance_.rest) near_reach_ *= 0.8;
-  return true;
 }
 
 // A sphere at rest on a face touches what lies in one plane with it, though that never blocks its way.
@@ -483,17 +465,19 @@ void ProxyMethod::keep_touching(const Vec3& blocked_motion) noexcept {
   touching_count_ = kept;
 }
 
-// A ball round the device with no triangle in it: while the device stays inside, a step is one comparison. The search is no
-// wider than 64 strides, and is not repeated before a part of what it found has been travelled.
+// A ball round the device with no triangle in it: while the device stays inside, a step is one comparison. The search is no wider than 64
+// strides, and is not repeated before a part of what it found has been travelled. What lies hardly nearer than what is known is not looked
+// at: over an even surface that would be thousands of triangles, for a ball hardly larger.
 void ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
+  constexpr double kHardlyNearer = 0.75 * 0.75;  // of squares
   const double widest = 64.0 * stride_ + 4.0 * clearance_.rest;
-  double nearest_squared = widest * widest;
-  geometry_.visit_nearest(device, nearest_squared, [&](std::uint32_t triangle, double bound) {
+  double clear_squared = widest * widest;
+  geometry_.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
     const double d = geometry_.separation(triangle, device).distance;
-    nearest_squared = std::min(bound, d * d);
-    return nearest_squared;
+    clear_squared = std::min(bound, kHardlyNearer * d * d);
+    return clear_squared;
   });
-  const double radius = std::min(std::sqrt(nearest_squared) * (1.0 - 0x1p-40) - clearance_.rest, may_go);
+  const double radius = std::min(std::sqrt(clear_squared) * (1.0 - 0x1p-40) - clearance_.rest, may_go);
   empty_center_ = device;
   empty_radius_squared_ = radius > 0.0 ? radius * radius : 0.0;
   empty_retry_ = std::max(0.25 * std::sqrt(empty_radius_squared_), 4.0 * stride_);
@@ -515,11 +499,12 @@ std::string ProxyMethod::describe_steps() const {
   std::string text = fmt::format(
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
       "{:.3f} "
-      "refills a step; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged\n",
+      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
-      static_cast<double>(counters_.refills) / c, counters_.caught_up, counters_.divided, kParts, counters_.escapes, counters_.attempts,
-      counters_.unconverged);
+      static_cast<double>(counters_.refills) / c,
+      100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
+      counters_.caught_up, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

@@ -21,7 +21,8 @@ struct ProxyCounters {
   std::uint64_t contact_steps = 0;
   std::uint64_t iterations = 0;   // constrained motions in contact steps
   std::uint64_t sweeps = 0;       // continuous collision queries
-  std::uint64_t refills = 0;      // neighbourhoods copied
+  std::uint64_t refills = 0;      // neighbourhoods copied,
+  std::uint64_t foreseen = 0;     // of them looked up before they were needed
   std::uint64_t tests = 0;        // triangle against moving sphere
   std::uint64_t caught_up = 0;    // steps done again in parts
   std::uint64_t divided = 0;      // and in many
@@ -77,8 +78,11 @@ class ProxyMethod final : public ForceMethod {
   static constexpr int kParts = 8;
   static constexpr double kSamePlace = 0x1p-16;  // strides
   static constexpr int kNearPieces = 4;
-  static constexpr int kFewNear = 24;   // a neighbourhood of fewer triangles is grown next time,
-  static constexpr int kManyNear = 48;  // one of more is shrunk
+  static constexpr double kAround = 0.25;    // of the way: how far beside it the neighbourhood reaches at least
+  static constexpr double kAhead = 0.8;      // of the neighbourhood's reach: its centre lies as far ahead
+  static constexpr double kForesight = 3.5;  // steps: who leaves it sooner is prepared for the next
+  static constexpr int kFewNear = 32;        // a neighbourhood of fewer triangles is grown next time,
+  static constexpr int kManyNear = 64;       // one of more is shrunk
 
   struct Touch {
     std::uint32_t triangle = 0;
@@ -141,6 +145,10 @@ class ProxyMethod final : public ForceMethod {
   bool cross_emptiness(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
+  Neighbourhood& near() noexcept { return neighbourhoods_[here_]; }
+  const Neighbourhood& near() const noexcept { return neighbourhoods_[here_]; }
+  Neighbourhood& next_near() noexcept { return neighbourhoods_[1 - here_]; }
+  void look_ahead(const Vec3& motion) noexcept;
   bool stay_near(const Vec3& start, const Vec3& motion, double room, double ahead) noexcept;
   void note_grazed(const Separation& at, std::uint32_t triangle) noexcept;
   void note_blocker(std::uint32_t triangle, double t) noexcept;
@@ -172,7 +180,9 @@ class ProxyMethod final : public ForceMethod {
   double empty_radius_squared_ = 0.0;  // no triangle is within this of empty_center_ plus the probe's rest distance
   double empty_retry_ = 0.0;           // travel before the next search for an empty ball is worth its cost
 
-  Neighbourhood near_;
+  std::array<Neighbourhood, 2> neighbourhoods_;  // where the probe is, and where it goes
+  int here_ = 0;                                 // in neighbourhoods_
+  enum class Ahead : std::uint8_t { begun, nothing, found, fetched, too_much } ahead_ = Ahead::nothing;  // how far the other one is
   std::array<Neighbourhood::Meeting, Neighbourhood::kCapacity> meetings_;
   double near_reach_ = 0.0;  // half the size of the next neighbourhood beyond the probe's own
 

@@ -5,14 +5,8 @@
 #include "core/force/proxy_method.h"
 
 namespace hapton {
-namespace {
-
-constexpr double kAround = 0.25;  // of the way: how far beside it the neighbourhood reaches at least
-constexpr double kAhead = 0.5;    // of the neighbourhood's reach: its centre lies as far ahead
-
-}  // namespace
-
-// Moves a proxy that a face or fold holds to its minimum, as descend() would. False, and nothing moved, where that is not plain.
+// Moves a proxy that a face or fold holds to its minimum, as descend() would. False, and nothing moved, where that is not plain, or where
+// the proxy leaps: then it does not cling to the surface.
 bool ProxyMethod::walk(const Vec3& device) noexcept {
   if (!is_point_ || has_friction_ || free_ || pushing_count_ < 1 || pushing_count_ > 2) return false;
   Vec3 along = device - proxy_;
@@ -25,21 +19,24 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
   }
   const double length = along.norm();
   if (!(length <= kLargestReach) || !stay_near(proxy_, along, kAround * length + kBeside * hover_, kAhead)) return false;
-  for (int i = 0; i < pushing_count_; ++i) held[i].place = near_.place_of(touching_[i].triangle);
-  FacetDescent way(near_, clearance_.rest, kBeside * hover_);
+  for (int i = 0; i < pushing_count_; ++i) held[i].place = near().place_of(touching_[i].triangle);
+  FacetDescent way(near(), clearance_.rest, kBeside * hover_);
   if (!way.run(proxy_, std::span(held).first(static_cast<std::size_t>(pushing_count_)), device) || !is_open_to(way)) return false;
+  if ((way.end() - proxy_).norm() > kLeap * stride_ + kBeside * hover_) return false;
   ++counters_.walks;
+  const Vec3 from = proxy_;
   met_fold_ |= way.met_fold();
   proxy_ = way.end();
   touching_count_ = 0;
   for (const FacetDescent::Hold& hold : way.holds()) {
     push_[touching_count_] = hold.push;
     Touch& touch = touching_[touching_count_++];
-    touch.triangle = near_.triangle_at(hold.place);
-    touch.shape = near_.shape(hold.place);
+    touch.triangle = near().triangle_at(hold.place);
+    touch.shape = near().shape(hold.place);
     touch.separation = {clearance_.rest, hold.normal, proxy_ - clearance_.rest * hold.normal, Feature::face};
   }
   pushing_count_ = touching_count_;
+  look_ahead(proxy_ - from);
   return true;
 }
 
@@ -47,7 +44,7 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
 bool ProxyMethod::is_open_to(const FacetDescent& way) const noexcept {
   if (!has_one_sided_) return true;
   const auto faces = way.faces();
-  return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t place) { return can_touch(near_.triangle_at(place), proxy_); });
+  return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t place) { return can_touch(near().triangle_at(place), proxy_); });
 }
 
 }  // namespace hapton
