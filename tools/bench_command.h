@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "tools/command_line.h"
 
 namespace hapton {
 
 // hapton bench: the parent of all measurements; each child has a file of its own, tools/bench_<name>_command.
-void add_bench_command(CLI::App& app, int& exit_code);
+void add_bench_command(CommandLine app, int& exit_code);
 
 }  // namespace hapton

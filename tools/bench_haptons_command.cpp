@@ -41,15 +41,16 @@ int run_haptons(const HaptonsOptions& options) {
 
 }  // namespace
 
-void add_bench_haptons_command(CLI::App& bench, int& exit_code) {
+void add_bench_haptons_command(CommandLine bench, int& exit_code) {
   auto options = std::make_shared<HaptonsOptions>();
-  CLI::App* command = bench.add_subcommand("haptons", "Triangle pairs a millisecond on one core, colliding on edge, located to 0.1 %");
-  command->add_option("--seconds", options->settings.seconds, "How long to measure, all ways together")
-      ->check(CLI::Range(0.01, 3600.0))
-      ->capture_default_str();
-  command->add_option("--seed", options->settings.pairs.seed, "Of the random pairs")->capture_default_str();
-  command->add_option("--out", options->out, "Folder for haptons.json and haptons.csv; default: none are written");
-  command->callback([options, &exit_code] { exit_code = run_haptons(*options); });
+  const CommandLine command =
+      bench.add_subcommand("haptons", "Triangle pairs a millisecond on one core, colliding on edge, located to 0.1 %");
+  command.add_option("--seconds", options->settings.seconds, "How long to measure, all ways together")
+      .between(0.01, 3600.0)
+      .shows_default();
+  command.add_option("--seed", options->settings.pairs.seed, "Of the random pairs").shows_default();
+  command.add_option("--out", options->out, "Folder for haptons.json and haptons.csv; default: none are written");
+  command.on_run([options, &exit_code] { exit_code = run_haptons(*options); });
 }
 
 }  // namespace hapton

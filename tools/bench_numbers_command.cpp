@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -73,20 +74,20 @@ Result<void> measure(NumbersOptions& options) {
 
 }  // namespace
 
-void add_bench_numbers_command(CLI::App& bench, int& exit_code) {
+void add_bench_numbers_command(CommandLine bench, int& exit_code) {
   auto options = std::make_shared<NumbersOptions>();
-  CLI::App* command =
+  const CommandLine command =
       bench.add_subcommand("numbers", "The numbers to beat: target, others and ours side by side; exits 0 whether or not they are met");
-  command->add_flag("--quick", options->quick, "Smaller meshes, short runs: less than a minute");
-  command->add_option("--mesh", options->file, "A scanned mesh that the force error is measured on too")->capture_default_str();
-  command->add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-  command->add_option("--steps", options->settings.steps, "Of each trajectory")->check(CLI::Range(100, 10'000'000))->capture_default_str();
-  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
-      ->check(CLI::Range(10, 10'000'000))
-      ->capture_default_str();
-  command->add_option("--seed", options->settings.seed, "Of meshes and trajectories")->capture_default_str();
-  command->add_option("--out", options->out, "Folder for numbers.txt, numbers.csv and numbers.json")->required();
-  command->callback([options, &exit_code] {
+  command.add_flag("--quick", options->quick, "Smaller meshes, short runs: less than a minute");
+  command.add_option("--mesh", options->file, "A scanned mesh that the force error is measured on too").shows_default();
+  command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
+  command.add_option("--steps", options->settings.steps, "Of each trajectory").between(100, 10'000'000).shows_default();
+  command.add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
+      .between(10, 10'000'000)
+      .shows_default();
+  command.add_option("--seed", options->settings.seed, "Of meshes and trajectories").shows_default();
+  command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv and numbers.json").required();
+  command.on_run([options, &exit_code] {
     const auto done = measure(*options);
     if (!done) fmt::print(stderr, "hapton bench numbers: {}\n", done.error().what);
     exit_code = done ? 0 : 1;

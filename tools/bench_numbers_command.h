@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "tools/command_line.h"
 
 namespace hapton {
 
 // hapton bench numbers: the numbers to beat, target and ours side by side, in one run.
-void add_bench_numbers_command(CLI::App& bench, int& exit_code);
+void add_bench_numbers_command(CommandLine bench, int& exit_code);
 
 }  // namespace hapton

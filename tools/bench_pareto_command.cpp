@@ -2,10 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/measure/own_structures.h"
@@ -80,26 +84,24 @@ Result<void> measure(ParetoOptions& options) {
 
 }  // namespace
 
-void add_bench_pareto_command(CLI::App& bench, int& exit_code) {
+void add_bench_pareto_command(CommandLine bench, int& exit_code) {
   auto options = std::make_shared<ParetoOptions>();
-  CLI::App* command =
+  const CommandLine command =
       bench.add_subcommand("pareto", "Run time against force error: every method and structure over several meshes, and a plot");
-  auto* which = command->add_option_group("meshes", "Which meshes, each scaled to 100 mm (default: six, 3 k to 1.3 M triangles)")
-                    ->require_option(0, 1);
-  which->add_option("--mesh", options->meshes,
-                    "Mesh files, by path or name in the mesh folder, or bumpy:N for a bumpy sphere of N triangles");
-  which->add_flag("--all", options->all, "Twelve meshes");
-  command->add_flag("--quick", options->quick, "Short runs, over two small meshes unless others are named: less than a minute");
-  command->add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-  command->add_option("--steps", options->settings.steps, "Of the slide over each mesh")
-      ->check(CLI::Range(100, 10'000'000))
-      ->capture_default_str();
-  command->add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
-      ->check(CLI::Range(10, 10'000'000))
-      ->capture_default_str();
-  command->add_option("--seed", options->settings.seed, "Of the slides")->capture_default_str();
-  command->add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png")->required();
-  command->callback([options, &exit_code] {
+  const CommandLine which =
+      command.add_group("meshes", "Which meshes, each scaled to 100 mm (default: six, 3 k to 1.3 M triangles)").require_options(0, 1);
+  which.add_option("--mesh", options->meshes,
+                   "Mesh files, by path or name in the mesh folder, or bumpy:N for a bumpy sphere of N triangles");
+  which.add_flag("--all", options->all, "Twelve meshes");
+  command.add_flag("--quick", options->quick, "Short runs, over two small meshes unless others are named: less than a minute");
+  command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
+  command.add_option("--steps", options->settings.steps, "Of the slide over each mesh").between(100, 10'000'000).shows_default();
+  command.add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
+      .between(10, 10'000'000)
+      .shows_default();
+  command.add_option("--seed", options->settings.seed, "Of the slides").shows_default();
+  command.add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png").required();
+  command.on_run([options, &exit_code] {
     const auto done = measure(*options);
     if (!done) fmt::print(stderr, "hapton bench pareto: {}\n", done.error().what);
     exit_code = done ? 0 : 1;

@@ -66,21 +66,21 @@ std::string describe_checks() {
 
 }  // namespace
 
-void add_doctor_command(CLI::App& app, int& exit_code) {
+void add_doctor_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = app.add_subcommand(
+  const CommandLine command = app.add_subcommand(
       "doctor",
       "Look at devices, libraries, rights, timing, ports, keys and display, and say what mends each problem; exit code 1: there are some");
-  command->add_option("--only", options->only, describe_checks())->check(CLI::IsMember(check_names()))->expected(1)->take_all();
-  command->add_flag("--json", options->json, "For programs: schema hapton.doctor/1");
-  command->add_option("--port", options->port, "The hub's UDP port")->check(CLI::Range(1, 65535))->capture_default_str();
-  command->add_option("--key", options->key_file, kKeyHelp);
+  command.add_option("--only", options->only, describe_checks()).one_of(check_names()).again_for_more();
+  command.add_flag("--json", options->json, "For programs: schema hapton.doctor/1");
+  command.add_option("--port", options->port, "The hub's UDP port").between(1, 65535).shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
   command
-      ->add_option("--root", options->root,
-                   "Look at the files of another machine's root (for support and tests): nothing is loaded or asked")
-      ->check(CLI::ExistingDirectory)
-      ->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+      .add_option("--root", options->root,
+                  "Look at the files of another machine's root (for support and tests): nothing is loaded or asked")
+      .existing_folder()
+      .shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -47,20 +47,17 @@ int run(const EchoOptions& options) {
 
 }  // namespace
 
-void add_echo_command(CLI::App& app, int& exit_code) {
+void add_echo_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<EchoOptions>();
-  CLI::App* command = app.add_subcommand("echo", "Return every UDP datagram to its sender: the bare round trip of machine and network");
-  command->add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one")->required();
-  command->add_option("--seconds", options->seconds, "End after this long, 0: when stopped")
-      ->check(CLI::Range(0.0, 1e9))
-      ->capture_default_str();
-  command->add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")
-      ->check(CLI::IsMember({"try", "require", "off"}))
-      ->capture_default_str();
-  command->add_option("--cpu", options->cpu, "Stay on this CPU, unless --rt is off; -1: any")
-      ->check(CLI::Range(-1, 4095))
-      ->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  const CommandLine command =
+      app.add_subcommand("echo", "Return every UDP datagram to its sender: the bare round trip of machine and network");
+  command.add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one").required();
+  command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
+  command.add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")
+      .one_of({"try", "require", "off"})
+      .shows_default();
+  command.add_option("--cpu", options->cpu, "Stay on this CPU, unless --rt is off; -1: any").between(-1, 4095).shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "runtime/atomic_file.h"
@@ -47,11 +48,11 @@ Result<void> draw_all(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void add_figures_command(CLI::App& app, int& exit_code) {
+void add_figures_command(CommandLine app, int& exit_code) {
   auto folder = std::make_shared<std::string>("docs/pictures");
-  CLI::App* command = app.add_subcommand("figures", "Draw the pictures of docs/methods.md from what the methods do");
-  command->add_option("--out", *folder, "Folder of the pictures")->capture_default_str();
-  command->callback([folder, &exit_code] {
+  const CommandLine command = app.add_subcommand("figures", "Draw the pictures of docs/methods.md from what the methods do");
+  command.add_option("--out", *folder, "Folder of the pictures").shows_default();
+  command.on_run([folder, &exit_code] {
     const auto drawn = draw_all(*folder);
     if (!drawn) fmt::print(stderr, "hapton figures: {}\n", drawn.error().what);
     exit_code = drawn ? 0 : 1;

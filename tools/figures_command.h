@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "tools/command_line.h"
 
 namespace hapton {
 
 // hapton figures --out DIR: draws the pictures of docs/methods.md with gnuplot.
-void add_figures_command(CLI::App& app, int& exit_code);
+void add_figures_command(CommandLine app, int& exit_code);
 
 }  // namespace hapton

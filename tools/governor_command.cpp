@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -121,17 +122,15 @@ int run(const GovernorOptions& options) {
 
 }  // namespace
 
-void add_governor_command(CLI::App& app, int& exit_code) {
+void add_governor_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<GovernorOptions>();
-  CLI::App* command =
+  const CommandLine command =
       app.add_subcommand("governor", "Hostile programs against io_node's safety governor; exit code 0 only when every limit held");
-  command->add_option("--steps", options->steps, "So many, of all programs together (1e8)")
-      ->check(CLI::Range(1.0, 1e15))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of every program")->capture_default_str();
-  command->add_option("--threads", options->threads, "Programs at a time")->check(CLI::Range(1, 1024))->capture_default_str();
-  command->add_option("--program", options->program, "Only this one, as a breach names it");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command.add_option("--steps", options->steps, "So many, of all programs together (1e8)").between(1.0, 1e15).shows_default();
+  command.add_option("--seed", options->seed, "Of every program").shows_default();
+  command.add_option("--threads", options->threads, "Programs at a time").between(1, 1024).shows_default();
+  command.add_option("--program", options->program, "Only this one, as a breach names it");
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

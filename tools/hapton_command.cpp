@@ -12,6 +12,7 @@
 #include "runtime/config.h"
 #include "scene/near_miss.h"
 #include "tools/bench_command.h"
+#include "tools/command_line.h"
 #include "tools/doctor_command.h"
 #include "tools/echo_command.h"
 #include "tools/figures_command.h"
@@ -71,24 +72,25 @@ int run_hapton_command(int argc, const char* const* argv) {
   CLI::App app{"Hapton: replay, measure and change a haptic system from the command line.", "hapton"};
   app.set_version_flag("--version", "hapton " HAPTON_VERSION);
   app.require_subcommand(1);
-  add_bench_command(app, exit_code);
-  add_doctor_command(app, exit_code);
-  add_echo_command(app, exit_code);
-  add_figures_command(app, exit_code);
-  add_governor_command(app, exit_code);
-  add_info_command(app, exit_code);
-  add_judge_command(app, exit_code);
-  add_keygen_command(app, exit_code);
-  add_latency_command(app, exit_code);
-  add_plot_command(app, exit_code);
-  add_relay_command(app, exit_code);
-  add_replay_command(app, exit_code);
-  add_session_command(app, exit_code);
-  add_set_command(app, exit_code);
-  add_soak_command(app, exit_code);
-  add_stress_command(app, exit_code);
-  add_top_command(app, exit_code);
-  add_trajectory_command(app, exit_code);
+  const CommandLine commands(app);
+  add_bench_command(commands, exit_code);
+  add_doctor_command(commands, exit_code);
+  add_echo_command(commands, exit_code);
+  add_figures_command(commands, exit_code);
+  add_governor_command(commands, exit_code);
+  add_info_command(commands, exit_code);
+  add_judge_command(commands, exit_code);
+  add_keygen_command(commands, exit_code);
+  add_latency_command(commands, exit_code);
+  add_plot_command(commands, exit_code);
+  add_relay_command(commands, exit_code);
+  add_replay_command(commands, exit_code);
+  add_session_command(commands, exit_code);
+  add_set_command(commands, exit_code);
+  add_soak_command(commands, exit_code);
+  add_stress_command(commands, exit_code);
+  add_top_command(commands, exit_code);
+  add_trajectory_command(commands, exit_code);
   if (argc < 2) {
     fmt::print("{}", app.help());
     return kBadCommandLine;

@@ -46,13 +46,13 @@ int run(const InfoOptions& options) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, int& exit_code) {
+void add_info_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* info = app.add_subcommand("info", "Tell the size, counts and flaws of a mesh, or the objects of a scene");
-  info->add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)")->required();
-  info->add_option("--unit", options->unit, "What the file's numbers are in: m (default), cm, mm or in; glTF is always m");
-  info->add_flag("--json", options->json, "As JSON");
-  info->callback([options, &exit_code] { exit_code = run(*options); });
+  const CommandLine info = app.add_subcommand("info", "Tell the size, counts and flaws of a mesh, or the objects of a scene");
+  info.add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)").required();
+  info.add_option("--unit", options->unit, "What the file's numbers are in: m (default), cm, mm or in; glTF is always m");
+  info.add_flag("--json", options->json, "As JSON");
+  info.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -3,11 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "core/geometry/mesh_measures.h"
 #include "runtime/atomic_file.h"
@@ -60,36 +62,29 @@ Result<void> judge(const JudgeOptions& options) {
 
 }  // namespace
 
-void add_judge_command(CLI::App& app, int& exit_code) {
+void add_judge_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<JudgeOptions>();
   options->settings.method.name = "proxy";
   options->settings.threads = std::max(1U, std::thread::hardware_concurrency());
-  CLI::App* command = app.add_subcommand("judge", "Measure a method's force error against the brute-force reference");
-  add_mesh_options(*command, options->mesh);
-  command->add_option("--method", options->settings.method.name, "Which method is judged, one of: " + method_names())
-      ->capture_default_str();
-  command->add_option("--kind", options->kind, "Of trajectory: " + trajectory_kinds())->capture_default_str();
-  command->add_option("--seed", options->trajectory.seed, "Of the trajectory")->capture_default_str();
-  command->add_option("--rows", options->trajectory.rows, "How many steps")->check(CLI::Range(1, 100'000'000))->capture_default_str();
-  command->add_option("--probe-radius", options->settings.method.probe_radius_m, "Metres; 0 is a point")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--stiffness", options->material.stiffness_n_per_m, "N/m")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--friction-static", options->material.friction_static, "Coulomb coefficient")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--friction-dynamic", options->material.friction_dynamic, "Coulomb coefficient, not above the static one")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--substeps", options->settings.substeps, "Of the reference")->check(CLI::Range(1, 10000))->capture_default_str();
-  command->add_option("--finer-substeps", options->settings.finer_substeps, "Of the reference that tells basin changes")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--threads", options->settings.threads, "Segments judged at a time")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for judge.json and judge.csv");
-  command->callback([options, &exit_code] {
+  const CommandLine command = app.add_subcommand("judge", "Measure a method's force error against the brute-force reference");
+  add_mesh_options(command, options->mesh);
+  command.add_option("--method", options->settings.method.name, "Which method is judged, one of: " + method_names()).shows_default();
+  command.add_option("--kind", options->kind, "Of trajectory: " + trajectory_kinds()).shows_default();
+  command.add_option("--seed", options->trajectory.seed, "Of the trajectory").shows_default();
+  command.add_option("--rows", options->trajectory.rows, "How many steps").between(1, 100'000'000).shows_default();
+  command.add_option("--probe-radius", options->settings.method.probe_radius_m, "Metres; 0 is a point").not_negative().shows_default();
+  command.add_option("--stiffness", options->material.stiffness_n_per_m, "N/m").positive().shows_default();
+  command.add_option("--friction-static", options->material.friction_static, "Coulomb coefficient").not_negative().shows_default();
+  command.add_option("--friction-dynamic", options->material.friction_dynamic, "Coulomb coefficient, not above the static one")
+      .not_negative()
+      .shows_default();
+  command.add_option("--substeps", options->settings.substeps, "Of the reference").between(1, 10000).shows_default();
+  command.add_option("--finer-substeps", options->settings.finer_substeps, "Of the reference that tells basin changes")
+      .between(1, 10000)
+      .shows_default();
+  command.add_option("--threads", options->settings.threads, "Segments judged at a time").between(1, 1024).shows_default();
+  command.add_option("--out", options->out, "Folder for judge.json and judge.csv");
+  command.on_run([options, &exit_code] {
     const auto done = judge(*options);
     if (!done) fmt::print(stderr, "hapton judge: {}\n", done.error().what);
     exit_code = done ? 0 : 1;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "tools/command_line.h"
 
 namespace hapton {
 
 // hapton judge --mesh FILE --method proxy: a method's force error against the reference along a made trajectory.
-void add_judge_command(CLI::App& app, int& exit_code);
+void add_judge_command(CommandLine app, int& exit_code);
 
 }  // namespace hapton

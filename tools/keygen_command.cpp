@@ -22,11 +22,11 @@ int run(const std::string& file) {
 
 }  // namespace
 
-void add_keygen_command(CLI::App& app, int& exit_code) {
+void add_keygen_command(CommandLine app, int& exit_code) {
   auto file = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("keygen", "Make the key file that the nodes of a system share");
-  command->add_option("FILE", *file, "Where to put it; what is there already stays as it is")->required();
-  command->callback([file, &exit_code] { exit_code = run(*file); });
+  const CommandLine command = app.add_subcommand("keygen", "Make the key file that the nodes of a system share");
+  command.add_option("FILE", *file, "Where to put it; what is there already stays as it is").required();
+  command.on_run([file, &exit_code] { exit_code = run(*file); });
 }
 
 }  // namespace hapton

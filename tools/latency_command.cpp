@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -52,53 +53,51 @@ int run_compare(const CompareOptions& options) {
   return compared ? 0 : 1;
 }
 
-void add_run_options(CLI::App& command, LatencyRunOptions& options) {
-  command.add_option("--seconds", options.seconds, "How long")->check(CLI::Range(0.5, 1e6))->capture_default_str();
+void add_run_options(CommandLine command, LatencyRunOptions& options) {
+  command.add_option("--seconds", options.seconds, "How long").between(0.5, 1e6).shows_default();
   command.add_option("--out", options.out, "Folder for report.json, latency.csv, latency.png, latency.txt and the nodes' logs")
-      ->capture_default_str();
-  CLI::Option* hosts =
+      .shows_default();
+  const CommandOption hosts =
       command.add_option("--hosts", options.hosts, "Measure the system whose hub runs at HOST[:PORT], instead of starting one here");
-  command.add_option("--key", options.key_file, kKeyHelp)->needs(hosts);
-  CLI::Option* const of_our_own[] = {
-      command.add_option("--rate", options.rate_hz, "Servo rate, Hz")
-          ->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz))
-          ->capture_default_str(),
+  command.add_option("--key", options.key_file, kKeyHelp).needs(hosts);
+  const CommandOption of_our_own[] = {
+      command.add_option("--rate", options.rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default(),
       command.add_option("--size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
-          ->check(CLI::Range(std::size_t{0}, kMaxDatagramBytes))
-          ->capture_default_str(),
+          .between(std::size_t{0}, kMaxDatagramBytes)
+          .shows_default(),
       command.add_flag("--vision", options.vision, "A vision node takes part: device to picture, motion to photon"),
-      command.add_option("--scene", options.scene, "What is touched")->capture_default_str(),
+      command.add_option("--scene", options.scene, "What is touched").shows_default(),
       command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
       command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
-          ->check(CLI::IsMember({"try", "require", "off"}))
-          ->capture_default_str(),
+          .one_of({"try", "require", "off"})
+          .shows_default(),
       command.add_option("--cpu", options.cpu, "Nodes and echo all stay on this CPU; -1: any; the last one by itself")
-          ->check(CLI::Range(-1, 1023))
-          ->capture_default_str()};
-  for (CLI::Option* option : of_our_own) hosts->excludes(option);
+          .between(-1, 1023)
+          .shows_default()};
+  for (const CommandOption option : of_our_own) hosts.excludes(option);
 }
 
 }  // namespace
 
-void add_latency_command(CLI::App& app, int& exit_code) {
+void add_latency_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<LatencyRunOptions>();
   options->cpu = find_shared_cpu();
-  CLI::App* command = app.add_subcommand("latency", "Measure the force round trip, beside a bare UDP echo; compare runs");
-  command->require_subcommand(0, 1);
-  add_run_options(*command, *options);
-  CLI::App* run_command = command->add_subcommand("run", "The same, and the exit code says whether the rate was held");
-  add_run_options(*run_command, *options);
-  run_command->callback([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
+  const CommandLine command = app.add_subcommand("latency", "Measure the force round trip, beside a bare UDP echo; compare runs");
+  command.require_subcommands(0, 1);
+  add_run_options(command, *options);
+  const CommandLine run_command = command.add_subcommand("run", "The same, and the exit code says whether the rate was held");
+  add_run_options(run_command, *options);
+  run_command.on_run([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
 
   auto compared = std::make_shared<CompareOptions>();
-  CLI::App* compare_command = command->add_subcommand("compare", "Two runs side by side, with their ratios");
-  compare_command->add_option("A", compared->a, "Folder of a run, or its report.json")->required();
-  compare_command->add_option("B", compared->b, "Another one")->required();
-  compare_command->add_option("--json", compared->json, "Write the comparison to this file too");
-  compare_command->callback([compared, &exit_code] { exit_code = run_compare(*compared); });
+  const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");
+  compare_command.add_option("A", compared->a, "Folder of a run, or its report.json").required();
+  compare_command.add_option("B", compared->b, "Another one").required();
+  compare_command.add_option("--json", compared->json, "Write the comparison to this file too");
+  compare_command.on_run([compared, &exit_code] { exit_code = run_compare(*compared); });
 
-  command->callback([command, options, &exit_code] {
-    if (command->get_subcommands().empty()) exit_code = run(*options, Exit::by_measurement);
+  command.on_run([command, options, &exit_code] {
+    if (!command.has_subcommand()) exit_code = run(*options, Exit::by_measurement);
   });
 }
 

@@ -44,13 +44,13 @@ std::string shape_names() {
 
 }  // namespace
 
-void add_mesh_options(CLI::App& command, MeshChoice& choice) {
-  auto* source = command.add_option_group("what is touched")->require_option(1);
-  source->add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
-  source->add_option("--shape", choice.shape, "Made by rule, about 100 mm: " + shape_names());
+void add_mesh_options(CommandLine command, MeshChoice& choice) {
+  const CommandLine source = command.add_group("what is touched").require_options(1, 1);
+  source.add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
+  source.add_option("--shape", choice.shape, "Made by rule, about 100 mm: " + shape_names());
   command.add_option("--unit", choice.unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
   command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")
-      ->check(CLI::PositiveNumber);
+      .positive();
 }
 
 Result<TriangleMesh> make_mesh(const MeshChoice& choice) {

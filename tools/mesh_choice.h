@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
+#include "tools/command_line.h"
 
 namespace hapton {
 
@@ -17,7 +17,7 @@ struct MeshChoice {
 };
 
 // --mesh FILE [--unit U] or --shape NAME, and --scale-to METRES.
-void add_mesh_options(CLI::App& command, MeshChoice& choice);
+void add_mesh_options(CommandLine command, MeshChoice& choice);
 
 // Loads or makes it. Error: what the loader refuses; an unknown shape, with those there are.
 Result<TriangleMesh> make_mesh(const MeshChoice& choice);

@@ -23,11 +23,11 @@ int run(const std::string& folder) {
 
 }  // namespace
 
-void add_plot_command(CLI::App& app, int& exit_code) {
+void add_plot_command(CommandLine app, int& exit_code) {
   auto folder = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("plot", "Draw the plots of a run's report folder");
-  command->add_option("folder", *folder, "Where latency.csv is; latency.png goes there")->required();
-  command->callback([folder, &exit_code] { exit_code = run(*folder); });
+  const CommandLine command = app.add_subcommand("plot", "Draw the plots of a run's report folder");
+  command.add_option("folder", *folder, "Where latency.csv is; latency.png goes there").required();
+  command.on_run([folder, &exit_code] { exit_code = run(*folder); });
 }
 
 }  // namespace hapton

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -20,6 +22,7 @@
 namespace hapton {
 namespace {
 
+constexpr double kLongestDelayMs = 60'000.0;
 constexpr std::int64_t kLookEveryNs = 50 * kNanosecondsPerMillisecond;
 
 struct RelayOptions {
@@ -155,45 +158,39 @@ std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double se
   return json.dump(2) + "\n";
 }
 
-void add_relay_command(CLI::App& app, int& exit_code) {
+void add_relay_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<RelayOptions>();
-  CLI::App* command = app.add_subcommand("relay", "A bad network between the nodes and their hub: delay, loss, reorder, partition ...");
-  command->add_option("--listen", options->listen, "Where the nodes shall look for the hub; port 0 takes a free one")
-      ->capture_default_str();
-  command->add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
-  command->add_option("--seed", options->seed,
-                      "Of every draw; the same seed spoils the same datagrams (default: the script's, else random)");
-  command->add_option("--seconds", options->seconds, "End after this long, 0: when stopped")
-      ->check(CLI::Range(0.0, 1e9))
-      ->capture_default_str();
-  command->add_option("--json", options->json, "Write the counters to this file at the end");
-  CLI::Option* script =
-      command->add_option("--script", options->script, "TOML file of phases, each with faults and seconds; see docs/faults.md");
+  const CommandLine command =
+      app.add_subcommand("relay", "A bad network between the nodes and their hub: delay, loss, reorder, partition ...");
+  command.add_option("--listen", options->listen, "Where the nodes shall look for the hub; port 0 takes a free one").shows_default();
+  command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--seed", options->seed,
+                     "Of every draw; the same seed spoils the same datagrams (default: the script's, else random)");
+  command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
+  command.add_option("--json", options->json, "Write the counters to this file at the end");
+  const CommandOption script =
+      command.add_option("--script", options->script, "TOML file of phases, each with faults and seconds; see docs/faults.md");
 
-  const CLI::Range share(0.0, 1.0);
-  const CLI::Range milliseconds(0.0, 60'000.0);
   LinkFaults& faults = options->faults;
-  const CLI::Option* flags[] = {
-      command->add_option("--direction", options->direction, "Which way the faults below hold: both, to-hub or to-nodes")
-          ->check(CLI::IsMember({"both", "to-hub", "to-nodes"}))
-          ->capture_default_str(),
-      command->add_option("--delay-ms", options->delay_ms, "Every datagram is late by this")->check(milliseconds),
-      command->add_option("--jitter-ms", options->jitter_ms, "... and up to this much more")->check(milliseconds),
-      command->add_option("--loss", faults.loss, "Share lost, each by itself")->check(share),
-      command->add_option("--burst-share", faults.burst_share, "Share that meets a bad spell (loss in bursts, Gilbert-Elliott)")
-          ->check(share),
-      command->add_option("--burst-length", faults.burst_length, "Datagrams in a bad spell, on average")
-          ->check(CLI::Range(1.0, 1e6))
-          ->capture_default_str(),
-      command->add_option("--burst-loss", faults.burst_loss, "Share lost in a bad spell")->check(share)->capture_default_str(),
-      command->add_option("--reorder", faults.reorder, "Share held back, so that later ones overtake it")->check(share),
-      command->add_option("--reorder-ms", options->reorder_ms, "... by this long")->check(milliseconds)->capture_default_str(),
-      command->add_option("--duplicate", faults.duplicate, "Share sent twice")->check(share),
-      command->add_option("--corrupt", faults.corrupt, "Share with one byte changed")->check(share),
-      command->add_flag("--partition", faults.partition, "Nothing passes"),
+  const CommandOption flags[] = {
+      command.add_option("--direction", options->direction, "Which way the faults below hold: both, to-hub or to-nodes")
+          .one_of({"both", "to-hub", "to-nodes"})
+          .shows_default(),
+      command.add_option("--delay-ms", options->delay_ms, "Every datagram is late by this").between(0.0, kLongestDelayMs),
+      command.add_option("--jitter-ms", options->jitter_ms, "... and up to this much more").between(0.0, kLongestDelayMs),
+      command.add_option("--loss", faults.loss, "Share lost, each by itself").between(0.0, 1.0),
+      command.add_option("--burst-share", faults.burst_share, "Share that meets a bad spell (loss in bursts, Gilbert-Elliott)")
+          .between(0.0, 1.0),
+      command.add_option("--burst-length", faults.burst_length, "Datagrams in a bad spell, on average").between(1.0, 1e6).shows_default(),
+      command.add_option("--burst-loss", faults.burst_loss, "Share lost in a bad spell").between(0.0, 1.0).shows_default(),
+      command.add_option("--reorder", faults.reorder, "Share held back, so that later ones overtake it").between(0.0, 1.0),
+      command.add_option("--reorder-ms", options->reorder_ms, "... by this long").between(0.0, kLongestDelayMs).shows_default(),
+      command.add_option("--duplicate", faults.duplicate, "Share sent twice").between(0.0, 1.0),
+      command.add_option("--corrupt", faults.corrupt, "Share with one byte changed").between(0.0, 1.0),
+      command.add_flag("--partition", faults.partition, "Nothing passes"),
   };
-  for (const CLI::Option* flag : flags) script->excludes(const_cast<CLI::Option*>(flag));
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  for (const CommandOption flag : flags) script.excludes(flag);
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/collision/grid_division.h"
@@ -141,39 +143,38 @@ int run(ReplayOptions& options) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& app, int& exit_code) {
+void add_replay_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay", "Drive the haptic step along a trajectory and write what it felt");
-  auto* source = command->add_option_group("what is touched")->require_option(1);
-  source->add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
-  source->add_option("--scene", options->scene, "Scene file (TOML)");
-  command->add_option("--unit", options->unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
-  command->add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz], one row a step")->required();
-  command->add_option("--out", options->out, "CSV to write")->required();
-  command->add_option("--method", options->method.name, "Force method, one of: " + method_names())->capture_default_str();
-  command->add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)")->check(CLI::PositiveNumber);
-  command->add_option("--probe-radius", options->method.probe_radius_m, "Metres; 0 is a point (sweep knows no other)")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_option("--shading", options->method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--set-size", options->method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
-  command->add_option("--radius", options->method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data")->capture_default_str();
-  command->add_option("--layer", options->method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")
-      ->capture_default_str();
-  command->add_option("--directions", options->method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26")->capture_default_str();
-  command->add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--reset-every", options->replay.reset_every, "Forget all contact before rows 0, N, 2N ...; 0: before row 0 only")
-      ->capture_default_str();
-  command->add_option("--repeat", options->replay.repeat, "Run it so many times; step_ns is the least of all")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  command->add_option("--grid", options->grid, "sweep: cells along each axis, N or NxNxN")->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  const CommandLine command = app.add_subcommand("replay", "Drive the haptic step along a trajectory and write what it felt");
+  const CommandLine source = command.add_group("what is touched").require_options(1, 1);
+  source.add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
+  source.add_option("--scene", options->scene, "Scene file (TOML)");
+  command.add_option("--unit", options->unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
+  command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz], one row a step").required();
+  command.add_option("--out", options->out, "CSV to write").required();
+  command.add_option("--method", options->method.name, "Force method, one of: " + method_names()).shows_default();
+  command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();
+  command.add_option("--probe-radius", options->method.probe_radius_m, "Metres; 0 is a point (sweep knows no other)")
+      .not_negative()
+      .shows_default();
+  command.add_option("--shading", options->method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
+      .between(0.0, 1.0)
+      .shows_default();
+  command.add_option("--set-size", options->method.set_size, "smooth: triangles in the local set, 16 to 256").shows_default();
+  command.add_option("--radius", options->method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data").shows_default();
+  command.add_option("--layer", options->method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")
+      .shows_default();
+  command.add_option("--directions", options->method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26").shows_default();
+  command.add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")
+      .not_negative();
+  command.add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one").not_negative();
+  command.add_option("--reset-every", options->replay.reset_every, "Forget all contact before rows 0, N, 2N ...; 0: before row 0 only")
+      .shows_default();
+  command.add_option("--repeat", options->replay.repeat, "Run it so many times; step_ns is the least of all")
+      .between(1, 1'000'000)
+      .shows_default();
+  command.add_option("--grid", options->grid, "sweep: cells along each axis, N or NxNxN").shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

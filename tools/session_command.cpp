@@ -2,10 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "haptics_node/method_text.h"
 #include "link/session_reader.h"
@@ -161,24 +163,25 @@ int report(const Result<void>& done, const char* command) {
 
 }  // namespace
 
-void add_session_command(CLI::App& app, int& exit_code) {
+void add_session_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SessionOptions>();
-  CLI::App* session = app.add_subcommand("session", "Look into a session that io_node --record or a flight recorder has written");
-  session->require_subcommand(1);
+  const CommandLine session = app.add_subcommand("session", "Look into a session that io_node --record or a flight recorder has written");
+  session.require_subcommands(1, 1);
 
-  CLI::App* info = session->add_subcommand("info", "Say what is in it: nodes, datagrams, rates, latencies, faults");
-  info->add_option("file", options->file, "Recorded session")->required();
-  info->callback([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
+  const CommandLine info = session.add_subcommand("info", "Say what is in it: nodes, datagrams, rates, latencies, faults");
+  info.add_option("file", options->file, "Recorded session").required();
+  info.on_run([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
 
-  CLI::App* tables = session->add_subcommand("export", "Write it as trajectory.csv, forces.csv and cycles.csv");
-  tables->add_option("file", options->file, "Recorded session")->required();
-  tables->add_option("--out", options->out, "Folder for the tables")->required();
-  tables->callback([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
+  const CommandLine tables = session.add_subcommand("export", "Write it as trajectory.csv, forces.csv and cycles.csv");
+  tables.add_option("file", options->file, "Recorded session").required();
+  tables.add_option("--out", options->out, "Folder for the tables").required();
+  tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
 
-  CLI::App* replay = session->add_subcommand("replay", "Feel it again through the haptic step and compare every force to the last bit");
-  replay->add_option("file", options->file, "Recorded session")->required();
-  replay->add_option("--scene", options->scene, "Scene file, when it is not where the haptics node had it");
-  replay->callback([options, &exit_code] { exit_code = report(feel_again(*options), "replay"); });
+  const CommandLine replay =
+      session.add_subcommand("replay", "Feel it again through the haptic step and compare every force to the last bit");
+  replay.add_option("file", options->file, "Recorded session").required();
+  replay.add_option("--scene", options->scene, "Scene file, when it is not where the haptics node had it");
+  replay.on_run([options, &exit_code] { exit_code = report(feel_again(*options), "replay"); });
 }
 
 }  // namespace hapton

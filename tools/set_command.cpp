@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -138,16 +139,16 @@ int run(const SetOptions& options) {
 
 }  // namespace
 
-void add_set_command(CLI::App& app, int& exit_code) {
+void add_set_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SetOptions>();
-  CLI::App* command = app.add_subcommand("set", "Change a running system");
-  command->add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
-  command->add_option("--key", options->key_file, kKeyHelp);
-  command->add_option("--rate", options->rate_hz, "Servo rate, Hz")->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz));
-  command->add_option("--method", options->method, "Force method, one of: " + method_names());
-  command->add_flag("--report", options->report, "Have the latency report written now");
-  command->add_flag("--reset-faults", options->reset_faults, "What latched the safety governor is mended: let the force ramp in again");
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  const CommandLine command = app.add_subcommand("set", "Change a running system");
+  command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
+  command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz);
+  command.add_option("--method", options->method, "Force method, one of: " + method_names());
+  command.add_flag("--report", options->report, "Have the latency report written now");
+  command.add_flag("--reset-faults", options->reset_faults, "What latched the safety governor is mended: let the force ramp in again");
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -33,35 +33,32 @@ int run(const SoakOptions& options) {
 
 }  // namespace
 
-void add_soak_command(CLI::App& app, int& exit_code) {
+void add_soak_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SoakOptions>();
   options->cpu = find_shared_cpu();
-  CLI::App* command =
+  const CommandLine command =
       app.add_subcommand("soak", "Run the nodes for hours and judge whether memory, descriptors, forces and clock stay flat");
-  CLI::Option* seconds = command->add_option("--seconds", options->seconds, "How long")->check(CLI::Range(5.0, 1e7))->capture_default_str();
+  const CommandOption seconds = command.add_option("--seconds", options->seconds, "How long").between(5.0, 1e7).shows_default();
   command
-      ->add_option_function<double>(
+      .add_number(
           "--hours", [options](double hours) { options->seconds = kSecondsAnHour * hours; }, "How long, in hours")
-      ->check(CLI::Range(0.01, 2000.0))
-      ->excludes(seconds);
-  command->add_option("--every", options->every_s, "Seconds between two looks; 0: a 120th of the time, at least 2 s")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  command->add_option("--rate", options->rate_hz, "Servo rate, Hz")
-      ->check(CLI::Range(kMinServoRateHz, kMaxServoRateHz))
-      ->capture_default_str();
-  command->add_flag("--vision", options->vision, "A vision node takes part");
-  command->add_option("--scene", options->scene, "What is touched")->capture_default_str();
-  command->add_option("--key", options->key_file, kKeyHelp);
-  command->add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports")
-      ->capture_default_str();
-  command->add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
-      ->check(CLI::IsMember({"try", "require", "off"}))
-      ->capture_default_str();
-  command->add_option("--cpu", options->cpu, "io_node and haptics_node stay on this CPU; -1: any; the last one by itself")
-      ->check(CLI::Range(-1, 1023))
-      ->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+      .between(0.01, 2000.0)
+      .excludes(seconds);
+  command.add_option("--every", options->every_s, "Seconds between two looks; 0: a 120th of the time, at least 2 s")
+      .between(0.0, 3600.0)
+      .shows_default();
+  command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default();
+  command.add_flag("--vision", options->vision, "A vision node takes part");
+  command.add_option("--scene", options->scene, "What is touched").shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
+  command.add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports").shows_default();
+  command.add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
+      .one_of({"try", "require", "off"})
+      .shows_default();
+  command.add_option("--cpu", options->cpu, "io_node and haptics_node stay on this CPU; -1: any; the last one by itself")
+      .between(-1, 1023)
+      .shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

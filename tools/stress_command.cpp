@@ -3,11 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "runtime/atomic_file.h"
@@ -101,35 +105,33 @@ Result<bool> torture(StressOptions& options) {
 
 }  // namespace
 
-void add_stress_command(CLI::App& app, int& exit_code) {
+void add_stress_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<StressOptions>();
   options->plan.method.name = "proxy";
   options->plan.threads = std::max(1U, std::thread::hardware_concurrency());
-  CLI::App* command = app.add_subcommand("stress", "Numerical torture of a force method; exit code 0 only without any fault");
-  command->add_option("--method", options->plan.method.name, "Which method, one of: " + method_names())->capture_default_str();
-  command->add_option("--steps", options->plan.steps, "So many a body, shared by all scales and places")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--seed", options->plan.seed, "Of every random choice")->capture_default_str();
-  command->add_option("--body", options->bodies, "Only this body (again for more): " + body_names());
-  command->add_option("--mesh", options->files, "A mesh file instead (again for more)");
-  command->add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
-      ->check(CLI::Range(0.0, 1.0));
-  command->add_option("--scale", options->scale, "Only this scale")->check(CLI::PositiveNumber);
-  command->add_option("--offset", options->offset, "Only this offset, in extents")->check(CLI::NonNegativeNumber);
-  command->add_option("--friction-static", options->friction_static, "Only with this friction")->check(CLI::NonNegativeNumber);
-  command->add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction")->check(CLI::NonNegativeNumber);
-  command->add_option("--episode", options->episode, "Only this episode, as a finding names it");
+  const CommandLine command = app.add_subcommand("stress", "Numerical torture of a force method; exit code 0 only without any fault");
+  command.add_option("--method", options->plan.method.name, "Which method, one of: " + method_names()).shows_default();
+  command.add_option("--steps", options->plan.steps, "So many a body, shared by all scales and places").positive().shows_default();
+  command.add_option("--seed", options->plan.seed, "Of every random choice").shows_default();
+  command.add_option("--body", options->bodies, "Only this body (again for more): " + body_names());
+  command.add_option("--mesh", options->files, "A mesh file instead (again for more)");
+  command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
+      .between(0.0, 1.0);
+  command.add_option("--scale", options->scale, "Only this scale").positive();
+  command.add_option("--offset", options->offset, "Only this offset, in extents").not_negative();
+  command.add_option("--friction-static", options->friction_static, "Only with this friction").not_negative();
+  command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction").not_negative();
+  command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
   command
-      ->add_option("--rest-every", options->plan.rest_every,
-                   "Every how many steps the reference is asked whether the proxy is at rest; 0: on suspicion only")
-      ->capture_default_str();
-  command->add_option("--substeps", options->plan.method.reference_substeps, "Of the reference, where it is the method")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--threads", options->plan.threads, "Variants tortured at a time")->check(CLI::Range(1, 1024))->capture_default_str();
-  command->add_option("--out", options->out, "Folder for stress.json");
-  command->callback([options, &exit_code] {
+      .add_option("--rest-every", options->plan.rest_every,
+                  "Every how many steps the reference is asked whether the proxy is at rest; 0: on suspicion only")
+      .shows_default();
+  command.add_option("--substeps", options->plan.method.reference_substeps, "Of the reference, where it is the method")
+      .between(1, 10000)
+      .shows_default();
+  command.add_option("--threads", options->plan.threads, "Variants tortured at a time").between(1, 1024).shows_default();
+  command.add_option("--out", options->out, "Folder for stress.json");
+  command.on_run([options, &exit_code] {
     const auto clean = torture(*options);
     if (!clean) fmt::print(stderr, "hapton stress: {}\n", clean.error().what);
     exit_code = clean && *clean ? 0 : 1;

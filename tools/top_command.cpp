@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "link/link_key.h"
 #include "runtime/stop_signal.h"
@@ -60,16 +62,14 @@ int run(const TopOptions& options) {
 
 }  // namespace
 
-void add_top_command(CLI::App& app, int& exit_code) {
+void add_top_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<TopOptions>();
-  CLI::App* command = app.add_subcommand("top", "Watch a running system: nodes, rates, latencies, counters");
-  command->add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
-  command->add_option("--key", options->key_file, kKeyHelp);
-  command->add_flag("--once", options->once, "Show it once, with the figures since the hub's start, and end");
-  command->add_option("--interval", options->interval_s, "Seconds between two looks")
-      ->check(CLI::Range(0.2, 3600.0))
-      ->capture_default_str();
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  const CommandLine command = app.add_subcommand("top", "Watch a running system: nodes, rates, latencies, counters");
+  command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
+  command.add_flag("--once", options->once, "Show it once, with the figures since the hub's start, and end");
+  command.add_option("--interval", options->interval_s, "Seconds between two looks").between(0.2, 3600.0).shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -81,17 +82,17 @@ Result<TouchTrajectory> make_trajectory(const std::string& kind, const TriangleM
   return fail("trajectory kind '{}' is not known; choose one of: {}", kind, trajectory_kinds());
 }
 
-void add_trajectory_command(CLI::App& app, int& exit_code) {
+void add_trajectory_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<TrajectoryOptions>();
-  CLI::App* command = app.add_subcommand("trajectory", "Make a device motion over a mesh, for replay");
-  add_mesh_options(*command, options->mesh);
-  command->add_option("--kind", options->kind, "One of: " + trajectory_kinds())->capture_default_str();
-  command->add_option("--seed", options->settings.seed, "Of every random choice")->capture_default_str();
-  command->add_option("--rows", options->settings.rows, "How many steps")->check(CLI::Range(1, 100'000'000))->capture_default_str();
-  command->add_option("--rate", options->settings.rate_hz, "Steps a second")->check(CLI::Range(1.0, 1e6))->capture_default_str();
-  command->add_option("--out", options->out, "CSV to write")->required();
-  command->add_option("--mesh-out", options->mesh_out, "Also write the mesh, scaled as asked, as PLY in metres");
-  command->callback([options, &exit_code] {
+  const CommandLine command = app.add_subcommand("trajectory", "Make a device motion over a mesh, for replay");
+  add_mesh_options(command, options->mesh);
+  command.add_option("--kind", options->kind, "One of: " + trajectory_kinds()).shows_default();
+  command.add_option("--seed", options->settings.seed, "Of every random choice").shows_default();
+  command.add_option("--rows", options->settings.rows, "How many steps").between(1, 100'000'000).shows_default();
+  command.add_option("--rate", options->settings.rate_hz, "Steps a second").between(1.0, 1e6).shows_default();
+  command.add_option("--out", options->out, "CSV to write").required();
+  command.add_option("--mesh-out", options->mesh_out, "Also write the mesh, scaled as asked, as PLY in metres");
+  command.on_run([options, &exit_code] {
     const auto done = make(*options);
     if (!done) fmt::print(stderr, "hapton trajectory: {}\n", done.error().what);
     exit_code = done ? 0 : 1;

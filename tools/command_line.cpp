@@ -1,0 +1,69 @@
+#include "tools/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+namespace hapton {
+
+CommandOption CommandOption::required() const { return CommandOption(*option_->required()); }
+CommandOption CommandOption::shows_default() const { return CommandOption(*option_->capture_default_str()); }
+CommandOption CommandOption::between(int least, int most) const { return CommandOption(*option_->check(CLI::Range(least, most))); }
+CommandOption CommandOption::between(std::size_t least, std::size_t most) const {
+  return CommandOption(*option_->check(CLI::Range(least, most)));
+}
+CommandOption CommandOption::between(double least, double most) const { return CommandOption(*option_->check(CLI::Range(least, most))); }
+CommandOption CommandOption::positive() const { return CommandOption(*option_->check(CLI::PositiveNumber)); }
+CommandOption CommandOption::not_negative() const { return CommandOption(*option_->check(CLI::NonNegativeNumber)); }
+CommandOption CommandOption::one_of(const std::vector<std::string>& words) const {
+  return CommandOption(*option_->check(CLI::IsMember(words)));
+}
+CommandOption CommandOption::existing_folder() const { return CommandOption(*option_->check(CLI::ExistingDirectory)); }
+CommandOption CommandOption::again_for_more() const { return CommandOption(*option_->expected(1)->take_all()); }
+CommandOption CommandOption::needs(CommandOption other) const { return CommandOption(*option_->needs(other.option_)); }
+CommandOption CommandOption::excludes(CommandOption other) const { return CommandOption(*option_->excludes(other.option_)); }
+
+CommandLine CommandLine::add_subcommand(const std::string& name, const std::string& help) const {
+  return CommandLine(*app_->add_subcommand(name, help));
+}
+
+CommandLine CommandLine::add_group(const std::string& name, const std::string& help) const {
+  return CommandLine(*app_->add_option_group(name, help));
+}
+
+template <class T>
+CommandOption CommandLine::add_option(const std::string& name, T& into, const std::string& help) const {
+  return CommandOption(*app_->add_option(name, into, help));
+}
+template CommandOption CommandLine::add_option(const std::string&, std::string&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, std::filesystem::path&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, int&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, unsigned&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, std::size_t&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, double&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, std::optional<std::uint64_t>&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, std::optional<double>&, const std::string&) const;
+template CommandOption CommandLine::add_option(const std::string&, std::vector<std::string>&, const std::string&) const;
+
+CommandOption CommandLine::add_number(const std::string& name, std::function<void(double)> take, const std::string& help) const {
+  return CommandOption(*app_->add_option_function<double>(name, std::move(take), help));
+}
+
+CommandOption CommandLine::add_flag(const std::string& name, bool& into, const std::string& help) const {
+  return CommandOption(*app_->add_flag(name, into, help));
+}
+
+CommandLine CommandLine::require_options(std::size_t least, std::size_t most) const {
+  return CommandLine(*app_->require_option(least, most));
+}
+
+CommandLine CommandLine::require_subcommands(std::size_t least, std::size_t most) const {
+  return CommandLine(*app_->require_subcommand(least, most));
+}
+
+bool CommandLine::has_subcommand() const { return !app_->get_subcommands().empty(); }
+void CommandLine::on_run(std::function<void()> run) const { app_->callback(std::move(run)); }
+
+}  // namespace hapton

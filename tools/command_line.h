@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's name
+class App;
+class Option;
+}  // namespace CLI
+
+namespace hapton {
+
+// One flag or word of a command, to be said more of. A handle: it is copied freely and lives no longer than the program's CLI::App.
+class CommandOption {
+ public:
+  explicit CommandOption(CLI::Option& option) : option_(&option) {}
+
+  CommandOption required() const;
+  // --help shows what the variable holds now.
+  CommandOption shows_default() const;
+  CommandOption between(int least, int most) const;
+  CommandOption between(std::size_t least, std::size_t most) const;
+  CommandOption between(double least, double most) const;
+  CommandOption positive() const;
+  CommandOption not_negative() const;
+  CommandOption one_of(const std::vector<std::string>& words) const;
+  CommandOption existing_folder() const;
+  // Takes one word each time it is given, and keeps them all.
+  CommandOption again_for_more() const;
+  CommandOption needs(CommandOption other) const;
+  CommandOption excludes(CommandOption other) const;
+
+ private:
+  CLI::Option* option_;
+};
+
+// One command of the `hapton` program: what it takes, and what is done then. It hides CLI11, whose headers cost a compiler seconds in every
+// file that reads them. A handle, as above.
+class CommandLine {
+ public:
+  explicit CommandLine(CLI::App& app) : app_(&app) {}
+
+  CommandLine add_subcommand(const std::string& name, const std::string& help) const;
+  // Options that stand together in --help.
+  CommandLine add_group(const std::string& name, const std::string& help = {}) const;
+  // T is std::string, std::filesystem::path, int, unsigned, std::size_t, double, an optional number or a vector of strings.
+  // Pre: `into` outlives the parsing.
+  template <class T>
+  CommandOption add_option(const std::string& name, T& into, const std::string& help) const;
+  CommandOption add_number(const std::string& name, std::function<void(double)> take, const std::string& help) const;
+  CommandOption add_flag(const std::string& name, bool& into, const std::string& help) const;
+
+  CommandLine require_options(std::size_t least, std::size_t most) const;
+  CommandLine require_subcommands(std::size_t least, std::size_t most) const;
+  // Pre: the command line is parsed.
+  bool has_subcommand() const;
+  // What is done when the command was given.
+  void on_run(std::function<void()> run) const;
+
+ private:
+  CLI::App* app_;
+};
+
+}  // namespace hapton
