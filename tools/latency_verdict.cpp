@@ -1,6 +1,7 @@
 #include "tools/latency_verdict.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace hapton {
 namespace {

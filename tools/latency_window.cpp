@@ -1,6 +1,7 @@
 #include "tools/latency_window.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>

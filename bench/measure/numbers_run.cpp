@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "core/force/smooth_scene.h"
 #include "core/geometry/mesh_measures.h"

@@ -1,5 +1,7 @@
 #include "bench/measure/run_conditions.h"
 
+#include <nlohmann/json.hpp>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

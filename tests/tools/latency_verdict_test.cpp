@@ -1,5 +1,7 @@
 #include "tools/latency_verdict.h"
 
+#include <nlohmann/json.hpp>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,7 @@
 #include "tools/latency_window.h"
 
+#include <nlohmann/json.hpp>
+
 #include <gtest/gtest.h>
 
 namespace hapton {
