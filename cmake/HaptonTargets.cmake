@@ -47,13 +47,35 @@ if(HAPTON_SANITIZE)
 endif()
 # GCC 12 reports false positives inside Eigen and the standard library at -O3.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  set(hapton_false_positives -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-restrict)
+  set(hapton_false_positives -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
   target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:${hapton_false_positives}>")
 endif()
 
-# hapton_library(NAME LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.
+# What nearly every source reads is read once for each level of optimisation, in the build that is made most often. In the others, those that
+# check more among them, each source still stands on its own.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/pch.cpp" CONTENT "")
+  foreach(level O3 O1)
+    add_library(hapton_pch_${level} OBJECT "${CMAKE_BINARY_DIR}/pch.cpp")
+    target_link_libraries(hapton_pch_${level} PRIVATE hapton_options Eigen3::Eigen fmt::fmt tl::expected)
+    target_compile_options(hapton_pch_${level} PRIVATE -${level} -fpch-preprocess)
+    target_precompile_headers(hapton_pch_${level} PRIVATE <algorithm> <array> <atomic> <cmath> <cstdint> <functional> <limits> <memory> <optional>
+      <span> <string> <string_view> <utility> <vector> <fmt/core.h> <tl/expected.hpp> <Eigen/Core> <Eigen/Geometry>)
+  endforeach()
+endif()
+
+# hapton_reuse_pch(NAME PCH): the target reads the headers that PCH has compiled, where there is one. The levels of optimisation must agree.
+function(hapton_reuse_pch name pch)
+  if(TARGET ${pch})
+    target_compile_options(${name} PRIVATE -fpch-preprocess)
+    target_precompile_headers(${name} REUSE_FROM ${pch})
+  endif()
+endfunction()
+
+# hapton_library(NAME [UNHURRIED] LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.
+# UNHURRIED: what it does is done once or for a person, so that the compiler's time matters more.
 function(hapton_library name)
-  cmake_parse_arguments(ARG "" "" "LINKS;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "UNHURRIED" "" "LINKS;SOURCES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
   list(APPEND sources ${ARG_SOURCES})
@@ -61,9 +83,18 @@ function(hapton_library name)
   set(command_lines ${sources})
   list(FILTER command_lines INCLUDE REGEX "_(command|options)\\.cpp$")
   set_source_files_properties(${command_lines} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+  if(NOT ARG_UNHURRIED)
+    set_source_files_properties(${command_lines} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  endif()
   if(sources)
     add_library(${name} STATIC ${sources})
     target_link_libraries(${name} PUBLIC hapton_options ${ARG_LINKS})
+    if(ARG_UNHURRIED)
+      target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:-O1>")
+      hapton_reuse_pch(${name} hapton_pch_O1)
+    else()
+      hapton_reuse_pch(${name} hapton_pch_O3)
+    endif()
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE hapton_options ${ARG_LINKS})
