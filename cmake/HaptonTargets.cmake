@@ -56,7 +56,7 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/pch.cpp" CONTENT "")
   foreach(level O3 O1)
-    add_library(hapton_pch_${level} OBJECT "${CMAKE_BINARY_DIR}/pch.cpp")
+    add_library(hapton_pch_${level} OBJECT EXCLUDE_FROM_ALL "${CMAKE_BINARY_DIR}/pch.cpp")
     target_link_libraries(hapton_pch_${level} PRIVATE hapton_options Eigen3::Eigen fmt::fmt tl::expected)
     target_compile_options(hapton_pch_${level} PRIVATE -${level} -fpch-preprocess)
     target_precompile_headers(hapton_pch_${level} PRIVATE <algorithm> <array> <atomic> <cmath> <cstdint> <functional> <limits> <memory> <optional>
