@@ -79,7 +79,8 @@ class FdhNearest {
   std::size_t limit() const { return keep_ + keep_ / 2 + 1; }
   // Keeps the nearest keep_; the farthest of them is last and is the new bound.
   void cut() {
-    std::nth_element(found_.begin(), found_.begin() + (keep_ - 1), found_.begin() + count_, nearer);
+    std::nth_element(found_.begin(), found_.begin() + (keep_ - 1), found_.begin() + count_,
+                     [](const FdhNear& a, const FdhNear& b) { return nearer(a, b); });
     count_ = keep_;
     bound_ = found_[keep_ - 1].distance_squared;
   }

@@ -94,8 +94,16 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   return out;
 }
 
+// An earlier set of that size, taken elsewhere: its triangles and the next after them are no farther from here than they were from there
+// and the way between. What rounding might cost is some of the size, never the completeness.
+double SmoothScene::farthest_wanted(const LocalSetWish& wish, std::uint32_t count, const LocalSet& before) const noexcept {
+  constexpr double kRoom = 1.0 + 0x1p-20;
+  if (before.version != version_ || before.count < count || !(before.radius >= 0.0)) return std::numeric_limits<double>::infinity();
+  return (before.radius + std::max((wish.from - before.from).norm(), (wish.to - before.to).norm())) * kRoom + skin_;
+}
+
 FdhVisits SmoothScene::select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept {
-  FdhNearest nearest(count, std::numeric_limits<double>::infinity());
+  FdhNearest nearest(count, farthest_wanted(wish, count, set));
   const FdhVisits visits = std::visit([&](const auto& tree) { return tree.collect_nearest(wish.from, wish.to, nearest); }, tree_);
   const auto found = nearest.finish();
   set.from = wish.from;
