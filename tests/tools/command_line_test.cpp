@@ -76,8 +76,8 @@ TEST_F(CommandLineTest, SaysWhatAnOptionTakesWhenItIsRefused) {
   line_.add_option("--friction", friction, "").not_negative();
   line_.add_option("--mode", mode, "").one_of({"try", "off"});
   line_.add_option("--folder", folder, "").existing_folder();
-  EXPECT_THAT(refusal("--cpu 8"), HasSubstr("-1 - 7"));
-  EXPECT_THAT(refusal("--share 1.5"), HasSubstr("0 - 1"));
+  EXPECT_THAT(refusal("--cpu 8"), HasSubstr("not in range -1 to 7"));
+  EXPECT_THAT(refusal("--share 1.5"), HasSubstr("--share: Value 1.5 not in range 0"));
   EXPECT_THAT(refusal("--stiffness 0"), HasSubstr("--stiffness"));
   EXPECT_THAT(refusal("--friction -0.1"), HasSubstr("--friction"));
   EXPECT_THAT(refusal("--mode maybe"), HasSubstr("{try,off}"));
