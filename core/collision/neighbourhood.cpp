@@ -234,12 +234,20 @@ std::uint32_t Neighbourhood::place_of(std::uint32_t triangle) const noexcept {
   return kNowhere;
 }
 
+// Of a block's lanes, the triangles of the same object: vertices are numbered in each.
+unsigned Neighbourhood::of_object(const Block& block, std::uint32_t triangle) const noexcept {
+  const __m256i differs =
+      _mm256_and_si256(_mm256_xor_si256(load(block.triangle), all_equal_to(triangle)), all_equal_to(geometry_->object_bits()));
+  return lanes(_mm256_cmpeq_epi32(differs, _mm256_setzero_si256()));
+}
+
 Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const noexcept {
   const Block& own = blocks_[place / 8];
   const std::uint32_t from = own.vertex[k][place % 8];
   const std::uint32_t to = own.vertex[(k + 1) % 3][place % 8];
   const __m256i from_8 = all_equal_to(from);
   const __m256i to_8 = all_equal_to(to);
+  const std::uint32_t triangle = triangle_at(place);
   Across found;
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
@@ -249,7 +257,7 @@ Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const no
       has_from = _mm256_or_si256(has_from, _mm256_cmpeq_epi32(load(vertices), from_8));
       has_to = _mm256_or_si256(has_to, _mm256_cmpeq_epi32(load(vertices), to_8));
     }
-    unsigned mask = lanes(_mm256_and_si256(has_from, has_to));
+    unsigned mask = lanes(_mm256_and_si256(has_from, has_to)) & of_object(blocks_[b], triangle);
     if (static_cast<std::uint32_t>(b) == place / 8) mask &= ~(1U << (place % 8));
     if (mask == 0) continue;
     if (found.place != kNowhere || (mask & (mask - 1)) != 0) return {};
@@ -274,7 +282,7 @@ int Neighbourhood::count_round(std::uint32_t place, int k) const noexcept {
   for (int b = 0; b < blocks; ++b) {
     __m256i has_it = _mm256_setzero_si256();
     for (const auto& vertices : blocks_[b].vertex) has_it = _mm256_or_si256(has_it, _mm256_cmpeq_epi32(load(vertices), vertex));
-    found += std::popcount(lanes(has_it));
+    found += std::popcount(lanes(has_it) & of_object(blocks_[b], triangle_at(place)));
   }
   return found;
 }

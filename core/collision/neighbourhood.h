@@ -122,6 +122,7 @@ class Neighbourhood {
   }
   void copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept;
   static void derive(Block& block) noexcept;
+  unsigned of_object(const Block& block, std::uint32_t triangle) const noexcept;
   static unsigned overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept;
 
   // Per lane, from one separating direction (from the triangle's nearest point to the point p): the moving point is at least

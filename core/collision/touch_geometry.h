@@ -41,6 +41,7 @@ class TouchGeometry {
   ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
+  std::uint32_t object_bits() const { return ~triangle_mask_; }  // of a triangle's number: alike in two, they are of one object
   Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {
     return object(id).smooth_normal(id & triangle_mask_, on_triangle);
   }

@@ -70,8 +70,9 @@ Vec3 FacetDescent::foot_on(const Facet& facet, const Vec3& device) {
 FacetDescent::Next FacetDescent::cross_face(const Vec3& device) {
   const ContactTriangle& face = shape(at_.facet);
   if (!(normal_of(at_.facet).dot(device - face.corner(0)) < 0.0)) return Next::unclear;  // the device is outside
-  const Vec3 foot = foot_on(at_.facet, device);
   const Vec3& here = points_[point_count_ - 1];
+  Vec3 foot = foot_on(at_.facet, device);
+  if (rubs_ && !rub(device, foot, foot)) return point_count_ == 1 ? rest_on_face(device, here) : Next::unclear;
   int exit = -1;
   double soonest = 1.0;
   for (int k = 0; k < 3; ++k) {
@@ -86,7 +87,7 @@ FacetDescent::Next FacetDescent::cross_face(const Vec3& device) {
     soonest = t;
     exit = k;
   }
-  if (exit < 0) return rest_on_face(device);
+  if (exit < 0) return rest_on_face(device, foot);
   const Vec3 bend = here + soonest * (foot - here);
   const double length = face.edge(exit).norm();
   const double along = face.along(exit, bend);
@@ -113,6 +114,7 @@ FacetDescent::Next FacetDescent::follow_edge(const Vec3& device) {
     return Next::face;
   }
   met_fold_ = true;
+  if (rubs_) return Next::unclear;
   const double length = face.edge(at_.edge).norm();
   const double along = face.along(at_.edge, device);
   if (along * length > margin_ && (1.0 - along) * length > margin_) {
@@ -128,6 +130,7 @@ FacetDescent::Next FacetDescent::follow_edge(const Vec3& device) {
 // probe's own roundness decides.
 FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
   met_fold_ = true;
+  if (rubs_) return Next::unclear;
   std::array<Facet, kMaxFan> fan;
   std::array<int, kMaxFan> corners;
   int count = 0;
@@ -229,15 +232,30 @@ bool FacetDescent::add_face(std::uint32_t place) {
   return true;
 }
 
-FacetDescent::Next FacetDescent::rest_on_face(const Vec3& device) {
+FacetDescent::Next FacetDescent::rest_on_face(const Vec3& device, const Vec3& goal) {
   const ContactTriangle& face = shape(at_.facet);
   const Vec3 normal = normal_of(at_.facet);
-  const Vec3 foot = foot_on(at_.facet, device);
-  if (face.border(foot).distance <= margin_ || !go_to(foot)) return Next::unclear;
+  const Vec3 height = normal.dot(goal - face.corner(0)) * normal;  // `goal` may hover
+  if (face.border(goal - height).distance <= margin_ || !go_to(goal)) return Next::unclear;
   holds_[0] = {at_.facet.place, normal, rest_ - normal.dot(device - face.corner(0))};
   hold_count_ = 1;
-  end_ = device + holds_[0].push * normal;
+  end_ = goal - height + rest_ * normal;
   return Next::done;
+}
+
+// Where friction lets the point go on its way to the foot; false: it stays here.
+bool FacetDescent::rub(const Vec3& device, const Vec3& foot, Vec3& goal) {
+  const Vec3& here = points_[point_count_ - 1];
+  const double push = rest_ - normal_of(at_.facet).dot(device - shape(at_.facet).corner(0));
+  const double way = (foot - here).norm();
+  const double hold = (slides_ ? friction_.sliding : friction_.at_rest) * push;
+  if (way <= hold + rest_) {
+    slides_ = slides_ && way >= 0.5 * friction_.sliding * push;
+    return false;
+  }
+  slides_ = true;
+  goal = foot - (friction_.sliding * push / way) * (foot - here);
+  return true;
 }
 
 FacetDescent::Next FacetDescent::rest_in_fold(const Vec3& device, const Vec3& on_edge) {

@@ -21,11 +21,21 @@ class FacetDescent {
   struct Hold {
     std::uint32_t place = Neighbourhood::kNowhere;
     Vec3 normal = Vec3::Zero();  // unit, towards the point
-    double push = 0.0;           // point - device = sum of push * normal
+    double push = 0.0;           // point - device = sum of push * normal, but for friction
+  };
+
+  // Coulomb friction of the surface. The point stays where the way to the foot of the device is no longer than `at_rest` times the push;
+  // once it slides it stops `sliding` times the push short of it.
+  struct Friction {
+    double at_rest = 0.0;
+    double sliding = 0.0;
+    bool slides = false;  // as the last step left it
   };
 
   // `rest`: how far the point stays off the surface, far below `margin`, the distance within which an edge or corner has a say.
   FacetDescent(Neighbourhood& near, double rest, double margin) : near_(near), rest_(rest), margin_(margin) {}
+  FacetDescent(Neighbourhood& near, double rest, double margin, const Friction& friction)
+      : near_(near), rest_(rest), margin_(margin), friction_(friction), rubs_(true), slides_(friction.slides) {}
 
   // From `start`, held by one face or by the two faces of a fold: pushes need not be set. False where the way is not plain, or leaves what
   // the neighbourhood covers.
@@ -33,6 +43,7 @@ class FacetDescent {
 
   // After a run that succeeded.
   bool met_fold() const { return met_fold_; }  // a fold or corner had a say
+  bool slides() const { return slides_; }      // friction did not hold it
   const Vec3& end() const { return end_; }
   std::span<const Hold> holds() const { return {holds_.data(), static_cast<std::size_t>(hold_count_)}; }
   std::span<const std::uint32_t> faces() const {
@@ -73,7 +84,8 @@ class FacetDescent {
   const ContactTriangle& shape(const Facet& facet) { return near_.shape(facet.place); }
   Vec3 normal_of(const Facet& facet) { return facet.side * shape(facet).normal(); }
   Vec3 foot_on(const Facet& facet, const Vec3& device);
-  Next rest_on_face(const Vec3& device);
+  bool rub(const Vec3& device, const Vec3& foot, Vec3& goal);
+  Next rest_on_face(const Vec3& device, const Vec3& goal);
   Next rest_in_fold(const Vec3& device, const Vec3& on_edge);
 
   Neighbourhood& near_;
@@ -89,6 +101,9 @@ class FacetDescent {
   std::array<Hold, 2> holds_;
   int hold_count_ = 0;
   bool met_fold_ = false;
+  Friction friction_;
+  bool rubs_ = false;
+  bool slides_ = false;
 };
 
 }  // namespace hapton

@@ -122,6 +122,7 @@ class ProxyMethod final : public ForceMethod {
   void follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept;
   void solve(const Vec3& device) noexcept;
   bool walk(const Vec3& device) noexcept;
+  FacetDescent facets() noexcept;
   bool is_open_to(const FacetDescent& way) const noexcept;
   void descend(const Vec3& device) noexcept;
   ContactTriangle shape_of(std::uint32_t triangle) const noexcept;

@@ -8,7 +8,7 @@ namespace hapton {
 // Moves a proxy that a face or fold holds to its minimum, as descend() would. False, and nothing moved, where that is not plain, or where
 // the proxy leaps: then it does not cling to the surface.
 bool ProxyMethod::walk(const Vec3& device) noexcept {
-  if (!is_point_ || has_friction_ || free_ || pushing_count_ < 1 || pushing_count_ > 2) return false;
+  if (!is_point_ || free_ || pushing_count_ < 1 || pushing_count_ > (has_friction_ ? 1 : 2)) return false;
   Vec3 along = device - proxy_;
   if (!(along.norm() <= kLongestMotion)) return false;  // a device far away costs digits
   std::array<FacetDescent::Hold, 2> held;
@@ -17,15 +17,20 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
     held[i].normal = touching_[i].separation.normal;
     along -= held[i].normal.dot(along) * held[i].normal;
   }
-  const double length = along.norm();
-  if (!(length <= kLargestReach) || !stay_near(proxy_, along, kAround * length + kBeside * hover_, kAhead)) return false;
+  double length = along.norm();
+  if (length > kLeap * stride_) {  // it will not go as far
+    along *= kLeap * stride_ / length;
+    length = kLeap * stride_;
+  }
+  if (!stay_near(proxy_, along, kAround * length + kBeside * hover_, kAhead)) return false;
   for (int i = 0; i < pushing_count_; ++i) held[i].place = near().place_of(touching_[i].triangle);
-  FacetDescent way(near(), clearance_.rest, kBeside * hover_);
+  FacetDescent way = facets();
   if (!way.run(proxy_, std::span(held).first(static_cast<std::size_t>(pushing_count_)), device) || !is_open_to(way)) return false;
   if ((way.end() - proxy_).norm() > kLeap * stride_ + kBeside * hover_) return false;
   ++counters_.walks;
   const Vec3 from = proxy_;
   met_fold_ |= way.met_fold();
+  sliding_ = has_friction_ && way.slides();
   proxy_ = way.end();
   touching_count_ = 0;
   for (const FacetDescent::Hold& hold : way.holds()) {
@@ -38,6 +43,13 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
   pushing_count_ = touching_count_;
   look_ahead(proxy_ - from);
   return true;
+}
+
+FacetDescent ProxyMethod::facets() noexcept {
+  const double margin = kBeside * hover_;
+  if (!has_friction_) return {near(), clearance_.rest, margin};
+  const Material& material = touched_material();
+  return {near(), clearance_.rest, margin, {material.friction_static, material.friction_dynamic, sliding_}};
 }
 
 // One-sided faces hold only from their front.
