@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 #include <set>
 
@@ -11,6 +12,180 @@
 
 namespace hapton {
 namespace {
+
+// A mesh's own index lists, and which of its triangles a number of the geometry means: whole lists are searched, nothing near is believed.
+class IndexLists {
+ public:
+  IndexLists(const TriangleMesh& mesh, const TouchGeometry& geometry) : mesh_(mesh), of_(mesh.triangles.size()) {
+    const auto key = [](const Vec3& a, const Vec3& b, const Vec3& c) {
+      std::array<std::int64_t, 9> rounded;
+      for (int i = 0; i < 9; ++i) rounded[i] = std::llround((i < 3 ? a : i < 6 ? b : c)[i % 3] * 1e9);
+      return rounded;
+    };
+    std::map<std::array<std::int64_t, 9>, std::uint32_t> by_place;
+    for (std::uint32_t t = 0; t < of_.size(); ++t) by_place[key(geometry.corner(t, 0), geometry.corner(t, 1), geometry.corner(t, 2))] = t;
+    EXPECT_EQ(by_place.size(), of_.size()) << "two triangles in one place";
+    for (std::size_t i = 0; i < of_.size(); ++i) {
+      const std::uint32_t t = by_place.at(
+          key(geometry.to_local(mesh.corner(i, 0)), geometry.to_local(mesh.corner(i, 1)), geometry.to_local(mesh.corner(i, 2))));
+      of_[i] = t;
+      index_[t] = i;
+    }
+  }
+
+  // Number in the geometry, its edge, and whether it runs along it the other way.
+  struct Beyond {
+    std::uint32_t triangle = 0;
+    int edge = 0;
+    bool same_winding = false;
+  };
+  std::vector<Beyond> across(std::uint32_t triangle, int k) const {
+    const Triangle& own = mesh_.triangles[index_.at(triangle)];
+    const std::uint32_t from = own[k];
+    const std::uint32_t to = own[(k + 1) % 3];
+    std::vector<Beyond> found;
+    for (std::size_t i = 0; i < of_.size(); ++i) {
+      if (of_[i] == triangle) continue;
+      for (int edge = 0; edge < 3; ++edge) {
+        const std::uint32_t first = mesh_.triangles[i][edge];
+        const std::uint32_t second = mesh_.triangles[i][(edge + 1) % 3];
+        if ((first == to && second == from) || (first == from && second == to)) found.push_back({of_[i], edge, first == to});
+      }
+    }
+    return found;
+  }
+  int count_round(std::uint32_t triangle, int k) const {
+    const std::uint32_t vertex = mesh_.triangles[index_.at(triangle)][k];
+    return static_cast<int>(std::count_if(mesh_.triangles.begin(), mesh_.triangles.end(),
+                                          [&](const Triangle& t) { return std::find(t.begin(), t.end(), vertex) != t.end(); }));
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<std::uint32_t> of_;               // the geometry's number of each of the mesh's triangles
+  std::map<std::uint32_t, std::size_t> index_;  // and back
+};
+
+// What a comparison with the index lists met.
+struct Seen {
+  std::size_t edges = 0, borders = 0, crowded = 0, turned = 0, corners = 0;
+};
+
+Seen compare_with_index_lists(const TriangleMesh& mesh, double half, int regions, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  const TouchGeometry geometry({&mesh});
+  const IndexLists lists(mesh, geometry);
+  Neighbourhood near;
+  Seen seen;
+  for (int i = 0; i < regions; ++i) {
+    const auto triangle = static_cast<std::uint32_t>(random() % geometry.triangle_count());
+    const Vec3& middle = geometry.corner(triangle, static_cast<int>(random() % 3));
+    const Box region{middle.array() - half, middle.array() + half};
+    if (!near.fill(geometry, region)) continue;
+    std::set<std::uint32_t> here;
+    for (std::uint32_t place = 0; place < static_cast<std::uint32_t>(near.count()); ++place) {
+      const std::uint32_t t = near.triangle_at(place);
+      here.insert(t);
+      EXPECT_EQ(near.place_of(t), place);
+      for (int k = 0; k < 3; ++k) {
+        const Vec3& from = geometry.corner(t, k);
+        if (region.overlaps(Box::around(from, from))) {
+          EXPECT_EQ(near.count_round(place, k), lists.count_round(t, k));
+          ++seen.corners;
+        }
+        if (!region.overlaps(Box::around(from, geometry.corner(t, (k + 1) % 3)))) continue;
+        const Neighbourhood::Across across = near.across(place, k);
+        const auto expected = lists.across(t, k);
+        ++seen.edges;
+        seen.borders += expected.empty() ? 1 : 0;
+        seen.crowded += expected.size() > 1 ? 1 : 0;
+        if (expected.size() != 1) {
+          EXPECT_EQ(across.place, Neighbourhood::kNowhere);
+          continue;
+        }
+        seen.turned += expected[0].same_winding ? 0 : 1;
+        EXPECT_EQ(across.place, near.place_of(expected[0].triangle));
+        EXPECT_EQ(across.edge, expected[0].edge);
+        EXPECT_EQ(across.same_winding, expected[0].same_winding);
+      }
+    }
+    for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
+      EXPECT_EQ(near.place_of(t) == Neighbourhood::kNowhere, !here.contains(t));
+    }
+  }
+  return seen;
+}
+
+double distance_of(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+  const auto to_segment = [](const Vec3& point, const Vec3& a, const Vec3& b) {
+    const Vec3 ab = b - a;
+    const double squared = ab.squaredNorm();
+    return (a + (squared > 0.0 ? std::clamp((point - a).dot(ab) / squared, 0.0, 1.0) : 0.0) * ab - point).norm();
+  };
+  double least = std::min({to_segment(p, r, s), to_segment(q, r, s), to_segment(r, p, q), to_segment(s, p, q)});
+  const Vec3 u = q - p;
+  const Vec3 v = s - r;
+  const Vec3 normal = u.cross(v);
+  const double squared = normal.squaredNorm();
+  if (squared > 0.0) {
+    const double t = (r - p).cross(v).dot(normal) / squared;
+    const double w = (r - p).cross(u).dot(normal) / squared;
+    if (t >= 0.0 && t <= 1.0 && w >= 0.0 && w <= 1.0) least = std::min(least, (p + t * u - r - w * v).norm());
+  }
+  return least;
+}
+
+// Between a segment and a triangle, in double precision and with every case looked at.
+double distance_of(const Vec3& p, const Vec3& q, const TouchGeometry& geometry, std::uint32_t t) {
+  const Vec3& a = geometry.corner(t, 0);
+  const Vec3& b = geometry.corner(t, 1);
+  const Vec3& c = geometry.corner(t, 2);
+  const Vec3 normal = (b - a).cross(c - a);
+  const double before = normal.dot(p - a);
+  const double after = normal.dot(q - a);
+  if (before * after < 0.0) {
+    const Vec3 on = p + before / (before - after) * (q - p);
+    if ((b - a).cross(on - a).dot(normal) >= 0.0 && (c - b).cross(on - b).dot(normal) >= 0.0 && (a - c).cross(on - c).dot(normal) >= 0.0)
+      return 0.0;
+  }
+  return std::min({geometry.separation(t, p).distance, geometry.separation(t, q).distance, distance_of(p, q, a, b), distance_of(p, q, b, c),
+                   distance_of(p, q, c, a)});
+}
+
+double distance_of(const std::vector<Vec3>& way, const TouchGeometry& geometry, std::uint32_t t) {
+  double least = geometry.separation(t, way[0]).distance;
+  for (std::size_t i = 0; i + 1 < way.size(); ++i) least = std::min(least, distance_of(way[i], way[i + 1], geometry, t));
+  return least;
+}
+
+// From a triangle over its edges from one to the next, the triangles gone over excepted but for one in three cases: as a point goes that
+// keeps to the surface. Lifted off it by up to `lift`.
+struct Stroll {
+  std::vector<Vec3> way;
+  std::vector<std::uint32_t> except;  // places
+};
+Stroll stroll_over(Neighbourhood& near, std::uint32_t place, double lift, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> part(0.05, 0.95);
+  const auto inside = [&](const ContactTriangle& face) {
+    const double u = part(random);
+    const double v = part(random) * (1.0 - u);
+    return Vec3(face.corner(0) - u * face.edge(2) + v * face.edge(0) + lift * part(random) * face.normal());
+  };
+  Stroll stroll{{inside(near.shape(place))}, {place}};
+  const int edges = static_cast<int>(random() % 6);
+  for (int i = 0; i < edges; ++i) {
+    const int k = static_cast<int>(random() % 3);
+    const Neighbourhood::Across across = near.across(place, k);
+    if (across.place == Neighbourhood::kNowhere) break;
+    const ContactTriangle& face = near.shape(place);
+    stroll.way.push_back(face.corner(k) + part(random) * face.edge(k));
+    place = across.place;
+    stroll.except.push_back(place);
+    if (random() % 2 == 0) stroll.way.push_back(inside(near.shape(place)));
+  }
+  if (random() % 3 == 0) stroll.except.erase(stroll.except.begin() + static_cast<int>(random() % stroll.except.size()));
+  return stroll;
+}
 
 // Every triangle that really blocks a motion must be listed, and not as met later than it is.
 TEST(Neighbourhood, NeverDropsATriangleThatBlocks) {
@@ -84,6 +259,105 @@ TEST(Neighbourhood, TimeInsideEndsAtTheRegionsWall) {
   EXPECT_EQ(near.time_inside(Vec3(0.24, 0, 0), Vec3(0.5, 0, 0), 0.05), 0.0);
 }
 
+TEST(Neighbourhood, ItsEdgesAndCornersAreThoseOfTheIndexLists) {
+  constexpr unsigned kSeed = 41;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const Seen seen = compare_with_index_lists(make_bumpy_sphere(0.05, 0.1, 3000, 3), 0.06, 60, kSeed);
+  EXPECT_GT(seen.edges, 5000U);
+  EXPECT_GT(seen.corners, 5000U);
+  EXPECT_EQ(seen.borders + seen.crowded + seen.turned, 0U) << "a closed mesh, wound as one";
+}
+
+TEST(Neighbourhood, ABorderHasNothingAcross) {
+  constexpr unsigned kSeed = 42;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const Seen seen = compare_with_index_lists(make_plane_grid(0.1, 12), 0.2, 40, kSeed);
+  EXPECT_GT(seen.borders, 20U);
+  EXPECT_GT(seen.edges, 10 * seen.borders);
+  // Sheets that meet but share no vertices have a border there, too.
+  const TriangleMesh apart = joined(make_plane_grid(0.1, 6), scaled_and_moved(make_plane_grid(0.1, 6), 1.0, {0.1, 0.0, 0.0}));
+  EXPECT_GT(compare_with_index_lists(apart, 0.2, 40, kSeed).borders, 20U);
+}
+
+TEST(Neighbourhood, AnEdgeOfThreeFacesHasNoOneAcross) {
+  constexpr unsigned kSeed = 43;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  TriangleMesh mesh = make_plane_grid(0.1, 8);
+  for (std::size_t i = 0; i < 20; ++i) {  // fins
+    const Triangle base = mesh.triangles[5 * i];
+    mesh.vertices.push_back(0.5 * (mesh.vertices[base[0]] + mesh.vertices[base[1]]) + Vec3(0, 0, 0.01));
+    mesh.triangles.push_back({base[i % 2], base[1 - i % 2], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
+  }
+  EXPECT_GT(compare_with_index_lists(mesh, 0.2, 40, kSeed).crowded, 100U);
+}
+
+TEST(Neighbourhood, ANeighbourWoundTheOtherWayIsToldAsSuch) {
+  constexpr unsigned kSeed = 44;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 1000, 3);
+  for (Triangle& t : mesh.triangles) {
+    std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
+    if (random() % 2 == 0) std::swap(t[0], t[1]);
+  }
+  const Seen seen = compare_with_index_lists(mesh, 0.08, 60, kSeed);
+  EXPECT_GT(seen.turned, seen.edges / 4);
+  EXPECT_LT(seen.turned, seen.edges * 3 / 4);
+}
+
+// Many sizes of way and radius, on the surface and off it, beside a triangle so large that its corners are far away.
+TEST(Neighbourhood, ClearIsSaidOnlyWhereNothingIsNear) {
+  constexpr unsigned kSeed = 45;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 1000, 5);
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {{-0.2, -0.2, 0.01}, {0.2, -0.19, -0.02}, {0.01, 0.2, 0.03}});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  const TouchGeometry geometry({&mesh});
+  Neighbourhood near;
+  std::array<std::size_t, 2> clear = {};    // ways over the surface, and any ways
+  std::array<std::size_t, 2> blocked = {};  // something is nearer than the radius
+  std::array<std::size_t, 2> free = {};     // nothing is nearer than twice the radius
+  for (int i = 0; i < 6000; ++i) {
+    const auto triangle = static_cast<std::uint32_t>(random() % geometry.triangle_count());
+    const Vec3 centroid = (geometry.corner(triangle, 0) + geometry.corner(triangle, 1) + geometry.corner(triangle, 2)) / 3.0;
+    const Vec3 middle = centroid + 0.01 * Vec3(unit(random), unit(random), unit(random));
+    const double half = 0.05;
+    if (!near.fill(geometry, Box{middle.array() - half, middle.array() + half})) continue;
+    const std::uint32_t place = near.place_of(triangle);
+    ASSERT_NE(place, Neighbourhood::kNowhere);
+    const double radius = std::exp2(-21.0 + 7.0 * (unit(random) + 1.0));
+    const bool any_way = i % 2 == 1;
+    Stroll stroll = stroll_over(near, place, i % 3 == 0 ? 0.004 : 0x1p-30, random);
+    if (any_way) {
+      for (Vec3& p : stroll.way) p += 0.01 * unit(random) * Vec3(unit(random), unit(random), unit(random));
+    }
+    Box box;
+    for (const Vec3& p : stroll.way) box.grow(p);
+    if (!near.covers(box.inflated(radius))) continue;
+    double length = 0.0;
+    for (std::size_t k = 0; k + 1 < stroll.way.size(); ++k) length += (stroll.way[k + 1] - stroll.way[k]).norm();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t t = 0; t < geometry.triangle_count(); ++t) {
+      const bool is_excepted = std::any_of(stroll.except.begin(), stroll.except.end(), [&](auto at) { return near.triangle_at(at) == t; });
+      if (is_excepted || geometry.separation(t, stroll.way[0]).distance > nearest + length) continue;
+      nearest = std::min(nearest, distance_of(stroll.way, geometry, t));
+    }
+    const bool said = near.is_clear(stroll.way, radius, stroll.except);
+    EXPECT_TRUE(!said || nearest >= radius) << "case " << i << ": something is " << nearest << " away, of " << radius;
+    clear[any_way] += said ? 1 : 0;
+    blocked[any_way] += nearest < radius ? 1 : 0;
+    free[any_way] += nearest > 2.0 * radius ? 1 : 0;
+  }
+  for (const std::size_t kind : {0, 1}) {
+    EXPECT_GT(blocked[kind], 100U);
+    EXPECT_GT(free[kind], 500U);
+    EXPECT_GT(clear[kind], free[kind] / 2) << "in doubt too often to be of use: " << clear[kind] << " of " << free[kind];
+  }
+}
+
 TEST(Neighbourhood, TakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const TriangleMesh mesh = make_icosphere(0.05, 4);
@@ -94,6 +368,10 @@ TEST(Neighbourhood, TakesNothingFromTheHeap) {
   const AllocationGuard guard;
   ASSERT_TRUE(near.fill(geometry, Box{top.array() - 0.05, top.array() + 0.05}));
   near.find_meetings(top, Vec3(0.01, 0, -0.01), 1e-9, Box::around(top, top + Vec3(0.01, 0, -0.01)), meetings);
+  const std::array<Vec3, 2> way = {top, top + Vec3(0.01, 0, -0.01)};
+  const std::array<std::uint32_t, 1> except = {near.across(near.place_of(near.triangle_at(0)), 0).place};
+  near.is_clear(way, 1e-9, std::span(except).first(except[0] == Neighbourhood::kNowhere ? 0 : 1));
+  near.count_round(0, 0);
   EXPECT_EQ(guard.count(), 0U);
 }
 
