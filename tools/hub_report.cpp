@@ -14,6 +14,7 @@ namespace {
 constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int64_t kAskAgainNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
 constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;
+constexpr int kMostTries = 20;
 
 const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && hub.ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0"; }
 
@@ -92,15 +93,18 @@ Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const
   return std::unique_ptr<HubReader>(new HubReader(std::move(state)));
 }
 
+// A report that the hub took long for was asked for twice, and the second may have taken the first one's place between the two documents.
 Result<HubReport> HubReader::read() {
-  HubReport report;
   std::uint32_t revision = 0;
-  for (auto [document, text] : {std::pair{ReportDocument::json, &report.json}, std::pair{ReportDocument::csv, &report.csv}}) {
-    auto heard = state_->read(document, revision);
-    if (!heard) return tl::unexpected(heard.error());
-    *text = std::move(*heard);
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    auto json = state_->read(ReportDocument::json, revision);
+    if (!json) return tl::unexpected(json.error());
+    const std::uint32_t json_revision = revision;
+    auto csv = state_->read(ReportDocument::csv, revision);
+    if (!csv) return tl::unexpected(csv.error());
+    if (revision == json_revision) return HubReport{std::move(*json), std::move(*csv)};
   }
-  return report;
+  return fail("the hub at {} makes reports faster than they can be read; are there many who ask?", to_string(state_->hub));
 }
 
 bool HubReader::idle(double seconds) {
