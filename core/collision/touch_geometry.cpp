@@ -46,6 +46,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
     most_triangles = std::max(most_triangles, mesh->triangles.size());
   }
   frame_ = frame_of(scene);
+  units_per_m_ = 1.0 / frame_.unit_m;
   triangle_bits_ = static_cast<int>(std::bit_width(most_triangles));
   triangle_mask_ = (1U << triangle_bits_) - 1U;
   waiting_ = slots_.size();

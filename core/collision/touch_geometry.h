@@ -29,7 +29,7 @@ class TouchGeometry {
   const LocalFrame& frame() const { return frame_; }
   const Vec3& origin() const { return frame_.origin; }
   double unit_m() const { return frame_.unit_m; }
-  Vec3 to_local(const Vec3& p_S) const { return frame_.to_local(p_S); }
+  Vec3 to_local(const Vec3& p_S) const { return (p_S - frame_.origin) * units_per_m_; }  // as the frame's: powers of two are exact
   Vec3 to_scene(const Vec3& local) const { return frame_.to_scene(local); }
 
   std::size_t object_count() const { return slots_.size(); }
@@ -94,6 +94,7 @@ class TouchGeometry {
   const ObjectGeometry& object(std::uint32_t id) const { return *slots_[id >> triangle_bits_].active; }
 
   LocalFrame frame_;
+  double units_per_m_ = 1.0;
   std::optional<double> shading_crease_rad_;
   std::vector<Slot> slots_;
   int triangle_bits_ = 31;

@@ -113,16 +113,21 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
   pushing_count_ = 0;
 }
 
+// In the known empty ball a step is this comparison; what is not finite is not in it.
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
+  const Vec3 device = geometry_.to_local(input.p_SD);
+  if (!free_ || !((device - empty_center_).squaredNorm() < empty_radius_squared_)) return step_outside(input);
+  ++counters_.steps;
+  ++counters_.skipped;
+  proxy_ = device;
+  last_device_ = device;
+  return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+}
+
+MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = geometry_.to_scene(proxy_), .contact = false};
   ++counters_.steps;
   const Vec3 device = within_limits(geometry_.to_local(input.p_SD));
-  if (free_ && (device - empty_center_).squaredNorm() < empty_radius_squared_) {
-    ++counters_.skipped;
-    proxy_ = device;
-    last_device_ = device;
-    return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
-  }
   if (!placed_) reset(input.p_SD);
   const Vec3 moved = device - last_device_;
   stride_ = moved.norm();

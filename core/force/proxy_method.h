@@ -114,6 +114,7 @@ class ProxyMethod final : public ForceMethod {
 
   std::string describe_steps() const;
 
+  [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   void bring_pushing_first(const ConstrainedMotion& held) noexcept;
   Vec3 shaded(const Vec3& stretch) noexcept;
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
