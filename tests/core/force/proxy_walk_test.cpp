@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/force/force_error.h"
+#include "core/force/proxy_method.h"
+#include "core/force/reference_method.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
+  return scene;
+}
+
+std::unique_ptr<ProxyMethod> proxy_over(const TouchScene& scene) {
+  auto made = ProxyMethod::make(MethodSettings(), scene);
+  return std::unique_ptr<ProxyMethod>(static_cast<ProxyMethod*>(made.value().release()));
+}
+
+// Round a ball of 50 mm on a way that climbs up and down, at a hand's speed, 2 mm under the surface.
+std::vector<Vec3> slide_round(int steps) {
+  std::vector<Vec3> way;
+  for (int i = 0; i < steps; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / 3000.0;
+    const Vec3 out(std::cos(turn), std::sin(turn), 0.4 * std::sin(2.3 * turn));
+    way.push_back(out.normalized() * (0.05 + (i < 30 ? 0.0003 * (20 - i) : -0.002)));
+  }
+  return way;
+}
+
+std::vector<FeltStep> feel(ForceMethod& method, const std::vector<Vec3>& way, double scale = 1.0, const Vec3& offset = Vec3::Zero()) {
+  std::vector<FeltStep> felt;
+  method.reset(scale * way[0] + offset);
+  for (const Vec3& p : way) {
+    const MethodOutput out = method.step({.p_SD = scale * p + offset});
+    felt.push_back({p, (out.p_SP - offset) / scale, out.force_n / scale});
+  }
+  return felt;
+}
+
+TEST(ProxyWalk, MostStepsOfASlideNeedNoSweepAndAgreeWithTheReference) {
+  const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12));
+  const std::vector<Vec3> way = slide_round(1500);
+  const auto proxy = proxy_over(scene);
+  const std::vector<FeltStep> felt = feel(*proxy, way);
+  const ProxyCounters& counters = proxy->counters();
+  EXPECT_GT(counters.contact_steps, way.size() * 7 / 10);
+  EXPECT_GT(counters.walks, counters.contact_steps * 8 / 10);
+  EXPECT_LT(counters.sweeps, counters.contact_steps);
+
+  MethodSettings finer;
+  finer.reference_substeps = 32;
+  const std::vector<FeltStep> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
+  const std::vector<FeltStep> judge = feel(*ReferenceMethod::make(finer, scene).value(), way);
+  std::size_t basin_changes = 0;
+  std::size_t apart = 0;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
+    const double force_n = std::max(expected[i].force_n.norm(), 0.5);
+    if ((judge[i].force_n - expected[i].force_n).norm() > 0.01 * force_n) {
+      ++basin_changes;
+      continue;
+    }
+    worst = std::max(worst, (felt[i].force_n - expected[i].force_n).norm() / force_n);
+    apart += (felt[i].force_n - expected[i].force_n).norm() > 1e-6 * force_n ? 1 : 0;
+  }
+  EXPECT_EQ(apart, 0U);
+  EXPECT_LT(basin_changes, way.size() / 100);
+}
+
+TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 20000, 12);
+  const std::vector<Vec3> way = slide_round(1500);
+  const auto proxy = proxy_over(scene_of(mesh));
+  const std::vector<FeltStep> expected = feel(*proxy, way);
+  struct Elsewhere {
+    double scale;
+    Vec3 offset;
+    double precision;  // of a position there, against the mesh's size
+  };
+  for (const auto& [scale, offset, precision] :
+       {Elsewhere{1e-6, Vec3::Zero(), 1e-15}, Elsewhere{1e6, Vec3::Zero(), 1e-15}, Elsewhere{1.0, Vec3(300.0, -200.0, 100.0), 1e-12}}) {
+    SCOPED_TRACE(testing::Message() << "scale " << scale << ", at " << offset.transpose());
+    const auto there = proxy_over(scene_of(scaled_and_moved(mesh, scale, offset)));
+    const std::vector<FeltStep> felt = feel(*there, way, scale, offset);
+    std::size_t apart = 0;
+    double most = 0;
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const double d = (felt[i].force_n - expected[i].force_n).norm() / (expected[i].force_n.norm() + 1e-9);
+      apart += d > 1e4 * precision + 1e-8 ? 1 : 0;
+      most = std::max(most, d);
+    }
+    EXPECT_EQ(apart, 0U);
+    EXPECT_EQ(there->counters().contact_steps, proxy->counters().contact_steps);
+    EXPECT_EQ(there->counters().walks, proxy->counters().walks);
+  }
+}
+
+}  // namespace
+}  // namespace hapton
