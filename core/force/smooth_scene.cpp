@@ -94,12 +94,28 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   return out;
 }
 
-// An earlier set of that size, taken elsewhere: its triangles and the next after them are no farther from here than they were from there
-// and the way between. What rounding might cost is some of the size, never the completeness.
+// No farther than the farthest of an earlier set of that size need be looked for. What rounding might cost is some of the size, never the
+// completeness.
 double SmoothScene::farthest_wanted(const LocalSetWish& wish, std::uint32_t count, const LocalSet& before) const noexcept {
+  using Three = detail::Of3<Lanes4>;
   constexpr double kRoom = 1.0 + 0x1p-20;
-  if (before.version != version_ || before.count < count || !(before.radius >= 0.0)) return std::numeric_limits<double>::infinity();
-  return (before.radius + std::max((wish.from - before.from).norm(), (wish.to - before.to).norm())) * kRoom + skin_;
+  if (before.version != version_ || before.count < count) return std::numeric_limits<double>::infinity();
+  const Three p = detail::lanes_of(wish.from);
+  Lanes4 farthest = {};
+  for (std::uint32_t i = 0; i < before.count; i += 4) {
+    const auto corner = [&](std::size_t k) {
+      const auto& [a, b, c, d] =
+          std::array{i, std::min(i + 1, before.count - 1), std::min(i + 2, before.count - 1), std::min(i + 3, before.count - 1)};
+      const auto& t = before.triangles;
+      const Vec3 points[4] = {t[a].corner[k], t[b].corner[k], t[c].corner[k], t[d].corner[k]};
+      return Three{Lanes4{points[0].x(), points[1].x(), points[2].x(), points[3].x()},
+                   Lanes4{points[0].y(), points[1].y(), points[2].y(), points[3].y()},
+                   Lanes4{points[0].z(), points[1].z(), points[2].z(), points[3].z()}};
+    };
+    farthest = detail::lane_max(farthest, triangle_distance_squared<Lanes4>(p, corner(0), corner(1), corner(2)));
+  }
+  const double most = std::max(std::max(farthest[0], farthest[1]), std::max(farthest[2], farthest[3]));
+  return std::sqrt(most) * kRoom + skin_;
 }
 
 FdhVisits SmoothScene::select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept {
