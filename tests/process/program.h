@@ -12,6 +12,13 @@ namespace hapton::process {
 
 using Seconds = std::chrono::duration<double>;
 
+// How long a test waits for what must come: only what hangs takes as long. A program under a sanitizer may be twenty times as slow.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr Seconds kPatience = Seconds(150);
+#else
+constexpr Seconds kPatience = Seconds(30);
+#endif
+
 // How a program ended.
 struct Ended {
   int exit_code = -1;  // 128 + n when signal n ended it
@@ -52,7 +59,7 @@ class Program {
 
 // Runs a program to its end; a program still there after at_most is killed and gives nothing.
 std::optional<Ended> run(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
-                         Seconds at_most = Seconds(20));
+                         Seconds at_most = kPatience);
 
 // A virtual X display of our own, as long as this lives.
 class VirtualDisplay {

@@ -19,8 +19,6 @@
 
 namespace hapton::process {
 
-constexpr Seconds kPatience = Seconds(30);
-
 using Json = nlohmann::json;
 
 // A folder, a port and the programs that meet there.

@@ -19,7 +19,7 @@ using ::testing::Not;
 
 // hapton with these words, knowing the system's key.
 Ended hapton(System& system, const std::vector<std::string>& words) {
-  const auto ended = run("hapton", words, system.folder(), Seconds(60));
+  const auto ended = run("hapton", words, system.folder(), 2 * kPatience);
   EXPECT_TRUE(ended) << "still runs";
   return ended.value_or(Ended());
 }
