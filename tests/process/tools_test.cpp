@@ -95,7 +95,8 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
   const std::string scene = (system.folder() / "cube.toml").string();
   const Ended ran = hapton(system, {"latency", "--seconds", "1.5", "--out", out, "--scene", scene, "--size", "300"});
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
-  for (const char* part : {"wire_out", "wire_back", "decode", "jitter", "bare_echo", "verdict at 1 kHz", "fit for 10 kHz", "one clock", "bare timer"}) {
+  for (const char* part :
+       {"wire_out", "wire_back", "decode", "jitter", "bare_echo", "verdict at 1 kHz", "fit for 10 kHz", "one clock", "bare timer"}) {
     EXPECT_THAT(ran.out, HasSubstr(part));
   }
   const Json report = Json::parse(read_text(system.folder() / "a" / "report.json"), nullptr, false);
@@ -103,7 +104,11 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
   EXPECT_EQ(report.at("verdict").at("rate_hz"), 1000.0);
   EXPECT_EQ(report.at("verdict").at("fit_for").size(), 3U);
   EXPECT_EQ(report.at("notes").at("echo_bytes"), "300");
-  EXPECT_NEAR(report.at("bare_timer").at("ticks").get<double>() + report.at("bare_timer").at("missed").get<double>(), 750.0, 2.0);
+  // Measured twice, before and after; each counts the periods that its last tick was late, beyond the end.
+  const Json& timer = report.at("bare_timer");
+  const double periods = timer.at("ticks").get<double>() + timer.at("missed").get<double>();
+  EXPECT_GE(periods, 748.0);
+  EXPECT_LE(periods, 752.0 + 2e-3 * timer.at("late_max_us").get<double>());
   const std::int64_t forces = count(report, "forces");
   EXPECT_GT(forces, 100);
   for (const char* hop : {"encode", "wire_out", "haptics_compute", "wire_back", "decode"})
