@@ -34,8 +34,9 @@ class TouchGeometry {
 
   std::size_t object_count() const { return slots_.size(); }
   std::size_t built_count() const;
-  std::size_t triangle_count() const;  // of the objects built
-  std::size_t bytes() const;           // of the objects built
+  std::size_t waiting_count() const { return waiting_; }  // objects that cannot be touched yet
+  std::size_t triangle_count() const;                     // of the objects built
+  std::size_t bytes() const;                              // of the objects built
 
   const Vec3& corner(std::uint32_t id, int k) const { return object(id).corner(id & triangle_mask_, k); }
   ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }

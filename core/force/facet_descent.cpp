@@ -46,6 +46,7 @@ bool FacetDescent::begin(const Vec3& start, std::span<const Hold> held) {
   go_to(start);
   at_.facet.place = held[0].place;
   if (at_.facet.place == Neighbourhood::kNowhere) return false;
+  at_.facet.shape = &near_.shape(at_.facet.place);
   at_.facet.side = held[0].normal.dot(shape(at_.facet).normal()) > 0.0 ? 1.0 : -1.0;
   if (!add_face(at_.facet.place)) return false;
   if (held.size() == 1) return true;
@@ -195,16 +196,20 @@ bool FacetDescent::collect_fan(std::array<Facet, kMaxFan>& fan, std::array<int, 
          winds_once(std::span(fan).first(static_cast<std::size_t>(count)), std::span(corners).first(static_cast<std::size_t>(count)));
 }
 
+// A ray from the corner over the middle of the first facet, seen along the first normal, lies in no other one.
 bool FacetDescent::winds_once(std::span<const Facet> fan, std::span<const int> corners) {
   const auto out = [&](std::size_t i, bool first) {
     const ContactTriangle& face = shape(fan[i]);
     return first ? face.edge(corners[i]) : Vec3(-face.edge((corners[i] + 2) % 3));
   };
-  const Vec3 middle = out(0, true).normalized() + out(0, false).normalized();
+  Vec3 ray = out(0, true).normalized() + out(0, false).normalized();
+  ray -= first_normal_.dot(ray) * first_normal_;
   for (std::size_t i = 1; i < fan.size(); ++i) {
-    const Vec3 turned = first_normal_.cross(middle) * fan[i].side;
-    if (out(i, true).dot(turned) <= 0.0 && out(i, false).dot(turned) >= 0.0 && out(i, true).dot(middle) + out(i, false).dot(middle) > 0.0)
-      return false;
+    const Vec3 across = first_normal_.cross(ray) * fan[i].side;
+    const double before = out(i, true).dot(across);
+    const double after = out(i, false).dot(across);
+    const bool is_ahead = out(i, true).dot(ray) * after >= out(i, false).dot(ray) * before;
+    if (before <= 0.0 && after >= 0.0 && is_ahead) return false;
   }
   return true;
 }
@@ -213,7 +218,7 @@ bool FacetDescent::winds_once(std::span<const Facet> fan, std::span<const int> c
 bool FacetDescent::find_other(const Facet& facet, int edge, Facet& other, int& other_edge) {
   const Neighbourhood::Across across = near_.across(facet.place, edge);
   if (across.place == Neighbourhood::kNowhere) return false;
-  other = {across.place, across.same_winding ? facet.side : -facet.side};
+  other = {across.place, across.same_winding ? facet.side : -facet.side, &near_.shape(across.place)};
   other_edge = across.edge;
   return add_face(across.place) && normal_of(other).dot(first_normal_) >= kMostLean;
 }

@@ -60,6 +60,7 @@ class FacetDescent {
   struct Facet {
     std::uint32_t place = Neighbourhood::kNowhere;
     double side = 1.0;  // of its winding
+    const ContactTriangle* shape = nullptr;
   };
   // Where the point stands. On a face: `edge` is the one it came in by, `corner` the one it came from, or -1. On an edge: number `edge` of
   // `facet`, with `other` beyond it. At a corner: number `corner` of `facet`.
@@ -81,9 +82,9 @@ class FacetDescent {
   bool is_clear(std::span<const Vec3> points) const;
   bool go_to(const Vec3& p);
   bool add_face(std::uint32_t place);
-  const ContactTriangle& shape(const Facet& facet) { return near_.shape(facet.place); }
-  Vec3 normal_of(const Facet& facet) { return facet.side * shape(facet).normal(); }
-  Vec3 foot_on(const Facet& facet, const Vec3& device);
+  static const ContactTriangle& shape(const Facet& facet) { return *facet.shape; }
+  static Vec3 normal_of(const Facet& facet) { return facet.side * facet.shape->normal(); }
+  static Vec3 foot_on(const Facet& facet, const Vec3& device);
   bool rub(const Vec3& device, const Vec3& foot, Vec3& goal);
   Next rest_on_face(const Vec3& device, const Vec3& goal);
   Next rest_in_fold(const Vec3& device, const Vec3& on_edge);

@@ -74,8 +74,7 @@ void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   step_off_surface();
   last_device_ = proxy_;
   near_reach_ = 0.0;
-  for (Neighbourhood& neighbourhood : neighbourhoods_) neighbourhood.clear();
-  ahead_ = Ahead::nothing;
+  forget_near();
   exits_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   empty_radius_squared_ = 0.0;
   empty_retry_ = 0.0;
@@ -132,7 +131,9 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 moved = device - last_device_;
   stride_ = moved.norm();
   last_device_ = device;
+  const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.look_ahead(proxy_, kLookAheadSteps * stride_);
+  if (geometry_.waiting_count() != waiting) forget_near();  // what came in is not there yet
   if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_, may_go);
   empty_retry_ -= stride_;
 

@@ -150,6 +150,7 @@ class ProxyMethod final : public ForceMethod {
   Neighbourhood& near() noexcept { return neighbourhoods_[here_]; }
   const Neighbourhood& near() const noexcept { return neighbourhoods_[here_]; }
   Neighbourhood& next_near() noexcept { return neighbourhoods_[1 - here_]; }
+  void forget_near() noexcept;
   void look_ahead(const Vec3& motion) noexcept;
   bool stay_near(const Vec3& start, const Vec3& motion, double room, double ahead) noexcept;
   void note_grazed(const Separation& at, std::uint32_t triangle) noexcept;

@@ -5,6 +5,11 @@
 
 namespace hapton {
 
+void ProxyMethod::forget_near() noexcept {
+  for (Neighbourhood& neighbourhood : neighbourhoods_) neighbourhood.clear();
+  ahead_ = Ahead::nothing;
+}
+
 // Makes the neighbourhood cover the beginning of a motion with some room around it: all of a short one, a fair part of a long one. Its
 // size follows what fits, its centre lies `ahead` of its reach before the start.
 bool ProxyMethod::stay_near(const Vec3& start, const Vec3& motion, double room, double ahead) noexcept {

@@ -459,5 +459,30 @@ TEST(FacetDescent, TakesNothingFromTheHeap) {
   EXPECT_GT(descent.faces().size(), 2U);
 }
 
+// A fan that goes round its corner twice passes through itself: who goes down from the corner must not come out below where it went in.
+TEST(FacetDescent, AFanThatGoesRoundTwiceIsLeftToOthers) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0.0, 0.0, 0.0},
+                   {0.44663, 0.22477, -0.23528},
+                   {-0.26565, 0.42359, 0.20865},
+                   {-0.44281, 0.23220, 0.45982},
+                   {-0.42542, -0.26272, 0.45924},
+                   {0.47612, -0.15266, -0.23994},
+                   {0.03458, 0.49880, -0.19229},
+                   {-0.24644, -0.43505, 0.41096}};
+  for (std::uint32_t i = 1; i <= 7; ++i) mesh.triangles.push_back({0, i, i % 7 + 1});
+  Ground ground(mesh, 2.0);
+  const Vec3 on = 0.2 * (mesh.vertices[1] + mesh.vertices[2]);
+  const Vec3 normal = mesh.vertices[1].cross(mesh.vertices[2]).normalized();
+  const Stand start = ground.stand_over(ground.geometry().to_local(on + 1e-6 * normal));
+  bool leads_to_corner = false;
+  for (const double depth : {0.1, 0.15, 0.191, 0.2, 0.25}) {
+    const Vec3 device = -0.125 * on - depth * normal;
+    EXPECT_FALSE(ground.run(start, ground.geometry().to_local(device))) << "depth " << depth;
+    leads_to_corner |= ground.descent().faces().size() == 7;
+  }
+  EXPECT_TRUE(leads_to_corner) << "it never came there";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -92,15 +92,77 @@ TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
     const auto there = proxy_over(scene_of(scaled_and_moved(mesh, scale, offset)));
     const std::vector<FeltStep> felt = feel(*there, way, scale, offset);
     std::size_t apart = 0;
-    double most = 0;
     for (std::size_t i = 0; i < way.size(); ++i) {
       const double d = (felt[i].force_n - expected[i].force_n).norm() / (expected[i].force_n.norm() + 1e-9);
       apart += d > 1e4 * precision + 1e-8 ? 1 : 0;
-      most = std::max(most, d);
     }
     EXPECT_EQ(apart, 0U);
     EXPECT_EQ(there->counters().contact_steps, proxy->counters().contact_steps);
     EXPECT_EQ(there->counters().walks, proxy->counters().walks);
+  }
+}
+
+// The reference follows the device in eighths of a step, so that friction holds it a little elsewhere.
+TEST(ProxyWalk, FrictionIsTheReferencesAndInsideItsCone) {
+  Material rough;
+  rough.friction_static = 0.5;
+  rough.friction_dynamic = 0.4;
+  const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12), rough);
+  const std::vector<Vec3> way = slide_round(1500);
+  const auto proxy = proxy_over(scene);
+  const std::vector<FeltStep> felt = feel(*proxy, way);
+  EXPECT_GT(proxy->counters().walks, proxy->counters().contact_steps * 8 / 10);
+  const std::vector<FeltStep> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
+  double squares = 0.0;
+  std::size_t contacts = 0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
+    if (expected[i].force_n.isZero(0.0)) continue;
+    ++contacts;
+    squares += (felt[i].force_n - expected[i].force_n).squaredNorm() / expected[i].force_n.squaredNorm();
+  }
+  EXPECT_LE(std::sqrt(squares / static_cast<double>(contacts)), 0.01);
+}
+
+// Vertices are numbered in each object: what looks like the next facet may be another object's.
+TEST(ProxyWalk, OverABorderItDoesNotStepOntoALikeSheet) {
+  const TriangleMesh sheet = make_plane_grid(0.1, 2);
+  TriangleMesh turned = sheet;
+  for (Vec3& v : turned.vertices) v = Vec3(0.08 - v.x(), v.y(), 0.002 - v.z());
+  TouchScene scene = scene_of(sheet);
+  scene.objects.push_back({std::make_shared<TriangleMesh>(turned), {}});
+  const auto proxy = proxy_over(scene);
+  for (double y = -0.043; y < 0.045; y += 0.01) {
+    proxy->reset({0.04, y, 0.001});
+    for (const double x : {0.04, 0.045, 0.049, 0.0505, 0.051}) {
+      const MethodOutput felt = proxy->step({.p_SD = Vec3(x, y, -0.001)});
+      EXPECT_EQ(felt.contact, x < 0.05) << "x " << x << " y " << y;
+    }
+  }
+}
+
+// An object built while the probe slides near it holds the probe from then on, also where the triangles near the probe have been copied.
+TEST(ProxyWalk, AnObjectThatComesInIsFeltAtOnce) {
+  TouchScene scene = scene_of(make_plane_grid(0.1, 2));
+  scene.objects.push_back({std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.01, 0.01, 0.01}), 1.0, {0.02, 0.0, 0.0})), {}});
+  MethodSettings settings;
+  settings.build_on_approach = true;
+  const auto lazy = ProxyMethod::make(settings, scene).value();
+  const auto eager = ProxyMethod::make(MethodSettings(), scene).value();
+  const Vec3 start(-0.03, 0.001, 0.005);
+  lazy->reset(start);
+  while (lazy->prepare()) {
+  }
+  lazy->step({.p_SD = start - Vec3(0.0, 0.0, 0.001)});
+  lazy->prepare();
+  eager->reset(start);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p(-0.03 + 5e-4 * i, 0.001, i == 0 ? 0.004 : -0.001);
+    const MethodOutput felt = lazy->step({.p_SD = p});
+    const MethodOutput expected = eager->step({.p_SD = p});
+    EXPECT_LE((felt.force_n - expected.force_n).norm(), 1e-6) << "step " << i;
+    while (i == 80 && lazy->prepare()) {
+    }
   }
 }
 
