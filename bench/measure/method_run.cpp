@@ -93,12 +93,18 @@ TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows) 
   return heads;
 }
 
-ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt) const {
+ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt) const { return compare_forces(felt, coarse, fine, error_settings()); }
+
+ForceError ReferenceRun::judge_by_finer(const std::vector<FeltStep>& felt) const {
+  return compare_forces(felt, fine, coarse, error_settings());
+}
+
+ForceErrorSettings ReferenceRun::error_settings() const {
   ForceErrorSettings settings;
   settings.stiffness_n_per_m = stiffness_n_per_m;
   settings.extent_m = extent_m;
   settings.reset_every = trajectory.reset_every;
-  return compare_forces(felt, coarse, fine, settings);
+  return settings;
 }
 
 Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,

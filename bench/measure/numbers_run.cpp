@@ -274,8 +274,10 @@ class Numbers {
         "{:.3g} deg",
         error.contact_steps, slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops,
         57.29577951308232 * error.direction_rad.p50);
+    const std::string finer = fmt::format("RMS, the reference in {} sub-steps", reference->finer_substeps);
     add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.all.p99, note});
     add({name, "RMS", "%", 1.0, false, "23 (70 k), 2000 (1.3 M)", {}, 100.0 * error.all.rms, note});
+    add({name, finer, "%", 1.0, false, "", {}, 100.0 * reference->judge_by_finer(*felt).all.rms, note});
     add({name, "RMS away from basin changes", "%", 0.1, false, "", {}, 100.0 * error.away.rms, note});
     return {};
   }
