@@ -126,6 +126,7 @@ class ProxyMethod final : public ForceMethod {
   FacetDescent facets() noexcept;
   bool is_open_to(const FacetDescent& way) const noexcept;
   void descend(const Vec3& device) noexcept;
+  static Vec3 shortened(const Vec3& motion) noexcept;
   ContactTriangle shape_of(std::uint32_t triangle) const noexcept;
   void save(Stand& stand) const noexcept;
   void restore(const Stand& stand) noexcept;
