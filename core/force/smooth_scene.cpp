@@ -101,16 +101,16 @@ double SmoothScene::farthest_wanted(const LocalSetWish& wish, std::uint32_t coun
   constexpr double kRoom = 1.0 + 0x1p-20;
   if (before.version != version_ || before.count < count) return std::numeric_limits<double>::infinity();
   const Three p = detail::lanes_of(wish.from);
+  const std::uint32_t last = before.count - 1;
   Lanes4 farthest = {};
   for (std::uint32_t i = 0; i < before.count; i += 4) {
-    const auto corner = [&](std::size_t k) {
-      const auto& [a, b, c, d] =
-          std::array{i, std::min(i + 1, before.count - 1), std::min(i + 2, before.count - 1), std::min(i + 3, before.count - 1)};
-      const auto& t = before.triangles;
-      const Vec3 points[4] = {t[a].corner[k], t[b].corner[k], t[c].corner[k], t[d].corner[k]};
-      return Three{Lanes4{points[0].x(), points[1].x(), points[2].x(), points[3].x()},
-                   Lanes4{points[0].y(), points[1].y(), points[2].y(), points[3].y()},
-                   Lanes4{points[0].z(), points[1].z(), points[2].z(), points[3].z()}};
+    const std::array<const SetTriangle*, 4> t = {&before.triangles[i], &before.triangles[std::min(i + 1, last)],
+                                                 &before.triangles[std::min(i + 2, last)], &before.triangles[std::min(i + 3, last)]};
+    const auto corner = [&t](std::size_t k) {
+      const auto lanes = [&](int axis) {
+        return Lanes4{t[0]->corner[k][axis], t[1]->corner[k][axis], t[2]->corner[k][axis], t[3]->corner[k][axis]};
+      };
+      return Three{lanes(0), lanes(1), lanes(2)};
     };
     farthest = detail::lane_max(farthest, triangle_distance_squared<Lanes4>(p, corner(0), corner(1), corner(2)));
   }
