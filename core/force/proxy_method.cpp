@@ -200,8 +200,8 @@ bool ProxyMethod::has_caught_up() const noexcept {
 }
 
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
-// moved, the way it takes may depend on where the device was just then: such a step is done again in two parts, and in many when those lead
-// elsewhere or it was a leap.
+// moved, the way it takes may depend on where the device was just then: such a step is done again in many parts; in two where it went from
+// facet to facet all the way, no leap, and two parts lead to the same place.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   sweeps_left_ = kMaxSweeps;
   save(before_);
@@ -210,7 +210,9 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   if (!has_caught_up()) return;
   ++counters_.caught_up;
   const Vec3 at_once = proxy_;
-  if ((at_once - before_.proxy).norm() <= kLeap * stride_) {
+  const bool is_held_by_fold = met_fold_ || before_.pushing_count > 1 || pushing_count_ > 1;
+  const bool has_swept = sweeps_left_ < kMaxSweeps;
+  if (!is_held_by_fold && !has_swept && (at_once - before_.proxy).norm() <= kLeap * stride_) {
     follow_in_parts(last, device, 2);
     if ((proxy_ - at_once).norm() <= kSamePlace * stride_ + kBeside * hover_) return;
   }
