@@ -49,6 +49,7 @@ class FdhNearest {
   FdhNearest(std::size_t count, double max_distance) : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}
 
   double bound_squared() const { return bound_; }
+  std::size_t count() const { return count_; }  // found so far, before finish
   // Distances that are added may be wrong by this much.
   void allow_rounding(double rounding) { rounding_ = rounding > rounding_ ? rounding : rounding_; }
   void add(double distance_squared, std::uint32_t object, std::uint32_t triangle) {

@@ -191,12 +191,13 @@ Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) 
   return std::max(0.0, spring.norm() - drag) * direction;
 }
 
+bool ProxyMethod::fold_had_a_say() const noexcept { return met_fold_ || before_.pushing_count > 1 || pushing_count_ > 1; }
+
 // Whether this step went farther than the device did, by more than the curve of what it slides on explains. From fold to fold any such
 // step may have let go of one.
 bool ProxyMethod::has_caught_up() const noexcept {
   if (before_.free || free_) return false;
-  const bool is_held_by_fold = met_fold_ || before_.pushing_count > 1 || pushing_count_ > 1;
-  return (proxy_ - before_.proxy).norm() > (is_held_by_fold ? kCatchUpFold : kCatchUp) * stride_;
+  return (proxy_ - before_.proxy).norm() > (fold_had_a_say() ? kCatchUpFold : kCatchUp) * stride_;
 }
 
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
@@ -210,9 +211,8 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   if (!has_caught_up()) return;
   ++counters_.caught_up;
   const Vec3 at_once = proxy_;
-  const bool is_held_by_fold = met_fold_ || before_.pushing_count > 1 || pushing_count_ > 1;
   const bool has_swept = sweeps_left_ < kMaxSweeps;
-  if (!is_held_by_fold && !has_swept && (at_once - before_.proxy).norm() <= kLeap * stride_) {
+  if (!fold_had_a_say() && !has_swept && (at_once - before_.proxy).norm() <= kLeap * stride_) {
     follow_in_parts(last, device, 2);
     if ((proxy_ - at_once).norm() <= kSamePlace * stride_ + kBeside * hover_) return;
   }

@@ -118,6 +118,7 @@ class ProxyMethod final : public ForceMethod {
   void bring_pushing_first(const ConstrainedMotion& held) noexcept;
   Vec3 shaded(const Vec3& stretch) noexcept;
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
+  bool fold_had_a_say() const noexcept;
   bool has_caught_up() const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept;

@@ -120,7 +120,14 @@ double SmoothScene::farthest_wanted(const LocalSetWish& wish, std::uint32_t coun
 
 FdhVisits SmoothScene::select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept {
   FdhNearest nearest(count, farthest_wanted(wish, count, set));
-  const FdhVisits visits = std::visit([&](const auto& tree) { return tree.collect_nearest(wish.from, wish.to, nearest); }, tree_);
+  const auto search = [&] {
+    return std::visit([&](const auto& tree) { return tree.collect_nearest(wish.from, wish.to, nearest); }, tree_);
+  };
+  FdhVisits visits = search();
+  if (nearest.count() < count && std::isfinite(nearest.bound_squared())) {  // the set was another scene's
+    nearest = FdhNearest(count, std::numeric_limits<double>::infinity());
+    visits = search();
+  }
   const auto found = nearest.finish();
   set.from = wish.from;
   set.to = wish.to;

@@ -31,8 +31,8 @@ class SmoothScene {
   SmoothScene(SmoothScene&&) = default;
   SmoothScene& operator=(SmoothScene&&) = default;
 
-  // The slow task: the `count` triangles nearest to the way from wish.from to wish.to. What `set` holds from before, if of this scene,
-  // bounds the search: on from place to place takes half the time. Pre: 1 <= count <= LocalSet::kCapacity.
+  // The slow task: the `count` triangles nearest to the way from wish.from to wish.to. What `set` holds from before bounds the
+  // search, never what is found: on from place to place is sooner done. Pre: 1 <= count <= LocalSet::kCapacity.
   FdhVisits select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept;
 
   // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.

@@ -54,6 +54,28 @@ TEST(SmoothScene, SelectsTheNearestAndKnowsHowFarTheyAreComplete) {
   }
 }
 
+// The bound that an earlier set gives is no bound in another scene of the same version.
+TEST(SmoothScene, ASetOfAnotherSceneHidesNothing) {
+  TouchScene small = two_objects();
+  for (TouchObject& object : small.objects)
+    object.mesh = std::make_shared<TriangleMesh>(scaled_and_moved(*object.mesh, 0.01, Vec3::Zero()));
+  const auto other = SmoothScene::build(small, {});
+  const auto scene = SmoothScene::build(two_objects(), {});
+  ASSERT_TRUE(other && scene);
+  ASSERT_EQ(other->version(), scene->version());
+  const Vec3 p(0.0, 0.0, 0.0);
+  const auto used = std::make_unique<LocalSet>();
+  const auto fresh = std::make_unique<LocalSet>();
+  other->select({p, p}, 64, *used);
+  const double tight = used->radius;
+  scene->select({p, p}, 64, *used);
+  scene->select({p, p}, 64, *fresh);
+  EXPECT_LT(tight, fresh->radius);
+  EXPECT_EQ(used->count, 64U);
+  EXPECT_EQ(used->radius, fresh->radius);
+  EXPECT_EQ(used->nearest, fresh->nearest);
+}
+
 TEST(SmoothScene, GivesEachTriangleItsObjectsMaterialAndNormals) {
   const auto scene = SmoothScene::build(two_objects(), {});
   ASSERT_TRUE(scene);
