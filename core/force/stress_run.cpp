@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "core/force/certain_rest.h"
 #include "core/force/reference_method.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
@@ -25,6 +26,7 @@ constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
 constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
+constexpr double kRestHovers = 4.0;   // round a rest that may be proved to be one
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -346,6 +348,11 @@ struct StressRun::Inside {
     return stretch.norm() - (judge->settle_from(start, device).p_SP - device).norm() > kLagGain * extent;
   }
 
+  // A point is held there for certain, however far the reference gets that climbs by its own lift.
+  bool is_proved(const Vec3& p, const Vec3& device, double hover) const {
+    return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
+  }
+
   // On the side the device may not be on.
   bool is_wrong(const Vec3& p) const { return solid && solid->is_inside(p) != body.room; }
 
@@ -461,7 +468,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
       const double depth = gain > kLagGain * extent && in.solid ? in.solid->compute_distance(device) : extent;
       const bool is_late = gain > kLagGain * extent && depth > kTieShare * extent;
-      if (is_late && !in.is_near_border(felt.p_SP, kMouthShare * extent) && in.gains_from_outside(felt.p_SP, device)) {
+      if (is_late && !in.is_near_border(felt.p_SP, kMouthShare * extent) && in.gains_from_outside(felt.p_SP, device) &&
+          !in.is_proved(felt.p_SP, device, play)) {
         note(in.solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
       }
     }
