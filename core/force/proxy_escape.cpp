@@ -9,7 +9,6 @@ namespace hapton {
 namespace {
 
 constexpr double kLeastGain = 4.0;           // hovers: a step that nobody feels
-constexpr double kTip = 0x1p-6;              // of the probe: how far it is tipped
 constexpr double kFlat = 0x1p-20;            // slopes below this are level
 constexpr double kLevel = 0x1p-10;           // between planes that hold a sphere: less is one plane
 constexpr double kHeights[] = {8.0, 256.0};  // hovers
@@ -56,7 +55,7 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
                    : normal.cross(touch.shape.edge(touch.shape.border(touch.separation.nearest).edge));
   first = first.isZero(0.0) ? normal.unitOrthogonal() : Vec3(first.normalized());
   const Vec3 second = normal.cross(first);
-  const double far = std::max(kTip * clearance_.rest, 2.0 * kBeside * hover_);
+  const double far = std::max(std::sqrt(hover_ * clearance_.rest), 2.0 * kBeside * hover_);  // round an edge: climbs half a hover
   save(rest_);
   const std::array<Vec3, 4> ways = {first, -first, second, -second};
   for (const Vec3& sideways : std::span(ways).first(is_fold ? 2 : 4)) {

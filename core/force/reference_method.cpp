@@ -23,7 +23,7 @@ constexpr double kLongestMotion = 4.0;          // a device far away must not co
 constexpr double kFarthest = 1e12;              // a device farther out is taken to be there: its square must stay finite
 constexpr double kLeastRoll = 1e-10;            // rad
 constexpr double kLongestRoll = std::numbers::pi / 3.0;
-constexpr double kTip = std::numbers::pi / 6.0;
+constexpr double kLongestTip = std::numbers::pi / 6.0;
 constexpr double kBorder = 1e-3;  // of the rest distance: a face's contact this near to its border may stand on the edge
 constexpr int kIdleMotions = 8;
 constexpr int kMostMotions = 4000;
@@ -448,8 +448,9 @@ bool ReferenceMethod::tip_over(const Vec3& device, const Touch& touch) noexcept 
   const Vec3 first = is_edge(touch.near.feature) ? Vec3(normal.cross(edge_of(touch)).normalized()) : normal.unitOrthogonal();
   const Vec3 second = normal.cross(first);
   const Vec3 start = proxy_;
+  const double tip = std::min(kLongestTip, std::sqrt(kHover / rest_));  // climbs half a hover: over no ridge that holds a sphere
   for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
-    if (!go_round(touch, tangent, kTip)) continue;
+    if (!go_round(touch, tangent, tip)) continue;
     if ((device - proxy_).squaredNorm() < (device - start).squaredNorm()) return true;
     proxy_ = start;
   }

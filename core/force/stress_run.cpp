@@ -31,6 +31,9 @@ constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 constexpr std::size_t kLongestEpisode = 400;
+constexpr int kWalkSteps = 390;
+constexpr int kLongWalkLegs = 20;
+constexpr int kLongWalkLegSteps = 1000;
 
 std::uint64_t hash_of(std::string_view text) {  // FNV-1a
   std::uint64_t hash = 1469598103934665603ULL;
@@ -48,6 +51,8 @@ class Episode {
     std::seed_seq sequence{seed, seed >> 32, name, name >> 32, number, number >> 32};
     random_.seed(sequence);
     motion_ = static_cast<StressMotion>(random_() % static_cast<std::uint64_t>(StressMotion::kCount));
+    is_long_ = number >= kFirstLongWalk;
+    if (is_long_) motion_ = StressMotion::kWalk;
   }
 
   StressMotion motion() const { return motion_; }
@@ -62,6 +67,7 @@ class Episode {
       if (is_free(start_)) break;
     }
     places.push_back(start_);
+    if (is_long_) return travel(places);
     switch (motion_) {
       case StressMotion::kSlide:
         slide(places);
@@ -206,12 +212,21 @@ class Episode {
     for (int i = 0; i < 100; ++i) places.push_back(places.back() + step * direction());
   }
 
-  void wander(std::vector<Vec3>& places) {
+  void wander(std::vector<Vec3>& places) { walk_round(places, extent_ * power(-4.0, -2.0), uniform(0.02, 0.3), kWalkSteps); }
+
+  // A long walk: from one place of the body to the next, at another pace each time.
+  void travel(std::vector<Vec3>& places) {
+    for (int leg = 0; leg < kLongWalkLegs; ++leg) {
+      walk_round(places, extent_ * power(-4.0, -2.0), uniform(0.02, 0.3), kLongWalkLegSteps);
+      choose_place();
+    }
+  }
+
+  // Drawn gently to `at_`, which is on the surface.
+  void walk_round(std::vector<Vec3>& places, double speed, double memory, int steps) {
     Vec3 velocity = Vec3::Zero();
-    const double speed = extent_ * power(-4.0, -2.0);
-    const double memory = uniform(0.02, 0.3);
     Vec3 at = places.back();
-    for (int i = 0; i < 390; ++i) {
+    for (int i = 0; i < steps; ++i) {
       velocity += -memory * velocity + speed * std::sqrt(2.0 * memory) * Vec3(normal(), normal(), normal()) - 0.02 * memory * (at - at_);
       at += velocity;
       places.push_back(motion_ == StressMotion::kHostile && random_() % 16 == 0 ? hostile(at) : at);
@@ -233,6 +248,7 @@ class Episode {
   std::mt19937_64 random_;
   std::normal_distribution<double> normal_;
   StressMotion motion_;
+  bool is_long_ = false;
   std::uint32_t triangle_ = 0;
   int corner_ = 0;
   Vec3 at_ = Vec3::Zero();
@@ -274,6 +290,19 @@ std::string_view name_of(StressFault fault) {
   return kNames[static_cast<std::size_t>(fault)];
 }
 
+std::string_view meaning_of(StressFault fault) {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::kCount)> kMeanings = {
+      "no force with the device more than 0.25 % of the extent inside; closed bodies",
+      "the proxy itself inside; closed bodies",
+      "straight through a face from one free place to another, where the reference does not come; open meshes, point probe",
+      "proxy more than 10 % of the extent farther off than the surface, and not at rest; closed bodies, no friction",
+      "proxy not at rest: the reference, started there, comes nearer by 0.1 % of the extent; no friction",
+      "the force changed by more than stiffness times motion; convex rooms, no friction",
+      "a force or proxy that is NaN or infinite",
+      "force, proxy and contact contradict each other, or a sample that is not finite is felt"};
+  return kMeanings[static_cast<std::size_t>(fault)];
+}
+
 std::uint64_t StressCount::total_faults() const {
   std::uint64_t sum = 0;
   for (const std::uint64_t fault : faults) sum += fault;
@@ -285,7 +314,10 @@ void StressCount::add(const StressCount& other) {
   contact_steps += other.contact_steps;
   episodes += other.episodes;
   judged_rests += other.judged_rests;
-  for (std::size_t i = 0; i < faults.size(); ++i) faults[i] += other.faults[i];
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    faults[i] += other.faults[i];
+    looked_for[i] = looked_for[i] || other.looked_for[i];
+  }
   findings.insert(findings.end(), other.findings.begin(), other.findings.end());
 }
 
@@ -362,6 +394,32 @@ struct StressRun::Inside {
     return probe_radius == 0.0 || solid->compute_distance(p) > 1.01 * probe_radius;
   }
 
+  bool rubs() const { return settings.material.friction_static > 0.0; }
+  // A room is convex: without friction and damping its proxy is a projection onto a convex set.
+  bool shows_pops() const { return body.room && !rubs() && settings.material.damping_ns_per_m == 0.0; }
+
+  bool looks_for(StressFault fault) const {
+    switch (fault) {
+      case StressFault::kFall:
+      case StressFault::kInside:
+        return solid.has_value();
+      case StressFault::kThrough:
+        return !solid && probe_radius == 0.0;
+      case StressFault::kLock:
+        return solid && !rubs();
+      case StressFault::kLag:
+        return !rubs();
+      case StressFault::kPop:
+        return shows_pops();
+      default:
+        return true;
+    }
+  }
+
+  void mark_looked_for(StressCount& count) const {
+    for (std::size_t i = 0; i < count.looked_for.size(); ++i) count.looked_for[i] |= looks_for(static_cast<StressFault>(i));
+  }
+
   void note(StressCount& count, StressFault fault, StressMotion motion, std::uint64_t episode, std::size_t step, double size) const {
     ++count.faults[static_cast<std::size_t>(fault)];
     std::size_t same = 0;
@@ -407,12 +465,12 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
   Inside& in = *inside_;
   const double extent = in.extent;
   const double stiffness = in.settings.material.stiffness_n_per_m;
-  const bool rubs = in.settings.material.friction_static > 0.0;
   Episode episode(in.walk_mesh, in.walk, extent, !in.body.room, in.settings.seed, in.body.name, number);
   episode.draw([&](const Vec3& p) { return in.is_free(p); }, in.places);
   // No free place was found: nothing can be said about the sides, so nothing is judged.
   ++count.episodes;
   if (!in.is_free(in.places.front())) return 0;
+  in.mark_looked_for(count);
   in.method->reset(in.places.front());
   Vec3 before = in.places.front();
   MethodOutput felt_before;
@@ -461,7 +519,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.
     const bool suspicious = length > kLockShare * extent;
-    if (felt.contact && !rubs && (suspicious || (in.settings.rest_every > 0 && (i + number) % in.settings.rest_every == 0))) {
+    if (felt.contact && !in.rubs() && (suspicious || (in.settings.rest_every > 0 && (i + number) % in.settings.rest_every == 0))) {
       ++count.judged_rests;
       const MethodOutput rested = in.judge->settle_from(felt.p_SP, device);
       const double gain = length - (rested.p_SP - device).norm();
@@ -473,7 +531,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
         note(in.solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
       }
     }
-    if (in.body.room && !rubs && undamped && i > 0 && before.allFinite()) {
+    if (in.shows_pops() && i > 0 && before.allFinite()) {
       const double jump = (felt.force_n - felt_before.force_n).norm() / stiffness;
       const double above = jump - (device - before).norm() * (1.0 + 1e-6) - 10.0 * play;
       if (above > 0.0) note(StressFault::kPop, above);

@@ -31,7 +31,7 @@ enum class StressMotion : std::uint8_t {
 
 std::string_view name_of(StressMotion motion);
 
-// What went wrong, in steps. All must be zero.
+// What went wrong, in steps. All must be zero. Not every fault can be told everywhere: see StressCount::looked_for.
 enum class StressFault : std::uint8_t {
   kFall,     // no force with the device more than 0.25 % of the extent on the wrong side
   kInside,   // the proxy itself on the wrong side of the surface
@@ -45,6 +45,11 @@ enum class StressFault : std::uint8_t {
 };
 
 std::string_view name_of(StressFault fault);
+// What it means and where it is looked for: half a line for people.
+std::string_view meaning_of(StressFault fault);
+
+// Episodes from this number on are long random walks: 20,000 steps from place to place over the whole body.
+constexpr std::uint64_t kFirstLongWalk = 1ULL << 32;
 
 // The first fault of a kind, to be found again: body, scale, place, seed, episode and step tell it all.
 struct StressFinding {
@@ -61,7 +66,8 @@ struct StressCount {
   std::uint64_t episodes = 0;
   std::uint64_t judged_rests = 0;  // steps the reference was asked about
   std::array<std::uint64_t, static_cast<std::size_t>(StressFault::kCount)> faults{};
-  std::vector<StressFinding> findings;  // the first few of each fault
+  std::array<bool, static_cast<std::size_t>(StressFault::kCount)> looked_for{};  // false: a zero says nothing
+  std::vector<StressFinding> findings;                                           // the first few of each fault
 
   std::uint64_t total_faults() const;
   void add(const StressCount& other);
@@ -76,7 +82,7 @@ struct StressSettings {
 };
 
 // One body in one place, and a method that touches it. An episode begins with a reset on the free side and runs one motion of up to 400
-// steps; it depends on nothing but body, settings and its number, so any can be run again alone.
+// steps, or a long walk; it depends on nothing but body, settings and its number, so any can be run again alone.
 class StressRun {
  public:
   using MethodMaker = std::function<Result<std::unique_ptr<ForceMethod>>(const MethodSettings&, const TouchScene&)>;
