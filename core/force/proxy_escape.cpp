@@ -9,6 +9,7 @@ namespace hapton {
 namespace {
 
 constexpr double kLeastGain = 4.0;           // hovers: a step that nobody feels
+constexpr double kBorder = 16.0;               // hovers: a face's contact as near to its border may stand on the edge
 constexpr double kFlat = 0x1p-20;            // slopes below this are level
 constexpr double kLevel = 0x1p-10;           // between planes that hold a sphere: less is one plane
 constexpr double kHeights[] = {8.0, 256.0};  // hovers
@@ -41,7 +42,7 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
     const Touch& touch = touching_[strong[i]];
     const Separation& at = touch.separation;
     if ((device - at.nearest).dot(at.normal) >= 0.0) continue;
-    if (at.feature == Feature::face && touch.shape.border(at.nearest).distance > kBeside * hover_) continue;
+    if (at.feature == Feature::face && touch.shape.border(at.nearest).distance > kBorder * hover_) continue;
     if (balanced < 0 || push_[strong[i]] > push_[balanced]) balanced = strong[i];
   }
   if (balanced < 0) return false;
@@ -55,7 +56,7 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
                    : normal.cross(touch.shape.edge(touch.shape.border(touch.separation.nearest).edge));
   first = first.isZero(0.0) ? normal.unitOrthogonal() : Vec3(first.normalized());
   const Vec3 second = normal.cross(first);
-  const double far = std::max(std::sqrt(hover_ * clearance_.rest), 2.0 * kBeside * hover_);  // round an edge: climbs half a hover
+  const double far = std::max(std::sqrt(hover_ * clearance_.rest), 2.0 * kBorder * hover_);  // round an edge: climbs half a hover
   save(rest_);
   const std::array<Vec3, 4> ways = {first, -first, second, -second};
   for (const Vec3& sideways : std::span(ways).first(is_fold ? 2 : 4)) {
