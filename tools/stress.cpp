@@ -16,6 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Long walks come on top: one where a variant gets 10,000 steps, then one for every 40,000.
+constexpr std::uint64_t kStepsOfTheFirstWalk = 10000;
+constexpr std::uint64_t kStepsToEarnAWalk = 40000;
+
 constexpr auto kFaults = static_cast<std::size_t>(StressFault::kCount);
 
 StressSettings settings_of(const StressPlan& plan, const StressVariant& variant) {
@@ -40,6 +44,8 @@ Result<StressCount> run_one(const StressBody& body, const StressPlan& plan, cons
   StressCount count;
   // Some episodes find no free place and take no step; their number is bounded, too.
   for (std::uint64_t episode = 0; count.steps < steps && episode < 16 + steps; ++episode) run->run_episode(episode, count);
+  const std::uint64_t walks = (steps + kStepsToEarnAWalk - kStepsOfTheFirstWalk) / kStepsToEarnAWalk;
+  for (std::uint64_t walk = 0; walk < walks; ++walk) run->run_episode(kFirstLongWalk + walk, count);
   return count;
 }
 
@@ -49,6 +55,20 @@ std::string again(const StressResult& result, const StressFinding& finding, cons
              plan.method.name, result.body, plan.seed, result.variant.scale, result.variant.offset_extents, result.variant.friction_static,
              result.variant.friction_dynamic, finding.episode) +
          (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "");
+}
+
+// A fault that was not looked for is no zero.
+std::string cell_of(const StressCount& count, std::size_t fault) {
+  return count.looked_for[fault] ? std::to_string(count.faults[fault]) : "-";
+}
+
+std::string legend() {
+  std::string text = "In steps; -: not looked for there.\n";
+  for (std::size_t i = 0; i < kFaults; ++i) {
+    const auto fault = static_cast<StressFault>(i);
+    text += fmt::format("  {:<11} {}\n", name_of(fault), meaning_of(fault));
+  }
+  return text;
 }
 
 }  // namespace
@@ -117,7 +137,7 @@ std::string to_text(const std::vector<StressResult>& results, const StressPlan& 
   text += '\n';
   auto line = [&](const std::string& name, const StressCount& count) {
     text += fmt::format("{:<20}{:>12}{:>12}{:>10}", name, count.steps, count.contact_steps, count.judged_rests);
-    for (const std::uint64_t fault : count.faults) text += fmt::format("{:>11}", fault);
+    for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>11}", cell_of(count, fault));
     text += '\n';
   };
   std::vector<std::string> order;
@@ -128,6 +148,7 @@ std::string to_text(const std::vector<StressResult>& results, const StressPlan& 
   }
   for (const std::string& body : order) line(body, sums[body]);
   line("all", sum_of(results));
+  text += legend();
   for (const StressResult& result : results) {
     for (const StressFinding& finding : result.count.findings) {
       text += fmt::format("{} in {} at step {} ({:.3g} extents): hapton stress {}\n", name_of(finding.fault), name_of(finding.motion),
@@ -161,7 +182,8 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
                {"episodes", result.count.episodes},
                {"judged_rests", result.count.judged_rests}};
     for (std::size_t fault = 0; fault < kFaults; ++fault)
-      entry[std::string(name_of(static_cast<StressFault>(fault)))] = result.count.faults[fault];
+      entry[std::string(name_of(static_cast<StressFault>(fault)))] =
+          result.count.looked_for[fault] ? Json(result.count.faults[fault]) : Json(nullptr);
     entry["findings"] = Json::array();
     for (const StressFinding& finding : result.count.findings) {
       entry["findings"].push_back({{"fault", name_of(finding.fault)},

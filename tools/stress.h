@@ -24,7 +24,7 @@ std::vector<StressVariant> standard_variants();
 struct StressPlan {
   MethodSettings method;
   std::uint64_t seed = 1;
-  std::uint64_t steps = 100000;  // a body, shared by the variants
+  std::uint64_t steps = 100000;  // a body at least, shared by the variants; episodes are whole, and long walks come on top
   std::size_t rest_every = 64;
   double probe_share = 0.0;  // above 0: every body is touched with this probe instead of its own, a share of its longest side
   unsigned threads = 1;
@@ -45,7 +45,7 @@ Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodi
 // Only one episode of every body and variant.
 Result<std::vector<StressResult>> run_episode(const std::vector<StressBody>& bodies, const StressPlan& plan, std::uint64_t episode);
 
-// A table for people, a line a body, and the findings, each with the command that shows it again.
+// A table for people, a line a body, what its columns mean, and the findings, each with the command that shows it again.
 std::string to_text(const std::vector<StressResult>& results, const StressPlan& plan);
 std::string to_json(const std::vector<StressResult>& results, const StressPlan& plan);
 

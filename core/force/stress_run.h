@@ -11,25 +11,9 @@
 #include "core/base/result.h"
 #include "core/force/force_method.h"
 #include "core/force/stress_body.h"
+#include "core/force/stress_episode.h"
 
 namespace hapton {
-
-// Ways to move the device, each meant to break something.
-enum class StressMotion : std::uint8_t {
-  kSlide,         // over the surface, 1e-5 to 3e-2 of the extent a step, up to 3 % deep
-  kTapFace,       // straight in and out, 10 m/s and slower
-  kTapVertex,     // exactly at vertices
-  kTapEdge,       // exactly at points of edges
-  kCoincident,    // in the very plane of a triangle, over its corners and edges, then in
-  kNearParallel,  // through a face at an angle of 1e-1 down to 1e-15
-  kFast,          // jumps of up to the whole extent
-  kTiny,          // steps of 1e-12 to 1e-6 of the extent at and in the surface
-  kWalk,          // a smooth random walk, in and out as it comes
-  kHostile,       // a walk with NaN, infinite and absurdly far samples in it
-  kCount
-};
-
-std::string_view name_of(StressMotion motion);
 
 // What went wrong, in steps. All must be zero. Not every fault can be told everywhere: see StressCount::looked_for.
 enum class StressFault : std::uint8_t {
@@ -47,9 +31,6 @@ enum class StressFault : std::uint8_t {
 std::string_view name_of(StressFault fault);
 // What it means and where it is looked for: half a line for people.
 std::string_view meaning_of(StressFault fault);
-
-// Episodes from this number on are long random walks: 20,000 steps from place to place over the whole body.
-constexpr std::uint64_t kFirstLongWalk = 1ULL << 32;
 
 // The first fault of a kind, to be found again: body, scale, place, seed, episode and step tell it all.
 struct StressFinding {

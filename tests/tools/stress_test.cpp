@@ -43,6 +43,28 @@ TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
   EXPECT_THAT(to_json({result}, small_plan(1)), ::testing::HasSubstr("\"faults\": 1"));
 }
 
+TEST(Stress, WhatWasNotLookedForIsNoZero) {
+  const auto results = run_stress({make_stress_body("tetrahedron")}, small_plan(1), [](const StressResult&) {});
+  ASSERT_TRUE(results.has_value());
+  EXPECT_THAT(to_text(*results, small_plan(1)), ::testing::ContainsRegex("tetrahedron +[0-9]+ +[0-9]+ +[0-9]+ +0 +0 +- +0 +0 +- +0 +0\n"));
+  EXPECT_THAT(to_text(*results, small_plan(1)), ::testing::HasSubstr("pop         the force changed by more than"));
+  const std::string json = to_json(*results, small_plan(1));
+  EXPECT_THAT(json, ::testing::HasSubstr("\"pop\": null"));
+  EXPECT_THAT(json, ::testing::HasSubstr("\"fall\": 0"));
+}
+
+TEST(Stress, LongWalksComeOnTopWhereAVariantGetsTenThousandSteps) {
+  StressPlan plan = small_plan(1);
+  plan.method.name = "proxy";
+  plan.rest_every = 0;
+  plan.variants.resize(1);
+  plan.steps = 10000;
+  const auto steps_of = [&] { return sum_of(*run_stress({make_stress_body("box")}, plan, [](const StressResult&) {})).steps; };
+  EXPECT_GE(steps_of(), 30000U);
+  plan.steps = 9999;
+  EXPECT_LT(steps_of(), 10400U);
+}
+
 TEST(Stress, RefusesAnUnknownMethod) {
   StressPlan plan = small_plan(1);
   plan.method.name = "no such method";

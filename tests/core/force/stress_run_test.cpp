@@ -174,10 +174,32 @@ TEST(StressRun, AnEpisodeCanBeRunAgainAlone) {
   EXPECT_EQ(all.judged_rests, one.judged_rests);
 }
 
-TEST(StressRun, EveryMotionHasAName) {
-  std::set<std::string_view> names;
-  for (int i = 0; i < static_cast<int>(StressMotion::kCount); ++i) names.insert(name_of(static_cast<StressMotion>(i)));
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressMotion::kCount));
+TEST(StressRun, SaysWhichFaultsItLooksForAtAll) {
+  const auto looks_for = [](const StressBody& body, const Material& material, StressFault fault) {
+    return torture(body, {.material = material}, "reference", 1).looked_for[static_cast<std::size_t>(fault)];
+  };
+  const Material rough{.friction_static = 0.5, .friction_dynamic = 0.4};
+  const StressBody ball = make_stress_body("sphere"), room = make_stress_body("room"), sheet{"sheet", make_plane_grid(0.1, 4), {}};
+  EXPECT_TRUE(looks_for(room, {}, StressFault::kPop));
+  EXPECT_FALSE(looks_for(room, rough, StressFault::kPop));
+  EXPECT_FALSE(looks_for(ball, {}, StressFault::kPop));
+  EXPECT_TRUE(looks_for(ball, {}, StressFault::kFall));
+  EXPECT_FALSE(looks_for(sheet, {}, StressFault::kFall));
+  EXPECT_TRUE(looks_for(sheet, {}, StressFault::kThrough));
+  EXPECT_FALSE(looks_for(ball, {}, StressFault::kThrough));
+  EXPECT_TRUE(looks_for(ball, {}, StressFault::kLag));
+  EXPECT_FALSE(looks_for(ball, rough, StressFault::kLag));
+  EXPECT_TRUE(looks_for(sheet, rough, StressFault::kBroken));
+}
+
+TEST(StressRun, EveryFaultHasANameAndAMeaning) {
+  std::set<std::string_view> names, meanings;
+  for (int i = 0; i < static_cast<int>(StressFault::kCount); ++i) {
+    names.insert(name_of(static_cast<StressFault>(i)));
+    meanings.insert(meaning_of(static_cast<StressFault>(i)));
+  }
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressFault::kCount));
+  EXPECT_EQ(meanings.size(), names.size());
 }
 
 }  // namespace

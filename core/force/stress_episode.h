@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/surface_walk.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// Ways to move the device, each meant to break something.
+enum class StressMotion : std::uint8_t {
+  kSlide,         // over the surface, 1e-5 to 3e-2 of the extent a step, up to 3 % deep
+  kTapFace,       // straight in and out, 10 m/s and slower
+  kTapVertex,     // exactly at vertices
+  kTapEdge,       // exactly at points of edges
+  kCoincident,    // in the very plane of a triangle, over its corners and edges, then in
+  kNearParallel,  // through a face at an angle of 1e-1 down to 1e-15
+  kFast,          // jumps of up to the whole extent
+  kTiny,          // steps of 1e-12 to 1e-6 of the extent at and in the surface
+  kWalk,          // a smooth random walk, in and out as it comes
+  kHostile,       // a walk with NaN, infinite and absurdly far samples in it
+  kCount
+};
+
+std::string_view name_of(StressMotion motion);
+
+// Episodes from this number on are long random walks: 20,000 steps from place to place over the whole body.
+constexpr std::uint64_t kFirstLongWalk = 1ULL << 32;
+
+// The device positions of one episode. It depends on nothing but what it is made from. RT: set-up only.
+class StressEpisode {
+ public:
+  // `inwards`: the free side is the inside. Pre: the mesh and the walk over it outlive it.
+  StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool inwards, std::uint64_t seed, std::string_view body,
+                std::uint64_t number);
+
+  StressMotion motion() const { return motion_; }
+
+  // The places of the episode; the first is where the method is reset. `is_free` says whether a place is on the free side.
+  void draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& places);
+
+ private:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double power(double low, double high) { return std::pow(10.0, uniform(low, high)); }
+  double normal() { return normal_(random_); }
+  Vec3 direction();
+  void choose_place();
+  void go_to(std::vector<Vec3>& places, const Vec3& to, double step);
+  void slide(std::vector<Vec3>& places);
+  void tap(std::vector<Vec3>& places);
+  void coincide(std::vector<Vec3>& places);
+  void graze(std::vector<Vec3>& places);
+  void jump(std::vector<Vec3>& places);
+  void creep(std::vector<Vec3>& places);
+  void wander(std::vector<Vec3>& places);
+  // A long walk: from one place of the body to the next, at another pace each time.
+  void travel(std::vector<Vec3>& places);
+  // At a pace of its own, drawn gently to `at_`, which is on the surface.
+  void walk_round(std::vector<Vec3>& places, int steps);
+  Vec3 hostile(Vec3 at);
+
+  const TriangleMesh& mesh_;
+  SurfaceWalk& walk_;
+  double extent_;
+  double side_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  StressMotion motion_;
+  bool is_long_ = false;
+  std::uint32_t triangle_ = 0;
+  int corner_ = 0;
+  Vec3 at_ = Vec3::Zero();
+  Vec3 up_ = Vec3::UnitZ();
+  Vec3 start_ = Vec3::Zero();
+};
+
+}  // namespace hapton
