@@ -95,10 +95,6 @@ TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows) 
 
 ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt) const { return compare_forces(felt, coarse, fine, error_settings()); }
 
-ForceError ReferenceRun::judge_by_finer(const std::vector<FeltStep>& felt) const {
-  return compare_forces(felt, fine, coarse, error_settings());
-}
-
 ForceErrorSettings ReferenceRun::error_settings() const {
   ForceErrorSettings settings;
   settings.stiffness_n_per_m = stiffness_n_per_m;

@@ -42,7 +42,6 @@ struct ReferenceRun {
 
   // How a method that felt this along `trajectory` stands to them.
   ForceError judge(const std::vector<FeltStep>& felt) const;
-  ForceError judge_by_finer(const std::vector<FeltStep>& felt) const;  // the finer one takes the place of the other
 
  private:
   ForceErrorSettings error_settings() const;

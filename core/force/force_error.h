@@ -49,8 +49,8 @@ struct ForceError {
   std::size_t worst_step = 0;  // of the largest relative error away from basin changes
 };
 
-// Compares a method step by step with the reference at its usual and at its finer sub-stepping, all over the same trajectory. Pre: equal
-// lengths. RT: set-up only.
+// Compares a method step by step with the reference at its usual and at its finer sub-stepping, all over the same trajectory. Errors are
+// against the finer one. Pre: equal lengths. RT: set-up only.
 ForceError compare_forces(std::span<const FeltStep> method, std::span<const FeltStep> reference, std::span<const FeltStep> finer_reference,
                           const ForceErrorSettings& settings);
 

@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace hapton {
 
 Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  if (!(settings.shading >= 0.0 && settings.shading <= 1.0)) return fail("proxy: a shading of {:g}; give 0 to 1", settings.shading);
+  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
+    return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
+  }
   return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
 }
 
@@ -33,7 +38,7 @@ Vec3 within_limits(const Vec3& local) {
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
-                settings.shading > 0.0 ? std::optional(settings.shading_crease_rad) : std::nullopt),
+                settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
       shading_(settings.shading) {
   for (const TouchObject& object : scene.objects) {
     surfaces_.push_back(object.material);
@@ -220,9 +225,19 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   follow_in_parts(last, device, kParts);
 }
 
+// A part in which the proxy leaps lets go of something within: it is done in parts itself.
 void ProxyMethod::follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept {
   restore(before_);
-  for (int part = 1; part <= parts; ++part) solve(last + (device - last) * (static_cast<double>(part) / parts));
+  const Vec3 way = (device - last) / parts;
+  for (int part = 0; part < parts; ++part) {
+    const Vec3 from = last + part * way;
+    const Vec3 to = part + 1 < parts ? Vec3(from + way) : device;
+    save(part_);
+    solve(to);
+    if (free_ || (proxy_ - part_.proxy).norm() <= kLeap * way.norm()) continue;
+    restore(part_);
+    for (int i = 1; i <= kParts; ++i) solve(i < kParts ? Vec3(from + (static_cast<double>(i) / kParts) * way) : to);
+  }
 }
 
 ContactTriangle ProxyMethod::shape_of(std::uint32_t triangle) const noexcept {

@@ -197,6 +197,7 @@ class ProxyMethod final : public ForceMethod {
   int pushing_count_ = 0;
   bool met_fold_ = false;  // in this step, a way from facet to facet did
   Stand before_;           // the step
+  Stand part_;             // a part of it
   Stand rest_;             // what an escape is tried from
   std::array<Exit, kMaxExits> exits_;
   int exit_count_ = 0;
