@@ -15,7 +15,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kSphereShare = 0.005;  // 0.5 mm of 100
-constexpr double kLeastError = 1e-12;
 
 struct Candidate {
   std::string family, structure;
@@ -44,6 +43,13 @@ std::vector<Candidate> make_candidates(double extent_m) {
     add("smooth", fmt::format("fdh 14, set {}", n), [n](MethodSettings& s) {
       s.name = "smooth";
       s.set_size = n;
+    });
+  }
+  for (const int n : {6, 18, 26}) {
+    add("smooth", fmt::format("fdh {}, set 64", n), [n](MethodSettings& s) {
+      s.name = "smooth";
+      s.hull_directions = n;
+      s.set_size = 64;
     });
   }
   return candidates;
@@ -105,6 +111,13 @@ Json row_json(const MethodRow& row) {
           {"locks", e.locks},
           {"pops", e.pops},
           {"not_finite", e.not_finite}};
+}
+
+std::string label_of(const MethodRow& row) {
+  const MethodSettings& s = row.settings;
+  if (row.family == "sweep") return fmt::format("{}", s.grid_division[0]);
+  if (row.family != "smooth") return {};
+  return s.hull_directions == MethodSettings{}.hull_directions ? fmt::format("{}", s.set_size) : fmt::format("d{}", s.hull_directions);
 }
 
 std::string bytes_text(std::size_t bytes) { return bytes == 0 ? "-" : fmt::format("{:.3g} MB", 1e-6 * static_cast<double>(bytes)); }
@@ -252,12 +265,8 @@ std::vector<ParetoMark> pareto_marks(const ParetoReport& report) {
   std::vector<ParetoMark> marks;
   for (const MethodRow& r : report.methods) {
     if (r.timing.contact.count == 0) continue;
-    std::string label = r.structure;
-    if (const auto at = label.find("set "); at != std::string::npos) label = label.substr(at + 4);
-    if (label.starts_with("grid ")) label = label.substr(5);
-    if (r.family != "sweep" && r.family != "smooth") label.clear();
-    marks.push_back({r.mesh, r.family, label, r.settings.probe_radius_m == 0.0, 1e-3 * r.timing.contact.p99_ns,
-                     std::max(kLeastError, r.error.all.rms)});
+    marks.push_back({r.mesh, r.family, label_of(r), r.settings.probe_radius_m == 0.0, 1e-3 * r.timing.contact.p99_ns,
+                     std::max(kLeastShownError, r.error.all.rms)});
   }
   return marks;
 }

@@ -59,12 +59,16 @@ std::string to_json(const ParetoReport& report);
 // For people: methods and queries of one mesh, or of all when the name is empty.
 std::string to_text(const ParetoReport& report, const std::string& mesh);
 
+// So that a mark without any error has a place on a logarithmic axis.
+constexpr double kLeastShownError = 1e-12;
+
 // What the plot and its front are drawn from: p99 of the contact steps against the RMS force error.
 struct ParetoMark {
-  std::string mesh, family, label;
+  std::string mesh, family;
+  std::string label;     // sweep: cells along an axis; smooth: triangles in the set, or "d6": directions of its hulls
   bool is_point = true;  // a sphere feels another surface: it is drawn, but it does not compete
   double time_us = 0.0;
-  double error = 0.0;  // share; not below 1e-12, so that it has a place on a logarithmic axis
+  double error = 0.0;  // share; not below kLeastShownError
 };
 std::vector<ParetoMark> pareto_marks(const ParetoReport& report);
 

@@ -1,5 +1,6 @@
 #include "bench/measure/pareto_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -71,6 +72,11 @@ TEST(Pareto, MeasuresEveryMethodAndStructure) {
     EXPECT_TRUE(std::any_of(report.methods.begin(), report.methods.end(), [&](const MethodRow& row) { return row.family == family; }))
         << family;
   }
+  for (const int directions : {6, 14, 18, 26}) {
+    EXPECT_TRUE(std::any_of(report.methods.begin(), report.methods.end(), [&](const MethodRow& row) {
+      return row.structure == fmt::format("fdh {}, set 64", directions);
+    })) << directions;
+  }
   for (const MethodRow& row : report.methods) {
     EXPECT_GT(row.timing.contact.count, 0U) << row.family;
     EXPECT_GE(row.timing.contact.worst_ns, row.timing.contact.p50_ns) << row.family;
@@ -91,7 +97,9 @@ TEST(Pareto, MeasuresEveryMethodAndStructure) {
   std::getline(lines, header);
   for (std::string line; std::getline(lines, line);) EXPECT_EQ(count_columns(line), count_columns(header)) << line;
   EXPECT_EQ(nlohmann::json::parse(to_json(report))["methods"].size(), report.methods.size());
-  EXPECT_FALSE(pareto_marks(report).empty());
+  const auto marks = pareto_marks(report);
+  for (const char* label : {"8", "128", "d6", "d26"})
+    EXPECT_TRUE(std::any_of(marks.begin(), marks.end(), [&](const ParetoMark& mark) { return mark.label == label; })) << label;
 }
 
 }  // namespace
