@@ -158,6 +158,19 @@ TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
   EXPECT_THAT(run({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 
+TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
+  std::ofstream(folder_ / "a file");
+  const Seen seen = run({"bench", "--out", path("a file/numbers")});
+  EXPECT_EQ(seen.code, 1);
+  EXPECT_THAT(seen.err, HasSubstr("hapton bench numbers: "));
+}
+
+TEST_F(HaptonCommandTest, StressRefusesADynamicFrictionAboveTheStaticOne) {
+  const Seen seen = run({"stress", "--body", "box", "--friction-dynamic", "0.3"});
+  EXPECT_EQ(seen.code, 1);
+  EXPECT_THAT(seen.err, HasSubstr("dynamic friction 0.3 is above static friction 0"));
+}
+
 TEST_F(HaptonCommandTest, EchoEndsWhenItsTimeIsOver) {
   const Seen seen = run({"echo", "--bind", "127.0.0.1:0", "--seconds", "0.05"});
   EXPECT_EQ(seen.code, 0);
