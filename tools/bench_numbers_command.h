@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// hapton bench numbers: the numbers to beat, target and ours side by side, in one run.
+// hapton bench numbers, and hapton bench alone: the numbers to beat, target and ours side by side, in one run.
 void add_bench_numbers_command(CommandLine bench, int& exit_code);
 
 }  // namespace hapton

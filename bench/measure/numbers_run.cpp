@@ -20,6 +20,7 @@ using Peers = std::vector<std::pair<std::string, double>>;
 constexpr double kExtent_m = 0.1;
 constexpr double kSphere_m = 0.0005;
 constexpr std::uint32_t kSetSize = 64;
+constexpr double kDegrees = 57.29577951308232;  // a radian
 
 std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_bumpy_sphere(0.045, 0.25, triangles, seed);
@@ -275,13 +276,14 @@ class Numbers {
     const ForceError error = reference->judge(*felt);
     const std::string name = "force error, frictionless slide, " + what;
     const std::string note = fmt::format(
-        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}; direction p50 "
-        "{:.3g} deg",
-        error.contact_steps, slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops,
-        57.29577951308232 * error.direction_rad.p50);
+        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}", error.contact_steps,
+        slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops);
+    const auto of_a_point = [&](const char* quoted) { return probe_radius_m == 0.0 ? quoted : ""; };
+    add({name, "p50", "%", std::nullopt, false, of_a_point("6.4 (70 k)"), {}, 100.0 * error.all.p50, note});
     add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.all.p99, note});
-    add({name, "RMS", "%", 1.0, false, "23 (70 k), 2000 (1.3 M)", {}, 100.0 * error.all.rms, note});
+    add({name, "RMS", "%", 1.0, false, of_a_point("23 (70 k), 2000 (1.3 M)"), {}, 100.0 * error.all.rms, note});
     add({name, "RMS away from basin changes", "%", 0.1, false, "", {}, 100.0 * error.away.rms, note});
+    add({name, "direction, p50", "deg", std::nullopt, false, of_a_point("3.7"), {}, kDegrees * error.direction_rad.p50, note});
     return {};
   }
 
@@ -321,15 +323,7 @@ class Numbers {
   }
 
   void name_what_others_measure() {
-    add({"force round trip, three processes, loopback",
-         "over the bare echo",
-         "x",
-         1.3,
-         false,
-         "memo: 0.7 ms",
-         {},
-         std::nullopt,
-         "hapton latency"});
+    add({kRoundTripRow, "over the bare echo", "x", 1.3, false, "memo: 0.7 ms", {}, std::nullopt, "hapton latency"});
     add({kHaptonsRow, "a core", "", 100000, true, "memo: 1, capable of 5", {}, std::nullopt, "hapton bench haptons"});
   }
 
@@ -347,7 +341,7 @@ class Numbers {
 
 std::string figure(double x) { return std::fabs(x) >= 1000.0 || x == std::floor(x) ? fmt::format("{:.0f}", x) : fmt::format("{:.3g}", x); }
 
-std::string verdict(const NumberRow& row) { return !row.ours ? "not here" : row.is_met() ? "met" : "NOT MET"; }
+std::string verdict(const NumberRow& row) { return !row.ours ? "not here" : !row.target ? "-" : row.is_met() ? "met" : "NOT MET"; }
 
 std::string quoted_cell(std::string text) {
   std::replace(text.begin(), text.end(), '"', '\'');
@@ -357,7 +351,7 @@ std::string quoted_cell(std::string text) {
 }  // namespace
 
 std::size_t NumbersReport::measured() const {
-  return static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const NumberRow& row) { return row.ours.has_value(); }));
+  return static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), [](const NumberRow& row) { return row.is_measured(); }));
 }
 
 std::size_t NumbersReport::met() const {
@@ -383,9 +377,9 @@ std::string to_csv(const NumbersReport& report) {
   for (const NumberRow& row : report.rows) {
     std::string peers;
     for (const auto& [name, value] : row.peers) peers += fmt::format("{}{}={:.6g}", peers.empty() ? "" : ";", name, value);
-    fmt::format_to(std::back_inserter(text), "{},{},{},{:g},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit,
-                   row.target, quoted_cell(row.quoted), row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(peers),
-                   quoted_cell(row.note));
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit,
+                   row.target ? fmt::format("{:g}", *row.target) : "", quoted_cell(row.quoted),
+                   row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(peers), quoted_cell(row.note));
   }
   return text;
 }
@@ -397,8 +391,9 @@ std::string to_json(const NumbersReport& report) {
   json["targets_met"] = report.met();
   json["rows"] = Json::array();
   for (const NumberRow& row : report.rows) {
-    Json one{{"what", row.what},     {"metric", row.metric},     {"unit", row.unit},
-             {"target", row.target}, {"at_least", row.at_least}, {"chai3d_3_3_quoted", row.quoted}};
+    Json one{{"what", row.what},         {"metric", row.metric},
+             {"unit", row.unit},         {"target", row.target ? Json(*row.target) : Json(nullptr)},
+             {"at_least", row.at_least}, {"chai3d_3_3_quoted", row.quoted}};
     one["peers"] = Json::object();
     for (const auto& [name, value] : row.peers) one["peers"][name] = value;
     one["hapton"] = row.ours ? Json(*row.ours) : Json(nullptr);
@@ -422,8 +417,8 @@ std::string to_text(const NumbersReport& report) {
     std::string peers;
     for (const auto& [name, value] : row.peers) peers += fmt::format("{}{} {}", peers.empty() ? "" : ", ", name, figure(value));
     fmt::format_to(out, "  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.unit.empty() ? row.metric : row.metric + ", " + row.unit,
-                   (row.at_least ? ">= " : "<= ") + figure(row.target), row.ours ? figure(*row.ours) : "-", verdict(row), row.quoted,
-                   peers);
+                   row.target ? (row.at_least ? ">= " : "<= ") + figure(*row.target) : "-", row.ours ? figure(*row.ours) : "-",
+                   verdict(row), row.quoted, peers);
     const bool is_last_of_note = &row == &report.rows.back() || (&row)[1].note != row.note;
     if (is_last_of_note && !row.note.empty()) fmt::format_to(out, "    {}\n", row.note);
   }

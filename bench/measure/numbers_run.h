@@ -22,27 +22,29 @@ struct NumbersSettings {
 
 // A goal, what others reach, and what we do.
 struct NumberRow {
-  std::string what;    // "contact step, point probe, 1,310,720 triangles"
-  std::string metric;  // "p50"
-  std::string unit;    // "ns"
-  double target = 0.0;
+  std::string what;                                   // "contact step, point probe, 1,310,720 triangles"
+  std::string metric;                                 // "p50"
+  std::string unit;                                   // "ns"
+  std::optional<double> target;                       // none: only to be set beside what others reach
   bool at_least = false;                              // true: the more the better
   std::string quoted;                                 // CHAI3D 3.3 or the paper, measured earlier elsewhere; empty: there is none
   std::vector<std::pair<std::string, double>> peers;  // live, in this run
   std::optional<double> ours;                         // none: another command measures it
   std::string note;
 
-  bool is_met() const { return ours.has_value() && (at_least ? *ours >= target : *ours <= target); }
+  bool is_measured() const { return target.has_value() && ours.has_value(); }
+  bool is_met() const { return is_measured() && (at_least ? *ours >= *target : *ours <= *target); }
 };
 
-// What the row of the memo's unit is called; whoever measures it fills it in.
+// What the rows are called that others measure and fill in.
+constexpr const char* kRoundTripRow = "force round trip, three processes, loopback";
 constexpr const char* kHaptonsRow = "haptons: triangle pairs a millisecond, on edge, located to 0.1 %";
 
 struct NumbersReport {
   RunConditions conditions;
   std::vector<NumberRow> rows;
 
-  std::size_t measured() const;
+  std::size_t measured() const;  // rows with a target
   std::size_t met() const;
 };
 

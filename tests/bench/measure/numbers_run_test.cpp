@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-NumberRow row(double target, std::optional<double> ours, bool at_least = false) {
+NumberRow row(std::optional<double> target, std::optional<double> ours, bool at_least = false) {
   NumberRow made;
   made.what = "what";
   made.metric = "p50";
@@ -28,11 +28,12 @@ TEST(NumberRow, IsMetAtItsTargetAndNotBeyond) {
   EXPECT_TRUE(row(5.0, 5.0, true).is_met());
   EXPECT_FALSE(row(5.0, 4.9, true).is_met());
   EXPECT_FALSE(row(5.0, std::nullopt).is_met());
+  EXPECT_FALSE(row(std::nullopt, 1.0).is_met());
 }
 
 TEST(NumbersReport, CountsWhatWasMeasuredAndMet) {
   NumbersReport report;
-  report.rows = {row(5.0, 1.0), row(5.0, 9.0), row(5.0, std::nullopt)};
+  report.rows = {row(5.0, 1.0), row(5.0, 9.0), row(5.0, std::nullopt), row(std::nullopt, 1.0)};
   EXPECT_EQ(report.measured(), 2U);
   EXPECT_EQ(report.met(), 1U);
   const std::string text = to_text(report);
