@@ -20,9 +20,10 @@ void for_each_setting(S& s, Visit&& visit) {
   visit("smooth_radius_m", s.smooth_radius_m);
   visit("smooth_layer", s.smooth_layer);
   visit("hull_directions", s.hull_directions);
+  visit("crease_deg", s.crease_deg);
+  visit("simplify_m", s.simplify_m);
   visit("build_on_approach", s.build_on_approach);
   visit("shading", s.shading);
-  visit("shading_crease_rad", s.shading_crease_rad);
   visit("probe_radius_m", s.probe_radius_m);
   visit("reference_substeps", s.reference_substeps);
 }

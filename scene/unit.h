@@ -12,6 +12,10 @@ enum class Unit { m, cm, mm, in };
 // m, cm, mm or in; anything else is an error that says so. RT: set-up only.
 Result<Unit> parse_unit(std::string_view text);
 
+// A length in metres: a number with its unit behind it ("0.1mm", "5 cm"); a number alone is in metres. RT: set-up only.
+// Error: not such a thing, negative or not finite.
+Result<double> parse_length(std::string_view text);
+
 double metres_per(Unit unit);
 std::string_view name_of(Unit unit);
 

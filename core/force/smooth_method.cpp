@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/geometry/closest_point.h"
 #include "core/geometry/triangle_distance.h"
@@ -79,10 +80,15 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
   if (settings.probe_radius_m != 0.0) {
     return fail("smooth: the probe is a point, not a sphere of {:g} m; set its radius to 0 or choose proxy", settings.probe_radius_m);
   }
+  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
+    return fail("smooth: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
+  }
   own.set_size = static_cast<std::uint32_t>(settings.set_size);
   own.radius_m = settings.smooth_radius_m;
   own.layer = settings.smooth_layer;
   own.scene.directions = settings.hull_directions;
+  own.scene.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
+  own.scene.surface.simplify_error_m = settings.simplify_m;
   auto method = make_with(own, scene);
   if (!method) return tl::unexpected(method.error());
   return std::unique_ptr<ForceMethod>(std::move(*method));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -69,6 +70,7 @@ void average_normals(ShadedMesh& mesh, std::size_t faces) {
 ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::uint32_t> source, double crease_angle,
                                CornerNormalReport& report) {
   report = {};
+  report.crease_angle_rad = crease_angle;
   ShadedMesh shaded;
   shaded.vertices = mesh.vertices;
   shaded.triangles = mesh.triangles;
@@ -153,8 +155,9 @@ NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
 }
 
 std::string CornerNormalReport::describe() const {
-  return fmt::format("normals: filled {} corners with {} normals; {} sharp edges, {} vertices with several", filled, normals, sharp_edges,
-                     creased);
+  return fmt::format(
+      "normals: filled {} corners with {} normals; {} sharp edges (faces turn by more than {:g} degrees), {} vertices with several", filled,
+      normals, sharp_edges, crease_angle_rad * 180.0 / std::numbers::pi, creased);
 }
 
 std::string NormalCheckReport::describe() const {

@@ -10,6 +10,7 @@
 namespace hapton {
 
 struct CornerNormalReport {
+  double crease_angle_rad = 0.0;
   std::size_t filled = 0;       // corners given a normal
   std::size_t normals = 0;      // different ones
   std::size_t sharp_edges = 0;  // of two triangles, whose faces turn by more than the crease angle

@@ -4,47 +4,179 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/triangle_distance.h"
 
 namespace hapton {
+namespace {
 
-Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error) {
-  if (!(max_error >= 0.0 && max_error <= 1.0)) {
-    return fail("simplification: the error bound {:g} is a share of the mesh's longest side; give 0 to 1", max_error);
+constexpr int kTries = 16;
+constexpr double kFiner = 0.7;  // of the error asked of the quadrics, from try to try
+constexpr int kMostIdle = 64;   // triangles looked round without coming nearer
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+// The triangles round each vertex.
+class Fans {
+ public:
+  Fans(std::span<const Triangle> triangles, std::size_t vertices) : first_(vertices + 1, 0), triangles_(3 * triangles.size()) {
+    for (const Triangle& t : triangles) {
+      for (const std::uint32_t v : t) ++first_[v + 1];
+    }
+    for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] += first_[v];
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+      for (const std::uint32_t v : triangles[i]) triangles_[next[v]++] = i;
+    }
+  }
+  std::span<const std::uint32_t> operator[](std::uint32_t vertex) const {
+    return {triangles_.data() + first_[vertex], first_[vertex + 1] - first_[vertex]};
+  }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<std::uint32_t> triangles_;
+};
+
+// For every vertex the one nearest to it, in edges, that is still used; kNone where a whole piece went.
+std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, const Fans& fans_before, const Fans& fans_after,
+                                             std::size_t vertices) {
+  std::vector<std::uint32_t> kept(vertices, kNone);
+  std::vector<std::uint32_t> front;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    if (fans_after[v].empty()) continue;
+    kept[v] = v;
+    front.push_back(v);
+  }
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    for (const std::uint32_t t : fans_before[front[i]]) {
+      for (const std::uint32_t v : before[t]) {
+        if (kept[v] != kNone) continue;
+        kept[v] = kept[front[i]];
+        front.push_back(v);
+      }
+    }
+  }
+  return kept;
+}
+
+// Finds the triangle nearest to a point by going downhill over triangles that touch, the nearest known first. A row of triangles without
+// area is as near as the one before it, so some steps may gain nothing.
+class Descent {
+ public:
+  explicit Descent(const TriangleMesh& mesh)
+      : mesh_(mesh), fans_(mesh.triangles, mesh.vertices.size()), seen_by_(mesh.triangles.size(), 0) {}
+
+  const Fans& fans() const { return fans_; }
+
+  // The distance from p to where the way down from a vertex ends.
+  double find_distance(std::uint32_t from, const Vec3& p) {
+    ++search_;
+    open_.clear();
+    look_round(from, p);
+    double least = open_.front().first;
+    for (int idle = 0; idle < kMostIdle && !open_.empty() && least > 0.0; ++idle) {
+      std::pop_heap(open_.begin(), open_.end(), std::greater<>());
+      const auto [distance, triangle] = open_.back();
+      open_.pop_back();
+      if (distance < least) least = distance, idle = 0;
+      for (const std::uint32_t v : mesh_.triangles[triangle]) look_round(v, p);
+    }
+    return std::sqrt(least);
+  }
+
+ private:
+  void look_round(std::uint32_t vertex, const Vec3& p) {
+    for (const std::uint32_t t : fans_[vertex]) {
+      if (seen_by_[t] == search_) continue;
+      seen_by_[t] = search_;
+      open_.emplace_back(triangle_distance_squared(p, mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2)), t);
+      std::push_heap(open_.begin(), open_.end(), std::greater<>());
+    }
+  }
+
+  const TriangleMesh& mesh_;
+  Fans fans_;
+  std::vector<std::uint32_t> seen_by_;
+  std::uint32_t search_ = 0;
+  std::vector<std::pair<double, std::uint32_t>> open_;  // a heap, the nearest first
+};
+
+// The farthest that a vertex of `before` lies from `mesh`, whose vertices are the same.
+double measure_deviation(std::span<const Triangle> before, const TriangleMesh& mesh) {
+  const Fans fans_before(before, mesh.vertices.size());
+  Descent descent(mesh);
+  const auto kept = find_nearest_kept(before, fans_before, descent.fans(), mesh.vertices.size());
+  double farthest = 0.0;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (fans_before[v].empty() || kept[v] == v) continue;
+    if (kept[v] == kNone) return std::numeric_limits<double>::infinity();
+    farthest = std::max(farthest, descent.find_distance(kept[v], mesh.vertices[v]));
+  }
+  return farthest;
+}
+
+// Single precision is enough to choose which vertices go; those that stay keep their double precision.
+std::vector<float> positions_in_unit_box(const TriangleMesh& mesh, const Vec3& low, double side) {
+  std::vector<float> positions;
+  positions.reserve(3 * mesh.vertices.size());
+  for (const Vec3& v : mesh.vertices) {
+    for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>((v[k] - low[k]) / side));
+  }
+  return positions;
+}
+
+std::vector<Triangle> simplify_by_quadrics(std::span<const Triangle> triangles, std::span<const float> positions, double error) {
+  std::vector<unsigned int> indices;
+  indices.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) indices.insert(indices.end(), t.begin(), t.end());
+  const std::size_t kept = meshopt_simplify(indices.data(), indices.data(), indices.size(), positions.data(), positions.size() / 3,
+                                            3 * sizeof(float), 0, static_cast<float>(error), meshopt_SimplifyLockBorder, nullptr);
+  std::vector<Triangle> fewer(kept / 3);
+  for (std::size_t t = 0; t < fewer.size(); ++t) fewer[t] = {indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]};
+  return fewer;
+}
+
+}  // namespace
+
+Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m) {
+  const MeshBounds bounds = compute_bounds(mesh);
+  const double side = mesh.vertices.empty() ? 0.0 : bounds.extent();
+  if (!(max_error_m == 0.0 || (max_error_m > 0.0 && max_error_m < side))) {
+    return fail("simplification: the error bound {:g} m is not from 0 to below the mesh's longest side, {:g} m", max_error_m, side);
   }
   SimplifyReport report;
+  report.bound_m = max_error_m;
   report.before = report.after = mesh.triangles.size();
-  if (max_error == 0.0 || mesh.triangles.empty()) return report;
+  if (max_error_m == 0.0 || mesh.triangles.empty()) return report;
 
-  Vec3 low = mesh.vertices.front();
-  Vec3 high = low;
-  for (const Vec3& v : mesh.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+  const std::vector<Triangle> before = std::move(mesh.triangles);
+  const std::vector<float> positions = positions_in_unit_box(mesh, bounds.low, side);
+  double error = max_error_m / side;
+  for (int i = 0; i < kTries; ++i, error *= kFiner) {
+    mesh.triangles = simplify_by_quadrics(before, positions, error);
+    report.error_m = measure_deviation(before, mesh);
+    report.after = mesh.triangles.size();
+    if (report.error_m <= max_error_m) return report;
   }
-  const double side = (high - low).maxCoeff();
-  if (!(side > 0.0)) return report;
-  // Single precision is enough to choose which vertices go; those that stay keep their double precision.
-  std::vector<float> positions(3 * mesh.vertices.size());
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Vec3 p = (mesh.vertices[i] - low) / side;
-    for (int k = 0; k < 3; ++k) positions[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(p[k]);
-  }
-  std::vector<unsigned int> indices;
-  indices.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) indices.insert(indices.end(), t.begin(), t.end());
-  float error = 0.0F;
-  const std::size_t kept = meshopt_simplify(indices.data(), indices.data(), indices.size(), positions.data(), mesh.vertices.size(),
-                                            3 * sizeof(float), 0, static_cast<float>(max_error), meshopt_SimplifyLockBorder, &error);
-  mesh.triangles.resize(kept / 3);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) mesh.triangles[t] = {indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]};
-  report.after = mesh.triangles.size();
-  report.error_m = static_cast<double>(error) * side;
+  mesh.triangles = before;
+  report.after = report.before;
+  report.error_m = 0.0;
   return report;
 }
 
 std::string SimplifyReport::describe() const {
-  return before == after ? fmt::format("simplify: {} triangles, none merged", before)
-                         : fmt::format("simplify: {} triangles made {}, moved by at most {:g} m", before, after, error_m);
+  if (bound_m == 0.0) return fmt::format("simplify: {} triangles, not asked for", before);
+  if (before == after) return fmt::format("simplify: {} triangles, none merged within {:g} m", before, bound_m);
+  return fmt::format("simplify: {} triangles made {}, no vertex moved farther than {:g} m of {:g} m allowed", before, after, error_m,
+                     bound_m);
 }
 
 }  // namespace hapton

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <string>
-#include <vector>
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
@@ -12,14 +11,17 @@ namespace hapton {
 struct SimplifyReport {
   std::size_t before = 0;
   std::size_t after = 0;
-  double error_m = 0.0;  // how far the surface moved at most, by the quadrics' estimate
+  double bound_m = 0.0;  // that was asked for
+  double error_m = 0.0;  // no vertex that was merged away lies farther from the new surface
   std::string describe() const;
 };
 
-// Merges triangles that are too small to matter, as long as the surface moves by no more than max_error (a share of the mesh's longest
-// side; 0: nothing is done). Open borders stay where they are.
-// Pre: welded vertices. Error: max_error is not in 0 .. 1.
+// Merges triangles that are too small to matter, as long as no vertex of the mesh then lies farther than max_error_m from the surface (0:
+// nothing is done). Open borders stay where they are.
+// meshoptimizer chooses by quadrics, whose error is a mean over planes and no bound; what came out is measured, and done again more finely
+// until the bound holds. The measure goes downhill from triangle to triangle, so it may be too large and is never too small.
+// Pre: welded vertices. Error: max_error_m is not from 0 to below the mesh's longest side.
 // RT: set-up only. Source: fdh-rendering.txt, 4.1 and its [5]; quadric error (Garland & Heckbert 1997) by meshoptimizer.
-Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error);
+Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m);
 
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 namespace hapton {
 namespace {
@@ -30,8 +31,8 @@ void set_middles(ShadedMesh& mesh) {
 
 Result<SmoothSurface> make_smooth_surface(const TriangleMesh& mesh, const SmoothSurfaceSettings& settings, SmoothSurfaceReport& report) {
   report = {};
-  if (!(settings.crease_angle_rad >= 0.0 && settings.crease_angle_rad <= 3.15)) {
-    return fail("smooth surface: the crease angle {:g} rad is not between 0 and pi", settings.crease_angle_rad);
+  if (!(settings.crease_angle_rad >= 0.0 && settings.crease_angle_rad <= std::numbers::pi)) {
+    return fail("smooth surface: the crease angle {:g} is not from 0 to 180 degrees", settings.crease_angle_rad * 180.0 / std::numbers::pi);
   }
   if (!(settings.longest_edge >= 0.0) || !(settings.growth >= 1.0)) {
     return fail("smooth surface: longest edge {:g} must be 0 or more, growth {:g} 1 or more", settings.longest_edge, settings.growth);
@@ -40,7 +41,7 @@ Result<SmoothSurface> make_smooth_surface(const TriangleMesh& mesh, const Smooth
   std::vector<std::uint32_t> vertex_source;
   TriangleMesh clean = mend_mesh(mesh, report.mend, &source, &vertex_source);
   if (clean.triangles.empty()) return fail("smooth surface: none of the mesh's {} triangles has an area", mesh.triangles.size());
-  auto simplified = simplify_small(clean, settings.simplify_error);
+  auto simplified = simplify_small(clean, settings.simplify_error_m);
   if (!simplified) return tl::unexpected(simplified.error());
   report.simplify = *simplified;
   // Merging leaves no telling which triangle came from where.

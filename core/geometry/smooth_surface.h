@@ -18,8 +18,8 @@ namespace hapton {
 struct SmoothSurfaceSettings {
   double crease_angle_rad = 40.0 * 3.14159265358979323846 / 180.0;  // faces that turn by more meet in a sharp edge
   double longest_edge = 1.0 / 16.0;                                 // of the box's diagonal: longer edges are halved; 0: never
-  double simplify_error = 0.0;  // of the longest side: how far merging small triangles may move the surface; 0: never
-  double growth = 4.0;          // splitting stops before there are so many times the triangles (and 100,000 more)
+  double simplify_error_m = 0.0;  // how far from the new surface merging small triangles may leave a vertex; 0: never
+  double growth = 4.0;            // splitting stops before there are so many times the triangles (and 100,000 more)
 };
 
 // What each pass did.

@@ -18,9 +18,10 @@ TEST(MethodText, gives_back_every_setting_to_the_last_bit) {
                                 .smooth_radius_m = 1.0 / 3.0,
                                 .smooth_layer = 1e-300,
                                 .hull_directions = 26,
+                                .crease_deg = 63.0 / 11.0,
+                                .simplify_m = 1e-5 / 3.0,
                                 .build_on_approach = true,
                                 .shading = 0.7,
-                                .shading_crease_rad = 1.1,
                                 .probe_radius_m = 0.0005,
                                 .reference_substeps = 32};
   const auto read = parse_method_text(to_text(settings));
@@ -28,6 +29,8 @@ TEST(MethodText, gives_back_every_setting_to_the_last_bit) {
   EXPECT_EQ(to_text(*read), to_text(settings));
   EXPECT_EQ(read->offset_m, settings.offset_m);
   EXPECT_EQ(read->smooth_radius_m, settings.smooth_radius_m);
+  EXPECT_EQ(read->crease_deg, settings.crease_deg);
+  EXPECT_EQ(read->simplify_m, settings.simplify_m);
   EXPECT_EQ(read->grid_division, settings.grid_division);
   EXPECT_TRUE(read->build_on_approach);
 }

@@ -1,6 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <utility>
+#include <vector>
+
 #include "core/force/force_method.h"
+#include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -18,6 +23,38 @@ TEST(MakeMethod, AnUnknownNameIsToldTheKnownOnes) {
   EXPECT_NE(method.error().what.find("'sweeep'"), std::string::npos);
   EXPECT_NE(method.error().what.find("choose one of: "), std::string::npos);
   EXPECT_NE(method.error().what.find("sweep"), std::string::npos);
+}
+
+TEST(MakeMethod, AnImpossibleSettingIsRefusedInOneLineThatSaysWhatToGive) {
+  const TouchScene ball{.objects = {{made::shared(made::sphere(0.1, 8)), {}}}};
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::pair<MethodSettings, const char*>> cases = {
+      {{.name = "smooth", .crease_deg = -1.0}, "crease angle of -1 degrees; give 0 to 180"},
+      {{.name = "smooth", .crease_deg = 181.0}, "crease angle of 181 degrees; give 0 to 180"},
+      {{.name = "smooth", .crease_deg = kNan}, "give 0 to 180"},
+      {{.name = "smooth", .simplify_m = -1e-4}, "-0.0001 m is not from 0 to below the mesh's longest side, 0.2 m"},
+      {{.name = "smooth", .simplify_m = 0.3}, "0.3 m is not from 0 to below the mesh's longest side, 0.2 m"},
+      {{.name = "smooth", .simplify_m = kNan}, "longest side"},
+      {{.name = "proxy", .crease_deg = 200.0}, "crease angle of 200 degrees; give 0 to 180"},
+      {{.name = "proxy", .shading = 1.5}, "shading of 1.5; give 0 to 1"},
+  };
+  for (const auto& [settings, words] : cases) {
+    const auto method = make_method(settings, ball);
+    ASSERT_FALSE(method) << words;
+    EXPECT_NE(method.error().what.find(words), std::string::npos) << method.error().what;
+    EXPECT_EQ(method.error().what.find('\n'), std::string::npos);
+  }
+}
+
+TEST(MakeMethod, SmoothIsToldItsCreaseAngleAndHowMuchToSimplify) {
+  const TouchScene ball{.objects = {{made::shared(make_icosphere(0.05, 4)), {}}}};
+  const auto plain = make_method({.name = "smooth"}, ball);
+  const auto told = make_method({.name = "smooth", .crease_deg = 63.0, .simplify_m = 2e-4}, ball);
+  ASSERT_TRUE(plain && told);
+  EXPECT_NE((*plain)->describe().find("5120 triangles, not asked for"), std::string::npos) << (*plain)->describe();
+  EXPECT_NE((*plain)->describe().find("more than 40 degrees"), std::string::npos);
+  EXPECT_NE((*told)->describe().find("5120 triangles made "), std::string::npos) << (*told)->describe();
+  EXPECT_NE((*told)->describe().find("more than 63 degrees"), std::string::npos);
 }
 
 TEST(MakeMethod, EmptySceneIsRefused) {

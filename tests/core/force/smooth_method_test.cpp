@@ -69,6 +69,53 @@ std::vector<Vec3> wander(const TriangleMesh& mesh, std::uint64_t seed, int steps
   return way;
 }
 
+std::unique_ptr<ForceMethod> make_told(const TouchScene& scene, double crease_deg, double simplify_m) {
+  auto method = SmoothMethod::make({.crease_deg = crease_deg, .simplify_m = simplify_m}, scene);
+  EXPECT_TRUE(method) << (method ? "" : method.error().what);
+  return method ? std::move(*method) : nullptr;
+}
+
+TEST(SmoothMethod, FewerTrianglesChangeTheForceByNoMoreThanTheBoundExplains) {
+  constexpr double kBound = 2e-4;
+  constexpr double kStiffness = 1000.0;
+  constexpr unsigned kSeed = 12;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const TouchScene scene = scene_of(make_icosphere(0.05, 5), {.stiffness_n_per_m = kStiffness});
+  const auto all = make_told(scene, 40.0, 0.0);
+  const auto fewer = make_told(scene, 40.0, kBound);
+  const auto faces = [](const ForceMethod& method) { return dynamic_cast<const SmoothMethod&>(method).scene().surface(0).face_count; };
+  EXPECT_LT(faces(*fewer), faces(*all) / 4);
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 out = Vec3(normal(random), normal(random), normal(random)).normalized();
+    MethodOutput expected;
+    MethodOutput felt;
+    all->reset(0.051 * out);
+    fewer->reset(0.051 * out);
+    for (int step = 1; step <= 30; ++step) {
+      const Vec3 P = (0.051 - 1e-4 * step) * out;
+      expected = all->step({.p_SD = P});
+      felt = fewer->step({.p_SD = P});
+    }
+    ASSERT_GT(expected.force_n.norm(), 1.9);
+    EXPECT_NEAR(felt.force_n.norm(), expected.force_n.norm(), kStiffness * kBound);
+  }
+}
+
+TEST(SmoothMethod, TheCreaseAngleRoundsABoxesEdges) {
+  const TouchScene scene = scene_of(make_box(Vec3::Constant(0.1), 8));
+  const auto press_near_edge = [&](double crease_deg) {
+    const auto method = make_told(scene, crease_deg, 0.0);
+    MethodOutput felt;
+    method->reset(Vec3(0.048, 0.001, 0.052));
+    for (int i = 0; i <= 30; ++i) felt = method->step({.p_SD = Vec3(0.048, 0.001, 0.052 - 1e-4 * i)});
+    return felt.force_n;
+  };
+  EXPECT_LT(angle_between(press_near_edge(40.0), Vec3::UnitZ()), 1e-6);
+  EXPECT_GT(angle_between(press_near_edge(120.0), Vec3::UnitZ()), 0.3);
+}
+
 TEST(SmoothMethod, PressingAPlaneGivesHookesLaw) {
   const auto method = make(scene_of(make_plane_grid(0.1, 20), {.stiffness_n_per_m = 700.0}));
   method->reset(Vec3(0.0013, 0.0021, 0.004));

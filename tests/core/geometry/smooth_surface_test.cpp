@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
@@ -59,11 +60,30 @@ TEST(SmoothSurface, RealDirtSurvivesEveryPass) {
   }
 }
 
+TEST(SmoothSurface, TheCreaseAngleDecidesWhetherABoxHasRoundedEdges) {
+  SmoothSurfaceReport report;
+  const auto normal_at_corner = [&](double degrees) {
+    const auto surface = make_smooth_surface(make_box(Vec3(1, 1, 1)), {.crease_angle_rad = degrees / 180.0 * std::numbers::pi}, report);
+    EXPECT_TRUE(surface);
+    for (std::size_t t = 0; t < surface->face_count; ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (surface->mesh.corner(t, k) == Vec3(0.5, 0.5, 0.5)) return surface->mesh.normal(t, k);
+      }
+    }
+    return Vec3(Vec3::Zero());
+  };
+  EXPECT_NEAR(normal_at_corner(89.0).cwiseAbs().maxCoeff(), 1.0, 1e-12);
+  EXPECT_EQ(report.normals.sharp_edges, 12U);
+  EXPECT_NE(report.normals.describe().find("12 sharp edges (faces turn by more than 89 degrees)"), std::string::npos);
+  EXPECT_NEAR((normal_at_corner(91.0) - Vec3(1, 1, 1).normalized()).norm(), 0.0, 1e-12);
+  EXPECT_EQ(report.normals.sharp_edges, 0U);
+}
+
 TEST(SmoothSurface, RefusesWhatItCannotUse) {
   SmoothSurfaceReport report;
   EXPECT_FALSE(make_smooth_surface({{Vec3(1, 1, 1)}, {{0, 0, 0}}}, {}, report));
   EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.crease_angle_rad = -1.0}, report));
-  EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.simplify_error = 2.0}, report));
+  EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.simplify_error_m = 2.0}, report));
   EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.growth = 0.0}, report));
 }
 
