@@ -234,7 +234,7 @@ void ProxyMethod::follow_in_parts(const Vec3& last, const Vec3& device, int part
     const Vec3 to = part + 1 < parts ? Vec3(from + way) : device;
     save(part_);
     solve(to);
-    if (free_ || (proxy_ - part_.proxy).norm() <= kLeap * way.norm()) continue;
+    if (free_ || (proxy_ - part_.proxy).norm() <= kLetGo * way.norm()) continue;
     restore(part_);
     for (int i = 1; i <= kParts; ++i) solve(i < kParts ? Vec3(from + (static_cast<double>(i) / kParts) * way) : to);
   }

@@ -75,6 +75,7 @@ class ProxyMethod final : public ForceMethod {
   static constexpr double kCatchUp = 1.3;       // strides
   static constexpr double kCatchUpFold = 1.01;  // where folds hold the proxy
   static constexpr double kLeap = 1.5;          // strides
+  static constexpr double kLetGo = 4.0;         // of a part's own strides: no slide is as fast
   static constexpr int kParts = 8;
   static constexpr double kSamePlace = 0x1p-16;  // strides
   static constexpr int kNearPieces = 4;
