@@ -1,5 +1,6 @@
 // Fixed Direction Hulls of 6, 14, 18 and 26 directions against each other on the same queries: time, nodes opened, triangles looked at;
-// building, refitting; and the two tasks of method `smooth`. Mesh: a bumpy sphere of 100 mm, seed 1; queries: a walk over all of its surface.
+// building, refitting; and the two tasks of method `smooth`. Mesh: a bumpy sphere of 100 mm, seed 1; queries: a walk over all of its
+// surface.
 //   build/release/bin/fdh_bench --benchmark_filter=nearest_64
 #include <benchmark/benchmark.h>
 
@@ -55,7 +56,9 @@ const std::vector<Vec3>& walk_over(std::int64_t triangles) {
 }
 
 void count(benchmark::State& state, const FdhVisits& visits) {
-  const auto per_query = [&](std::uint32_t n) { return benchmark::Counter(static_cast<double>(n) / static_cast<double>(state.iterations())); };
+  const auto per_query = [&](std::uint32_t n) {
+    return benchmark::Counter(static_cast<double>(n) / static_cast<double>(state.iterations()));
+  };
   state.counters["nodes"] = per_query(visits.nodes);
   state.counters["leaves"] = per_query(visits.leaves);
   state.counters["triangles"] = per_query(visits.items);
@@ -212,10 +215,10 @@ void smooth_step(benchmark::State& state) {
   state.counters["overflows"] = static_cast<double>(counters.overflows) / static_cast<double>(counters.steps);
 }
 
-#define HAPTON_ALL_HULLS(query)                                                                     \
-  BENCHMARK(query<6>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000);                                   \
-  BENCHMARK(query<14>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000);                                  \
-  BENCHMARK(query<18>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000);                                  \
+#define HAPTON_ALL_HULLS(query)                                    \
+  BENCHMARK(query<6>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000);  \
+  BENCHMARK(query<14>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000); \
+  BENCHMARK(query<18>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000); \
   BENCHMARK(query<26>)->Arg(20'000)->Arg(300'000)->Arg(1'000'000)
 
 HAPTON_ALL_HULLS(nearest_64);

@@ -14,7 +14,7 @@ namespace hapton {
 // The command line, read and checked.
 struct HapticsOptions {
   std::string hub = "127.0.0.1";
-  std::string bind;  // empty: any address of the hub's family, any port
+  std::string bind;      // empty: any address of the hub's family, any port
   std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
   std::optional<Unit> unit;  // of a plain mesh file

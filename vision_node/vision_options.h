@@ -16,8 +16,8 @@ namespace hapton {
 struct VisionOptions {
   std::string hub = "127.0.0.1";
   std::string other_hub;  // of another hand to show; empty: none
-  std::string bind;  // empty: any address of the hub's family, any port
-  std::string key_file;  // empty: the user's own, on loopback
+  std::string bind;       // empty: any address of the hub's family, any port
+  std::string key_file;   // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
   std::optional<Unit> unit;  // of a plain mesh file
   ViewSettings view;

@@ -53,11 +53,11 @@ struct hapton_hid_limits {
   float max_stiffness_n_per_m;
   float max_torque_nm;
   float max_torque_slew_nm_per_s;
-  float peak_s; /* how long it bears max_force_n, beginning cold; 0: without end */
+  float peak_s;            /* how long it bears max_force_n, beginning cold; 0: without end */
   float max_speed_m_per_s; /* faster is no hand; 0: not known */
-  const char* model;    /* UTF-8, 24 bytes at most */
-  const char* serial;   /* 16 bytes at most */
-  const char* firmware; /* 16 bytes at most */
+  const char* model;       /* UTF-8, 24 bytes at most */
+  const char* serial;      /* 16 bytes at most */
+  const char* firmware;    /* 16 bytes at most */
 };
 
 /* What the device measures. */

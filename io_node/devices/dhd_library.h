@@ -30,7 +30,8 @@ constexpr unsigned char kWatchdogUnits = 255;  // 31.9 ms, the longest there is:
 // "button released", "velocity threshold", ... : why the firmware let the force go.
 std::string_view name_of_force_off_cause(int cause);
 
-// What a system bears, by its type: the library does not say. Our own figures, careful ones, to be checked against the maker's data sheet; unknown types get little.
+// What a system bears, by its type: the library does not say. Our own figures, careful ones, to be checked against the maker's data sheet;
+// unknown types get little.
 struct System {
   int type;
   std::string_view name;

@@ -14,8 +14,8 @@ constexpr double kPositionStepM = kInchM / 800.0;
 constexpr int kGimbalCounts = 512;
 constexpr double kMaxForceN = 1.9 * 4.4482216152605;
 
-// What the memo does not say is the later Premium 1.5's, the same machine: 1.4 N are its data sheet's "continuous exertable force". How long
-// the peak may last is in no data sheet; 10 s make a time constant of six minutes, between a winding's and a motor's.
+// What the memo does not say is the later Premium 1.5's, the same machine: 1.4 N are its data sheet's "continuous exertable force". How
+// long the peak may last is in no data sheet; 10 s make a time constant of six minutes, between a winding's and a motor's.
 constexpr double kContinuousForceN = 1.4;
 constexpr double kPeakS = 10.0;
 
