@@ -6,17 +6,47 @@
 #include <nlohmann/json.hpp>
 
 namespace hapton {
+namespace {
+
+constexpr double kCrackShare = 1e-3;  // of the longest side
+
+}  // namespace
+
+MeshFlaws find_flaws(const TriangleMesh& mesh) {
+  MeshFlaws flaws{.topology = compute_mesh_topology(mesh), .borders = {}, .mend = {}};
+  flaws.borders = count_border_edges(mesh, kCrackShare * (flaws.topology.highest - flaws.topology.lowest).maxCoeff());
+  mend_mesh(mesh, flaws.mend);
+  return flaws;
+}
+
+std::string to_text(const MeshFlaws& flaws) {
+  const MeshTopology& t = flaws.topology;
+  const std::pair<std::size_t, const char*> counts[] = {{flaws.borders.open, "open border edges"},
+                                                        {flaws.borders.cracks, "crack edges"},
+                                                        {t.nonmanifold_edges, "non-manifold edges"},
+                                                        {t.inconsistent_edges, "inconsistent edges"},
+                                                        {t.nonmanifold_vertices, "non-manifold vertices"},
+                                                        {t.degenerate_triangles, "degenerate triangles"},
+                                                        {t.needle_triangles, "needles"},
+                                                        {flaws.mend.dropped_duplicates, "duplicates"},
+                                                        {flaws.mend.double_faces, "double faces"}};
+  std::string text;
+  for (const auto& [count, name] : counts) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", name, count);
+  }
+  return (t.is_closed() ? "closed" : "not closed") + text;
+}
 
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit) {
   Result<MeshFile> file = load_mesh_file(path, unit);
   if (!file) return tl::unexpected(file.error());
-  MeshReport report{.path = path.string(), .file = std::move(*file), .topology = {}};
-  report.topology = compute_mesh_topology(report.file.mesh);
+  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}};
+  report.flaws = find_flaws(report.file.mesh);
   return report;
 }
 
 std::string to_text(const MeshReport& report) {
-  const MeshTopology& t = report.topology;
+  const MeshTopology& t = report.flaws.topology;
   const Vec3 size = t.highest - t.lowest;
   std::string text;
   const auto line = [&]<class... Args>(std::string_view name, fmt::format_string<Args...> format, Args&&... args) {
@@ -32,24 +62,27 @@ std::string to_text(const MeshReport& report) {
   line("signed volume", "{:.6g} m^3", t.signed_volume);
   line("edges", "{:.4g} / {:.4g} / {:.4g} m (shortest / median / longest)", t.shortest_edge, t.median_edge, t.longest_edge);
   line("closed", "{}", t.is_closed() ? "yes" : "no");
-  line("boundary edges", "{}", t.boundary_edges);
+  line("boundary edges", "{} ({} open, {} of cracks up to {:g} of the longest side wide)", t.boundary_edges, report.flaws.borders.open,
+       report.flaws.borders.cracks, kCrackShare);
   line("non-manifold edges", "{}", t.nonmanifold_edges);
   line("inconsistent edges", "{}", t.inconsistent_edges);
   line("non-manifold vertices", "{}", t.nonmanifold_vertices);
   line("degenerate triangles", "{}", t.degenerate_triangles);
   line("needle triangles", "{}", t.needle_triangles);
-  line("duplicate triangles", "{}", t.duplicate_triangles);
+  line("duplicate triangles", "{}", report.flaws.mend.dropped_duplicates);
+  line("double faces", "{} (the same corners the other way round)", report.flaws.mend.double_faces);
   line("components", "{}", t.components);
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
     line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : part.name);
+  line("method smooth would", "{}", report.flaws.mend.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;
 }
 
 std::string to_json(const MeshReport& report) {
   using Json = nlohmann::ordered_json;
-  const MeshTopology& t = report.topology;
+  const MeshTopology& t = report.flaws.topology;
   Json parts = Json::array();
   for (const MeshPart& part : report.file.parts) parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
@@ -68,12 +101,21 @@ std::string to_json(const MeshReport& report) {
                      {"longest_edge_m", t.longest_edge},
                      {"closed", t.is_closed()},
                      {"boundary_edges", t.boundary_edges},
+                     {"open_border_edges", report.flaws.borders.open},
+                     {"crack_edges", report.flaws.borders.cracks},
                      {"nonmanifold_edges", t.nonmanifold_edges},
                      {"inconsistent_edges", t.inconsistent_edges},
                      {"nonmanifold_vertices", t.nonmanifold_vertices},
                      {"degenerate_triangles", t.degenerate_triangles},
                      {"needle_triangles", t.needle_triangles},
                      {"duplicate_triangles", t.duplicate_triangles},
+                     {"double_faces", report.flaws.mend.double_faces},
+                     {"mend",
+                      {{"welded_vertices", report.flaws.mend.welded_vertices},
+                       {"dropped_empty", report.flaws.mend.dropped_empty},
+                       {"dropped_duplicates", report.flaws.mend.dropped_duplicates},
+                       {"turned", report.flaws.mend.turned},
+                       {"unorientable_pieces", report.flaws.mend.unorientable_pieces}}},
                      {"components", t.components},
                      {"parts", parts},
                      {"notes", report.file.notes}};

@@ -5,16 +5,31 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "core/geometry/border_edges.h"
+#include "core/geometry/mend_mesh.h"
 #include "core/geometry/mesh_topology.h"
 #include "scene/mesh_file.h"
 
 namespace hapton {
 
+// What is wrong with a mesh, and what method smooth would mend of it. Nothing else changes a mesh: the other methods touch it as it came.
+struct MeshFlaws {
+  MeshTopology topology;  // metres
+  BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
+  MendReport mend;
+};
+
+// RT: set-up only.
+MeshFlaws find_flaws(const TriangleMesh& mesh);
+
+// "closed", or "not closed", and every flaw that there is with its count. Half a line.
+std::string to_text(const MeshFlaws& flaws);
+
 // What `hapton info` tells about a mesh file.
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshTopology topology;  // of the welded mesh, metres
+  MeshFlaws flaws;  // of the welded mesh
 };
 
 // Error: whatever load_mesh_file refuses. RT: set-up only.

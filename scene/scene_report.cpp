@@ -10,23 +10,25 @@ namespace hapton {
 Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
   Result<Scene> scene = load_scene(path);
   if (!scene) return tl::unexpected(scene.error());
-  SceneReport report{.path = path.string(), .scene = std::move(*scene), .topologies = {}};
-  for (const SceneObject& object : report.scene.objects) report.topologies.push_back(compute_mesh_topology(*object.mesh));
+  SceneReport report{.path = path.string(), .scene = std::move(*scene), .flaws = {}};
+  for (const SceneObject& object : report.scene.objects) report.flaws.push_back(find_flaws(*object.mesh));
   return report;
 }
 
 std::string to_text(const SceneReport& report) {
-  std::string text = fmt::format("scene {}, {} objects\n", report.path, report.scene.objects.size());
-  for (std::size_t i = 0; i < report.topologies.size(); ++i) {
+  std::string text =
+      fmt::format("scene {}, {} object{}\n", report.path, report.scene.objects.size(), report.scene.objects.size() == 1 ? "" : "s");
+  for (std::size_t i = 0; i < report.flaws.size(); ++i) {
     const SceneObject& object = report.scene.objects[i];
-    const MeshTopology& t = report.topologies[i];
+    const MeshTopology& t = report.flaws[i].topology;
     const Vec3 size = t.highest - t.lowest;
     const Vec3 middle = 0.5 * (t.lowest + t.highest);
-    fmt::format_to(
-        std::back_inserter(text),
-        "{:<20} {:>8} triangles, {}, {:.4g} x {:.4g} x {:.4g} m around ({:.4g}, {:.4g}, {:.4g}), {:.6g} N/m, friction {:.3g} / {:.3g}\n",
-        object.name, t.triangles, t.is_closed() ? "closed" : "not closed", size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
-        object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic);
+    fmt::format_to(std::back_inserter(text),
+                   "{:<20} {:>8} triangles, {:.4g} x {:.4g} x {:.4g} m around ({:.4g}, {:.4g}, {:.4g}), {:.6g} N/m, friction {:.3g} / "
+                   "{:.3g}\n{:<20} {}\n",
+                   object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
+                   object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic, "",
+                   to_text(report.flaws[i]));
   }
   for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
   return text;
@@ -36,13 +38,22 @@ std::string to_json(const SceneReport& report) {
   using Json = nlohmann::ordered_json;
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
   Json objects = Json::array();
-  for (std::size_t i = 0; i < report.topologies.size(); ++i) {
+  for (std::size_t i = 0; i < report.flaws.size(); ++i) {
     const SceneObject& object = report.scene.objects[i];
-    const MeshTopology& t = report.topologies[i];
+    const MeshTopology& t = report.flaws[i].topology;
     objects.push_back({{"name", object.name},
                        {"triangles", t.triangles},
                        {"vertices", t.vertices},
                        {"closed", t.is_closed()},
+                       {"open_border_edges", report.flaws[i].borders.open},
+                       {"crack_edges", report.flaws[i].borders.cracks},
+                       {"nonmanifold_edges", t.nonmanifold_edges},
+                       {"inconsistent_edges", t.inconsistent_edges},
+                       {"nonmanifold_vertices", t.nonmanifold_vertices},
+                       {"degenerate_triangles", t.degenerate_triangles},
+                       {"needle_triangles", t.needle_triangles},
+                       {"duplicate_triangles", t.duplicate_triangles},
+                       {"double_faces", report.flaws[i].mend.double_faces},
                        {"lowest_m", corner(t.lowest)},
                        {"highest_m", corner(t.highest)},
                        {"stiffness_n_per_m", object.material.stiffness_n_per_m},

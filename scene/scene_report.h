@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/geometry/mesh_topology.h"
+#include "scene/mesh_report.h"
 #include "scene/scene_file.h"
 
 namespace hapton {
@@ -14,13 +14,13 @@ namespace hapton {
 struct SceneReport {
   std::string path;
   Scene scene;
-  std::vector<MeshTopology> topologies;  // one an object
+  std::vector<MeshFlaws> flaws;  // one an object
 };
 
 // Error: whatever load_scene refuses. RT: set-up only.
 Result<SceneReport> make_scene_report(const std::filesystem::path& path);
 
-// For people, a line an object.
+// For people, two lines an object.
 std::string to_text(const SceneReport& report);
 
 // One JSON object with a schema version.

@@ -48,7 +48,8 @@ int run(const InfoOptions& options) {
 
 void add_info_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
-  const CommandLine info = app.add_subcommand("info", "Tell the size, counts and flaws of a mesh, or the objects of a scene");
+  const CommandLine info = app.add_subcommand(
+      "info", "Tell the size, counts and flaws of a mesh and what would be mended, or the objects of a scene and their flaws");
   info.add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)").required();
   info.add_option("--unit", options->unit, "What the file's numbers are in: m (default), cm, mm or in; glTF is always m");
   info.add_flag("--json", options->json, "As JSON");

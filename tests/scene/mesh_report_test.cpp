@@ -12,6 +12,7 @@ namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // Counted by another program, not this one.
 struct Figures {
@@ -52,7 +53,7 @@ TEST_P(MeshReports, AgreeWithTheFiguresOfTheMeshes) {
   const Figures& expected = GetParam();
   const auto report = make_mesh_report(std::string(HAPTON_SOURCE_DIR "/meshes/") + expected.file, std::nullopt);
   ASSERT_TRUE(report) << report.error().what;
-  const MeshTopology& t = report->topology;
+  const MeshTopology& t = report->flaws.topology;
   EXPECT_EQ(t.triangles, expected.triangles);
   EXPECT_EQ(report->file.file_vertices, expected.file_vertices);
   EXPECT_EQ(t.vertices, expected.vertices);
@@ -65,6 +66,8 @@ TEST_P(MeshReports, AgreeWithTheFiguresOfTheMeshes) {
   EXPECT_EQ(t.duplicate_triangles, expected.duplicate_triangles);
   EXPECT_EQ(t.components, expected.components);
   EXPECT_EQ(report->file.parts.size(), expected.parts);
+  EXPECT_EQ(report->flaws.borders.open + report->flaws.borders.cracks, expected.boundary_edges);
+  EXPECT_EQ(report->flaws.mend.dropped_duplicates + report->flaws.mend.double_faces, expected.duplicate_triangles);
   EXPECT_EQ(t.is_closed(), expected.closed);
   for (int axis = 0; axis < 3; ++axis) expect_digits(t.highest[axis] - t.lowest[axis], expected.extents[axis], 6);
   expect_digits(t.signed_volume, expected.signed_volume, 5);
@@ -85,6 +88,38 @@ TEST(MeshReport, SaysTheSameAsTextAndAsJson) {
   EXPECT_EQ(json["closed"], true);
   EXPECT_EQ(json["unit"], "mm");
   EXPECT_NEAR(json["highest_m"][0].get<double>(), 0.3556, 1e-9);
+}
+
+TEST(MeshReport, SaysWhatSmoothWouldMend) {
+  const auto report = make_mesh_report(HAPTON_SOURCE_DIR "/meshes/multibody_ascii.stl", std::nullopt);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_GT(report->flaws.mend.turned, 0U);
+  EXPECT_THAT(to_text(*report), HasSubstr(report->flaws.mend.describe()));
+  EXPECT_EQ(nlohmann::json::parse(to_json(*report))["mend"]["turned"], report->flaws.mend.turned);
+}
+
+// A square of two triangles; the same with one of them twice, and with one of them on both sides.
+TEST(MeshReport, TellsDuplicatesFromDoubleFaces) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+  const ScratchFolder folder;
+  const auto twice = make_mesh_report(folder.write("twice.obj", square + "f 2 3 1\n"), std::nullopt);
+  const auto both_sides = make_mesh_report(folder.write("both.obj", square + "f 1 3 2\n"), std::nullopt);
+  ASSERT_TRUE(twice && both_sides);
+  EXPECT_THAT(to_text(twice->flaws), HasSubstr("duplicates 1"));
+  EXPECT_THAT(to_text(twice->flaws), Not(HasSubstr("double faces")));
+  EXPECT_THAT(to_text(both_sides->flaws), HasSubstr("double faces 1"));
+  EXPECT_THAT(to_text(both_sides->flaws), Not(HasSubstr("duplicates")));
+}
+
+// Two squares side by side, a ten-thousandth apart: six edges look out, two at each other.
+TEST(MeshReport, TellsCracksFromBorders) {
+  const ScratchFolder folder;
+  const auto report = make_mesh_report(folder.write("a.obj",
+                                                    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.0001 0 0\nv 2 0 0\nv 2 1 0\nv 1.0001 1 0\n"
+                                                    "f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n"),
+                                       std::nullopt);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_EQ(to_text(report->flaws), "not closed: open border edges 6, crack edges 2");
 }
 
 TEST(MeshReport, WritesValidJsonWhateverAPartIsCalled) {

@@ -16,14 +16,32 @@ TEST(SceneReport, TellsOfEveryObject) {
   const std::string text = to_text(*report);
   const auto json = nlohmann::json::parse(to_json(*report));
   ASSERT_EQ(json["objects"].size(), 6U);
+  EXPECT_THAT(text, HasSubstr(", 6 objects\n"));
   std::size_t triangles = 0;
   for (const auto& object : json["objects"]) {
     EXPECT_THAT(text, HasSubstr(object["name"].get<std::string>()));
     triangles += object["triangles"].get<std::size_t>();
   }
   EXPECT_EQ(triangles, 7216U);
+  EXPECT_THAT(text, HasSubstr(", 6 objects\n"));
+  EXPECT_THAT(text, HasSubstr(to_text(report->flaws[2])));
+  EXPECT_EQ(json["objects"][2]["needle_triangles"], report->flaws[2].topology.needle_triangles);
   EXPECT_EQ(json["objects"][2]["name"], "pipe_1");
   EXPECT_EQ(json["objects"][2]["stiffness_n_per_m"], 800.0);
+}
+
+TEST(SceneReport, CountsOneObjectAsOne) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/car_front.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), HasSubstr(", 1 object\n"));
+}
+
+TEST(SceneReport, SaysWhatIsWrongWithAMesh) {
+  const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/car_front.toml");
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), HasSubstr(", 1 object\n"));
+  EXPECT_THAT(to_text(*report), HasSubstr("not closed: "));
+  EXPECT_THAT(to_text(*report), HasSubstr("needles 68"));
 }
 
 TEST(SceneReport, PassesErrorsOn) {
