@@ -277,7 +277,9 @@ Vec3 ProxyMethod::shortened(const Vec3& motion) noexcept {
 
 void ProxyMethod::solve(const Vec3& device) noexcept {
   if (walk(device)) return;
+  const Vec3 from = proxy_;
   descend(device);
+  if (!is_point_) look_ahead(proxy_ - from);
   for (int i = 0; i < kMaxEscapes && !free_ && sweeps_left_ > kEscapeSweeps && escape(device); ++i) ++counters_.escapes;
 }
 

@@ -48,7 +48,7 @@ void ProxyMethod::look_ahead(const Vec3& motion) noexcept {
   }
   const double length = motion.norm();
   if (was != Ahead::nothing || !(length > 0.0)) return;
-  const double room = kAround * length + kBeside * hover_;
+  const double room = kAround * length + kBeside * hover_ + clearance_.rest;
   const double steps_left = near().time_inside(proxy_, motion, room);
   if (!(steps_left <= kForesight)) return;
   const double half = near_reach_ + room;
