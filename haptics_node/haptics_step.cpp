@@ -38,15 +38,17 @@ ForceCommand HapticsStep::answer() noexcept {
   running_ = true;
   last_sample_ = state_.sample;
   felt_ = touch_->step(input_);
+  const Vec3 force_n = fade_.step(felt_.force_n, felt_.contact, input_.dt_s);
+  const bool contact = felt_.contact || fade_.is_felt();
 
   ++counts_.answered;
-  counts_.contact_steps += felt_.contact ? 1 : 0;
-  counts_.max_force_n = std::max(counts_.max_force_n, felt_.force_n.norm());
+  counts_.contact_steps += contact ? 1 : 0;
+  counts_.max_force_n = std::max(counts_.max_force_n, force_n.norm());
   return {.echo_sample = state_.sample,
           .echo_sample_time_ns = state_.sample_time_ns,
-          .force_n = felt_.force_n,
+          .force_n = force_n,
           .visual_offset_m = felt_.visual_offset_m,
-          .contact = felt_.contact,
+          .contact = contact,
           .compute_ns = 0,
           .skipped_samples = std::exchange(skipped_, 0U),
           .view_revision = view_.revision,
@@ -115,6 +117,9 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
       start.p_WD += felt_.visual_offset_m + offset_m_ * felt_.force_n.normalized();
     }
     touch_->reset(start);
+    // On the way from there to the device, which the hand did not go, it comes into contact and to rest.
+    const TouchOutput settled = touch_->step(input_);
+    if (felt_.contact || fade_.is_felt() || settled.contact) fade_.begin();
   }
   return touch;
 }

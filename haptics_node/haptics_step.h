@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/force/touch_step.h"
+#include "haptics_node/force_fade.h"
 #include "link/messages.h"
 
 namespace hapton {
@@ -44,7 +45,8 @@ class HapticsStep {
   bool turn_scene(const ViewTransform& view) noexcept;
 
   // Puts another method in place and gives the old one back. In contact the new one starts on the felt side of the surface where the
-  // old one's probe rests, so its first step feels the same surface; in free space at the device point.
+  // old one's probe rests, so its first step feels the same surface; in free space at the device point. Where the two feel different forces
+  // the difference fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
 
   // Forgets contact and time: a new hub session begins, or samples were missing for long.
@@ -52,6 +54,7 @@ class HapticsStep {
     running_ = false;
     answered_before_ = 0;
     p_WP_.reset();
+    fade_.forget();
   }
 
   // A new hub session begins: as restart, but contact goes on where the probe rests, if the device is still near (kResumeReachM).
@@ -73,7 +76,8 @@ class HapticsStep {
   ViewTransform view_;
   DeviceState state_;
   TouchInput input_;          // last answered
-  TouchOutput felt_;          // last answered
+  TouchOutput felt_;          // last answered, by the method alone
+  ForceFade fade_;            // from the method before
   std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
   std::int64_t last_time_ns_ = 0;
   std::uint64_t last_sample_ = 0;      // answered

@@ -180,6 +180,10 @@ TEST(HapticsStep, AMethodTakesOverInContactWithoutAPop) {
     answer(step, states.at({0.01, 0.01, side * 0.001}));
     ASSERT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.0, 1e-9);
     EXPECT_NE(step.replace(make_touch(1100.0)), nullptr);
+    for (int i = 1; i <= 100; ++i) {
+      const double felt_n = answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2];
+      EXPECT_NEAR(felt_n, side * (2.0 + 0.002 * i), 1e-9) << "the difference of 0.2 N fades in a tenth of a second";
+    }
     EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.2, 1e-9);
   }
 }
