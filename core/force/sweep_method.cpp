@@ -65,6 +65,7 @@ SweepCounters& SweepCounters::operator+=(const SweepCounters& other) noexcept {
   parallel += other.parallel;
   out_of_length += other.out_of_length;
   out_of_triangle += other.out_of_triangle;
+  from_behind += other.from_behind;
   collisions += other.collisions;
   return *this;
 }
@@ -99,9 +100,19 @@ SweepMethod::SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, st
       offset_m_(offset_m),
       stamps_(planes_.size()) {}
 
+// A device farther out than a billion scenes is taken to be there, in its direction: its products must stay finite.
+Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
+  constexpr double kHuge = 1e300;  // what would overflow on the way is as good as this
+  const Vec3 center = 0.5 * (grid_.low() + grid_.high());
+  const double farthest = 0x1p30 * (grid_.high() - grid_.low()).maxCoeff();
+  const Vec3 out = p_SD.cwiseMax(-kHuge).cwiseMin(kHuge) - center;
+  const double most = out.cwiseAbs().maxCoeff();
+  return most > farthest ? Vec3(center + out * (farthest / most)) : p_SD;
+}
+
 void SweepMethod::reset(const Vec3& p_SD) noexcept {
   started_ = p_SD.allFinite();
-  p_last_ = p_SD;
+  p_last_ = within_limits(p_SD);
 }
 
 MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
@@ -115,11 +126,12 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
     reset(input.p_SD);
   }
 
-  const Deepest deepest = find_deepest({.last = p_last_, .current = input.p_SD});
+  const Vec3 p_SD = within_limits(input.p_SD);
+  const Deepest deepest = find_deepest({.last = p_last_, .current = p_SD});
   ++steps_;
   total_ += step_;
   if (!deepest.found) {
-    p_last_ = input.p_SD;
+    p_last_ = p_SD;
     return output;
   }
 
@@ -179,7 +191,7 @@ void SweepMethod::handle_triangle(const SweepLine& line, std::uint32_t triangle,
       break;
   }
   if (collision.from_behind && !materials_[object_of_[triangle]].two_sided) {
-    ++step_.out_of_length;
+    ++step_.from_behind;
     return;
   }
   ++step_.collisions;
@@ -194,24 +206,23 @@ void SweepMethod::handle_triangle(const SweepLine& line, std::uint32_t triangle,
 std::string SweepMethod::describe() const {
   const GridOccupancy& full = grid_.occupancy();
   std::string text = fmt::format(
-      "sweep: {} triangles of {} objects, {} degenerate left out, offset {:.4g} m\n"
+      "sweep: {} triangles of {} object{}, {} degenerate left out, offset {:.4g} m\n"
       "grid: {} x {} x {} cells of {:.4g} x {:.4g} x {:.4g} m, {:.2f} % occupied, {:.2f} triangles an occupied cell on average, {} at "
       "most\n",
-      planes_.size(), materials_.size(), degenerate_, offset_m_, grid_.division()[0], grid_.division()[1], grid_.division()[2],
-      (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0], (grid_.high()[1] - grid_.low()[1]) / grid_.division()[1],
-      (grid_.high()[2] - grid_.low()[2]) / grid_.division()[2], 100.0 * full.occupied_share(), full.mean_triangles_a_cell(),
-      full.max_triangles_a_cell);
+      planes_.size(), materials_.size(), materials_.size() == 1 ? "" : "s", degenerate_, offset_m_, grid_.division()[0],
+      grid_.division()[1], grid_.division()[2], (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0],
+      (grid_.high()[1] - grid_.low()[1]) / grid_.division()[1], (grid_.high()[2] - grid_.low()[2]) / grid_.division()[2],
+      100.0 * full.occupied_share(), full.mean_triangles_a_cell(), full.max_triangles_a_cell);
   if (steps_ > 0) {
     const double n = static_cast<double>(steps_);
     text += fmt::format("steps: {}, {:.2f} cells and {:.2f} triangles tested a step\n", steps_,
                         static_cast<double>(total_.cells_visited) / n, static_cast<double>(total_.triangles_tested) / n);
     text += fmt::format(
         "early ends: step 1 {:.1f} % of cells empty; of triangles tested: step 2 {:.1f} % parallel, step 3 {:.1f} % out of the line's "
-        "length, "
-        "step 4 {:.1f} % out of the triangle, step 5 {} collisions\n",
+        "length, step 4 {:.1f} % out of the triangle, step 5 {} collisions{}\n",
         percent_of(total_.empty_cells, total_.cells_visited), percent_of(total_.parallel, total_.triangles_tested),
         percent_of(total_.out_of_length, total_.triangles_tested), percent_of(total_.out_of_triangle, total_.triangles_tested),
-        total_.collisions);
+        total_.collisions, total_.from_behind > 0 ? fmt::format(", and {} with the back of what is one-sided", total_.from_behind) : "");
   }
   for (const Material& material : materials_) {
     if (material.friction_static > 0 || material.friction_dynamic > 0 || material.damping_ns_per_m > 0) {

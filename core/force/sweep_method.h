@@ -20,6 +20,7 @@ struct SweepCounters {
   std::uint64_t parallel = 0;            // ended at step 2
   std::uint64_t out_of_length = 0;       // ended at step 3
   std::uint64_t out_of_triangle = 0;     // ended at step 4
+  std::uint64_t from_behind = 0;         // collisions left out: with the back of a one-sided triangle
   std::uint64_t collisions = 0;          // stored at step 5: the memo's M
 
   SweepCounters& operator+=(const SweepCounters& other) noexcept;
@@ -53,6 +54,7 @@ class SweepMethod final : public ForceMethod {
 
   SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, std::vector<std::uint32_t> object_of, std::vector<Material> materials,
               std::size_t degenerate, double offset_m);
+  Vec3 within_limits(const Vec3& p_SD) const noexcept;
   Deepest find_deepest(const SweepLine& line) noexcept;
   void handle_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept;
   void handle_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept;

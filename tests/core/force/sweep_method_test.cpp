@@ -139,6 +139,10 @@ TEST(SweepMethod, OneSidedSurfaceIsFeltFromItsFrontOnly) {
   EXPECT_TRUE(step(*method, {0.01, 0.0, -0.001}).contact);
   method->reset({0.01, 0.0, -0.001});
   EXPECT_FALSE(step(*method, {0.01, 0.0, 0.001}).contact);
+  EXPECT_EQ(method->step_counters().from_behind, 1U);
+  EXPECT_EQ(method->step_counters().out_of_length, 0U);
+  const std::string text = method->describe();
+  EXPECT_NE(text.find("step 5 1 collisions, and 1 with the back of what is one-sided"), std::string::npos) << text;
 }
 
 TEST(SweepMethod, CountersTellWhereTheWorkEnded) {
@@ -191,6 +195,26 @@ TEST(SweepMethod, RestingAndWildSamplesAreHarmless) {
   EXPECT_EQ(step(*method, {0.045, 0, 0.001}).contact, true);  // contact went on
   const MethodOutput far = step(*method, Vec3::Constant(1e300));
   EXPECT_TRUE(far.force_n.allFinite());
+}
+
+TEST(SweepMethod, HugeFiniteSamplesGiveFiniteForcesAndBringNoneBackWithThem) {
+  const double most = std::numeric_limits<double>::max();
+  const auto method = make_sweep(scene_of(made::sphere(0.05, 12)));
+  const std::vector<Vec3> wild = {{-most, 0.001, 0.002}, {most, most, most}, {-most, most, -most}, {1e160, -1e200, 3.0}, {0.0, 0.0, -most}};
+  std::size_t contacts = 0;
+  for (const Vec3& from : wild) {
+    for (const Vec3& to : wild) {
+      method->reset(from);
+      for (const Vec3& p : {Vec3(0.001, 0.002, 0.003), to, from, Vec3(0.06, 0.0, 0.001), Vec3(0.04, 0.0, 0.001)}) {
+        const MethodOutput felt = step(*method, p);
+        ASSERT_TRUE(felt.force_n.allFinite() && felt.p_SP.allFinite()) << from.transpose() << " to " << to.transpose();
+        contacts += felt.contact ? 1 : 0;
+      }
+      method->reset({0.06, 0, 0.001});
+      EXPECT_TRUE(step(*method, {0.045, 0, 0.001}).contact);
+    }
+  }
+  EXPECT_GT(contacts, wild.size());
 }
 
 TEST(SweepMethod, StepsTakeNothingFromTheHeap) {
