@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "runtime/build_id.h"
 
 namespace hapton {
 namespace {
@@ -90,7 +91,7 @@ Result<std::vector<std::string>> ConfigFile::arguments() {
 Result<void> ConfigFile::add(std::string_view key, const toml::node& node) {
   const std::string flag = fmt::format("--{}", key);
   const CLI::Option* option = app_.get_option_no_throw(flag);
-  if (option == nullptr || key == "config" || key == "help") {
+  if (option == nullptr || key == "config" || key == "help" || key == "version") {
     return fail_at(node, fmt::format("unknown key '{}'; keys are the program's flags without dashes, see --help", key));
   }
   if (std::any_of(given_.begin(), given_.end(), [&](const std::string& given) { return names_option(given, *option); })) {
@@ -178,6 +179,9 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     // Read before CLI11 sees it (find_config_path); declared here for --help and for its checks.
     app.add_option_function<std::string>(
         "--config", [](const std::string&) {}, "TOML file with any of these flags (keys without dashes); the command line wins");
+  }
+  if (app.get_version_ptr() == nullptr) {
+    app.set_version_flag("--version", program + " " + hapton_version());
   }
   std::vector<std::string> arguments;
   for (int i = 1; i < argc; ++i) {

@@ -70,13 +70,6 @@ nlohmann::ordered_json node_json(const ReportNode& node) {
           {"duplicate", node.duplicate}, {"sent", node.sent},       {"send_failures", node.send_failures}};
 }
 
-std::string hop_row(const LatencyHop& hop) {
-  const LatencyHistogram& h = hop.histogram;
-  return fmt::format("  {:<28} {:>10} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f}\n", hop.name, h.count(),
-                     in_us(h.quantile_ns(0.5)), in_us(h.quantile_ns(0.9)), in_us(h.quantile_ns(0.99)), in_us(h.quantile_ns(0.999)),
-                     in_us(static_cast<double>(h.max_ns())), in_us(h.mean_ns()));
-}
-
 }  // namespace
 
 MachineInfo read_machine_info() {
@@ -124,35 +117,6 @@ std::string to_csv(const LatencyReport& report) {
     });
   }
   return csv;
-}
-
-std::string to_text(const LatencyReport& report) {
-  std::string text = fmt::format("{}: {:.1f} s on {} ({} CPUs, {}, {})\n", report.program, report.seconds, report.machine.cpu,
-                                 report.machine.cpu_count, report.machine.kernel, report.machine.build);
-  if (!report.hops.empty()) {
-    text += fmt::format("  {:<28} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}\n", "latency, us", "n", "p50", "p90", "p99", "p99.9",
-                        "max", "mean");
-  }
-  for (const LatencyHop& hop : report.hops) {
-    text += hop_row(hop);
-  }
-  for (const ReportNode& node : report.nodes) {
-    text += fmt::format("  {:<8} {:<22} {} received, {} lost, {} reordered, {} sent\n", node.role, node.address, node.received, node.lost,
-                        node.reordered, node.sent);
-  }
-  for (const auto& [name, rate_hz] : report.rates_hz) {
-    text += fmt::format("  {:<28} {:>10.1f} Hz\n", name, rate_hz);
-  }
-  for (const auto& [name, count] : report.counters) {
-    text += fmt::format("  {:<28} {:>10}\n", name, count);
-  }
-  for (const auto& [name, ratio] : report.ratios) {
-    text += fmt::format("  {:<28} {:>10.2f}\n", name, ratio);
-  }
-  for (const auto& [name, note] : report.notes) {
-    text += fmt::format("  {:<28} {}\n", name, note);
-  }
-  return text;
 }
 
 Result<void> write_report(const LatencyReport& report, const std::filesystem::path& folder) {

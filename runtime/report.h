@@ -66,9 +66,6 @@ std::string to_json(const LatencyReport& report);
 // Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.
 std::string to_csv(const LatencyReport& report);
 
-// A table for people.
-std::string to_text(const LatencyReport& report);
-
 // Writes report.json and latency.csv into `folder`, made if need be. Each file appears whole or not at all: it is written beside and
 // renamed. RT: no. Error: one line naming the file and the reason.
 Result<void> write_report(const LatencyReport& report, const std::filesystem::path& folder);

@@ -148,6 +148,14 @@ TEST_F(ConfigTest, ABadCommandLineIsOneLineAndExitCodeTwo) {
   expect_one_error("--config");
 }
 
+TEST_F(ConfigTest, VersionIsOneLineOnStdoutAndNoKeyOfAFile) {
+  EXPECT_EQ(parse({"--version"}), 0);
+  EXPECT_THAT(output_, testing::MatchesRegex("io_node [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_EQ(error_, "");
+  EXPECT_EQ(parse({"--config", file("version = true\n")}), 2);
+  expect_one_error("unknown key 'version'");
+}
+
 TEST_F(ConfigTest, HelpGoesToStdoutAndEndsWell) {
   EXPECT_EQ(parse({"--help"}), 0);
   EXPECT_THAT(output_, HasSubstr("--config"));

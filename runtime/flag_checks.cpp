@@ -1,0 +1,47 @@
+#include "runtime/flag_checks.h"
+
+#include <fmt/core.h>
+
+#include <optional>
+
+namespace hapton {
+namespace {
+
+std::optional<double> find_number(const std::string& text) {
+  double value = 0.0;
+  return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
+}
+
+// Refuses what is no number and what `refusal` has words for; `advice` ends both lines.
+template <class Refusal>
+CLI::Validator check_number(Refusal refusal, const std::string& advice, const std::string& shown) {
+  return CLI::Validator(
+      [refusal, advice](std::string& text) {
+        const auto value = find_number(text);
+        const std::string wrong = value ? refusal(*value) : "is no number";
+        return wrong.empty() ? std::string() : fmt::format("{} {}; give {}", text.empty() ? "''" : text, wrong, advice);
+      },
+      shown);
+}
+
+}  // namespace
+
+// Written so that nan, which lies nowhere, is refused as well.
+CLI::Validator between(double least, double most) {
+  const auto refusal = [least, most](double value) -> std::string { return value >= least && value <= most ? "" : "is out of range"; };
+  return check_number(refusal, fmt::format("{} to {}", least, most), fmt::format("[{}, {}]", least, most));
+}
+
+CLI::Validator above_zero(const std::string& what) {
+  return check_number([](double value) { return std::string(value > 0.0 ? "" : "is not above zero"); }, what + " above zero", "POSITIVE");
+}
+
+CLI::Validator zero_or_more(const std::string& what) {
+  const auto refusal = [](double value) -> std::string {
+    if (value < 0.0) return "is below zero";
+    return value >= 0.0 ? "" : "is no number";
+  };
+  return check_number(refusal, what + ", zero or more", "NONNEGATIVE");
+}
+
+}  // namespace hapton

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace hapton {
+
+// Checks for the flags of CLI11 that refuse in one short line, which CLI11 puts after the flag's name and the node after its own:
+// "--probe-radius: -1 is below zero; give metres, zero or more". CLI11's own tell such a bound with 309 digits. RT: set-up only.
+//
+// `what` is what the number counts ("metres"), where the line should say so.
+CLI::Validator between(double least, double most);
+CLI::Validator above_zero(const std::string& what = "a number");
+CLI::Validator zero_or_more(const std::string& what = "a number");
+
+// What one of our parsers takes: Parse is callable with the text and gives a Result, whose error is the line.
+template <class Parse>
+CLI::Validator accepts(Parse parse) {
+  return CLI::Validator(
+      [parse](std::string& text) {
+        const auto read = parse(text);
+        return read ? std::string() : read.error().what;
+      },
+      "");
+}
+
+}  // namespace hapton

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hapton {
+
+struct LatencyHop;
+
+// What people want to know of one hop, in us.
+struct HopRow {
+  std::string name;
+  std::uint64_t n = 0;
+  double p50_us = 0.0;
+  double p90_us = 0.0;
+  double p99_us = 0.0;
+  double p99_9_us = 0.0;
+  double max_us = 0.0;
+};
+
+// RT: no.
+HopRow make_hop_row(const LatencyHop& hop);
+
+// A table for people, a heading and a line for each hop that was measured: none where n is 0, and no heading where there is no line.
+// RT: no.
+std::string make_hop_table(const std::vector<HopRow>& hops);
+
+}  // namespace hapton
