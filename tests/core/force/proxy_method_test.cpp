@@ -84,11 +84,9 @@ TEST(Proxy, NoEdgeOrVertexLetsItThrough) {
   }
 }
 
-TEST(Proxy, OnAConvexShapeTheProxyMovesNoFartherThanTheDevice) {
+TEST(Proxy, OverAPlaneTheProxyMovesNoFartherThanTheDevice) {
   constexpr unsigned kSeed = 404;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  // From outside, the nearest point of a convex set is a contraction; a device that stays so shallow that no other side is
-  // nearer keeps the property for the god-object on the faces of a cube.
   for (const double radius : {0.0, 0.004}) {
     const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 12)), radius);
     std::mt19937_64 random(kSeed);
@@ -461,27 +459,6 @@ TEST(Proxy, ObjectsNeverApproachedAreNeverBuilt) {
   }
   EXPECT_TRUE(touched);
   EXPECT_EQ(static_cast<const ProxyMethod&>(*lazy).geometry().built_count(), 1U);
-}
-
-TEST(Proxy, ForceIsTheSameWhateverTheOrderOfTrianglesAndCorners) {
-  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 3000, 2);
-  TriangleMesh shuffled = mesh;
-  constexpr unsigned kSeed = 99;
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::mt19937_64 random(kSeed);
-  std::shuffle(shuffled.triangles.begin(), shuffled.triangles.end(), random);
-  for (Triangle& t : shuffled.triangles) std::rotate(t.begin(), t.begin() + static_cast<int>(random() % 3), t.end());
-  const auto one = proxy_over(scene_of(mesh));
-  const auto other = proxy_over(scene_of(shuffled));
-  const std::vector<Vec3> way = walk_round(0.05, 0.002, 2000);
-  one->reset(way[0]);
-  other->reset(way[0]);
-  std::size_t apart = 0;
-  for (const Vec3& p : way) {
-    const Vec3 f = one->step({.p_SD = p}).force_n;
-    apart += (f - other->step({.p_SD = p}).force_n).norm() > 1e-5 * f.norm() + 1e-9 ? 1 : 0;
-  }
-  EXPECT_LE(apart, 4U) << "steps on the very edge of letting go may fall either way; others may not";
 }
 
 }  // namespace
