@@ -53,8 +53,8 @@ TEST(Numbers, MeasureEveryRow) {
   std::erase_if(structures, [](const QueryStructureKind& kind) { return kind.full_name() != "fdh 14"; });
   const auto report = measure_numbers(settings, Stopwatch::calibrate(), structures, nullptr, "", [](const std::string&) {});
   ASSERT_TRUE(report.has_value()) << report.error().what;
-  EXPECT_EQ(report->rows.size(), 18U);
-  EXPECT_EQ(report->measured(), 16U);
+  EXPECT_EQ(report->rows.size(), 24U);
+  EXPECT_EQ(report->measured(), 18U);
   for (const NumberRow& one : report->rows) {
     if (one.what.starts_with("fall-through") || one.what.starts_with("lock")) {
       EXPECT_EQ(*one.ours, 0.0) << one.what << ": " << one.note;
