@@ -48,7 +48,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
     highest = highest.cwiseMax(vertex);
   }
   if (lowest.minCoeff() < -kMaxCoordinateM || highest.maxCoeff() > kMaxCoordinateM) {
-    return fail("has a coordinate beyond {} m: repair the mesh or give its unit", kMaxCoordinateM);
+    return fail("has a coordinate beyond {:g} m: repair the mesh or give its unit", kMaxCoordinateM);
   }
   file.mesh = std::move(raw.mesh);
   file.parts = std::move(raw.parts);

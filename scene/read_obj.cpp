@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -66,6 +67,7 @@ class ObjReader {
       if (!std::isfinite(vertex[axis])) return at_line("coordinate '{}' is not finite: repair the mesh", printable(word));
     }
     raw_.mesh.vertices.push_back(vertex);
+    is_in_face_.push_back(false);
     return std::nullopt;
   }
 
@@ -84,6 +86,7 @@ class ObjReader {
       corners_.push_back(static_cast<std::uint32_t>(from_zero));
     }
     if (corners_.size() < 3) return at_line("a face has {} corners where at least 3 belong: export the file again", corners_.size());
+    for (const std::uint32_t corner : corners_) is_in_face_[corner] = true;
     if (!triangulate_polygon(corners_, raw_.mesh.vertices, raw_.mesh.triangles)) {
       return at_line("a hollow polygon has {} corners, more than {}: triangulate it before exporting", corners_.size(), kMaxPolygonCorners);
     }
@@ -93,6 +96,11 @@ class ObjReader {
 
   void add_notes() {
     if (unknown_ > 1) raw_.notes.push_back(fmt::format("{} lines in all have keywords that were skipped", unknown_));
+    // No count stands in an OBJ file: cut at a line's end, this is all that shows.
+    const auto loose = std::count(is_in_face_.begin(), is_in_face_.end(), false);
+    if (loose > 0) {
+      raw_.notes.push_back(fmt::format("{} of {} vertices belong to no face: the file may have been cut short", loose, is_in_face_.size()));
+    }
     if (!text_.ends_with('\n')) raw_.notes.push_back("the last line has no line end: the file may have been cut short");
   }
 
@@ -100,6 +108,7 @@ class ObjReader {
   TextCursor cursor_;
   RawMesh raw_;
   std::vector<std::uint32_t> corners_;
+  std::vector<bool> is_in_face_;  // of each vertex
   std::size_t unknown_ = 0;
 };
 

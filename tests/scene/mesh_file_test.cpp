@@ -135,7 +135,7 @@ TEST(MeshFile, RefusesAMeshWithoutTriangles) {
 
 TEST(MeshFile, RefusesCoordinatesBeyondAllMeaning) {
   const ScratchFolder folder;
-  EXPECT_THAT(error_of(folder.write("a.obj", "v 0 0 0\nv 1e200 0 0\nv 0 1 0\nf 1 2 3\n")), HasSubstr("beyond"));
+  EXPECT_THAT(error_of(folder.write("a.obj", "v 0 0 0\nv 1e200 0 0\nv 0 1 0\nf 1 2 3\n")), HasSubstr("beyond 1e+12 m"));
 }
 
 TEST(MeshFile, DoesNotBelieveCounts) {
@@ -178,6 +178,19 @@ TEST(MeshFile, ReadsNoFileThatWasCutShort) {
           << sample.name << " cut to " << size << " of " << sample.bytes.size();
     }
   }
+}
+
+TEST(MeshFile, NotesVerticesOfAnObjFileThatBelongToNoFace) {
+  const ScratchFolder folder;
+  const std::string whole = sample::obj(sample::tetrahedron());
+  EXPECT_THAT(load_mesh_file(folder.write("whole.obj", whole))->notes, IsEmpty());
+  // One face is left of four.
+  const std::size_t second_face = whole.find("\nf", whole.find("\nf") + 1) + 1;
+  const auto cut = load_mesh_file(folder.write("cut.obj", whole.substr(0, second_face)));
+  ASSERT_TRUE(cut) << cut.error().what;
+  ASSERT_EQ(cut->mesh.triangles.size(), 1U);
+  ASSERT_EQ(cut->notes.size(), 1U);
+  EXPECT_EQ(cut->notes[0], "1 of 4 vertices belong to no face: the file may have been cut short");
 }
 
 TEST(MeshFile, SaysWhenABufferWasCutShort) {
