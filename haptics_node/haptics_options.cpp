@@ -5,22 +5,12 @@
 #include "core/collision/grid_division.h"
 #include "link/link_key.h"
 #include "runtime/config.h"
+#include "runtime/flag_checks.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kMetresPerInch = 0.0254;
-
-// A check for CLI11 out of one of our parsers: empty when the text is fine.
-template <class Parse>
-CLI::Validator accepts(Parse parse) {
-  return CLI::Validator(
-      [parse](std::string& text) {
-        auto read = parse(text);
-        return read ? std::string() : read.error().what;
-      },
-      "");
-}
 
 }  // namespace
 
@@ -29,6 +19,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   std::string grid = "32";
   std::string realtime = "try";
   std::string unit;
+  std::string simplify = "0";
   options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
 
@@ -40,16 +31,25 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
-  app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")
+      ->check(above_zero("inches"))
+      ->capture_default_str();
   app.add_option("--set-size", options.method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
   app.add_option("--radius", options.method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data")->capture_default_str();
-  app.add_option("--layer", options.method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")->capture_default_str();
+  app.add_option("--layer", options.method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")
+      ->capture_default_str();
   app.add_option("--directions", options.method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26")->capture_default_str();
+  app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees are felt sharp")
+      ->check(between(0.0, 180.0))
+      ->capture_default_str();
+  app.add_option("--simplify", simplify, "smooth: merge small triangles while no vertex is left farther off the surface: 0.1mm; 0: never")
+      ->check(accepts(parse_length))
+      ->capture_default_str();
   app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0 is a point (sweep knows no other)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(zero_or_more("metres"))
       ->capture_default_str();
   app.add_option("--shading", options.method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->capture_default_str();
   app.add_flag("--build-on-approach,!--build-at-once", options.method.build_on_approach,
                "proxy: build an object's structures when the probe first comes near it, beside the running loop")
@@ -58,15 +58,16 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
   app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: an ordinary thread")
-      ->check(CLI::Range(0, 99))
+      ->check(between(0, 99))
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Stay on this CPU; -1: where the scheduler likes")
-      ->check(CLI::Range(-1, 1023))
+      ->check(between(-1, 1023))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(CLI::Range(0.0, 1e9))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   options.method.grid_division = *parse_grid_division(grid);
+  options.method.simplify_m = *parse_length(simplify);
   options.method.offset_m = offset_in * kMetresPerInch;
   options.realtime.mode = *parse_realtime_mode(realtime);
   if (!unit.empty()) options.unit = *parse_unit(unit);

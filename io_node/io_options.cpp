@@ -9,6 +9,7 @@
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "runtime/config.h"
+#include "runtime/flag_checks.h"
 
 namespace hapton {
 namespace {
@@ -43,32 +44,32 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--trajectory", options.device.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
   app.add_flag("--loop", options.device.loop, "Begin the replay again at its end, else the program ends with it");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")
-      ->check(CLI::Range(Servo::kLowestRateHz, Servo::kHighestRateHz))
+      ->check(between(Servo::kLowestRateHz, Servo::kHighestRateHz))
       ->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
                  "Probe positions a second to each vision node, at most; it gets no more than it draws; 0: none")
-      ->check(CLI::Range(0.0, Servo::kHighestRateHz))
+      ->check(between(0.0, Servo::kHighestRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(between(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks");
   app.add_option("--seed", options.device.seed, "Of the simulated hand's script")->capture_default_str();
   app.add_option("--max-force", options.device.max_force_n, "Tighter limit on the force, N (0: the device's own)")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(between(0.0, 1e3));
   app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(between(0.0, 1e6));
   app.add_option("--max-torque", options.device.max_torque_nm, "Tighter limit on the torque, N m (0: the device's own)")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(between(0.0, 1e3));
   app.add_option("--continuous-force", options.device.continuous_force_n,
                  "Tighter limit on the force in the long run, N (0: the device's own)")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(between(0.0, 1e3));
   app.add_option("--max-speed", options.device.max_speed_m_per_s,
                  "Tighter limit on the device's speed, m/s: beyond it a fault is latched (0: the device's own)")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(between(0.0, 100.0));
   app.add_option("--hold-button", options.device.hold_button,
                  "Dead man's switch: force only while this button is held, 0 the first; -1: none")
-      ->check(CLI::Range(-1, 31));
+      ->check(between(-1, 31));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
   app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");
   app.add_option("--flight", options.flight,
@@ -78,10 +79,10 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--spin", options.spin_share,
                  "Share of a period that the loop may spin before its tick, at most; 0: it sleeps to the tick")
-      ->check(CLI::Range(0.0, 0.5))
+      ->check(between(0.0, 0.5))
       ->capture_default_str();
   app.add_option("--echo-size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
-      ->check(CLI::Range(std::size_t{0}, kMaxDatagramBytes))
+      ->check(between(0, kMaxDatagramBytes))
       ->capture_default_str();
   app.add_option("--metrics", options.metrics,
                  "Serve the figures by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: nowhere)");
@@ -92,11 +93,9 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
   app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority, 0: ordinary thread")
-      ->check(CLI::Range(0, 99))
+      ->check(between(0, 99))
       ->capture_default_str();
-  app.add_option("--cpu", options.realtime.cpu, "Pin the servo loop to this CPU, -1: any")
-      ->check(CLI::Range(-1, 4095))
-      ->capture_default_str();
+  app.add_option("--cpu", options.realtime.cpu, "Pin the servo loop to this CPU, -1: any")->check(between(-1, 4095))->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   if (!options.devices_file.empty()) {

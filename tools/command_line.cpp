@@ -6,17 +6,21 @@
 #include <optional>
 #include <utility>
 
+#include "runtime/flag_checks.h"
+
 namespace hapton {
 
 CommandOption CommandOption::required() const { return CommandOption(*option_->required()); }
 CommandOption CommandOption::shows_default() const { return CommandOption(*option_->capture_default_str()); }
-CommandOption CommandOption::between(int least, int most) const { return CommandOption(*option_->check(CLI::Range(least, most))); }
+CommandOption CommandOption::between(int least, int most) const { return CommandOption(*option_->check(hapton::between(least, most))); }
 CommandOption CommandOption::between(std::size_t least, std::size_t most) const {
-  return CommandOption(*option_->check(CLI::Range(least, most)));
+  return CommandOption(*option_->check(hapton::between(static_cast<double>(least), static_cast<double>(most))));
 }
-CommandOption CommandOption::between(double least, double most) const { return CommandOption(*option_->check(CLI::Range(least, most))); }
-CommandOption CommandOption::positive() const { return CommandOption(*option_->check(CLI::PositiveNumber)); }
-CommandOption CommandOption::not_negative() const { return CommandOption(*option_->check(CLI::NonNegativeNumber)); }
+CommandOption CommandOption::between(double least, double most) const {
+  return CommandOption(*option_->check(hapton::between(least, most)));
+}
+CommandOption CommandOption::positive(const std::string& what) const { return CommandOption(*option_->check(above_zero(what))); }
+CommandOption CommandOption::not_negative(const std::string& what) const { return CommandOption(*option_->check(zero_or_more(what))); }
 CommandOption CommandOption::one_of(const std::vector<std::string>& words) const {
   return CommandOption(*option_->check(CLI::IsMember(words)));
 }

@@ -23,8 +23,9 @@ class CommandOption {
   CommandOption between(int least, int most) const;
   CommandOption between(std::size_t least, std::size_t most) const;
   CommandOption between(double least, double most) const;
-  CommandOption positive() const;
-  CommandOption not_negative() const;
+  // `what` is what the number counts ("metres"), for the line that refuses it.
+  CommandOption positive(const std::string& what = "a number") const;
+  CommandOption not_negative(const std::string& what = "a number") const;
   CommandOption one_of(const std::vector<std::string>& words) const;
   CommandOption existing_folder() const;
   // Takes one word each time it is given, and keeps them all.

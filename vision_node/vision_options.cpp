@@ -7,33 +7,11 @@
 
 #include "link/link_key.h"
 #include "runtime/config.h"
+#include "runtime/flag_checks.h"
 #include "vision_node/hud_text.h"
 
 namespace hapton {
 namespace {
-
-// A check for CLI11 out of one of our parsers: empty when the text is fine.
-template <class Parse>
-CLI::Validator accepts(Parse parse) {
-  return CLI::Validator(
-      [parse](std::string& text) {
-        auto read = parse(text);
-        return read ? std::string() : read.error().what;
-      },
-      "");
-}
-
-// CLI11's own range lets nan pass, which lies in no range.
-CLI::Validator between(double least, double most) {
-  const auto describe = fmt::format("[{:g}, {:g}]", least, most);
-  return CLI::Validator(
-      [least, most, describe](std::string& text) {
-        double value = 0.0;
-        const bool inside = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
-        return inside ? std::string() : fmt::format("{} is not within {}", text, describe);
-      },
-      describe);
-}
 
 Result<PictureSize> parse_size(std::string_view text) {
   PictureSize size;
@@ -41,7 +19,7 @@ Result<PictureSize> parse_size(std::string_view text) {
   const std::string owned(text);
   if (std::sscanf(owned.c_str(), "%dx%d%c", &size.width_px, &size.height_px, &rest) != 2 || size.width_px < 64 || size.height_px < 64 ||
       size.width_px > 16384 || size.height_px > 16384) {
-    return fail("--size takes WIDTHxHEIGHT in pixels, from 64x64 to 16384x16384, not '{}'", text);
+    return fail("'{}' is no size; give WIDTHxHEIGHT in pixels, from 64x64 to 16384x16384", text);
   }
   return size;
 }
@@ -101,7 +79,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str();
   app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Pictures a second at most, 0: no limit (default: 60, in software 30)")
       ->check(between(0.0, 10000.0));
-  app.add_option("--msaa", options.view.msaa, "Samples a pixel; slow in software")->check(CLI::Range(0, 16))->capture_default_str();
+  app.add_option("--msaa", options.view.msaa, "Samples a pixel; slow in software")->check(between(0, 16))->capture_default_str();
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
   app.add_flag("--offscreen", options.view.offscreen, "No window; an X display is needed all the same");
@@ -114,7 +92,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->capture_default_str();
   app.add_option("--bench-frames", options.bench_frames,
                  "Draw so many pictures as fast as possible with turning dials, print the rate, end")
-      ->check(CLI::Range(0, 1'000'000));
+      ->check(between(0, 1'000'000));
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   options.hub = hubs.front();

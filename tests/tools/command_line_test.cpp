@@ -76,10 +76,10 @@ TEST_F(CommandLineTest, SaysWhatAnOptionTakesWhenItIsRefused) {
   line_.add_option("--friction", friction, "").not_negative();
   line_.add_option("--mode", mode, "").one_of({"try", "off"});
   line_.add_option("--folder", folder, "").existing_folder();
-  EXPECT_THAT(refusal("--cpu 8"), HasSubstr("not in range -1 to 7"));
-  EXPECT_THAT(refusal("--share 1.5"), HasSubstr("--share: Value 1.5 not in range 0"));
-  EXPECT_THAT(refusal("--stiffness 0"), HasSubstr("--stiffness"));
-  EXPECT_THAT(refusal("--friction -0.1"), HasSubstr("--friction"));
+  EXPECT_THAT(refusal("--cpu 8"), HasSubstr("--cpu: 8 is out of range; give -1 to 7"));
+  EXPECT_THAT(refusal("--share 1.5"), HasSubstr("--share: 1.5 is out of range; give 0 to 1"));
+  EXPECT_THAT(refusal("--stiffness 0"), HasSubstr("--stiffness: 0 is not above zero"));
+  EXPECT_THAT(refusal("--friction -0.1"), HasSubstr("--friction: -0.1 is below zero"));
   EXPECT_THAT(refusal("--mode maybe"), HasSubstr("{try,off}"));
   EXPECT_THAT(refusal("--folder /no/such/folder"), HasSubstr("/no/such/folder"));
   EXPECT_EQ(refusal("--cpu -1 --share 1 --stiffness 1e-9 --friction 0 --mode off --folder /"), "");
