@@ -30,6 +30,7 @@ const char* any_address_like(const Address& hub) {
 }
 
 int run(const HapticsOptions& options) {
+  const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   const auto key = find_link_key(options.key_file, *hub);
@@ -44,7 +45,6 @@ int run(const HapticsOptions& options) {
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
 
-  const StopSignal stop;
   SteadyClock clock;
   SealedClient sealed(**endpoint, clock, *key, *hub);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
@@ -58,11 +58,16 @@ int run(const HapticsOptions& options) {
   log_info("{}", lines.front());
   for (std::size_t n = 1; n < lines.size(); ++n) log_warning("{}", lines[n]);
 
-  fmt::print("ready, hub {}\n", to_string(*hub));
+  fmt::print("ready for the hub at {}\n", to_string(*hub));
   std::fflush(stdout);
 
   loop.run(stop, options.seconds);
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times()));
+  if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
+    return give_up(
+        {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",
+                     to_string(*hub), options.seconds)});
+  }
   return 0;
 }
 

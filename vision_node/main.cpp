@@ -60,6 +60,7 @@ Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options,
 }
 
 int run(VisionOptions& options) {
+  const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   const auto key = find_link_key(options.key_file, *hub);
@@ -76,7 +77,6 @@ int run(VisionOptions& options) {
   }
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
-  const StopSignal stop;
   SealedClient sealed(**endpoint, clock, *key, *hub);
   HubClient client(sealed, clock, NodeRole::vision, *hub);
   const auto other = open_other_link(options, clock);

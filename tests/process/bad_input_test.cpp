@@ -87,7 +87,7 @@ const std::vector<BadCall> kIoNode = {
     {"UnknownDevice", "io_node", {"--bind", "127.0.0.1:0", "--device", "spoon"}, "spoon"},
     {"RateTooLow", "io_node", {"--bind", "127.0.0.1:0", "--rate", "10"}, "10"},
     {"RateTooHigh", "io_node", {"--bind", "127.0.0.1:0", "--rate", "1000000"}, "1000000"},
-    {"RateIsText", "io_node", {"--bind", "127.0.0.1:0", "--rate", "fast"}, "fast"},
+    {"RateIsText", "io_node", {"--bind", "127.0.0.1:0", "--rate", "fast"}, "--rate: fast is no number; give 250 to 10000"},
     {"RateIsNan", "io_node", {"--bind", "127.0.0.1:0", "--rate", "nan"}, "rate"},
     {"SecondsNegative", "io_node", {"--bind", "127.0.0.1:0", "--seconds", "-1"}, "seconds"},
     {"ReplayWithoutTrajectory", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay"}, "trajectory"},
@@ -115,6 +115,12 @@ const std::vector<BadCall> kHapticsNode = {
     {"HubPortTooLarge", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:99999"}, "99999"},
     {"HubHasNoPort", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:"}, "127.0.0.1:"},
     {"SecondsIsText", "haptics_node", {"--seconds", "soon"}, "soon"},
+    {"OffsetIsZero", "haptics_node", {"--offset-in", "0"}, "--offset-in: 0 is not above zero; give inches above zero"},
+    {"ProbeRadiusBelowZero", "haptics_node", {"--probe-radius", "-1"}, "--probe-radius: -1 is below zero; give metres, zero or more"},
+    {"NoHubInAllItsSeconds",
+     "haptics_node",
+     {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:TAKEN_PORT", "--seconds", "0.2", "--rt", "off"},
+     "no hub let it join at 127.0.0.1:TAKEN_PORT in 0.2 s; start io_node there"},
     {"ConfigMissing", "haptics_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
     {"HubBeyondLoopbackWithoutKey", "haptics_node", {"--hub", "192.0.2.1"}, "--key FILE"},
     {"KeyMissing", "haptics_node", {"--hub", "192.0.2.1", "--key", "FOLDER/gone.key"}, "gone.key"},
@@ -143,6 +149,10 @@ const std::vector<BadCall> kTools = {
      "hapton",
      {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/no/such/folder/r.csv"},
      "r.csv"},
+    {"ReplayStiffnessIsZero",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/r.csv", "--stiffness", "0"},
+     "--stiffness: 0 is not above zero; give a number above zero"},
     {"PlotMissing", "hapton", {"plot", "FOLDER/gone"}, "gone"},
     {"CompareMissing", "hapton", {"latency", "compare", "FOLDER/gone", "FOLDER/gone"}, "gone"},
     {"CompareNoReport", "hapton", {"latency", "compare", "FOLDER/good.csv", "FOLDER/good.csv"}, "good.csv"},
@@ -180,6 +190,7 @@ INSTANTIATE_TEST_SUITE_P(VisionNode, BadInput, ::testing::ValuesIn(kVisionNode),
 #endif
 
 class Help : public ::testing::TestWithParam<std::string> {};
+class Version : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Help, IsThereAndSucceeds) {
   const TestFolder folder;
@@ -187,6 +198,15 @@ TEST_P(Help, IsThereAndSucceeds) {
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_EQ(ended->exit_code, 0);
   EXPECT_THAT(ended->out, ::testing::HasSubstr("--help"));
+  EXPECT_EQ(ended->err, "");
+}
+
+TEST_P(Version, IsOneLineOfNameAndNumber) {
+  const TestFolder folder;
+  const auto ended = run(GetParam(), {"--version"}, folder.path());
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0);
+  EXPECT_THAT(ended->out, ::testing::MatchesRegex(GetParam() + " [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   EXPECT_EQ(ended->err, "");
 }
 
@@ -211,6 +231,7 @@ const std::vector<std::string> kPrograms = {
 std::string program_name(const ::testing::TestParamInfo<std::string>& program) { return program.param; }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Help, ::testing::ValuesIn(kPrograms), program_name);
+INSTANTIATE_TEST_SUITE_P(Programs, Version, ::testing::ValuesIn(kPrograms), program_name);
 
 }  // namespace
 }  // namespace hapton::process

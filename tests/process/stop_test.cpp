@@ -1,0 +1,61 @@
+// A node that is asked to end while it still loads its scene ends in order.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "tests/process/program.h"
+
+namespace hapton::process {
+namespace {
+
+// Large enough for a look while it is read.
+void write_large_mesh(const std::filesystem::path& path) {
+  constexpr int kSide = 400;
+  std::ofstream file(path);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) file << "v " << 0.001 * x << ' ' << 0.001 * y << " 0\n";
+  }
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 1; x < kSide; ++x) {
+      const int v = y * kSide + x;
+      file << "f " << v << ' ' << v + 1 << ' ' << v + kSide + 1 << ' ' << v + kSide << '\n';
+    }
+  }
+}
+
+bool catches_sigterm(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.rfind("SigCgt:", 0) == 0) return (std::strtoull(line.c_str() + 7, nullptr, 16) >> (SIGTERM - 1) & 1U) != 0;
+  }
+  return false;
+}
+
+// It says what its method is as soon as the scene is loaded.
+bool has_loaded(const Program& node) { return node.err().find("proxy:") != std::string::npos; }
+
+TEST(Stopping, WhileItLoadsItsSceneEndsInOrder) {
+  const TestFolder folder;
+  write_large_mesh(folder.path() / "large.obj");
+  // A look may come too late on a busy machine: then it is taken again.
+  bool seen_while_loading = false;
+  for (int attempt = 0; attempt < 10 && !seen_while_loading; ++attempt) {
+    Program node("haptics_node", {"--scene", (folder.path() / "large.obj").string()}, folder.path());
+    while (node.is_running() && !catches_sigterm(node.pid()) && !has_loaded(node))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    node.send_signal(SIGTERM);
+    seen_while_loading = !has_loaded(node);
+    const auto ended = node.wait(kPatience);
+    ASSERT_TRUE(ended) << "still runs";
+    EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  }
+  EXPECT_TRUE(seen_while_loading);
+}
+
+}  // namespace
+}  // namespace hapton::process
