@@ -60,8 +60,10 @@ std::string safety_text(const Json& report) {
   if (word(notes, "governor").empty()) return "";
   const std::string fault = word(notes, "safety_fault_is");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
+  // The hand may have given more than it got: then nothing is spent.
+  const double spent = std::max(0.0, number(ratios, "energy_spent"));
   return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
-                     100.0 * number(ratios, "thermal_load"), 100.0 * number(ratios, "energy_spent"));
+                     100.0 * number(ratios, "thermal_load"), 100.0 * spent);
 }
 
 std::string nodes_text(const Span& span) {

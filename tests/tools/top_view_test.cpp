@@ -43,7 +43,7 @@ TEST(TopView, SaysWhatTheGovernorDoes) {
   EXPECT_THAT(make_top_view("h", look, nullptr), Not(HasSubstr("safety governor")));
   look.report["notes"]["governor"] = "live";
   look.report["ratios"] = {{"thermal_load", 0.123}, {"energy_spent", -0.05}};
-  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor live; thermal load 12 %, energy -5 % of its budget\n"));
+  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor live; thermal load 12 %, energy 0 % of its budget\n"));
   look.report["notes"]["governor"] = "latched";
   look.report["notes"]["safety_fault_is"] = "the motors are too hot";
   EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor latched: the motors are too hot; hapton set --reset-faults;"));
