@@ -146,7 +146,7 @@ void add_set_command(CommandLine app, int& exit_code) {
   command.add_option("--key", options->key_file, kKeyHelp);
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz);
   command.add_option("--method", options->method, "Force method, one of: " + method_names());
-  command.add_flag("--report", options->report, "Have the latency report written now");
+  command.add_flag("--report", options->report, "Have io_node write report.json and latency.csv now; hapton plot draws them");
   command.add_flag("--reset-faults", options->reset_faults, "What latched the safety governor is mended: let the force ramp in again");
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
