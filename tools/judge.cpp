@@ -60,6 +60,7 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
 
 Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
   Judgement judgement;
+  if (settings.method.name == "proxy") judgement.shading = settings.method.shading;
   auto run = [&](const MethodSettings& method, std::vector<FeltStep>& felt) -> Result<void> {
     auto done = run_method(method, scene, trajectory, settings.threads);
     if (!done) return tl::unexpected(done.error());
@@ -83,8 +84,12 @@ Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& 
   return judgement;
 }
 
-std::string to_text(const ForceError& error) {
+std::string to_text(const Judgement& judgement) {
+  const ForceError& error = judgement.error;
   std::string text;
+  if (judgement.shading > 0.0) {
+    text += fmt::format("force shading {:g}: the shaded force against the unshaded reference\n", judgement.shading);
+  }
   text += fmt::format("steps {}, contact {}, basin changes {}, not finite {}\n", error.steps, error.contact_steps, error.basin_steps,
                       error.not_finite);
   text += fmt::format("force error, all:                 {}\n", percent(error.all));
@@ -97,8 +102,11 @@ std::string to_text(const ForceError& error) {
   return text;
 }
 
-std::string to_json(const ForceError& error) {
-  const Json json{{"steps", error.steps},
+std::string to_json(const Judgement& judgement) {
+  const ForceError& error = judgement.error;
+  const Json json{{"shading", judgement.shading},
+                  {"reference_shading", 0.0},
+                  {"steps", error.steps},
                   {"contact_steps", error.contact_steps},
                   {"basin_steps", error.basin_steps},
                   {"force_error_all", spread_json(error.all)},

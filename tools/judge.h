@@ -22,6 +22,7 @@ struct JudgeSettings {
 // What a method felt along a trajectory, and what the reference says to it.
 struct Judgement {
   ForceError error;
+  double shading = 0.0;  // of the method's force; the reference is never shaded, so what shading turns is part of the error
   std::vector<FeltStep> method, reference, finer_reference;
 };
 
@@ -34,9 +35,9 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
 Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // For people.
-std::string to_text(const ForceError& error);
+std::string to_text(const Judgement& judgement);
 
 // One JSON object.
-std::string to_json(const ForceError& error);
+std::string to_json(const Judgement& judgement);
 
 }  // namespace hapton

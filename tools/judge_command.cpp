@@ -15,6 +15,7 @@
 #include "runtime/atomic_file.h"
 #include "tools/judge.h"
 #include "tools/mesh_choice.h"
+#include "tools/method_flags.h"
 #include "tools/trajectory_command.h"
 
 namespace hapton {
@@ -25,6 +26,7 @@ struct JudgeOptions {
   std::string kind = "slide";
   std::string out;
   TrajectorySettings trajectory;
+  MethodFlags method;
   JudgeSettings settings;
   Material material;
 };
@@ -43,20 +45,24 @@ std::string to_csv(const Judgement& judgement, double rate_hz) {
 }
 
 Result<void> judge(const JudgeOptions& options) {
+  const auto method = settings_of(options.method);
+  if (!method) return tl::unexpected(method.error());
   auto mesh = make_mesh(options.mesh);
   if (!mesh) return tl::unexpected(mesh.error());
   const auto trajectory = make_trajectory(options.kind, *mesh, options.trajectory);
   if (!trajectory) return tl::unexpected(trajectory.error());
-  fmt::print("judge: {} against the reference over {} ({} triangles), {} rows of {}, seed {}\n", options.settings.method.name,
-             name_of(options.mesh), mesh->triangles.size(), options.trajectory.rows, options.kind, options.trajectory.seed);
+  fmt::print("judge: {} against the reference over {} ({} triangles), {} rows of {}, seed {}\n", method->name, name_of(options.mesh),
+             mesh->triangles.size(), options.trajectory.rows, options.kind, options.trajectory.seed);
   std::fflush(stdout);
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(*mesh)), options.material});
-  const auto judgement = judge_method(options.settings, scene, *trajectory);
+  JudgeSettings settings = options.settings;
+  settings.method = *method;
+  const auto judgement = judge_method(settings, scene, *trajectory);
   if (!judgement) return tl::unexpected(judgement.error());
-  fmt::print("{}", to_text(judgement->error));
+  fmt::print("{}", to_text(*judgement));
   if (options.out.empty()) return {};
-  if (auto written = write_file_atomically(options.out + "/judge.json", to_json(judgement->error)); !written) return written;
+  if (auto written = write_file_atomically(options.out + "/judge.json", to_json(*judgement)); !written) return written;
   return write_file_atomically(options.out + "/judge.csv", to_csv(*judgement, options.trajectory.rate_hz));
 }
 
@@ -64,15 +70,13 @@ Result<void> judge(const JudgeOptions& options) {
 
 void add_judge_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<JudgeOptions>();
-  options->settings.method.name = "proxy";
   options->settings.threads = std::max(1U, std::thread::hardware_concurrency());
   const CommandLine command = app.add_subcommand("judge", "Measure a method's force error against the brute-force reference");
   add_mesh_options(command, options->mesh);
-  command.add_option("--method", options->settings.method.name, "Which method is judged, one of: " + method_names()).shows_default();
+  add_method_flags(command, options->method);
   command.add_option("--kind", options->kind, "Of trajectory: " + trajectory_kinds()).shows_default();
   command.add_option("--seed", options->trajectory.seed, "Of the trajectory").shows_default();
   command.add_option("--rows", options->trajectory.rows, "How many steps").between(1, 100'000'000).shows_default();
-  command.add_option("--probe-radius", options->settings.method.probe_radius_m, "Metres; 0 is a point").not_negative().shows_default();
   command.add_option("--stiffness", options->material.stiffness_n_per_m, "N/m").positive().shows_default();
   command.add_option("--friction-static", options->material.friction_static, "Coulomb coefficient").not_negative().shows_default();
   command.add_option("--friction-dynamic", options->material.friction_dynamic, "Coulomb coefficient, not above the static one")

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/collision/grid_division.h"
 #include "runtime/trajectory_csv.h"
 #include "scene/scene_file.h"
+#include "tools/method_flags.h"
 #include "tools/replay.h"
 
 namespace hapton {
@@ -25,8 +25,7 @@ struct ReplayOptions {
   std::string unit;
   std::string trajectory;
   std::string out;
-  std::string grid = "32";
-  MethodSettings method;
+  MethodFlags method;
   std::optional<double> stiffness_n_per_m;
   std::optional<double> friction_static;
   std::optional<double> friction_dynamic;
@@ -100,11 +99,10 @@ void print_summary(const Replay& replay, const ReplaySettings& settings) {
 }
 
 Result<void> replay(ReplayOptions& options) {
-  const auto division = parse_grid_division(options.grid);
-  if (!division) {
-    return tl::unexpected(division.error());
+  const auto settings = settings_of(options.method);
+  if (!settings) {
+    return tl::unexpected(settings.error());
   }
-  options.method.grid_division = *division;
   const auto trajectory = read_trajectory_csv(options.trajectory);
   if (!trajectory) {
     return tl::unexpected(trajectory.error());
@@ -117,7 +115,7 @@ Result<void> replay(ReplayOptions& options) {
   if (!touch_scene) {
     return tl::unexpected(touch_scene.error());
   }
-  auto method = make_method(options.method, *touch_scene);
+  auto method = make_method(*settings, *touch_scene);
   if (!method) {
     return tl::unexpected(method.error());
   }
@@ -152,19 +150,8 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command.add_option("--unit", options->unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
   command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz], one row a step").required();
   command.add_option("--out", options->out, "CSV to write").required();
-  command.add_option("--method", options->method.name, "Force method, one of: " + method_names()).shows_default();
+  add_method_flags(command, options->method);
   command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();
-  command.add_option("--probe-radius", options->method.probe_radius_m, "Metres; 0 is a point (sweep knows no other)")
-      .not_negative()
-      .shows_default();
-  command.add_option("--shading", options->method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
-      .between(0.0, 1.0)
-      .shows_default();
-  command.add_option("--set-size", options->method.set_size, "smooth: triangles in the local set, 16 to 256").shows_default();
-  command.add_option("--radius", options->method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data").shows_default();
-  command.add_option("--layer", options->method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")
-      .shows_default();
-  command.add_option("--directions", options->method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26").shows_default();
   command.add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")
       .not_negative();
   command.add_option("--friction-dynamic", options->friction_dynamic, "Coulomb coefficient, not above the static one").not_negative();
@@ -173,7 +160,6 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command.add_option("--repeat", options->replay.repeat, "Run it so many times; step_ns is the least of all")
       .between(1, 1'000'000)
       .shows_default();
-  command.add_option("--grid", options->grid, "sweep: cells along each axis, N or NxNxN").shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 

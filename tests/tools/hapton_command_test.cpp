@@ -129,6 +129,8 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
       {{"--mesh", path("t.obj"), "--grid", "0"}, "'0'"},
       {{"--mesh", path("t.obj"), "--friction-dynamic", "0.5"}, "--friction-static"},
       {{"--mesh", path("t.obj"), "--probe-radius", "0.001"}, "radius"},
+      {{"--mesh", path("t.obj"), "--crease", "181"}, "--crease"},
+      {{"--mesh", path("t.obj"), "--simplify", "2 furlong"}, "--simplify: '2 furlong' is no length"},
   };
   for (const auto& [more, word] : cases) {
     const Seen seen = run(replay(more));
@@ -139,6 +141,21 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
   EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--scene", path("t.toml")})).code, 2);
   EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--stiffness", "-1"})).code, 2);
   EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
+}
+
+TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatItTookForSharp) {
+  std::vector<std::string> words = replay({"--mesh", path("t.obj"), "--unit", "mm", "--simplify", "0.5mm", "--crease", "70"});
+  *(std::find(words.begin(), words.end(), "sweep")) = "smooth";
+  const Seen seen = run(words);
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("simplify: 4 triangles, none merged within 0.0005 m"));
+  EXPECT_THAT(seen.out, HasSubstr("faces turn by more than 70 degrees"));
+}
+
+TEST_F(HaptonCommandTest, JudgeLabelsAShadedForce) {
+  const Seen seen = run({"judge", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.out, HasSubstr("force shading 1: the shaded force against the unshaded reference"));
 }
 
 TEST_F(HaptonCommandTest, GovernorHoldsAndSaysHowNearItCame) {

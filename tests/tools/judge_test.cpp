@@ -43,8 +43,8 @@ TEST(Judge, ReferenceAgainstItselfHasNoError) {
   EXPECT_EQ(judged->error.all.most, 0.0);
   EXPECT_GT(judged->error.contact_steps, 300u);
   EXPECT_EQ(judged->error.falls + judged->error.locks + judged->error.pops + judged->error.ghosts, 0u);
-  EXPECT_THAT(to_text(judged->error), ::testing::HasSubstr("falls 0"));
-  EXPECT_THAT(to_json(judged->error), ::testing::HasSubstr("\"basin_steps\""));
+  EXPECT_THAT(to_text(*judged), ::testing::HasSubstr("falls 0"));
+  EXPECT_THAT(to_json(*judged), ::testing::HasSubstr("\"basin_steps\""));
 }
 
 TEST(Judge, ProxyIsWithinATenthOfAPercentAwayFromBasins) {
@@ -56,6 +56,25 @@ TEST(Judge, ProxyIsWithinATenthOfAPercentAwayFromBasins) {
   ASSERT_TRUE(judged.has_value());
   EXPECT_LT(judged->error.away.p99, 1e-3);
   EXPECT_EQ(judged->error.falls, 0u);
+}
+
+TEST(Judge, AShadedForceIsJudgedByTheUnshadedReferenceAndSaysSo) {
+  const TouchScene scene = bumps();
+  const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 600});
+  JudgeSettings settings;
+  const auto plain = judge_method(settings, scene, *trajectory);
+  settings.method.shading = 1.0;
+  const auto shaded = judge_method(settings, scene, *trajectory);
+  ASSERT_TRUE(plain.has_value() && shaded.has_value());
+  for (std::size_t i = 0; i < plain->reference.size(); ++i) {
+    ASSERT_EQ(shaded->reference[i].force_n, plain->reference[i].force_n);
+    ASSERT_EQ(shaded->method[i].proxy, plain->method[i].proxy);
+  }
+  EXPECT_GT(shaded->error.direction_rad.p50, 10.0 * plain->error.direction_rad.p50);
+  EXPECT_THAT(to_text(*shaded), ::testing::HasSubstr("force shading 1: the shaded force against the unshaded reference"));
+  EXPECT_THAT(to_json(*shaded), ::testing::HasSubstr("\"shading\": 1.0"));
+  EXPECT_THAT(to_json(*shaded), ::testing::HasSubstr("\"reference_shading\": 0.0"));
+  EXPECT_THAT(to_text(*plain), ::testing::Not(::testing::HasSubstr("shading")));
 }
 
 TEST(Judge, SaysWhyAMethodCannotRun) {
