@@ -76,7 +76,10 @@ void AnswerLoop::hear(const Message& message) noexcept {
       step_.turn_scene(*view);
     }
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
-    builder_.request(settings->method);
+    // Who waits for an answer asks again until it comes.
+    if (settings->method_ask != 0 && settings->method_ask == heard_ask_) return;
+    heard_ask_ = settings->method_ask;
+    builder_.request(settings->method, settings->method_ask);
   }
 }
 
@@ -104,10 +107,20 @@ void AnswerLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
     built->step = step_.replace(std::move(built->step));
     setup_.method = built->text;
-    setup_repeats_ = kSetupRepeats;
-    next_setup_ns_ = 0;
+    setup_.method_ask = built->ask;
+    setup_.refusal = {};
     builder_.retire(std::move(built));
+    tell_setup_soon();
+  } else if (const RefusedMethod* refused = builder_.take_refusal()) {
+    setup_.method_ask = refused->ask;
+    setup_.refusal = refused->why;
+    tell_setup_soon();
   }
+}
+
+void AnswerLoop::tell_setup_soon() noexcept {
+  setup_repeats_ = kSetupRepeats;
+  next_setup_ns_ = 0;
 }
 
 void AnswerLoop::tell_setup() noexcept {

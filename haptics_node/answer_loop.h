@@ -15,7 +15,7 @@ namespace hapton {
 // The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
 // Where a method builds on approach, the first answer waits until what is near is built: contact that goes on from before is there from the
 // first answer on, and the same states give the same forces again.
-// Once a second, and when it has changed, it tells the hub its setup, for recordings.
+// Once a second, and when it has changed, it tells the hub its setup, for recordings; and what became of a method that was asked for.
 // RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
 class AnswerLoop {
  public:
@@ -37,6 +37,7 @@ class AnswerLoop {
   bool is_ready() noexcept;
   void answer() noexcept;
   void change_method() noexcept;
+  void tell_setup_soon() noexcept;
   void tell_setup() noexcept;
   void tell_of_hub();
 
@@ -56,6 +57,7 @@ class AnswerLoop {
   std::int64_t start_ns_;
   std::uint64_t session_ = 0;
   std::uint32_t view_revision_ = 0;
+  std::uint32_t heard_ask_ = 0;  // of a method
   JoinState told_ = JoinState::joining;
   bool told_absent_ = false;
 };

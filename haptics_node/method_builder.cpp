@@ -50,13 +50,16 @@ bool MethodBuilder::prepare() {
   return method != nullptr && method->prepare();
 }
 
-void MethodBuilder::build(const MethodName& name) {
+void MethodBuilder::build(const Request& request) {
   MethodSettings settings = settings_;
   settings.build_on_approach = false;
-  settings.name.assign(name.data(), std::find(name.begin(), name.end(), '\0') - name.begin());
+  settings.name.assign(request.name.data(), std::find(request.name.begin(), request.name.end(), '\0') - request.name.begin());
   auto method = make_method(settings, scene_);
   if (!method) {
     log_warning("{}; the method in use stays", method.error().what);
+    refusals_.draft().ask = request.ask;
+    put_text(method.error().what, refusals_.draft().why);
+    refusals_.publish_draft();
     return;
   }
   log_info("built, in use from now on:");
@@ -64,6 +67,7 @@ void MethodBuilder::build(const MethodName& name) {
   auto ready = std::make_unique<BuiltMethod>();
   ready->step = std::make_unique<TouchStep>(std::move(*method));
   put_text(to_text(settings), ready->text);
+  ready->ask = request.ask;
   in_use_ = ready->step->share_method();
   delete built_.exchange(ready.release(), std::memory_order_acq_rel);
 }

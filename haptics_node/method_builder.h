@@ -17,12 +17,20 @@ namespace hapton {
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
   HapticsSetup::Text text = {};  // as in HapticsSetup::method
+  std::uint32_t ask = 0;         // as in Settings::method_ask
+};
+
+// A method that cannot be built.
+struct RefusedMethod {
+  std::uint32_t ask = 0;
+  HapticsSetup::Text why = {};
 };
 
 // Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
 // device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared
-// here. A name that cannot be built is logged, and the method in use stays. What takes over in contact must be whole: nothing of such a
-// method is left to be built on approach. RT: request, take and retire yes; the rest set-up only. Threads: one caller.
+// here. A name that cannot be built is logged and told of, and the method in use stays. What takes over in contact must be whole: nothing
+// of such a method is left to be built on approach. RT: request, take, take_refusal and retire yes; the rest set-up only. Threads: one
+// caller.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -33,7 +41,7 @@ class MethodBuilder {
   MethodBuilder& operator=(const MethodBuilder&) = delete;
 
   // Asks for a method; a later request replaces one not yet begun.
-  void request(const MethodName& name) noexcept { requests_.publish(name); }
+  void request(const MethodName& name, std::uint32_t ask = 0) noexcept { requests_.publish({name, ask}); }
 
   // How often the slow task has found nothing to do: two more than before mean that all that was asked for until then is built.
   std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
@@ -41,18 +49,27 @@ class MethodBuilder {
   // The method built last, once; none when there is no new one.
   std::unique_ptr<BuiltMethod> take() noexcept;
 
+  // The request refused last, once; none when there is no new one. It stays until the next call.
+  const RefusedMethod* take_refusal() noexcept { return refusals_.take() ? &refusals_.value() : nullptr; }
+
   // Takes what take() gave, with the method that it replaced in it, to be freed.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
 
  private:
+  struct Request {
+    MethodName name = {};
+    std::uint32_t ask = 0;
+  };
+
   void run();
-  void build(const MethodName& name);
+  void build(const Request& request);
   bool prepare();
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
   MethodSettings settings_;
   TouchScene scene_;
-  Mailbox<MethodName> requests_;
+  Mailbox<Request> requests_;
+  Mailbox<RefusedMethod> refusals_;
   std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;

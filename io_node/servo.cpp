@@ -223,6 +223,7 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn, event.peer);
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
   if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event.role);
+  if (std::holds_alternative<HapticsSetup>(datagram.message)) peers_.send_to_role(NodeRole::tool, datagram.message);
   if (const auto* ask = std::get_if<ReportAsk>(&datagram.message); ask != nullptr && desk_ != nullptr) desk_->ask(event.peer, *ask);
 }
 
@@ -293,7 +294,7 @@ void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
     ++stats_.bad_settings;
   }
   if (settings.method[0] != '\0') {
-    peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false, false});
+    peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false, false, settings.method_ask});
     events_.push({ServoEvent::Kind::method_asked, role, {}, 0.0, settings.method, {}});
   }
   if (settings.reset_faults && role == NodeRole::tool) reset_faults();

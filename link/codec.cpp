@@ -119,6 +119,7 @@ void write(const Settings& from, wire::Settings& to) {
   to.mutable_method()->assign(from.method.data(), static_cast<std::size_t>(end - from.method.data()));
   to.set_report_now(from.report_now);
   to.set_reset_faults(from.reset_faults);
+  to.set_method_ask(from.method_ask);
 }
 
 template <std::size_t N>
@@ -137,6 +138,8 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   write_text(from.scene, *to.mutable_scene());
   write_text(from.build, *to.mutable_build());
   write_text(from.method, *to.mutable_method());
+  to.set_method_ask(from.method_ask);
+  write_text(from.refusal, *to.mutable_refusal());
 }
 
 void write(const ReportAsk& from, wire::ReportAsk& to) {
@@ -265,6 +268,7 @@ bool read(const wire::Settings& from, Settings& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.report_now = from.report_now();
   to.reset_faults = from.reset_faults();
+  to.method_ask = from.method_ask();
   const std::string& method = from.method();
   if (method.size() > to.method.size() || !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
     return false;
@@ -290,8 +294,9 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.method_serial = from.method_serial();
   to.view_revision = from.view_revision();
   to.scene_hash = from.scene_hash();
+  to.method_ask = from.method_ask();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
-         read_text(from.method(), to.method);
+         read_text(from.method(), to.method) && read_text(from.refusal(), to.refusal);
 }
 
 bool read_document(std::uint32_t from, ReportDocument& to) {
@@ -438,6 +443,7 @@ struct Codec::Wire {
     e.mutable_haptics_setup()->mutable_scene()->reserve(kMaxDatagramBytes);
     e.mutable_haptics_setup()->mutable_build()->reserve(kMaxDatagramBytes);
     e.mutable_haptics_setup()->mutable_method()->reserve(kMaxDatagramBytes);
+    e.mutable_haptics_setup()->mutable_refusal()->reserve(kMaxDatagramBytes);
     reserve_unknown(*e.mutable_report_ask());
     reserve_unknown(*e.mutable_report_part());
     e.mutable_report_part()->mutable_text()->reserve(kMaxDatagramBytes);

@@ -106,9 +106,11 @@ struct Settings {
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;           // write the latency report
   bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool only
+  std::uint32_t method_ask = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
 };
 
-// haptics -> hub, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt again.
+// haptics -> hub -> every tool, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt
+// again, and what became of the method asked for last.
 struct HapticsSetup {
   using Text = std::array<char, 256>;  // NUL-padded, printable
 
@@ -118,7 +120,9 @@ struct HapticsSetup {
   std::uint64_t scene_hash = 0;
   Text scene = {};  // the file's path
   Text build = {};
-  Text method = {};  // "name=proxy probe_radius_m=0 ..."
+  Text method = {};              // "name=proxy probe_radius_m=0 ..."
+  std::uint32_t method_ask = 0;  // of the Settings answered last; 0: none yet, or one that nobody waits for
+  Text refusal = {};             // why that method is not used; empty: it is in use
 };
 
 // tool -> hub: a part of the hub's report.

@@ -137,7 +137,10 @@ void SessionFelt::feel_lost(const ForceCommand& before) {
 }
 
 Result<void> SessionFelt::feel(const ForceCommand& command) {
+  const std::uint64_t lost_before = counts_.lost_answers;
   feel_lost(command);
+  // Which of the lost answers was the new method's first is not known.
+  if (command.method_serial != serial_ && counts_.lost_answers > lost_before) is_certain_ = false;
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   turn(command.view_revision);
   // What was free then is free now: from here on nothing before is needed.

@@ -8,12 +8,15 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <variant>
 
 #include "core/base/result.h"
 #include "core/force/force_method.h"
 #include "link/hub_client.h"
 #include "link/link_key.h"
+#include "link/random_id.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "tools/hub_report.h"
@@ -32,18 +35,22 @@ struct SetOptions {
 
 constexpr int kResetLooks = 5;
 constexpr std::int64_t kPatienceNs = 2 * kNanosecondsPerSecond;
+constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node tells its setup once a second
+constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
+constexpr std::int64_t kAskAgainNs = kNanosecondsPerSecond / 2;
 
-// Listens to the hub until it holds or patience ends.
+// Listens to the hub until it holds or patience ends; hears what the haptics node tells.
 template <class Condition>
-bool wait_until(HubClient& client, const Clock& clock, Condition&& holds) {
-  const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
-  Datagram ignored;
+bool wait_until(HubClient& client, const Clock& clock, std::optional<HapticsSetup>& setup, std::int64_t patience_ns, Condition&& holds) {
+  const std::int64_t end_ns = clock.now_ns() + patience_ns;
+  Datagram datagram;
   while (!holds()) {
     const std::int64_t now_ns = clock.now_ns();
     if (now_ns >= end_ns) {
       return false;
     }
-    client.receive(ignored, now_ns + 20 * kNanosecondsPerMillisecond);
+    if (!client.receive(datagram, now_ns + 20 * kNanosecondsPerMillisecond)) continue;
+    if (const auto* told = std::get_if<HapticsSetup>(&datagram.message)) setup = *told;
   }
   return true;
 }
@@ -60,7 +67,36 @@ Result<Settings> make_settings(const SetOptions& options) {
     return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
   }
   std::copy(options.method.begin(), options.method.end(), settings.method.begin());
+  if (!options.method.empty()) settings.method_ask = static_cast<std::uint32_t>(make_random_id()) | 1U;
   return settings;
+}
+
+// What the haptics node says to the method asked for. It is asked again until it answers: a datagram may get lost.
+Result<std::string> confirm_method(HubClient& client, const Clock& clock, const SetOptions& options, std::uint32_t ask,
+                                   std::optional<HapticsSetup>& setup) {
+  if (!wait_until(client, clock, setup, kSetupPatienceNs, [&] { return setup.has_value(); })) {
+    return fail("no haptics node has joined the hub, so no method is in use; start haptics_node");
+  }
+  Settings again;
+  std::copy(options.method.begin(), options.method.end(), again.method.begin());
+  again.method_ask = ask;
+  std::int64_t next_ask_ns = clock.now_ns() + kAskAgainNs;
+  const auto is_answered = [&] {
+    if (setup->method_ask == ask) return true;
+    if (clock.now_ns() >= next_ask_ns) {
+      client.send(again);
+      next_ask_ns += kAskAgainNs;
+    }
+    return false;
+  };
+  if (!wait_until(client, clock, setup, kBuildPatienceNs, is_answered)) {
+    return fail(
+        "the haptics node does not say that it uses {}; it is still building it, another method was asked for since, or it is another "
+        "build",
+        options.method);
+  }
+  if (setup->refusal[0] != '\0') return fail("the haptics node refuses: {}; the method in use stays", setup->refusal.data());
+  return fmt::format("method {} in use", options.method);
 }
 
 // What the hub says of its faults once it has had time to hear us.
@@ -104,7 +140,8 @@ Result<std::string> set(const SetOptions& options) {
   const SteadyClock clock;
   SealedClient sealed(**endpoint, clock, *key, *hub);
   HubClient client(sealed, clock, NodeRole::tool, *hub);
-  if (!wait_until(client, clock, [&] { return client.state() == JoinState::joined; })) {
+  std::optional<HapticsSetup> setup;
+  if (!wait_until(client, clock, setup, kPatienceNs, [&] { return client.state() == JoinState::joined; })) {
     return fail("no hub answers at {}; start io_node there, name another place with --hub, or give the hub's --key", to_string(*hub));
   }
   if (!client.send(*settings)) {
@@ -113,13 +150,15 @@ Result<std::string> set(const SetOptions& options) {
   const auto rate_holds = [&] {
     return options.rate_hz == 0.0 || std::abs(client.servo_rate_hz() - options.rate_hz) <= 1e-3 * options.rate_hz;
   };
-  if (!wait_until(client, clock, rate_holds)) {
+  if (!wait_until(client, clock, setup, kPatienceNs, rate_holds)) {
     return fail("the hub at {} stays at {} Hz; ask for {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
                 kMaxServoRateHz);
   }
   std::string told = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
   if (!options.method.empty()) {
-    told += fmt::format("; method {} asked for, in use as soon as the haptics node has built it", options.method);
+    const auto method = confirm_method(client, clock, options, settings->method_ask, setup);
+    if (!method) return method;
+    told += "; " + *method;
   }
   if (options.report) told += "; report asked for";
   if (!options.reset_faults) return told;

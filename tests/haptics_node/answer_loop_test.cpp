@@ -126,6 +126,35 @@ TEST_F(AnswerLoopTest, AMethodChangesWhileInContact) {
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
 }
 
+TEST_F(AnswerLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
+  exchange({0.01, 0.01, 0.001});
+  const auto ask = [&](std::string_view name, std::uint32_t number) {
+    Settings settings{.method_ask = number};
+    std::copy(name.begin(), name.end(), settings.method.begin());
+    for (int i = 0; i < 500 && setups_.back().method_ask != number; ++i) {
+      send(settings);  // again and again, as one does whose words may get lost
+      exchange({0.01, 0.01, 0.001});
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+    }
+    return setups_.back();
+  };
+  const HapticsSetup refused = ask("magic", 7);
+  EXPECT_EQ(refused.method_ask, 7U);
+  EXPECT_NE(std::string_view(refused.refusal.data()).find("'magic' is not known"), std::string_view::npos) << refused.refusal.data();
+  EXPECT_EQ(step_.counts().methods_taken, 0U);
+
+  const HapticsSetup taken = ask("proxy", 8);
+  EXPECT_EQ(taken.method_ask, 8U);
+  EXPECT_STREQ(taken.refusal.data(), "");
+  EXPECT_EQ(taken.method_serial, 1U);
+  EXPECT_EQ(std::string_view(taken.method.data()).substr(0, 10), "name=proxy");
+  for (int i = 0; i < 20; ++i) {
+    exchange({0.01, 0.01, 0.001});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(step_.counts().methods_taken, 1U) << "asked again and again, built once";
+}
+
 TEST_F(AnswerLoopTest, TheHubIsToldTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
   ASSERT_EQ(setups_.size(), 1U);
   EXPECT_EQ(setups_[0].scene_hash, 42U);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <string_view>
 #include <thread>
+#include <utility>
 
 #include "tests/support/made_meshes.h"
 
@@ -30,6 +31,14 @@ std::unique_ptr<BuiltMethod> wait_for_method(MethodBuilder& builder) {
   return nullptr;
 }
 
+const RefusedMethod* wait_for_refusal(MethodBuilder& builder) {
+  for (int i = 0; i < 500; ++i) {
+    if (const RefusedMethod* refused = builder.take_refusal()) return refused;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return nullptr;
+}
+
 TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
   MethodBuilder builder({}, one_sphere());
   EXPECT_EQ(builder.take(), nullptr);
@@ -42,13 +51,24 @@ TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
   }
 }
 
-TEST(MethodBuilder, AnUnknownNameBuildsNothing) {
-  MethodBuilder builder({}, one_sphere());
-  builder.request(name_of("sixteen letters!"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_EQ(builder.take(), nullptr);
-  builder.request(name_of("sweep"));
-  EXPECT_NE(wait_for_method(builder), nullptr);
+TEST(MethodBuilder, WhatCannotBeBuiltIsToldWithItsReasonAndBuildsNothing) {
+  MethodBuilder builder({.probe_radius_m = 0.001}, one_sphere());
+  EXPECT_EQ(builder.take_refusal(), nullptr);
+  std::uint32_t ask = 6;
+  for (const auto& [name, reason] : {std::pair("sixteen letters!", "'sixteen letters!' is not known"), std::pair("sweep", "radius")}) {
+    builder.request(name_of(name), ++ask);
+    const RefusedMethod* refused = wait_for_refusal(builder);
+    ASSERT_NE(refused, nullptr);
+    EXPECT_EQ(refused->ask, ask);
+    EXPECT_NE(std::string_view(refused->why.data()).find(reason), std::string_view::npos) << refused->why.data();
+    EXPECT_EQ(builder.take_refusal(), nullptr);
+    EXPECT_EQ(builder.take(), nullptr);
+  }
+  builder.request(name_of("proxy"), 42);
+  const auto built = wait_for_method(builder);
+  ASSERT_NE(built, nullptr);
+  EXPECT_EQ(built->ask, 42U);
+  EXPECT_EQ(builder.take_refusal(), nullptr);
 }
 
 TEST(MethodBuilder, WhatNobodyTookIsFreed) {

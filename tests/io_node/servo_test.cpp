@@ -74,6 +74,7 @@ struct Servos : testing::Test {
   std::vector<ProbeState> probes;
   std::vector<ViewTransform> views;
   std::vector<Settings> settings;
+  std::vector<std::pair<Address, HapticsSetup>> setups;
   // How the haptics node answers; -1: not at all.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
@@ -96,7 +97,7 @@ struct Servos : testing::Test {
     servo = std::make_unique<Servo>(device, peers, clock, options, echo, tap);
   }
 
-  void hear(const Address&, const Datagram& datagram) {
+  void hear(const Address& to, const Datagram& datagram) {
     if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
       states.push_back(*state);
       if (answer_delay_ns >= 0) force(*state, answer_delay_ns);
@@ -107,6 +108,7 @@ struct Servos : testing::Test {
     }
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
+    if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) setups.emplace_back(to, *setup);
   }
 
   void force(const DeviceState& state, std::int64_t delay_ns) {
@@ -426,12 +428,14 @@ TEST_F(Servos, a_method_goes_on_to_haptics_and_a_report_wish_to_the_other_thread
   Settings wish;
   std::copy_n("sweep", 5, wish.method.begin());
   wish.report_now = true;
+  wish.method_ask = 77;
   run(5);
   say(kTool, wish);
   run(2);
   ASSERT_EQ(settings.size(), 1U);
   EXPECT_STREQ(settings[0].method.data(), "sweep");
   EXPECT_EQ(settings[0].servo_rate_hz, 0.0);
+  EXPECT_EQ(settings[0].method_ask, 77U);
   EXPECT_FALSE(settings[0].report_now);
   EXPECT_TRUE(servo->take_report_wish());
   EXPECT_FALSE(servo->take_report_wish());
@@ -440,6 +444,23 @@ TEST_F(Servos, a_method_goes_on_to_haptics_and_a_report_wish_to_the_other_thread
   servo->step();
   ASSERT_TRUE(servo->take_snapshot());
   EXPECT_EQ(servo->snapshot().samples, 8U);
+}
+
+TEST_F(Servos, what_haptics_says_to_a_method_is_heard_by_tools_alone) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(5);
+  HapticsSetup refused{.method_ask = 77};
+  std::copy_n("no", 2, refused.refusal.begin());
+  say(kHaptics, refused);
+  say(kTool, HapticsSetup{.method_ask = 78});
+  run(2);
+  ASSERT_EQ(setups.size(), 1U);
+  EXPECT_EQ(setups[0].first, at(kTool));
+  EXPECT_EQ(setups[0].second.method_ask, 77U);
+  EXPECT_STREQ(setups[0].second.refusal.data(), "no");
 }
 
 TEST_F(Servos, the_mouse_leads_the_hand_until_it_lets_go_or_leaves) {

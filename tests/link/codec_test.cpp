@@ -65,7 +65,7 @@ class RandomDatagrams {
       case 8:
         return HandTarget{flag(), vector()};
       case 9:
-        return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag(), flag()};
+        return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag(), flag(), bits32()};
       case 10:
         return draw_setup();
       case 11:
@@ -94,8 +94,10 @@ class RandomDatagrams {
   }
 
   HapticsSetup draw_setup() {
-    HapticsSetup setup{bits32(), bits32(), draw_view().X_WS, bits(), {"scenes/car front.toml"}, {"0.1.0 release"}, {"name=proxy"}};
+    HapticsSetup setup{bits32(),          bits32(),       draw_view().X_WS, bits(), {"scenes/car front.toml"},
+                       {"0.1.0 release"}, {"name=proxy"}, bits32()};
     if (flag()) std::fill(setup.scene.begin(), setup.scene.end() - 1, 's');
+    if (flag()) std::fill(setup.refusal.begin(), setup.refusal.end() - 1, 'r');
     return setup;
   }
 
@@ -179,6 +181,7 @@ void expect_equal(const Settings& a, const Settings& b) {
   EXPECT_EQ(a.method, b.method);
   EXPECT_EQ(a.report_now, b.report_now);
   EXPECT_EQ(a.reset_faults, b.reset_faults);
+  EXPECT_EQ(a.method_ask, b.method_ask);
 }
 void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.method_serial, b.method_serial);
@@ -188,6 +191,8 @@ void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.scene, b.scene);
   EXPECT_EQ(a.build, b.build);
   EXPECT_EQ(a.method, b.method);
+  EXPECT_EQ(a.method_ask, b.method_ask);
+  EXPECT_EQ(a.refusal, b.refusal);
 }
 
 void expect_equal(const ReportAsk& a, const ReportAsk& b) {
@@ -234,6 +239,11 @@ void expect_sane(const Datagram& datagram) {
   } else if (const auto* settings = std::get_if<Settings>(&datagram.message)) {
     EXPECT_TRUE(settings->servo_rate_hz == 0.0 ||
                 (settings->servo_rate_hz >= kMinServoRateHz && settings->servo_rate_hz <= kMaxServoRateHz));
+  } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {
+    for (const HapticsSetup::Text& text : {setup->scene, setup->build, setup->method, setup->refusal}) {
+      EXPECT_EQ(text.back(), '\0');
+      EXPECT_TRUE(std::none_of(text.begin(), text.end(), [](char c) { return (c > 0 && c < ' ') || c == '\x7f'; }));
+    }
   } else if (const auto* part = std::get_if<ReportPart>(&datagram.message)) {
     EXPECT_LE(part->size, part->text.size());
     EXPECT_LT(part->part, part->parts);
@@ -456,6 +466,11 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(Settings{.servo_rate_hz = 100.0}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Settings{.servo_rate_hz = 20'000.0}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Settings{.method = {'a', '\n'}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(HapticsSetup{.refusal = {'a', '\n'}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(HapticsSetup{.refusal = {'\x1b', '['}}), DecodeStatus::bad_value);
+  HapticsSetup endless;
+  endless.refusal.fill('x');  // the last place is NUL
+  EXPECT_EQ(round_trip(endless), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportAsk{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);

@@ -43,12 +43,15 @@ void lengthen(Settings& m) {
   m.servo_rate_hz = kMaxServoRateHz;
   m.method.fill('x');
   m.report_now = true;
+  m.reset_faults = true;
+  m.method_ask = kMost32;
 }
 void lengthen(HapticsSetup& m) {
-  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}};
+  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}};
   fill_text(m.scene);
   fill_text(m.build);
   fill_text(m.method);
+  fill_text(m.refusal);
 }
 void lengthen(ReportAsk& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
 void lengthen(ReportPart& m) {

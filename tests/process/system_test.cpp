@@ -166,6 +166,33 @@ TEST(Hub, GoesOnFromOneRateToAnotherAndBetweenMethods) {
   system.end_all();
 }
 
+TEST(Haptics, AMethodItCannotUseIsRefusedWithItsReasonWhereItWasAskedFor) {
+  System system;
+  system.add_arguments("haptics_node", {"--probe-radius", "0.001"});
+  const auto set = [&](const char* method) { return run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder()); };
+  system.start("io_node");
+  System::wait_until([&] { return system["io_node"].out().starts_with("hub on "); });
+  const auto alone = set("reference");
+  ASSERT_TRUE(alone);
+  EXPECT_EQ(alone->exit_code, 1);
+  EXPECT_NE(alone->err.find("no haptics node"), std::string::npos) << alone->err;
+
+  system.start("haptics_node");
+  ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  for (const char* method : {"smooth", "sweep"}) {
+    const auto refused = set(method);
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->exit_code, 1) << method;
+    EXPECT_NE(refused->err.find("radius"), std::string::npos) << refused->err;
+    EXPECT_EQ(std::count(refused->err.begin(), refused->err.end(), '\n'), 1) << refused->err;
+  }
+  const auto taken = set("reference");
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->exit_code, 0) << taken->err;
+  EXPECT_NE(taken->out.find("method reference in use"), std::string::npos) << taken->out;
+  system.end_all();
+}
+
 #ifdef HAPTON_WITH_VISION
 TEST(Vision, KilledIsMissedByNobody) {
   System system;

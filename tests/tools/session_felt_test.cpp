@@ -158,6 +158,27 @@ TEST_F(FeltAgain, a_method_holds_from_the_answer_that_counts_it) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
+TEST_F(FeltAgain, a_method_that_came_among_lost_answers_is_compared_from_free_space_on) {
+  slide(60);
+  live.replace(make_touch("smooth"));
+  tell_setup("smooth");
+  slide(40);
+  for (std::size_t n = 55; n < 65; ++n) recorded[n].second.reset();
+  sample = 0;
+  for (int n = 0; n < 50; ++n) {
+    DeviceState state = next_state();
+    state.sample += 100;
+    state.sample_time_ns += 100'000'000;
+    recorded.emplace_back(state, answer(state));
+  }
+  SessionFelt felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().lost_answers, 10U);
+  EXPECT_GE(felt.counts().not_compared, 35U);
+  EXPECT_GE(felt.counts().compared, 55U + 39U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
 TEST_F(FeltAgain, what_a_method_felt_that_is_not_named_is_not_compared) {
   slide(60);
   live.replace(make_touch("reference"));  // its setup got lost
@@ -178,7 +199,9 @@ TEST_F(FeltAgain, what_a_method_felt_that_is_not_named_is_not_compared) {
   SessionFelt felt = make_felt();
   feed(felt);
   EXPECT_EQ(felt.counts().unknown_method, 40U);
-  EXPECT_EQ(felt.counts().compared, 160U);
+  // What the unknown one felt last fades in the air.
+  EXPECT_NEAR(static_cast<double>(felt.counts().not_compared), 1e3 * ForceFade::kInAirS, 1.0);
+  EXPECT_EQ(felt.counts().compared + felt.counts().not_compared, 160U);
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
