@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "link/udp_endpoint.h"
+#include "runtime/hop_table.h"
 
 namespace hapton {
 namespace {
@@ -179,6 +180,33 @@ void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name,
   if (stats.round_trip.count() > 0 && echo_ns > 0.0) report.ratios[name] = stats.round_trip.quantile_ns(fraction) / echo_ns;
 }
 
+// The way of one sample first, in its order; then what it adds up to.
+std::vector<LatencyHop> make_hops(const ServoStats& stats, bool has_echo) {
+  std::vector<LatencyHop> hops = {{"wake_lateness", stats.wake_lateness},
+                                  {"device_read", stats.device_read},
+                                  {"encode", stats.ways.encode},
+                                  {"wire_out", stats.ways.wire_out},
+                                  {"haptics_compute", stats.haptics_compute},
+                                  {"wire_back", stats.ways.wire_back},
+                                  {"decode", stats.ways.decode},
+                                  {"device_write", stats.ways.device_write},
+                                  {"round_trip", stats.round_trip},
+                                  {"wire", stats.wire},
+                                  {"force_age", stats.force_age},
+                                  {"jitter", stats.ways.jitter},
+                                  {"device_to_drawn", stats.device_to_drawn},
+                                  {"vision_draw", stats.ways.vision_draw},
+                                  {"motion_to_photon", stats.ways.motion_to_photon}};
+  if (has_echo) hops.push_back({"bare_echo", stats.bare_echo});
+  return hops;
+}
+
+std::string describe_hops(const ServoStats& stats) {
+  std::vector<HopRow> rows;
+  for (const LatencyHop& hop : make_hops(stats, true)) rows.push_back(make_hop_row(hop));
+  return make_hop_table(rows);
+}
+
 }  // namespace
 
 const char* name_of(NodeRole role) {
@@ -230,28 +258,11 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   if (!options.device.trajectory.empty()) report.notes["trajectory"] = options.device.trajectory;
   if (!options.echo_probe.empty()) report.notes["echo_probe"] = options.echo_probe;
   if (options.echo_bytes > 0) report.notes["echo_bytes"] = std::to_string(options.echo_bytes);
-  // The way of one sample first, in its order; then what it adds up to.
-  report.hops = {{"wake_lateness", stats.wake_lateness},
-                 {"device_read", stats.device_read},
-                 {"encode", stats.ways.encode},
-                 {"wire_out", stats.ways.wire_out},
-                 {"haptics_compute", stats.haptics_compute},
-                 {"wire_back", stats.ways.wire_back},
-                 {"decode", stats.ways.decode},
-                 {"device_write", stats.ways.device_write},
-                 {"round_trip", stats.round_trip},
-                 {"wire", stats.wire},
-                 {"force_age", stats.force_age},
-                 {"jitter", stats.ways.jitter},
-                 {"device_to_drawn", stats.device_to_drawn},
-                 {"vision_draw", stats.ways.vision_draw},
-                 {"motion_to_photon", stats.ways.motion_to_photon}};
-  if (!options.echo_probe.empty()) report.hops.push_back({"bare_echo", stats.bare_echo});
+  report.hops = make_hops(stats, !options.echo_probe.empty());
   return report;
 }
 
 std::string describe_run(const ServoStats& s, const SchedulingFigures& scheduling) {
-  const auto us = [](const LatencyHistogram& h, double fraction) { return 1e-3 * h.quantile_ns(fraction); };
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, strongest {:.2f} N\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
@@ -270,11 +281,11 @@ std::string describe_run(const ServoStats& s, const SchedulingFigures& schedulin
     text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));
   }
   if (scheduling.is_known) text += describe_scheduling(scheduling);
-  text += fmt::format("round trip p50 {:.1f} us, p99 {:.1f} us, p99.9 {:.1f} us\n", us(s.round_trip, 0.5), us(s.round_trip, 0.99),
-                      us(s.round_trip, 0.999));
+  text += describe_hops(s);
   if (s.bare_echo.count() > 0 && s.round_trip.count() > 0) {
-    text += fmt::format("bare echo  p50 {:.1f} us, p99 {:.1f} us: the round trip is {:.2f} times as long at p50\n", us(s.bare_echo, 0.5),
-                        us(s.bare_echo, 0.99), us(s.round_trip, 0.5) / us(s.bare_echo, 0.5));
+    text += fmt::format("the round trip is {:.2f} times as long as the bare echo at p50, {:.2f} times at p99\n",
+                        s.round_trip.quantile_ns(0.5) / s.bare_echo.quantile_ns(0.5),
+                        s.round_trip.quantile_ns(0.99) / s.bare_echo.quantile_ns(0.99));
   }
   return text;
 }

@@ -19,7 +19,7 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
 // "io", "haptics", "vision" or "tool". RT: yes.
 const char* name_of(NodeRole role);
 
-// The run in a few lines for people. RT: no.
+// The run for people: a few lines, and a table of the age at every hop that was measured. RT: no.
 std::string describe_run(const ServoStats& stats, const SchedulingFigures& scheduling = {});
 
 }  // namespace hapton

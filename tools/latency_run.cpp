@@ -1,6 +1,7 @@
 #include "tools/latency_run.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -8,6 +9,7 @@
 
 #include "runtime/atomic_file.h"
 #include "runtime/bare_timer.h"
+#include "runtime/hop_table.h"
 #include "runtime/stop_signal.h"
 #include "tools/child_process.h"
 #include "tools/hub_report.h"
@@ -133,14 +135,17 @@ Result<void> measure_hub(const LatencyRunOptions& options) {
 double number(const Json& report, const char* section, const char* name) { return report.value(section, Json::object()).value(name, 0.0); }
 
 std::string hops_text(const Json& hops) {
-  std::string text = fmt::format("{:<18} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "us", "n", "p50", "p90", "p99", "p99.9", "max");
+  std::vector<HopRow> rows;
   for (const auto& [name, hop] : hops.items()) {
-    if (hop.value("n", 0) > 0) {
-      text += fmt::format("{:<18} {:>8} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f}\n", name, hop.value("n", 0), hop.value("p50_us", 0.0),
-                          hop.value("p90_us", 0.0), hop.value("p99_us", 0.0), hop.value("p99_9_us", 0.0), hop.value("max_us", 0.0));
-    }
+    rows.push_back({.name = name,
+                    .n = hop.value("n", std::uint64_t{0}),
+                    .p50_us = hop.value("p50_us", 0.0),
+                    .p90_us = hop.value("p90_us", 0.0),
+                    .p99_us = hop.value("p99_us", 0.0),
+                    .p99_9_us = hop.value("p99_9_us", 0.0),
+                    .max_us = hop.value("max_us", 0.0)});
   }
-  return text;
+  return make_hop_table(rows);
 }
 
 std::string counts_text(const Json& report) {

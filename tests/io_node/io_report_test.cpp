@@ -121,7 +121,24 @@ TEST(IoReport, tells_people_the_run_in_lines) {
   EXPECT_THAT(text, HasSubstr("1990 samples (995 Hz)"));
   EXPECT_THAT(text, HasSubstr("lost 3"));
   EXPECT_THAT(text, HasSubstr("missed cycles 10"));
-  EXPECT_THAT(describe_run(ServoStats{}), HasSubstr("0 samples"));
+}
+
+TEST(IoReport, tells_people_the_age_at_every_hop) {
+  auto stats = two_seconds();
+  stats->ways.wire_out.record(12'000);
+  stats->device_to_drawn.record(30'000'000);
+  const std::string text = describe_run(*stats);
+  for (const char* part : {"p99.9", "\nwire_out ", "\nround_trip ", "\nbare_echo ", "\ndevice_to_drawn "}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+  EXPECT_THAT(text, HasSubstr("the round trip is 1.50 times as long as the bare echo at p50, 2.99 times at p99"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("wire_back"))) << "it was not measured";
+}
+
+TEST(IoReport, names_no_duration_where_nothing_was_measured) {
+  const std::string text = describe_run(ServoStats{});
+  EXPECT_THAT(text, HasSubstr("0 samples"));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("p50")));
 }
 
 }  // namespace
