@@ -112,16 +112,14 @@ Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
 
 void SweepMethod::reset(const Vec3& p_SD) noexcept {
   started_ = p_SD.allFinite();
-  p_last_ = within_limits(p_SD);
+  p_last_ = started_ ? within_limits(p_SD) : Vec3::Zero();
 }
 
 MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   step_ = {};
+  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = p_last_, .contact = false};
   MethodOutput output;
   output.p_SP = input.p_SD;
-  if (!input.p_SD.allFinite()) {
-    return output;
-  }
   if (!started_) {
     reset(input.p_SD);
   }

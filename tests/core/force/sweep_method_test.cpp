@@ -191,6 +191,7 @@ TEST(SweepMethod, RestingAndWildSamplesAreHarmless) {
   EXPECT_TRUE(pressed.contact);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(step(*method, {nan, 0, 0}).force_n, Vec3::Zero());
+  EXPECT_TRUE(step(*method, {0, nan, 0}).p_SP.allFinite()) << "a probe is drawn where it was";
   EXPECT_EQ(step(*method, {std::numeric_limits<double>::infinity(), 0, 0}).force_n, Vec3::Zero());
   EXPECT_EQ(step(*method, {0.045, 0, 0.001}).contact, true);  // contact went on
   const MethodOutput far = step(*method, Vec3::Constant(1e300));
