@@ -9,7 +9,7 @@ namespace hapton {
 namespace {
 
 constexpr double kLeastGain = 4.0;           // hovers: a step that nobody feels
-constexpr double kBorder = 16.0;               // hovers: a face's contact as near to its border may stand on the edge
+constexpr double kBorder = 16.0;             // hovers: a face's contact as near to its border may stand on the edge
 constexpr double kFlat = 0x1p-20;            // slopes below this are level
 constexpr double kLevel = 0x1p-10;           // between planes that hold a sphere: less is one plane
 constexpr double kHeights[] = {8.0, 256.0};  // hovers
@@ -27,7 +27,7 @@ bool ProxyMethod::is_better(const Vec3& device) const noexcept {
 }
 
 // A proxy held by an edge or corner with the device beyond it stands like a ball on a ridge: it is pushed to either side. So does one on
-// the very border of a face, and a sphere held so by two, which has only their line to go along.
+// the very border of a face, and a sphere held so by two: along their line, or off the one that hardly holds it.
 bool ProxyMethod::tip_over(const Vec3& device) noexcept {
   double most = 0.0;
   for (int i = 0; i < pushing_count_; ++i) most = std::max(most, push_[i]);
@@ -57,9 +57,16 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
   first = first.isZero(0.0) ? normal.unitOrthogonal() : Vec3(first.normalized());
   const Vec3 second = normal.cross(first);
   const double far = std::max(std::sqrt(hover_ * clearance_.rest), 2.0 * kBorder * hover_);  // round an edge: climbs half a hover
+  std::array<Vec3, 4> ways = {first, -first, second, -second};
+  int way_count = 4;
+  if (is_fold) {
+    const Vec3& other = touching_[strong[0] == balanced ? strong[1] : strong[0]].separation.normal;
+    ways[2] = (other - other.dot(normal) * normal).normalized();
+    const Vec3 wish = device - proxy_;
+    way_count = -wish.dot(ways[2]) <= 2.0 * far / clearance_.rest * wish.norm() ? 3 : 2;  // else it would climb by more
+  }
   save(rest_);
-  const std::array<Vec3, 4> ways = {first, -first, second, -second};
-  for (const Vec3& sideways : std::span(ways).first(is_fold ? 2 : 4)) {
+  for (const Vec3& sideways : std::span(ways).first(static_cast<std::size_t>(way_count))) {
     if (tip(device, far * sideways)) return true;
     restore(rest_);
   }
