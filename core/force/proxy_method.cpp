@@ -236,7 +236,7 @@ void ProxyMethod::follow_in_parts(const Vec3& last, const Vec3& device, int part
     const int sweeps_before = sweeps_left_;
     solve(to);
     if (free_ || (proxy_ - part_.proxy).norm() <= kLetGo * way.norm()) continue;
-    if ((kParts + parts) * (sweeps_before - sweeps_left_) > sweeps_left_) continue;  // it would end short for want of sweeps
+    if ((4 + parts - part) * (sweeps_before - sweeps_left_) > sweeps_left_) continue;  // it might end short for want of sweeps
     restore(part_);
     for (int i = 1; i <= kParts; ++i) solve(i < kParts ? Vec3(from + (static_cast<double>(i) / kParts) * way) : to);
   }
