@@ -113,7 +113,7 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
 // In the known empty ball a step is this comparison; what is not finite is not in it.
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   const Vec3 device = geometry_.to_local(input.p_SD);
-  if (!free_ || !((device - empty_center_).squaredNorm() < empty_radius_squared_)) return step_outside(input);
+  if (!is_known_free(device)) return step_outside(input);
   ++counters_.steps;
   ++counters_.skipped;
   proxy_ = device;
@@ -128,6 +128,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (!placed_) reset(input.p_SD);
   const Vec3 moved = device - last_device_;
   stride_ = moved.norm();
+  if (empty_radius_squared_ > 0.0) empty_retry_ -= (last_device_ - empty_center_).norm();  // it has just left the ball
   last_device_ = device;
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.look_ahead(proxy_, kLookAheadSteps * stride_);
@@ -135,7 +136,11 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_, may_go);
   empty_retry_ -= stride_;
 
-  follow(device - moved, device);
+  if (is_known_free(device)) {
+    settle_at(device);
+  } else {
+    follow(device - moved, device);
+  }
   // Who has left the ball may come back through a face.
   if ((proxy_ - empty_center_).squaredNorm() >= empty_radius_squared_) empty_radius_squared_ = 0.0;
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};

@@ -115,6 +115,7 @@ class ProxyMethod final : public ForceMethod {
 
   std::string describe_steps() const;
 
+  bool is_known_free(const Vec3& device) const { return free_ && (device - empty_center_).squaredNorm() < empty_radius_squared_; }
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   void bring_pushing_first(const ConstrainedMotion& held) noexcept;
   Vec3 shaded(const Vec3& stretch) noexcept;
