@@ -8,16 +8,11 @@
 namespace hapton {
 namespace {
 
-std::vector<Box> triangle_boxes(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
-  std::vector<Box> boxes;
-  boxes.reserve(triangles.size());
-  for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[t[0]];
-    const Vec3& b = vertices[t[1]];
-    const Vec3& c = vertices[t[2]];
-    boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
-  }
-  return boxes;
+Box box_of(const std::vector<Vec3>& vertices, const Triangle& triangle) {
+  const Vec3& a = vertices[triangle[0]];
+  const Vec3& b = vertices[triangle[1]];
+  const Vec3& c = vertices[triangle[2]];
+  return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 
 }  // namespace
@@ -28,7 +23,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
   std::vector<Vec3> vertices;
   vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) vertices.push_back((frame.to_local(v) / kGrid).array().round() * kGrid);
-  tree_ = WideBvh(triangle_boxes(vertices, mesh.triangles));
+  tree_ = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
 
   // Tree order for triangles, first-use order for vertices: what is near in space is near in memory.
   const std::vector<std::uint32_t> order = tree_.items_in_tree_order();

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -32,6 +33,8 @@ class WideBvh {
 
   // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i].
   explicit WideBvh(std::span<const Box> boxes);
+  // The same with a box at a time: item i is box_of(i), asked once.
+  WideBvh(std::size_t count, const std::function<Box(std::size_t)>& box_of);
 
   // Calls visit(item) for every item whose box overlaps the query box; some items that only nearly overlap are visited too. A visit that
   // returns a bool ends the search by false.
@@ -47,7 +50,7 @@ class WideBvh {
   std::vector<std::uint32_t> items_in_tree_order() const;
 
   std::size_t node_count() const { return nodes_.size(); }
-  std::size_t bytes() const { return nodes_.size() * sizeof(Node); }
+  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
   int depth() const { return depth_; }
 
   // Renumbers the items: new number of item i is renumbered[i].

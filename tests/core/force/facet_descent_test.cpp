@@ -243,7 +243,7 @@ TEST(FacetDescent, OverASaddleItEndsWhereTheReferenceDoes) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   for (const double bend : {0.3, 1.0}) {
     Ground ground(make_saddle(1.0, bend, 40), 0.12);
-    const Tally tally = wander(ground, 0.04, 400, kSeed);
+    const Tally tally = wander(ground, 0.04, 1000, kSeed);
     EXPECT_GT(tally.plain, tally.runs / 4);
     EXPECT_GT(tally.over_folds, 25U);
     EXPECT_LT(tally.short_of_leaps, tally.plain / 100);
