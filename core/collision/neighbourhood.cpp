@@ -224,7 +224,8 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
   return true;
 }
 
-std::uint32_t Neighbourhood::place_of(std::uint32_t triangle) const noexcept {
+std::uint32_t Neighbourhood::place_of(std::uint32_t triangle, std::uint32_t perhaps) const noexcept {
+  if (perhaps < static_cast<std::uint32_t>(count_) && triangle_at(perhaps) == triangle) return perhaps;
   const __m256i wanted = all_equal_to(triangle);
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
@@ -248,20 +249,26 @@ Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const no
   const __m256i from_8 = all_equal_to(from);
   const __m256i to_8 = all_equal_to(to);
   const std::uint32_t triangle = triangle_at(place);
+  // Gathered block by block, eight at a time, and looked at afterwards: in which of them it is, no processor can guess.
   Across found;
   const int blocks = (count_ + 7) / 8;
-  for (int b = 0; b < blocks; ++b) {
-    __m256i has_from = _mm256_setzero_si256();
-    __m256i has_to = _mm256_setzero_si256();
-    for (const auto& vertices : blocks_[b].vertex) {
-      has_from = _mm256_or_si256(has_from, _mm256_cmpeq_epi32(load(vertices), from_8));
-      has_to = _mm256_or_si256(has_to, _mm256_cmpeq_epi32(load(vertices), to_8));
+  for (int first = 0; first < blocks; first += 8) {
+    std::uint64_t others = 0;
+    for (int b = first; b < std::min(first + 8, blocks); ++b) {
+      __m256i has_from = _mm256_setzero_si256();
+      __m256i has_to = _mm256_setzero_si256();
+      for (const auto& vertices : blocks_[b].vertex) {
+        has_from = _mm256_or_si256(has_from, _mm256_cmpeq_epi32(load(vertices), from_8));
+        has_to = _mm256_or_si256(has_to, _mm256_cmpeq_epi32(load(vertices), to_8));
+      }
+      const unsigned mask = lanes(_mm256_and_si256(has_from, has_to)) & of_object(blocks_[b], triangle);
+      others |= static_cast<std::uint64_t>(mask) << (8 * (b - first));
     }
-    unsigned mask = lanes(_mm256_and_si256(has_from, has_to)) & of_object(blocks_[b], triangle);
-    if (static_cast<std::uint32_t>(b) == place / 8) mask &= ~(1U << (place % 8));
-    if (mask == 0) continue;
-    if (found.place != kNowhere || (mask & (mask - 1)) != 0) return {};
-    found.place = static_cast<std::uint32_t>(8 * b + std::countr_zero(mask));
+    const std::uint32_t base = static_cast<std::uint32_t>(8 * first);
+    if (place - base < 64) others &= ~(std::uint64_t{1} << (place - base));
+    if (others == 0) continue;
+    if (found.place != kNowhere || (others & (others - 1)) != 0) return {};
+    found.place = base + static_cast<std::uint32_t>(std::countr_zero(others));
   }
   if (found.place == kNowhere) return found;
   const Block& other = blocks_[found.place / 8];

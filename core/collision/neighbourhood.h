@@ -49,8 +49,8 @@ class Neighbourhood {
     return shapes_[place];
   }
 
-  // The place of a triangle that is here, or kNowhere.
-  std::uint32_t place_of(std::uint32_t triangle) const noexcept;
+  // The place of a triangle that is here, or kNowhere. `perhaps`: where it was before, looked at first.
+  std::uint32_t place_of(std::uint32_t triangle, std::uint32_t perhaps = kNowhere) const noexcept;
 
   // What lies across an edge.
   struct Across {

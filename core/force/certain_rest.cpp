@@ -46,7 +46,12 @@ bool is_certain_rest(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& de
   std::vector<NearFace> faces;
   std::vector<HalfSpace> planes;
   for (const Triangle& triangle : mesh.triangles) {
-    const PreparedTriangle shape(mesh.vertices[triangle[0]], mesh.vertices[triangle[1]], mesh.vertices[triangle[2]]);
+    const Vec3& a = mesh.vertices[triangle[0]];
+    const Vec3& b = mesh.vertices[triangle[1]];
+    const Vec3& c = mesh.vertices[triangle[2]];
+    const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - proxy).cwiseMax(proxy - a.cwiseMax(b).cwiseMax(c));
+    if (beside.maxCoeff() > reach) continue;
+    const PreparedTriangle shape(a, b, c);
     if (closest_point(shape, proxy).distance > reach) continue;
     const double height = shape.normal.dot(proxy - shape.corner[shape.base]);
     if (!shape.has_face || height == 0.0) return false;

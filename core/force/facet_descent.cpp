@@ -1,6 +1,7 @@
 #include "core/force/facet_descent.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/force/contact_qp.h"
@@ -44,25 +45,22 @@ bool FacetDescent::begin(const Vec3& start, std::span<const Hold> held) {
   if (held.empty() || held.size() > 2) return false;
   first_normal_ = held[0].normal;
   go_to(start);
-  at_.facet.place = held[0].place;
-  if (at_.facet.place == Neighbourhood::kNowhere) return false;
-  at_.facet.shape = &near_.shape(at_.facet.place);
-  at_.facet.side = held[0].normal.dot(shape(at_.facet).normal()) > 0.0 ? 1.0 : -1.0;
-  if (!add_face(at_.facet.place)) return false;
+  const std::uint32_t place = held[0].place;
+  if (place == Neighbourhood::kNowhere) return false;
+  const ContactTriangle& face = near_.shape(place);
+  stand_on_face(add_facet(place, held[0].normal.dot(face.normal()) > 0.0 ? 1.0 : -1.0), -1, -1);
   if (held.size() == 1) return true;
   for (int k = 0; k < 3; ++k) {
-    const Neighbourhood::Across across = near_.across(at_.facet.place, k);
+    const Neighbourhood::Across across = near_.across(place, k);
     if (across.place == Neighbourhood::kNowhere || across.place != held[1].place) continue;
-    at_.edge = k;
-    const ContactTriangle& face = shape(at_.facet);
     const double along = std::clamp(face.along(k, start), 0.0, 1.0);
     if ((face.corner(k) + along * face.edge(k) - start).norm() > margin_) return false;
-    return find_other(at_.facet, k, at_.other, at_.other_edge) && normal_of(at_.other).dot(held[1].normal) > 0.0;
+    return stand_on_edge(k) && normal_of(at_.other).dot(held[1].normal) > 0.0;
   }
   return false;
 }
 
-Vec3 FacetDescent::foot_on(const Facet& facet, const Vec3& device) {
+Vec3 FacetDescent::foot_on(const Facet* facet, const Vec3& device) {
   const Vec3& normal = shape(facet).normal();
   return device - normal.dot(device - shape(facet).corner(0)) * normal;
 }
@@ -74,30 +72,35 @@ FacetDescent::Next FacetDescent::cross_face(const Vec3& device) {
   const Vec3& here = points_[point_count_ - 1];
   Vec3 foot = foot_on(at_.facet, device);
   if (rubs_ && !rub(device, foot, foot)) return point_count_ == 1 ? rest_on_face(device, here) : Next::unclear;
+  std::array<double, 3> inside;
+  std::array<double, 3> there;
+  unsigned beyond = 0;  // the edges that the foot lies beyond, gathered first: which ones they are, no processor can guess
+  for (int k = 0; k < 3; ++k) {
+    inside[k] = face.inside(k, here);
+    there[k] = face.inside(k, foot);
+    beyond |= there[k] > 0.0 ? 0U : 1U << k;
+  }
+  if (at_.corner >= 0) beyond &= 1U << ((at_.corner + 1) % 3);  // the others meet here
+  if (beyond == 0) return rest_on_face(device, foot);
+  if (at_.edge >= 0 && (beyond >> at_.edge & 1U) != 0) return stand_on_edge(at_.edge) ? Next::edge : Next::unclear;
   int exit = -1;
   double soonest = 1.0;
-  for (int k = 0; k < 3; ++k) {
-    if (at_.corner >= 0 && k != (at_.corner + 1) % 3) continue;  // its edges meet here
-    const double there = face.inside(k, foot);
-    if (there > 0.0) continue;
-    if (k == at_.edge) return find_other(at_.facet, k, at_.other, at_.other_edge) ? Next::edge : Next::unclear;
-    const double inside = face.inside(k, here);
-    if (!(inside > 0.0)) return Next::unclear;
-    const double t = inside / (inside - there);
-    if (t >= soonest) continue;
-    soonest = t;
-    exit = k;
+  for (unsigned left = beyond; left != 0; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    if (!(inside[k] > 0.0)) return Next::unclear;
+    const double t = inside[k] / (inside[k] - there[k]);
+    exit = t < soonest ? k : exit;
+    soonest = std::min(soonest, t);
   }
   if (exit < 0) return rest_on_face(device, foot);
   const Vec3 bend = here + soonest * (foot - here);
   const double length = face.edge(exit).norm();
   const double along = face.along(exit, bend);
   if (along * length <= margin_ || (1.0 - along) * length <= margin_) {
-    at_ = {.facet = at_.facet, .corner = along < 0.5 ? exit : (exit + 1) % 3};
-    return go_to(shape(at_.facet).corner(at_.corner)) ? Next::corner : Next::unclear;
+    stand_on_face(at_.facet, -1, along < 0.5 ? exit : (exit + 1) % 3);
+    return go_to(face.corner(at_.corner)) ? Next::corner : Next::unclear;
   }
-  at_ = {.facet = at_.facet, .edge = exit};
-  return find_other(at_.facet, exit, at_.other, at_.other_edge) && go_to(bend) ? Next::edge : Next::unclear;
+  return stand_on_edge(exit) && go_to(bend) ? Next::edge : Next::unclear;
 }
 
 // Over the edge where either face leads away from it, else along it: a fold holds the point.
@@ -106,12 +109,8 @@ FacetDescent::Next FacetDescent::follow_edge(const Vec3& device) {
   const bool leaves_to_facet = face.inside(at_.edge, foot_on(at_.facet, device)) > 0.0;
   const bool leaves_to_other = shape(at_.other).inside(at_.other_edge, foot_on(at_.other, device)) > 0.0;
   if (leaves_to_facet && leaves_to_other) return Next::unclear;
-  if (leaves_to_facet) {
-    at_ = {.facet = at_.facet, .edge = at_.edge};
-    return Next::face;
-  }
-  if (leaves_to_other) {
-    at_ = {.facet = at_.other, .edge = at_.other_edge};
+  if (leaves_to_facet || leaves_to_other) {
+    stand_on_face(leaves_to_facet ? at_.facet : at_.other, leaves_to_facet ? at_.edge : at_.other_edge, -1);
     return Next::face;
   }
   met_fold_ = true;
@@ -122,9 +121,8 @@ FacetDescent::Next FacetDescent::follow_edge(const Vec3& device) {
     return rest_in_fold(device, face.corner(at_.edge) + along * face.edge(at_.edge));
   }
   const int corner = along < 0.5 ? at_.edge : (at_.edge + 1) % 3;
-  if (!go_to(face.corner(corner))) return Next::unclear;
-  at_ = {.facet = at_.facet, .corner = corner};
-  return Next::corner;
+  stand_on_face(at_.facet, -1, corner);
+  return go_to(face.corner(corner)) ? Next::corner : Next::unclear;
 }
 
 // The one way down from a corner: over one of its faces, or along a fold between two. From a saddle more than one leads down, and the
@@ -132,7 +130,7 @@ FacetDescent::Next FacetDescent::follow_edge(const Vec3& device) {
 FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
   met_fold_ = true;
   if (rubs_) return Next::unclear;
-  std::array<Facet, kMaxFan> fan;
+  Fan fan;
   std::array<int, kMaxFan> corners;
   int count = 0;
   if (!collect_fan(fan, corners, count)) return Next::unclear;
@@ -160,44 +158,43 @@ FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
       continue;
     }
     // The edge shared with the next facet of the fan.
-    const int shared = fan[i].side > 0.0 ? last : first;
+    const int shared = fan[i]->side > 0.0 ? last : first;
     const Vec3 direction = shared == first ? face.edge(first) : Vec3(-face.edge(last));
     if (direction.dot(wish) <= least * direction.norm() || face.inside(shared, foot) > 0.0) continue;
-    Facet other;
     int other_edge = -1;
-    if (!find_other(fan[i], shared, other, other_edge) || other.place != fan[j].place) return Next::unclear;
+    const Facet* other = find_other(*fan[i], shared, other_edge);
+    if (other == nullptr || other != fan[j]) return Next::unclear;
     if (shape(other).inside(other_edge, foot_on(other, device)) > 0.0) continue;
     if (next != Next::unclear) return Next::unclear;
     next = Next::edge;
-    stand = {.facet = fan[i], .edge = shared, .corner = -1, .other = other, .other_edge = other_edge};
+    stand = {.facet = fan[i], .other = other, .edge = shared, .other_edge = other_edge};
   }
   at_ = stand;
   return next;
 }
 
 // All facets round a corner, in order; false unless they close one fan that goes round once.
-bool FacetDescent::collect_fan(std::array<Facet, kMaxFan>& fan, std::array<int, kMaxFan>& corners, int& count) {
-  Facet facet = at_.facet;
+bool FacetDescent::collect_fan(Fan& fan, std::array<int, kMaxFan>& corners, int& count) {
+  const Facet* facet = at_.facet;
   int corner = at_.corner;
   do {
     if (count == kMaxFan) return false;
     fan[count] = facet;
     corners[count] = corner;
     ++count;
-    const int shared = facet.side > 0.0 ? (corner + 2) % 3 : corner;
-    Facet next;
+    const int shared = facet->side > 0.0 ? (corner + 2) % 3 : corner;
     int edge = -1;
-    if (!find_other(facet, shared, next, edge)) return false;
+    facet = find_other(*facet, shared, edge);
+    if (facet == nullptr) return false;
     // Seen from the next, wound to the same side, the shared edge begins here.
-    corner = next.side > 0.0 ? edge : (edge + 1) % 3;
-    facet = next;
-  } while (facet.place != at_.facet.place);
-  return near_.count_round(at_.facet.place, at_.corner) == count &&
+    corner = facet->side > 0.0 ? edge : (edge + 1) % 3;
+  } while (facet != at_.facet);
+  return near_.count_round(at_.facet->place, at_.corner) == count &&
          winds_once(std::span(fan).first(static_cast<std::size_t>(count)), std::span(corners).first(static_cast<std::size_t>(count)));
 }
 
 // A ray from the corner over the middle of the first facet, seen along the first normal, lies in no other one.
-bool FacetDescent::winds_once(std::span<const Facet> fan, std::span<const int> corners) {
+bool FacetDescent::winds_once(std::span<const Facet* const> fan, std::span<const int> corners) {
   const auto out = [&](std::size_t i, bool first) {
     const ContactTriangle& face = shape(fan[i]);
     return first ? face.edge(corners[i]) : Vec3(-face.edge((corners[i] + 2) % 3));
@@ -205,7 +202,7 @@ bool FacetDescent::winds_once(std::span<const Facet> fan, std::span<const int> c
   Vec3 ray = out(0, true).normalized() + out(0, false).normalized();
   ray -= first_normal_.dot(ray) * first_normal_;
   for (std::size_t i = 1; i < fan.size(); ++i) {
-    const Vec3 across = first_normal_.cross(ray) * fan[i].side;
+    const Vec3 across = first_normal_.cross(ray) * fan[i]->side;
     const double before = out(i, true).dot(across);
     const double after = out(i, false).dot(across);
     const bool is_ahead = out(i, true).dot(ray) * after >= out(i, false).dot(ray) * before;
@@ -214,13 +211,26 @@ bool FacetDescent::winds_once(std::span<const Facet> fan, std::span<const int> c
   return true;
 }
 
-// The facet beyond an edge; it joins those touched.
-bool FacetDescent::find_other(const Facet& facet, int edge, Facet& other, int& other_edge) {
+// The facet beyond an edge, or none that is plain; it joins those touched.
+const FacetDescent::Facet* FacetDescent::find_other(const Facet& facet, int edge, int& other_edge) {
   const Neighbourhood::Across across = near_.across(facet.place, edge);
-  if (across.place == Neighbourhood::kNowhere) return false;
-  other = {across.place, across.same_winding ? facet.side : -facet.side, &near_.shape(across.place)};
+  if (across.place == Neighbourhood::kNowhere) return nullptr;
   other_edge = across.edge;
-  return add_face(across.place) && normal_of(other).dot(first_normal_) >= kMostLean;
+  const Facet* other = add_facet(across.place, across.same_winding ? facet.side : -facet.side);
+  return other != nullptr && normal_of(other).dot(first_normal_) >= kMostLean ? other : nullptr;
+}
+
+bool FacetDescent::stand_on_edge(int edge) {
+  at_.edge = edge;
+  at_.corner = -1;
+  at_.other = find_other(*at_.facet, edge, at_.other_edge);
+  return at_.other != nullptr;
+}
+
+void FacetDescent::stand_on_face(const Facet* facet, int edge, int corner) {
+  at_.facet = facet;
+  at_.edge = edge;
+  at_.corner = corner;
 }
 
 bool FacetDescent::go_to(const Vec3& p) {
@@ -229,20 +239,26 @@ bool FacetDescent::go_to(const Vec3& p) {
   return true;
 }
 
-bool FacetDescent::add_face(std::uint32_t place) {
-  const auto end = faces_.begin() + face_count_;
-  if (std::find(faces_.begin(), end, place) != end) return true;
-  if (face_count_ == kMaxFaces) return false;
-  faces_[face_count_++] = place;
-  return true;
+// None when there is no room, or when the face was touched on its other side.
+const FacetDescent::Facet* FacetDescent::add_facet(std::uint32_t place, double side) {
+  for (int i = 0; i < face_count_; ++i) {
+    if (faces_[i] == place) return facets_[i].side == side ? &facets_[i] : nullptr;
+  }
+  if (face_count_ == kMaxFaces) return nullptr;
+  faces_[face_count_] = place;
+  Facet& facet = facets_[face_count_++];
+  facet.place = place;
+  facet.side = side;
+  facet.shape = &near_.shape(place);
+  return &facet;
 }
 
 FacetDescent::Next FacetDescent::rest_on_face(const Vec3& device, const Vec3& goal) {
   const ContactTriangle& face = shape(at_.facet);
   const Vec3 normal = normal_of(at_.facet);
   const Vec3 height = normal.dot(goal - face.corner(0)) * normal;  // `goal` may hover
-  if (face.border(goal - height).distance <= margin_ || !go_to(goal)) return Next::unclear;
-  holds_[0] = {at_.facet.place, normal, rest_ - normal.dot(device - face.corner(0))};
+  if (face.is_near_border(goal - height, margin_) || !go_to(goal)) return Next::unclear;
+  holds_[0] = {at_.facet->place, normal, rest_ - normal.dot(device - face.corner(0))};
   hold_count_ = 1;
   end_ = goal - height + rest_ * normal;
   return Next::done;
@@ -264,14 +280,14 @@ bool FacetDescent::rub(const Vec3& device, const Vec3& foot, Vec3& goal) {
 }
 
 FacetDescent::Next FacetDescent::rest_in_fold(const Vec3& device, const Vec3& on_edge) {
-  const std::array<Facet, 2> facets = {at_.facet, at_.other};
+  const std::array<const Facet*, 2> facets = {at_.facet, at_.other};
   std::array<ContactPlane, 2> planes;
   for (int i = 0; i < 2; ++i) planes[i] = {normal_of(facets[i]), rest_};
   const ConstrainedMotion motion = constrain_motion(device - on_edge, planes);
   if (!motion.solved || motion.active_count != 2 || motion.motion.norm() > margin_ || !go_to(on_edge)) return Next::unclear;
   for (int i = 0; i < 2; ++i) {
     const int plane = motion.active[i];
-    holds_[i] = {facets[plane].place, planes[plane].normal, motion.push[i]};
+    holds_[i] = {facets[plane]->place, planes[plane].normal, motion.push[i]};
   }
   hold_count_ = 2;
   end_ = on_edge + motion.motion;

@@ -58,33 +58,36 @@ class FacetDescent {
   enum class Next : std::uint8_t { face, edge, corner, done, unclear };
   // A face with the side the point is on.
   struct Facet {
-    std::uint32_t place = Neighbourhood::kNowhere;
-    double side = 1.0;  // of its winding
-    const ContactTriangle* shape = nullptr;
+    std::uint32_t place;
+    double side;  // of its winding
+    const ContactTriangle* shape;
   };
   // Where the point stands. On a face: `edge` is the one it came in by, `corner` the one it came from, or -1. On an edge: number `edge` of
   // `facet`, with `other` beyond it. At a corner: number `corner` of `facet`.
   struct Stand {
-    Facet facet = {};
+    const Facet* facet = nullptr;
+    const Facet* other = nullptr;
     int edge = -1;
     int corner = -1;
-    Facet other = {};
     int other_edge = -1;
   };
+  using Fan = std::array<const Facet*, kMaxFan>;
 
   bool begin(const Vec3& start, std::span<const Hold> held);
   Next cross_face(const Vec3& device);
   Next follow_edge(const Vec3& device);
   Next turn_corner(const Vec3& device);
-  bool collect_fan(std::array<Facet, kMaxFan>& fan, std::array<int, kMaxFan>& corners, int& count);
-  bool winds_once(std::span<const Facet> fan, std::span<const int> corners);
-  bool find_other(const Facet& facet, int edge, Facet& other, int& other_edge);
+  bool collect_fan(Fan& fan, std::array<int, kMaxFan>& corners, int& count);
+  bool winds_once(std::span<const Facet* const> fan, std::span<const int> corners);
+  const Facet* find_other(const Facet& facet, int edge, int& other_edge);
+  bool stand_on_edge(int edge);
+  void stand_on_face(const Facet* facet, int edge, int corner);
   bool is_clear(std::span<const Vec3> points) const;
   bool go_to(const Vec3& p);
-  bool add_face(std::uint32_t place);
-  static const ContactTriangle& shape(const Facet& facet) { return *facet.shape; }
-  static Vec3 normal_of(const Facet& facet) { return facet.side * facet.shape->normal(); }
-  static Vec3 foot_on(const Facet& facet, const Vec3& device);
+  const Facet* add_facet(std::uint32_t place, double side);
+  static const ContactTriangle& shape(const Facet* facet) { return *facet->shape; }
+  static Vec3 normal_of(const Facet* facet) { return facet->side * facet->shape->normal(); }
+  static Vec3 foot_on(const Facet* facet, const Vec3& device);
   bool rub(const Vec3& device, const Vec3& foot, Vec3& goal);
   Next rest_on_face(const Vec3& device, const Vec3& goal);
   Next rest_in_fold(const Vec3& device, const Vec3& on_edge);
@@ -96,7 +99,8 @@ class FacetDescent {
   Vec3 first_normal_ = Vec3::Zero();
   std::array<Vec3, kMaxPoints> points_;
   int point_count_ = 0;
-  std::array<std::uint32_t, kMaxFaces> faces_;
+  std::array<Facet, kMaxFaces> facets_;         // those touched,
+  std::array<std::uint32_t, kMaxFaces> faces_;  // their places
   int face_count_ = 0;
   Vec3 end_ = Vec3::Zero();
   std::array<Hold, 2> holds_;

@@ -269,7 +269,7 @@ void ProxyMethod::restore(const Stand& stand) noexcept {
   free_ = stand.free;
   sliding_ = stand.sliding;
   for (int i = 0; i < stand.touching_count; ++i) {
-    touching_[i] = {stand.triangles[i], shape_of(stand.triangles[i]), stand.separations[i]};
+    touching_[i] = {.triangle = stand.triangles[i], .shape = shape_of(stand.triangles[i]), .separation = stand.separations[i]};
   }
   touching_count_ = stand.touching_count;
   push_ = stand.push;

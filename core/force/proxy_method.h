@@ -87,6 +87,7 @@ class ProxyMethod final : public ForceMethod {
 
   struct Touch {
     std::uint32_t triangle = 0;
+    std::uint32_t place = Neighbourhood::kNowhere;  // in the neighbourhood, when last seen there
     ContactTriangle shape;
     Separation separation;
   };

@@ -68,7 +68,7 @@ void ProxyMethod::note_grazed(const Separation& at, std::uint32_t triangle) noex
   for (int i = 0; i < touching_count_; ++i) {
     if (touching_[i].triangle == triangle) return;
   }
-  touching_[touching_count_++] = {triangle, shape_of(triangle), at};
+  touching_[touching_count_++] = {.triangle = triangle, .shape = shape_of(triangle), .separation = at};
 }
 
 void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {

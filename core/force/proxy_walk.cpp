@@ -23,7 +23,7 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
     length = kLeap * stride_;
   }
   if (!stay_near(proxy_, along, kAround * length + kBeside * hover_, kAhead)) return false;
-  for (int i = 0; i < pushing_count_; ++i) held[i].place = near().place_of(touching_[i].triangle);
+  for (int i = 0; i < pushing_count_; ++i) held[i].place = near().place_of(touching_[i].triangle, touching_[i].place);
   FacetDescent way = facets();
   if (!way.run(proxy_, std::span(held).first(static_cast<std::size_t>(pushing_count_)), device) || !is_open_to(way)) return false;
   if ((way.end() - proxy_).norm() > kLeap * stride_ + kBeside * hover_) return false;
@@ -37,6 +37,7 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
     push_[touching_count_] = hold.push;
     Touch& touch = touching_[touching_count_++];
     touch.triangle = near().triangle_at(hold.place);
+    touch.place = hold.place;
     touch.shape = near().shape(hold.place);
     touch.separation = {clearance_.rest, hold.normal, proxy_ - clearance_.rest * hold.normal, Feature::face};
   }

@@ -151,6 +151,18 @@ struct StressRun::Inside {
     return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
   }
 
+  // Asks the reference whether the proxy may stay at p.
+  template <class Note>
+  void judge_rest(const Vec3& p, const Vec3& device, const Note& note) const {
+    const double length = (p - device).norm();
+    const double gain = length - (judge->settle_from(p, device).p_SP - device).norm();
+    if (!(gain > kLagGain * extent)) return;
+    // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
+    const double depth = solid ? solid->compute_distance(device) : extent;
+    if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device)) return;
+    note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
+  }
+
   // On the side the device may not be on.
   bool is_wrong(const Vec3& p) const { return solid && solid->is_inside(p) != body.room; }
 
@@ -246,7 +258,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     const MethodOutput felt = in.method->step({.p_SD = device});
     ++count.steps;
     count.contact_steps += felt.contact;
-    auto note = [&](StressFault fault, double size) { in.note(count, fault, episode.motion(), number, i, size / extent); };
+    const auto note = [&](StressFault fault, double size) { in.note(count, fault, episode.motion(), number, i, size / extent); };
     if (!felt.force_n.allFinite() || !felt.p_SP.allFinite()) {
       note(StressFault::kNotFinite, 0.0);
       continue;
@@ -287,15 +299,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     const bool suspicious = length > kLockShare * extent;
     if (felt.contact && !in.rubs() && (suspicious || (in.settings.rest_every > 0 && (i + number) % in.settings.rest_every == 0))) {
       ++count.judged_rests;
-      const MethodOutput rested = in.judge->settle_from(felt.p_SP, device);
-      const double gain = length - (rested.p_SP - device).norm();
-      // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
-      const double depth = gain > kLagGain * extent && in.solid ? in.solid->compute_distance(device) : extent;
-      const bool is_late = gain > kLagGain * extent && depth > kTieShare * extent;
-      if (is_late && !in.is_near_border(felt.p_SP, kMouthShare * extent) && in.gains_from_outside(felt.p_SP, device) &&
-          !in.is_proved(felt.p_SP, device, play)) {
-        note(in.solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
-      }
+      if (!in.is_proved(felt.p_SP, device, play)) in.judge_rest(felt.p_SP, device, note);
     }
     if (in.shows_pops() && i > 0 && before.allFinite()) {
       const double jump = (felt.force_n - felt_before.force_n).norm() / stiffness;

@@ -47,6 +47,15 @@ class ContactTriangle {
     return nearest;
   }
 
+  bool is_near_border(const Vec3& on_face, double distance) const {
+    bool any = false;
+    for (int k = 0; k < 3; ++k) {
+      const double off = inward_[k].dot(on_face - corner_[k]);
+      any |= off * off * inverse_squared_[k] <= distance * distance;
+    }
+    return any;
+  }
+
   Separation separation(const Vec3& p) const {
     const Vec3 from[3] = {p - corner_[0], p - corner_[1], p - corner_[2]};
     const bool inside[3] = {inward_[0].dot(from[0]) > 0.0, inward_[1].dot(from[1]) > 0.0, inward_[2].dot(from[2]) > 0.0};
