@@ -195,11 +195,18 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
     high[k] = _mm256_set1_ps(most[k] + enough);
   }
   const __m256 apart = _mm256_set1_ps(enough);
+  // First which blocks have to be looked at, then those: no processor can guess which.
+  std::array<int, kCapacity / 8> at;
+  std::array<unsigned, kCapacity / 8> near;
+  int count = 0;
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
-    const Block& block = blocks_[b];
-    const unsigned near = overlapping(block, low, high) & ~static_cast<unsigned>(excepted[b]);
-    if (near == 0) continue;
+    at[count] = b;
+    near[count] = overlapping(blocks_[b], low, high) & ~static_cast<unsigned>(excepted[b]);
+    count += near[count] != 0 ? 1 : 0;
+  }
+  for (int n = 0; n < count; ++n) {
+    const Block& block = blocks_[at[n]];
     __m256 side_most[3];  // over the polyline
     __m256 plane_least;
     __m256 plane_most;
@@ -219,7 +226,7 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
       const __m256 beyond = _mm256_cmp_ps(_mm256_add_ps(side_most[k], apart), _mm256_load_ps(block.side_from[k]), _CMP_LT_OQ);
       parted = _mm256_or_ps(parted, beyond);
     }
-    if ((near & ~static_cast<unsigned>(_mm256_movemask_ps(parted))) != 0) return false;
+    if ((near[n] & ~static_cast<unsigned>(_mm256_movemask_ps(parted))) != 0) return false;
   }
   return true;
 }
@@ -273,7 +280,7 @@ Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const no
   if (found.place == kNowhere) return found;
   const Block& other = blocks_[found.place / 8];
   const std::uint32_t lane = found.place % 8;
-  for (int edge = 0; edge < 3; ++edge) {
+  for (std::int16_t edge = 0; edge < 3; ++edge) {
     const std::uint32_t first = other.vertex[edge][lane];
     const std::uint32_t second = other.vertex[(edge + 1) % 3][lane];
     if (first == to && second == from) return {found.place, edge, true};

@@ -3,6 +3,7 @@
 #include <array>
 #include <bitset>
 #include <cstdint>
+#include <memory>
 #include <span>
 
 #include "core/collision/touch_geometry.h"
@@ -43,7 +44,8 @@ class Neighbourhood {
   const ContactTriangle& shape(std::uint32_t place) noexcept {
     if (!is_prepared_[place]) {
       const std::uint32_t triangle = triangle_at(place);
-      shapes_[place] = ContactTriangle(geometry_->corner(triangle, 0), geometry_->corner(triangle, 1), geometry_->corner(triangle, 2));
+      const ObjectGeometry::Corners corners = geometry_->corners(triangle);
+      std::construct_at(&shapes_[place], corners.a, corners.b, corners.c);
       is_prepared_.set(place);
     }
     return shapes_[place];
@@ -55,7 +57,7 @@ class Neighbourhood {
   // What lies across an edge.
   struct Across {
     std::uint32_t place = kNowhere;  // of the one other triangle here with both the edge's vertices; kNowhere: there is none, or several
-    int edge = 0;                    // its own name for the edge
+    std::int16_t edge = 0;           // its own name for the edge
     bool same_winding = false;       // it runs along the edge the other way, as in a consistently wound mesh
   };
   // Edge k of the triangle at `place` runs from its corner k to the next. Pre: the edge overlaps region().

@@ -210,19 +210,36 @@ bool ProxyMethod::has_caught_up() const noexcept {
   return (proxy_ - before_.proxy).norm() > (fold_had_a_say() ? kCatchUpFold : kCatchUp) * stride_;
 }
 
-// Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold and catches up by more than the device
-// moved, the way it takes may depend on where the device was just then: such a step is done again in many parts; in two where it went from
-// facet to facet all the way, no leap, and two parts lead to the same place.
+// Of the planes of a fold that held the point, one holds it no longer. A ball changes those wherever it rolls.
+bool ProxyMethod::has_left_fold() const noexcept {
+  if (!is_point_ || before_.pushing_count < 2) return false;
+  const auto holds = touching_.begin() + pushing_count_;
+  return std::any_of(before_.triangles.begin(), before_.triangles.begin() + before_.pushing_count, [&](std::uint32_t held) {
+    return std::none_of(touching_.begin(), holds, [&](const Touch& touch) { return touch.triangle == held; });
+  });
+}
+
+// Whether the way taken within the step may be another than that of a device that moves there bit by bit.
+ProxyMethod::Doubt ProxyMethod::doubt_of_step() const noexcept {
+  if (before_.free != free_ || has_left_fold()) return Doubt::great;
+  if (!has_caught_up()) return Doubt::none;
+  const bool has_swept = sweeps_left_ < kMaxSweeps;
+  return has_swept || (proxy_ - before_.proxy).norm() > kLeap * stride_ ? Doubt::great : Doubt::slight;
+}
+
+// Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold, the way it takes depends on where the device
+// was just then: such a step is done again in many parts. In two where it only went farther than the device, from facet to facet: mostly
+// they lead to the same place.
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   sweeps_left_ = kMaxSweeps;
   save(before_);
   met_fold_ = false;
   solve(device);
-  if (!has_caught_up()) return;
+  const Doubt doubt = doubt_of_step();
+  if (doubt == Doubt::none) return;
   ++counters_.caught_up;
-  const Vec3 at_once = proxy_;
-  const bool has_swept = sweeps_left_ < kMaxSweeps;
-  if (!fold_had_a_say() && !has_swept && (at_once - before_.proxy).norm() <= kLeap * stride_) {
+  if (doubt == Doubt::slight) {
+    const Vec3 at_once = proxy_;
     follow_in_parts(last, device, 2);
     if ((proxy_ - at_once).norm() <= kSamePlace * stride_ + kBeside * hover_) return;
   }

@@ -24,7 +24,7 @@ struct ProxyCounters {
   std::uint64_t refills = 0;      // neighbourhoods copied,
   std::uint64_t foreseen = 0;     // of them looked up before they were needed
   std::uint64_t tests = 0;        // triangle against moving sphere
-  std::uint64_t caught_up = 0;    // steps done again in parts
+  std::uint64_t caught_up = 0;    // steps done again in parts,
   std::uint64_t divided = 0;      // and in many
   std::uint64_t walks = 0;        // minima found from facet to facet, without a sweep
   double shading_squared = 0.0;   // sum over contact steps of (|shaded - unshaded| / |unshaded|)^2
@@ -123,6 +123,9 @@ class ProxyMethod final : public ForceMethod {
   Vec3 force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept;
   bool fold_had_a_say() const noexcept;
   bool has_caught_up() const noexcept;
+  bool has_left_fold() const noexcept;
+  enum class Doubt : std::uint8_t { none, slight, great };
+  Doubt doubt_of_step() const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept;
   void solve(const Vec3& device) noexcept;

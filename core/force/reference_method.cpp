@@ -24,7 +24,8 @@ constexpr double kFarthest = 1e12;              // a device farther out is taken
 constexpr double kLeastRoll = 1e-10;            // rad
 constexpr double kLongestRoll = std::numbers::pi / 3.0;
 constexpr double kLongestTip = std::numbers::pi / 6.0;
-constexpr double kBorder = 1e-3;  // of the rest distance: a face's contact this near to its border may stand on the edge
+constexpr double kBorder = 1e-3;    // of the rest distance: a face's contact this near to its border may stand on the edge
+constexpr double kOpenFace = 16.0;  // rest distances from its border a point on a face has nothing else to be held by
 constexpr int kIdleMotions = 8;
 constexpr int kMostMotions = 4000;
 constexpr std::size_t kMostTouched = 256;
@@ -266,7 +267,7 @@ void ReferenceMethod::descend(const Vec3& device) noexcept {
 // corner offers: the wish, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that
 // ends nearer to the device by more than such a step; else it is put back.
 bool ReferenceMethod::escape(const Vec3& device) noexcept {
-  if (rest_ != kHover || has_friction() || touched_.empty() || proxy_ == device) return false;
+  if (rest_ != kHover || has_friction() || touched_.empty() || proxy_ == device || is_on_open_face()) return false;
   const Vec3 start = proxy_;
   const Vec3 wish = device - start;
   const double least_gain = kEscapeGain * rest_;
@@ -289,6 +290,16 @@ bool ReferenceMethod::escape(const Vec3& device) noexcept {
   touched_ = touched_before_;
   look_at_touched();
   return false;
+}
+
+// On one face alone and not at its border: there a rest is one for a point as well.
+bool ReferenceMethod::is_on_open_face() const noexcept {
+  if (touched_.size() != 1 || touched_[0].near.feature != TriangleFeature::kFace) return false;
+  const PreparedTriangle& shape = touched_[0].face.shape;
+  for (int k = 0; k < 3; ++k) {
+    if (shape.inward[k].dot(proxy_ - shape.corner[k]) <= kOpenFace * rest_ * shape.edge[k].norm()) return false;
+  }
+  return true;
 }
 
 void ReferenceMethod::collect_near(const Vec3& p, double within) noexcept {

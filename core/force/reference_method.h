@@ -81,6 +81,7 @@ class ReferenceMethod final : public ForceMethod {
   void settle(const Vec3& device) noexcept;
   void descend(const Vec3& device) noexcept;
   bool escape(const Vec3& device) noexcept;
+  bool is_on_open_face() const noexcept;
   void collect_near(const Vec3& p, double within) noexcept;
   bool lift(const Vec3& start, double height) noexcept;
   const std::vector<Vec3>& directions_out(const Vec3& start, const Vec3& wish, double within) noexcept;
