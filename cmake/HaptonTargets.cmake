@@ -48,7 +48,8 @@ endif()
 # GCC 12 reports false positives inside Eigen and the standard library at -O3.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(hapton_false_positives -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
-  target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:${hapton_false_positives}>")
+  # The libraries are static: nobody puts another function in place of one of theirs, and calls within a file may be inlined.
+  target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:${hapton_false_positives};-fno-semantic-interposition>")
 endif()
 
 # What nearly every source reads is read once for each level of optimisation, in the build that is made most often. In the others, those that

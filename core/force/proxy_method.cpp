@@ -74,7 +74,7 @@ void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   near_reach_ = 0.0;
   forget_near();
   exits_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
-  empty_radius_squared_ = 0.0;
+  empty_radius_squared_m2_ = 0.0;
   empty_retry_ = 0.0;
 }
 
@@ -110,39 +110,36 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
   pushing_count_ = 0;
 }
 
-// In the known empty ball a step is this comparison; what is not finite is not in it.
+// In a known empty ball the proxy is free and a step is this comparison; what is not finite is not in it.
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
-  const Vec3 device = geometry_.to_local(input.p_SD);
-  if (!is_known_free(device)) return step_outside(input);
+  if (!((input.p_SD - empty_center_S_).squaredNorm() < empty_radius_squared_m2_)) return step_outside(input);
   ++counters_.steps;
   ++counters_.skipped;
-  proxy_ = device;
-  last_device_ = device;
+  last_free_S_ = input.p_SD;
   return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 }
 
 MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
+  leave_ball();
   if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = geometry_.to_scene(proxy_), .contact = false};
   ++counters_.steps;
   const Vec3 device = within_limits(geometry_.to_local(input.p_SD));
   if (!placed_) reset(input.p_SD);
   const Vec3 moved = device - last_device_;
   stride_ = moved.norm();
-  if (empty_radius_squared_ > 0.0) empty_retry_ -= (last_device_ - empty_center_).norm();  // it has just left the ball
   last_device_ = device;
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.look_ahead(proxy_, kLookAheadSteps * stride_);
   if (geometry_.waiting_count() != waiting) forget_near();  // what came in is not there yet
-  if (free_ && empty_retry_ <= 0.0) find_empty_ball(proxy_, may_go);
+  const double way = (device - proxy_).norm();
+  const double clear = free_ && empty_retry_ <= 0.0 ? find_empty_ball(device, may_go - way) : 0.0;
   empty_retry_ -= stride_;
-
-  if (is_known_free(device)) {
+  if (way < clear) {
     settle_at(device);
+    enter_ball(input.p_SD, clear);
   } else {
     follow(device - moved, device);
   }
-  // Who has left the ball may come back through a face.
-  if ((proxy_ - empty_center_).squaredNorm() >= empty_radius_squared_) empty_radius_squared_ = 0.0;
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;
@@ -411,10 +408,10 @@ Vec3 ProxyMethod::rub(const Vec3& wish, const Vec3& motion) noexcept {
   return motion * (1.0 - material.friction_dynamic * depth / way);
 }
 
-// A ball round the device with no triangle in it: while the device stays inside, a step is one comparison. The search is no wider than 64
-// strides, and is not repeated before a part of what it found has been travelled. What lies hardly nearer than what is known is not looked
-// at: over an even surface that would be thousands of triangles, for a ball hardly larger.
-void ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
+// A ball round the device with no triangle in it: how far the probe may go there. The search is no wider than 64 strides, and is not
+// repeated before a part of what it found has been travelled. What lies hardly nearer than what is known is not looked at: over an even
+// surface that would be thousands of triangles, for a ball hardly larger.
+double ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
   constexpr double kHardlyNearer = 0.75 * 0.75;  // of squares
   const double widest = 64.0 * stride_ + 4.0 * clearance_.rest;
   double clear_squared = widest * widest;
@@ -423,10 +420,27 @@ void ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept {
     clear_squared = std::min(bound, kHardlyNearer * d * d);
     return clear_squared;
   });
-  const double radius = std::min(std::sqrt(clear_squared) * (1.0 - 0x1p-40) - clearance_.rest, may_go);
-  empty_center_ = device;
-  empty_radius_squared_ = radius > 0.0 ? radius * radius : 0.0;
-  empty_retry_ = std::max(0.25 * std::sqrt(empty_radius_squared_), 4.0 * stride_);
+  // Shorter by what the way into local units rounds to.
+  const double radius = std::min(std::sqrt(clear_squared) * (1.0 - 0x1p-40) - clearance_.rest, may_go) - 0x1p-48 * (1.0 + device.norm());
+  empty_retry_ = std::max(0.25 * radius, 4.0 * stride_);
+  return std::max(radius, 0.0);
+}
+
+// From here on a step within the ball round the sample is one comparison, in the sample's own frame.
+void ProxyMethod::enter_ball(const Vec3& p_SD, double radius) noexcept {
+  const double radius_m = radius * geometry_.unit_m();
+  empty_center_S_ = p_SD;
+  last_free_S_ = p_SD;
+  empty_radius_squared_m2_ = std::min(radius_m * radius_m, std::numeric_limits<double>::max());
+}
+
+// The proxy is where the steps in the ball left it, and the ball is forgotten: who has left it may come back through a face.
+void ProxyMethod::leave_ball() noexcept {
+  if (empty_radius_squared_m2_ == 0.0) return;
+  empty_radius_squared_m2_ = 0.0;
+  proxy_ = within_limits(geometry_.to_local(last_free_S_));
+  last_device_ = proxy_;
+  empty_retry_ -= (proxy_ - geometry_.to_local(empty_center_S_)).norm();
 }
 
 bool ProxyMethod::prepare() { return geometry_.build_wanted(); }

@@ -116,7 +116,6 @@ class ProxyMethod final : public ForceMethod {
 
   std::string describe_steps() const;
 
-  bool is_known_free(const Vec3& device) const { return free_ && (device - empty_center_).squaredNorm() < empty_radius_squared_; }
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   void bring_pushing_first(const ConstrainedMotion& held) noexcept;
   Vec3 shaded(const Vec3& stretch) noexcept;
@@ -167,7 +166,9 @@ class ProxyMethod final : public ForceMethod {
   void settle_at(const Vec3& p) noexcept;
   void keep_touching(const Vec3& blocked_motion) noexcept;
   bool forget_doubtful(const ConstrainedMotion& held) noexcept;
-  void find_empty_ball(const Vec3& device, double may_go) noexcept;
+  double find_empty_ball(const Vec3& device, double may_go) noexcept;
+  void enter_ball(const Vec3& p_SD, double radius) noexcept;
+  void leave_ball() noexcept;
   const Material& touched_material() const noexcept;
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
 
@@ -180,16 +181,17 @@ class ProxyMethod final : public ForceMethod {
   bool has_one_sided_ = false;
   bool has_friction_ = false;
 
-  Vec3 proxy_ = Vec3::Zero();        // local
-  Vec3 last_device_ = Vec3::Zero();  // local
-  bool free_ = true;                 // proxy is the device point
-  bool placed_ = false;              // a first sample has come
-  bool sliding_ = false;             // Coulomb state
-  int sweeps_left_ = 0;              // of this step's
-  double stride_ = 0.0;              // how far the device moved in this step
-  Vec3 empty_center_ = Vec3::Zero();
-  double empty_radius_squared_ = 0.0;  // no triangle is within this of empty_center_ plus the probe's rest distance
-  double empty_retry_ = 0.0;           // travel before the next search for an empty ball is worth its cost
+  Vec3 proxy_ = Vec3::Zero();             // local
+  Vec3 last_device_ = Vec3::Zero();       // local
+  bool free_ = true;                      // proxy is the device point
+  bool placed_ = false;                   // a first sample has come
+  bool sliding_ = false;                  // Coulomb state
+  int sweeps_left_ = 0;                   // of this step's
+  double stride_ = 0.0;                   // how far the device moved in this step
+  Vec3 empty_center_S_ = Vec3::Zero();    // the scene's frame, m, like the next two
+  double empty_radius_squared_m2_ = 0.0;  // no triangle is within this of the centre plus the probe's rest distance; 0: no ball is known
+  Vec3 last_free_S_ = Vec3::Zero();       // the last sample in the ball: while one is known, proxy_ and last_device_ lag behind
+  double empty_retry_ = 0.0;              // travel before the next search for an empty ball is worth its cost
 
   std::array<Neighbourhood, 2> neighbourhoods_;  // where the probe is, and where it goes
   int here_ = 0;                                 // in neighbourhoods_
