@@ -234,7 +234,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   solve(device);
   const Doubt doubt = doubt_of_step();
   if (doubt == Doubt::none) return;
-  ++counters_.caught_up;
+  ++counters_.redone;
   if (doubt == Doubt::slight) {
     const Vec3 at_once = proxy_;
     follow_in_parts(last, device, 2);
@@ -464,7 +464,7 @@ std::string ProxyMethod::describe_steps() const {
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
       static_cast<double>(counters_.refills) / c,
       100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
-      counters_.caught_up, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged);
+      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

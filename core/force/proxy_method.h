@@ -24,7 +24,7 @@ struct ProxyCounters {
   std::uint64_t refills = 0;      // neighbourhoods copied,
   std::uint64_t foreseen = 0;     // of them looked up before they were needed
   std::uint64_t tests = 0;        // triangle against moving sphere
-  std::uint64_t caught_up = 0;    // steps done again in parts,
+  std::uint64_t redone = 0;       // steps done again in parts,
   std::uint64_t divided = 0;      // and in many
   std::uint64_t walks = 0;        // minima found from facet to facet, without a sweep
   double shading_squared = 0.0;   // sum over contact steps of (|shaded - unshaded| / |unshaded|)^2
