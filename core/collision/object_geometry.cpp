@@ -55,6 +55,24 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     for (const std::uint32_t old : order) corner_normals_.push_back(shaded.corner_normals[old]);
   }
   tree_.renumber_items(new_triangle);
+  adjacency_ = SurfaceAdjacency(vertices_.size(), triangles_);
+  adjacency_.find_walkable(vertices_, triangles_, tree_, kWalkableMargin);
+}
+
+void ObjectGeometry::mark_unwalkable_near(const ObjectGeometry& other) {
+  for (std::uint32_t t = 0; t < other.triangle_count(); ++t) {
+    tree_.for_each_overlapping(box_of(other.vertices_, other.triangles_[t]).inflated(kWalkableMargin), [&](std::uint32_t u) {
+      if (!adjacency_.is_walkable(u)) return;
+      if (!are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {other.corner(t, 0), other.corner(t, 1), other.corner(t, 2)},
+                     kWalkableMargin)) {
+        adjacency_.mark_unwalkable(u);
+      }
+    });
+  }
+}
+
+void ObjectGeometry::mark_unwalkable_near(const Box& other) {
+  tree_.for_each_overlapping(other.inflated(kWalkableMargin), [&](std::uint32_t u) { adjacency_.mark_unwalkable(u); });
 }
 
 Vec3 ObjectGeometry::smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept {
@@ -74,7 +92,7 @@ Vec3 ObjectGeometry::smooth_normal(std::uint32_t t, const Vec3& on_triangle) con
 }
 
 std::size_t ObjectGeometry::bytes() const {
-  return tree_.bytes() + vertices_.size() * sizeof(Vec3) + triangles_.size() * sizeof(Triangle) +
+  return tree_.bytes() + adjacency_.bytes() + vertices_.size() * sizeof(Vec3) + triangles_.size() * sizeof(Triangle) +
          normals_.size() * sizeof(Eigen::Vector3f) + corner_normals_.size() * sizeof(Triangle);
 }
 

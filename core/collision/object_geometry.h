@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/collision/surface_adjacency.h"
 #include "core/collision/wide_bvh.h"
 #include "core/geometry/point_triangle.h"
 #include "core/geometry/triangle_mesh.h"
@@ -25,9 +26,12 @@ struct LocalFrame {
 //
 // Coordinates are rounded to a grid of 2^-51. Two such coordinates subtract exactly, so edges are exact and the normals of the thinnest
 // slivers keep their direction (point_triangle.h).
-// Threads: immutable after construction. RT: queries yes, construction set-up only.
+// Threads: immutable once it is in use. RT: queries yes, construction and mark_unwalkable_near set-up only.
 class ObjectGeometry {
  public:
+  // No triangle of another part of the surface comes as near to a walkable triangle (surface_adjacency.h).
+  static constexpr double kWalkableMargin = 0x1p-26;
+
   // shading_crease_rad: with a value, smooth normals are kept too; edges whose faces turn by more stay sharp (corner_normals.h).
   ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
 
@@ -51,6 +55,11 @@ class ObjectGeometry {
     return separation_from_triangle(p, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);
   }
 
+  const SurfaceAdjacency& adjacency() const { return adjacency_; }
+  // Triangles that come near one of another object, or of its box where that is not built, are not walkable. Either object may lie anywhere.
+  void mark_unwalkable_near(const ObjectGeometry& other);
+  void mark_unwalkable_near(const Box& other);
+
   // The smooth unit normal at a point of triangle t, interpolated between its corners; zero when none were kept.
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
 
@@ -66,6 +75,7 @@ class ObjectGeometry {
   std::vector<Eigen::Vector3f> normals_;
   std::vector<Triangle> corner_normals_;  // indices into normals_, a triangle's corners
   WideBvh tree_;
+  SurfaceAdjacency adjacency_;
 };
 
 }  // namespace hapton

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/orient3d.h"
+
 namespace hapton {
 namespace {
 
@@ -56,12 +58,56 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
     slot.first_id = static_cast<std::uint32_t>(i) << triangle_bits_;
     const Box bounds = bounds_of(*slot.mesh);
     slot.bounds = Box{frame_.to_local(bounds.low), frame_.to_local(bounds.high)}.inflated(0x1p-48);
-    if (policy == BuildPolicy::on_approach) continue;
+  }
+  if (policy == BuildPolicy::on_approach) return;
+  for (Slot& slot : slots_) {
     slot.wanted = true;
-    build_wanted();
+    slot.built = std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
+    slot.mesh.reset();
+    slot.ready = slot.built.get();
     slot.active = slot.ready;
     --waiting_;
   }
+  mark_unwalkable_between_objects();
+}
+
+void TouchGeometry::mark_unwalkable_between_objects() {
+  for (Slot& slot : slots_) {
+    for (const Slot& other : slots_) {
+      if (&slot == &other || !slot.bounds.inflated(ObjectGeometry::kWalkableMargin).overlaps(other.bounds)) continue;
+      slot.built->mark_unwalkable_near(*other.built);
+    }
+  }
+}
+
+void TouchGeometry::clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept {
+  constexpr double kSlack = 0x1p-40;
+  for (int k = 0; k < 3; ++k) {
+    if (motion[k] == 0.0) continue;
+    const double a = (box.low[k] - p[k]) / motion[k];
+    const double b = (box.high[k] - p[k]) / motion[k];
+    from = std::max(from, std::min(a, b) * (1.0 - kSlack) - kSlack);
+    until = std::min(until, std::max(a, b) * (1.0 + kSlack) + kSlack);
+  }
+}
+
+TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const Vec3& q, double on_plane) const noexcept {
+  const auto [a, b, c, vertices] = corners(id);
+  const Vec3 normal = accurate_cross(b - a, c - a);
+  const double from = normal.dot(p - a);
+  const bool begins_on_plane = on_plane > 0.0 && std::fabs(from) <= on_plane * normal.norm();
+  const double side_p = begins_on_plane ? 0.0 : orient3d_sign(a, b, c, p);
+  const double side_q = orient3d_sign(a, b, c, q);
+  if (side_p * side_q > 0.0 || (side_p == 0.0 && side_q == 0.0)) return {};
+  const double ab = orient3d_sign(p, q, a, b);
+  const double bc = orient3d_sign(p, q, b, c);
+  const double ca = orient3d_sign(p, q, c, a);
+  const bool none_below = ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
+  const bool none_above = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
+  if (!none_below && !none_above) return {};
+  const double to = normal.dot(q - a);
+  const double time = begins_on_plane ? 0.0 : from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0;
+  return {id, time, side_p != 0.0 ? side_p < 0.0 : side_q > 0.0, begins_on_plane};
 }
 
 void TouchGeometry::place(const Vec3& p) noexcept {
@@ -98,7 +144,16 @@ double TouchGeometry::look_ahead(const Vec3& p, double reach) noexcept {
 bool TouchGeometry::build_wanted() {
   for (Slot& slot : slots_) {
     if (slot.built != nullptr || !slot.wanted.load(std::memory_order_relaxed)) continue;
-    slot.built = std::make_unique<const ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
+    slot.built = std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
+    // Those built before took this one's box for it.
+    for (const Slot& other : slots_) {
+      if (&other == &slot || !slot.bounds.inflated(ObjectGeometry::kWalkableMargin).overlaps(other.bounds)) continue;
+      if (other.built != nullptr) {
+        slot.built->mark_unwalkable_near(*other.built);
+      } else {
+        slot.built->mark_unwalkable_near(other.bounds);
+      }
+    }
     slot.mesh.reset();
     slot.ready.store(slot.built.get(), std::memory_order_release);
     return true;

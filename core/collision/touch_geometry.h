@@ -43,6 +43,53 @@ class TouchGeometry {
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
   std::uint32_t object_bits() const { return ~triangle_mask_; }  // of a triangle's number: alike in two, they are of one object
+  // Side k of a triangle is across its edge k, see SurfaceAdjacency.
+  struct Across {
+    std::uint32_t id = 0;
+    int edge = 0;
+    bool flips = false;
+    bool exists = false;
+  };
+  Across across(std::uint32_t id, int k) const {
+    const SurfaceAdjacency::Across across = object(id).adjacency().across(id & triangle_mask_, k);
+    return {(id & ~triangle_mask_) | across.triangle, across.edge, across.flips, across.exists};
+  }
+  bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
+
+  // The first triangle that the segment from p to q goes through or ends on, and from which side. One that it begins on is gone through
+  // where the segment leaves its plane. Every decision is an exact sign of the points as given, so no segment passes between two triangles
+  // that share an edge, nor a chain of segments where each begins at the end of the one before.
+  struct Hit {
+    std::uint32_t id = 0;
+    double time = 2.0;  // 0 at p, 1 at q; above 1: nothing is met
+    bool from_back = false;
+    bool begins_on_plane = false;  // p is within `on_plane` of its plane: from_back is the side that q is not on
+    bool any() const { return time <= 1.0; }
+  };
+  // `may_stop(hit)` says whether a triangle counts. A p within `on_plane` of a triangle's plane counts as on it. RT: yes.
+  template <class MayStop>
+  Hit find_first_hit(const Vec3& p, const Vec3& q, double on_plane, MayStop&& may_stop) const {
+    Hit first;
+    const Vec3 motion = q - p;
+    const Box way = Box::around(p, q);
+    for (const Slot& slot : slots_) {
+      if (slot.active == nullptr || !slot.bounds.overlaps(way)) continue;
+      double from = 0.0;
+      double until = std::min(1.0, first.time);
+      clip(slot.bounds, p, motion, from, until);
+      if (from > until) continue;
+      const Vec3 start = p + from * motion;
+      const Vec3 part = (until - from) * motion;
+      slot.active->tree().visit_along(start, part, 1.0, [&](std::uint32_t t, double visit_until) {
+        const Hit hit = pierce(slot.first_id | t, p, q, on_plane);
+        if (!(hit.time < first.time) || !may_stop(hit)) return visit_until;
+        first = hit;
+        return std::clamp((first.time - from) / std::max(until - from, 0x1p-60) * (1.0 + 0x1p-40) + 0x1p-40, 0.0, visit_until);
+      });
+    }
+    return first;
+  }
+
   Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {
     return object(id).smooth_normal(id & triangle_mask_, on_triangle);
   }
@@ -84,12 +131,17 @@ class TouchGeometry {
     std::shared_ptr<const TriangleMesh> mesh;
     Box bounds;  // local, with a margin for rounding
     std::uint32_t first_id = 0;
-    std::unique_ptr<const ObjectGeometry> built;  // written by the builder, before ready
+    std::unique_ptr<ObjectGeometry> built;  // written by the builder, before ready
     std::atomic<bool> wanted = false;
     std::atomic<const ObjectGeometry*> ready = nullptr;
     const ObjectGeometry* active = nullptr;  // RT side only, like the next
     bool encloses_start = false;
   };
+
+  void mark_unwalkable_between_objects();
+  Hit pierce(std::uint32_t id, const Vec3& p, const Vec3& q, double on_plane) const noexcept;
+  // Shortens from..until to the part of the motion that may lie in the box.
+  static void clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept;
 
   static double distance_squared(const Box& box, const Vec3& p) { return (box.low - p).cwiseMax(p - box.high).cwiseMax(0.0).squaredNorm(); }
   const ObjectGeometry& object(std::uint32_t id) const { return *slots_[id >> triangle_bits_].active; }

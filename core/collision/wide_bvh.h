@@ -46,6 +46,12 @@ class WideBvh {
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
+  // Calls visit(item, until) for items whose boxes the segment from p to p + motion meets before the time `until` of its 0..1, roughly in the
+  // order they are met; visit returns the new `until` (never larger). Boxes that are only nearly met are visited too.
+  // Pre: p and motion are of the size of the boxes' coordinates.
+  template <class Visit>
+  void visit_along(const Vec3& p, const Vec3& motion, double until, Visit&& visit) const;
+
   // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
   std::vector<std::uint32_t> items_in_tree_order() const;
 
@@ -178,6 +184,66 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
       if ((next.child & kItemBit) == 0) prefetch(nodes_[next.child]);
       int at = top++;
       for (; at > first && stack[at - 1].distance_squared < next.distance_squared; --at) stack[at] = stack[at - 1];
+      stack[at] = next;
+    }
+  }
+}
+
+template <class Visit>
+void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double until, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24 of
+  // the coordinates; times are widened by what the reciprocal and the product round.
+  constexpr float kSlack = 16.0F / 16777216.0F;
+  __m256 start[3];
+  __m256 inverse[3];
+  float size = 1.0F;
+  for (int k = 0; k < 3; ++k) size = std::max(size, detail::round_up(std::abs(p[k]) + std::abs(motion[k])));
+  const __m256 error = _mm256_set1_ps(size / 2097152.0F);
+  for (int k = 0; k < 3; ++k) {
+    start[k] = _mm256_set1_ps(static_cast<float>(p[k]));
+    const double least = motion[k] < 0.0 ? std::min(motion[k], -1e-30) : std::max(motion[k], 1e-30);
+    inverse[k] = _mm256_set1_ps(static_cast<float>(1.0 / least));
+  }
+  const __m256 zero = _mm256_setzero_ps();
+  const __m256 sooner = _mm256_set1_ps(1.0F - kSlack);
+  const __m256 later = _mm256_set1_ps(1.0F + kSlack);
+  struct Entry {
+    std::uint32_t child;
+    float time;
+  };
+  std::array<Entry, kMaxStack> stack;
+  int top = 0;
+  stack[top++] = {0, 0.0F};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (static_cast<double>(entry.time) > until) continue;
+    if ((entry.child & kItemBit) != 0) {
+      until = visit(entry.child & ~kItemBit, until);
+      continue;
+    }
+    const Node& node = nodes_[entry.child];
+    __m256 enter = zero;
+    __m256 leave = _mm256_set1_ps(detail::round_up(until));
+    for (int k = 0; k < 3; ++k) {
+      const __m256 low = _mm256_sub_ps(_mm256_sub_ps(_mm256_load_ps(node.low[k].data()), start[k]), error);
+      const __m256 high = _mm256_add_ps(_mm256_sub_ps(_mm256_load_ps(node.high[k].data()), start[k]), error);
+      const __m256 a = _mm256_mul_ps(low, inverse[k]);
+      const __m256 b = _mm256_mul_ps(high, inverse[k]);
+      const bool forward = motion[k] >= 0.0;
+      enter = _mm256_max_ps(enter, _mm256_mul_ps(forward ? a : b, sooner));
+      leave = _mm256_min_ps(leave, _mm256_mul_ps(forward ? b : a, later));
+    }
+    auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
+    alignas(32) std::array<float, kWidth> time;
+    _mm256_store_ps(time.data(), enter);
+    const int first = top;
+    for (; mask != 0; mask &= mask - 1) {  // insertion by time: the first ends on top
+      const int c = std::countr_zero(mask);
+      const Entry next = {node.child[c], time[c]};
+      if ((next.child & kItemBit) == 0) prefetch(nodes_[next.child]);
+      int at = top++;
+      for (; at > first && stack[at - 1].time < next.time; --at) stack[at] = stack[at - 1];
       stack[at] = next;
     }
   }

@@ -25,6 +25,12 @@ std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& sce
   return meshes;
 }
 
+std::vector<std::uint8_t> one_sided_of(const TouchScene& scene) {
+  std::vector<std::uint8_t> one_sided;
+  for (const TouchObject& object : scene.objects) one_sided.push_back(object.material.two_sided ? 0 : 1);
+  return one_sided;
+}
+
 // A device farther out than a billion scenes is taken to be there: its squares must stay finite.
 Vec3 within_limits(const Vec3& local) {
   constexpr double kFarthest = 0x1p30;
@@ -39,7 +45,9 @@ Vec3 within_limits(const Vec3& local) {
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
-      shading_(settings.shading) {
+      shading_(settings.shading),
+      one_sided_(one_sided_of(scene)),
+      surface_(geometry_, one_sided_) {
   for (const TouchObject& object : scene.objects) {
     surfaces_.push_back(object.material);
     has_one_sided_ |= !object.material.two_sided;
@@ -66,6 +74,7 @@ bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcep
 }
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
+  surface_.leave();
   placed_ = p_SD.allFinite();
   settle_at(within_limits(geometry_.to_local(p_SD)));
   geometry_.place(proxy_);
@@ -125,7 +134,8 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   ++counters_.steps;
   const Vec3 device = within_limits(geometry_.to_local(input.p_SD));
   if (!placed_) reset(input.p_SD);
-  const Vec3 moved = device - last_device_;
+  const Vec3 last = last_device_;
+  const Vec3 moved = device - last;
   stride_ = moved.norm();
   last_device_ = device;
   const std::size_t waiting = geometry_.waiting_count();
@@ -138,19 +148,20 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     settle_at(device);
     enter_ball(input.p_SD, clear);
   } else {
-    follow(device - moved, device);
+    follow(last, device);
   }
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;
   const Vec3 p_SP = geometry_.to_scene(proxy_);
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
-  // The surface itself is one hover nearer to the device than the proxy.
+  // The surface itself is one hover nearer to the device than a proxy that sweeps hold.
+  const double off_surface = surface_.stands() ? 0.0 : hover_;
   const Vec3 stretch = proxy_ - device;
   const double length = stretch.norm();
   const Vec3 turned = shading_ > 0.0 ? shaded(stretch) : stretch;
-  const Vec3 felt = length > hover_ ? Vec3(turned * ((length - hover_) / length * geometry_.unit_m())) : Vec3::Zero();
-  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > hover_};
+  const Vec3 felt = length > off_surface ? Vec3(turned * ((length - off_surface) / length * geometry_.unit_m())) : Vec3::Zero();
+  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > off_surface};
 }
 
 // The planes that hold the proxy, made the first of those it touches.
@@ -227,8 +238,7 @@ ProxyMethod::Doubt ProxyMethod::doubt_of_step() const noexcept {
 // Follows the device from one sample to the next. Where the proxy lets go of a ridge or fold, the way it takes depends on where the device
 // was just then: such a step is done again in many parts. In two where it only went farther than the device, from facet to facet: mostly
 // they lead to the same place.
-void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
-  sweeps_left_ = kMaxSweeps;
+void ProxyMethod::follow_by_sweeps(const Vec3& last, const Vec3& device) noexcept {
   save(before_);
   met_fold_ = false;
   solve(device);
@@ -459,12 +469,13 @@ std::string ProxyMethod::describe_steps() const {
   std::string text = fmt::format(
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
       "{:.3f} "
-      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged\n",
+      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged; {} events, {} flights, {} steps by sweeps, {} out of events\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
       static_cast<double>(counters_.refills) / c,
       100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
-      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged);
+      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged, surface_.events(),
+      counters_.flights, counters_.careful, counters_.exhausted);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

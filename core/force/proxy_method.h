@@ -9,6 +9,7 @@
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
 #include "core/force/force_method.h"
+#include "core/force/surface_follower.h"
 
 namespace hapton {
 
@@ -31,6 +32,9 @@ struct ProxyCounters {
   double shading_most = 0.0;      // and its largest
   std::uint64_t escapes = 0;      // rests left that are none to a point
   std::uint64_t attempts = 0;     // and how often that was tried
+  std::uint64_t flights = 0;      // through the air
+  std::uint64_t careful = 0;      // steps, or the rest of one, that sweeps did
+  std::uint64_t exhausted = 0;    // steps out of events, carried into the next
   std::uint64_t unconverged = 0;  // stopped by the iteration bound: a valid proxy, short of the minimum
 };
 
@@ -126,6 +130,13 @@ class ProxyMethod final : public ForceMethod {
   enum class Doubt : std::uint8_t { none, slight, great };
   Doubt doubt_of_step() const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
+  void follow_by_sweeps(const Vec3& last, const Vec3& device) noexcept;
+  bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
+  enum class Met : std::uint8_t { nothing, walkable, other };
+  Met fly(const Vec3& from, const Vec3& to, bool off_surface, double& time) noexcept;
+  void lift_off_surface() noexcept;
+  bool stand_on_surface() noexcept;
+  void hold_by_surface(const Vec3& device) noexcept;
   void follow_in_parts(const Vec3& last, const Vec3& device, int parts) noexcept;
   void solve(const Vec3& device) noexcept;
   bool walk(const Vec3& device) noexcept;
@@ -180,6 +191,9 @@ class ProxyMethod final : public ForceMethod {
   bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
+  std::vector<std::uint8_t> one_sided_;  // by object
+  SurfaceFollower surface_;              // while it stands, it holds the proxy
+  bool short_of_rest_ = false;           // it ran out of events
 
   Vec3 proxy_ = Vec3::Zero();             // local
   Vec3 last_device_ = Vec3::Zero();       // local

@@ -1,0 +1,254 @@
+#include "core/collision/surface_adjacency.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/collision/triangle_pair.h"
+#include "core/geometry/point_triangle.h"
+#include "core/math/exact_cross.h"
+
+namespace hapton {
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+
+Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {vertices[t[0]], vertices[t[1]], vertices[t[2]]}; }
+
+bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+Box box_of(const Corners& c) { return {c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2])}; }
+
+// The height of a triangle over its longest edge.
+double least_height(const Corners& c) {
+  const Vec3 ab = c[1] - c[0];
+  const Vec3 ac = c[2] - c[0];
+  const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (c[2] - c[1]).squaredNorm()});
+  return longest > 0.0 ? std::sqrt(accurate_cross(ab, ac).squaredNorm() / longest) : 0.0;
+}
+
+// All points of b on one side of the plane through `at`, farther than `margin` away. The normal need not be unit.
+bool is_beyond(const Vec3& normal, const Vec3& at, const Corners& b, double margin) {
+  const double least = margin * normal.norm();
+  const double h0 = normal.dot(b[0] - at);
+  const double h1 = normal.dot(b[1] - at);
+  const double h2 = normal.dot(b[2] - at);
+  return (h0 > least && h1 > least && h2 > least) || (h0 < -least && h1 < -least && h2 < -least);
+}
+
+// A plane of triangle a parts b from it: its own, or one across an edge.
+bool parts(const Corners& a, const Corners& b, double margin) {
+  const Vec3 normal = accurate_cross(a[1] - a[0], a[2] - a[0]);
+  if (is_beyond(normal, a[0], b, margin)) return true;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 outward = (a[(k + 1) % 3] - a[k]).cross(normal);
+    const double least = margin * outward.norm();
+    if (outward.dot(b[0] - a[k]) > least && outward.dot(b[1] - a[k]) > least && outward.dot(b[2] - a[k]) > least) return true;
+  }
+  return false;
+}
+
+double segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3& v) {
+  const Vec3 r = p - q;
+  const double uu = u.squaredNorm();
+  const double vv = v.squaredNorm();
+  const double uv = u.dot(v);
+  const double ur = u.dot(r);
+  const double vr = v.dot(r);
+  const double det = uu * vv - uv * uv;
+  double s = det > 0.0 ? std::clamp((uv * vr - ur * vv) / det, 0.0, 1.0) : 0.0;
+  const double t = vv > 0.0 ? std::clamp((uv * s + vr) / vv, 0.0, 1.0) : 0.0;
+  s = uu > 0.0 ? std::clamp((uv * t - ur) / uu, 0.0, 1.0) : 0.0;
+  return (r + s * u - t * v).norm();
+}
+
+// Two sectors with a common apex (at zero), each spanned by two edges: some plane through the apex parts them by more than the angle.
+bool are_sectors_apart(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
+  constexpr double kAngle = SurfaceAdjacency::kLeastAngle;
+  const auto side = [](const Vec3& normal, const Vec3& v) {  // sine of the angle over the plane, roughly; 0 within kAngle
+    const double s = normal.dot(v);
+    const double least = kAngle * normal.norm() * v.norm();
+    return s > least ? 1 : s < -least ? -1 : 0;
+  };
+  const auto one_side = [&](const Vec3& normal, const std::array<Vec3, 2>& of) {
+    const int first = side(normal, of[0]);
+    return first != 0 && first == side(normal, of[1]) ? first : 0;
+  };
+  const Vec3 normal_a = accurate_cross(a[0], a[1]);
+  const Vec3 normal_b = accurate_cross(b[0], b[1]);
+  if (one_side(normal_a, b) != 0 || one_side(normal_b, a) != 0) return true;
+  for (int k = 0; k < 2; ++k) {
+    const Vec3 edge_a = (k == 0 ? 1.0 : -1.0) * a[k].cross(normal_a);  // outwards
+    if (one_side(edge_a, b) > 0) return true;
+    const Vec3 edge_b = (k == 0 ? 1.0 : -1.0) * b[k].cross(normal_b);
+    if (one_side(edge_b, a) > 0) return true;
+  }
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const Vec3 normal = a[i].cross(b[j]);  // both edges lie in this plane: the others must lie on opposite sides
+      if (side(normal, a[1 - i]) * side(normal, b[1 - j]) < 0) return true;
+    }
+  }
+  return false;
+}
+
+// Folded onto each other along their common edge.
+bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
+  const Vec3 a = edge.cross(to_a);
+  const Vec3 b = edge.cross(to_b);
+  return a.dot(b) > 0.0 && a.cross(b).norm() <= SurfaceAdjacency::kLeastAngle * a.norm() * b.norm();
+}
+
+// Whether two triangles of a mesh leave each other walkable.
+bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const Triangle& t, double margin) {
+  int shared = 0;
+  std::array<int, 3> in_s = {};
+  std::array<int, 3> in_t = {};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (s[i] != t[j]) continue;
+      if (shared == 3) return false;
+      in_s[shared] = i;
+      in_t[shared] = j;
+      ++shared;
+    }
+  }
+  if (shared == 3) return false;
+  if (shared == 0) return are_apart(corners_of(vertices, s), corners_of(vertices, t), margin);
+  const Vec3& apex = vertices[s[in_s[0]]];
+  if (shared == 2) {
+    const Vec3 edge = vertices[s[in_s[1]]] - apex;
+    return !is_folded_flat(edge, vertices[s[3 - in_s[0] - in_s[1]]] - apex, vertices[t[3 - in_t[0] - in_t[1]]] - apex);
+  }
+  const auto edges = [&](const Triangle& of, int k) -> std::array<Vec3, 2> {
+    return {vertices[of[(k + 1) % 3]] - apex, vertices[of[(k + 2) % 3]] - apex};
+  };
+  return are_sectors_apart(edges(s, in_s[0]), edges(t, in_t[0]));
+}
+
+}  // namespace
+
+bool are_apart(const Corners& a, const Corners& b, double margin) noexcept {
+  if (parts(a, b, margin) || parts(b, a, margin)) return true;
+  if (intersect_triangles({a, b}).meets) return false;
+  for (int i = 0; i < 3; ++i) {
+    if (separation_from_triangle(a[i], b[0], b[1], b[2]).distance <= margin) return false;
+    if (separation_from_triangle(b[i], a[0], a[1], a[2]).distance <= margin) return false;
+    for (int j = 0; j < 3; ++j) {
+      if (segment_distance(a[i], a[(i + 1) % 3] - a[i], b[j], b[(j + 1) % 3] - b[j]) <= margin) return false;
+    }
+  }
+  return true;
+}
+
+SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Triangle> triangles)
+    : across_(3 * triangles.size(), kNone), walkable_(triangles.size(), 0) {
+  pair_edges(vertex_count, triangles);
+}
+
+// Half edges are gathered by their lower vertex; there the few with the same upper vertex are found.
+void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
+  struct HalfEdgeAt {
+    std::uint32_t high;
+    std::uint32_t code;  // (triangle << 3) | (edge << 1) | runs upwards
+  };
+  std::vector<std::uint32_t> first(vertex_count + 2, 0);
+  const auto for_each_edge = [&](auto&& visit) {
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      const Triangle& corner = triangles[t];
+      if (repeats_vertex(corner)) continue;
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t from = corner[k];
+        const std::uint32_t to = corner[k == 2 ? 0 : k + 1];
+        visit(std::min(from, to), HalfEdgeAt{std::max(from, to), t << 3 | k << 1 | (from < to ? 1U : 0U)});
+      }
+    }
+  };
+  for_each_edge([&](std::uint32_t low, const HalfEdgeAt&) { ++first[low + 2]; });
+  for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
+  std::vector<HalfEdgeAt> edges(first.back());
+  for_each_edge([&](std::uint32_t low, const HalfEdgeAt& edge) { edges[first[low + 1]++] = edge; });
+  const auto place = [&](std::uint32_t code) -> std::uint32_t& { return across_[3 * std::size_t{code >> 3} + (code >> 1 & 3U)]; };
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    const std::span<HalfEdgeAt> bucket(edges.data() + first[v], first[v + 1] - first[v]);
+    for (std::size_t i = 0; i < bucket.size(); ++i) {
+      std::size_t others = 0;
+      std::size_t other = i;
+      for (std::size_t j = 0; j < bucket.size(); ++j) {
+        if (j == i || bucket[j].high != bucket[i].high) continue;
+        ++others;
+        other = j;
+      }
+      if (others > 1) continue;
+      const std::uint32_t code = bucket[other].code & ~1U;
+      const bool flips = others == 0 || (bucket[i].code & 1U) == (bucket[other].code & 1U);
+      place(bucket[i].code) = code | (flips ? 1U : 0U);
+    }
+  }
+}
+
+std::size_t SurfaceAdjacency::walkable_count() const {
+  return static_cast<std::size_t>(std::count(walkable_.begin(), walkable_.end(), std::uint8_t{1}));
+}
+
+// Per vertex: all triangles that have it form one fan, closed or with two boundary edges, and not too many.
+std::vector<std::uint8_t> SurfaceAdjacency::find_whole_fans(std::size_t vertex_count, std::span<const Triangle> triangles) const {
+  std::vector<std::uint32_t> valence(vertex_count, 0);
+  for (const Triangle& t : triangles) {
+    if (repeats_vertex(t)) continue;
+    for (const std::uint32_t v : t) ++valence[v];
+  }
+  enum : std::uint8_t { kUnknown, kWhole, kBroken };
+  std::vector<std::uint8_t> state(vertex_count, kUnknown);
+  for (std::uint32_t start = 0; start < triangles.size(); ++start) {
+    if (repeats_vertex(triangles[start])) continue;
+    for (int c = 0; c < 3; ++c) {
+      const std::uint32_t vertex = triangles[start][c];
+      if (state[vertex] != kUnknown) continue;
+      state[vertex] = kBroken;
+      if (valence[vertex] > kMostValence) continue;
+      // From side to side, always over the edge at the vertex that it did not come by.
+      std::uint32_t t = start;
+      bool back = false;
+      int by = c;
+      std::uint32_t count = 0;
+      while (count <= 2 * valence[vertex]) {
+        ++count;
+        const Across next = across(t, by);
+        if (!next.exists) break;
+        back ^= next.flips;
+        t = next.triangle;
+        const Triangle& corner = triangles[t];
+        by = corner[next.edge] == vertex ? (next.edge + 2) % 3 : (next.edge + 1) % 3;
+        if (t == start && !back && by == c) {
+          if (count == valence[vertex] || count == 2 * valence[vertex]) state[vertex] = kWhole;
+          break;
+        }
+      }
+    }
+  }
+  for (std::uint8_t& s : state) s = s == kWhole ? 1 : 0;
+  return state;
+}
+
+void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree,
+                                     double margin) {
+  const std::vector<std::uint8_t> is_whole = find_whole_fans(vertices.size(), triangles);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Triangle& corner = triangles[t];
+    bool ok = !repeats_vertex(corner);
+    for (int k = 0; k < 3 && ok; ++k) ok = across(t, k).exists && is_whole[corner[k]] != 0;
+    walkable_[t] = ok && least_height(corners_of(vertices, corner)) >= kLeastHeight;
+  }
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    tree.for_each_overlapping(box_of(corners_of(vertices, triangles[t])).inflated(margin), [&](std::uint32_t u) {
+      if (u >= t || (walkable_[t] | walkable_[u]) == 0) return;
+      if (is_pair_walkable(vertices, triangles[t], triangles[u], margin)) return;
+      walkable_[t] = 0;
+      walkable_[u] = 0;
+    });
+  }
+}
+
+}  // namespace hapton

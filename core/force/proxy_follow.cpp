@@ -1,0 +1,184 @@
+// One step: over the surface from event to event where it is walkable, through the air between, and by sweeps elsewhere.
+#include <algorithm>
+
+#include "core/force/proxy_method.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFarFromScene = 4.0;  // local units: farther out positions are too coarse to be exact on the surface
+constexpr int kMostLegs = 64;          // times that a step leaves the surface
+
+Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
+
+bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
+
+}  // namespace
+
+void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
+  sweeps_left_ = kMaxSweeps;
+  double time = 0.0;
+  if (is_point_ && !has_friction_ && (surface_.stands() || free_ || stand_on_surface())) {
+    if (follow_surface(last, device, time)) return;
+    if (surface_.stands()) lift_off_surface();
+  }
+  ++counters_.careful;
+  const Vec3 from = on_way(last, device, time);
+  if (!free_ && time > 0.0) solve(from);
+  follow_by_sweeps(from, device);
+}
+
+// True when the surface alone led to the end of the step. Else the proxy stands on the surface, or is free, with the device at `time`.
+bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept {
+  using Outcome = SurfaceFollower::Outcome;
+  if (is_far(last) || is_far(device)) return false;
+  Outcome outcome = Outcome::settled;
+  bool has_settled = !short_of_rest_;
+  short_of_rest_ = false;
+  for (int leg = 0; leg < kMostLegs; ++leg) {
+    const Vec3 here = on_way(last, device, time);
+    if (!surface_.stands()) {
+      double until = 1.0;
+      const Met met = fly(here, device, outcome == Outcome::released, until);
+      if (met == Met::nothing) {
+        settle_at(device);
+        return true;
+      }
+      if (met == Met::other) {
+        settle_at(here);
+        return false;
+      }
+      time = std::min(1.0, time + (1.0 - time) * until);
+      has_settled = true;
+    }
+    outcome = has_settled ? surface_.follow(last, device, time) : surface_.descend(here);
+    if (outcome == Outcome::unwalkable) return false;
+    if (outcome == Outcome::exhausted) {
+      ++counters_.exhausted;
+      short_of_rest_ = true;
+    }
+    if (outcome == Outcome::exhausted || (outcome == Outcome::settled && time >= 1.0)) {
+      hold_by_surface(device);
+      return true;
+    }
+    has_settled = true;
+    if (outcome == Outcome::settled) continue;
+    ++counters_.flights;
+    if (outcome == Outcome::released) {
+      double until = 1.0;
+      const Vec3 at = on_way(last, device, time);
+      const Met met = fly(at, device, true, until);
+      if (met == Met::other) return false;
+      if (met == Met::nothing) {
+        surface_.leave();
+        settle_at(device);
+        return true;
+      }
+      time = std::min(1.0, time + (1.0 - time) * until);
+      continue;
+    }
+    double until = 1.0;
+    const Vec3 at = on_way(last, device, time);
+    const Met met = fly(surface_.point(), at, true, until);
+    if (met == Met::other) return false;
+    if (met == Met::nothing) {
+      surface_.leave();
+      settle_at(at);
+    }
+    has_settled = met == Met::nothing;
+  }
+  ++counters_.exhausted;
+  short_of_rest_ = surface_.stands();
+  if (surface_.stands()) {
+    hold_by_surface(device);
+    return true;
+  }
+  return false;
+}
+
+// Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. `off_surface`: it begins where the
+// proxy stands.
+ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool off_surface, double& time) noexcept {
+  constexpr double kOnPlane = 0x1p-44;  // the rounding of a point on the surface, and some more
+  const bool leaves = off_surface && surface_.stands();
+  const TouchGeometry::Hit hit = geometry_.find_first_hit(from, to, leaves ? kOnPlane : 0.0, [&](const TouchGeometry::Hit& at) {
+    if (at.from_back && one_sided_[geometry_.mesh_of(at.id)] != 0) return false;
+    if (!leaves) return true;
+    if (surface_.stands_on(at.id)) return false;
+    bool back = false;
+    return !at.begins_on_plane || !surface_.find_side(at.id, back) || back == at.from_back;
+  });
+  if (!hit.any()) return Met::nothing;
+  time = hit.time;
+  const ContactTriangle shape = shape_of(hit.id);
+  const Vec3 at = from + hit.time * (to - from);
+  const Vec3 on_face = at - shape.normal().dot(at - shape.corner(0)) * shape.normal();
+  return surface_.land(hit.id, hit.from_back, on_face) ? Met::walkable : Met::other;
+}
+
+// The surface holds the proxy at the end of a step.
+void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
+  proxy_ = surface_.point();
+  free_ = false;
+  sliding_ = false;
+  std::array<SurfaceFollower::Contact, 3> contacts;
+  pushing_count_ = shading_ > 0.0 ? surface_.find_contacts(device, contacts) : 0;
+  touching_count_ = std::max(pushing_count_, 1);
+  touching_[0].triangle = surface_.first_triangle();
+  for (int i = 0; i < pushing_count_; ++i) {
+    touching_[i].triangle = contacts[i].triangle;
+    touching_[i].separation = {0.0, contacts[i].normal, proxy_, Feature::face};
+    push_[i] = contacts[i].multiplier;
+  }
+}
+
+// Off the surface by what sweeps keep, a little off every edge, so that nothing beyond one is nearer.
+void ProxyMethod::lift_off_surface() noexcept {
+  const SurfaceFollower::Inside from = surface_.inside(kBeside * hover_);
+  surface_.leave();
+  proxy_ = from.point + clearance_.rest * from.normal;
+  free_ = false;
+  sliding_ = false;
+  Touch& touch = touching_[0];
+  touch.triangle = from.triangle;
+  touch.place = Neighbourhood::kNowhere;
+  touch.shape = shape_of(from.triangle);
+  touch.separation = {clearance_.rest, from.normal, from.point, Feature::face};
+  touching_count_ = 1;
+  pushing_count_ = 0;
+  forget_near();
+}
+
+// A proxy that sweeps have brought to rest on walkable faces goes on over the surface.
+bool ProxyMethod::stand_on_surface() noexcept {
+  if (pushing_count_ < 1 || pushing_count_ > 2) return false;
+  const auto faces_of = [&](const Touch& touch) {
+    return touch.separation.feature == Feature::face && geometry_.is_walkable(touch.triangle);
+  };
+  for (int i = 0; i < pushing_count_; ++i) {
+    if (!faces_of(touching_[i])) return false;
+  }
+  const Touch& touch = touching_[0];
+  const ContactTriangle shape = shape_of(touch.triangle);
+  const bool back = shape.normal().dot(touch.separation.normal) < 0.0;
+  const Vec3 p = proxy_ - shape.normal().dot(proxy_ - shape.corner(0)) * shape.normal();
+  if (pushing_count_ == 1) {
+    for (int k = 0; k < 3; ++k) {
+      if (!(shape.inside(k, p) > 0.0)) return false;
+    }
+    short_of_rest_ = surface_.land(touch.triangle, back, p);
+    return short_of_rest_;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const TouchGeometry::Across across = geometry_.across(touch.triangle, k);
+    if (!across.exists || across.id != touching_[1].triangle) continue;
+    const double along = shape.along(k, p);
+    const Vec3 on_edge = shape.corner(k) + along * shape.edge(k);
+    if (!(along > 0.0 && along < 1.0) || (on_edge - p).norm() > kBeside * hover_) return false;
+    short_of_rest_ = surface_.land_on_edge(touch.triangle, back, k, on_edge);
+    return short_of_rest_;
+  }
+  return false;
+}
+
+}  // namespace hapton
