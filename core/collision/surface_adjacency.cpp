@@ -63,34 +63,35 @@ double segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3&
   return (r + s * u - t * v).norm();
 }
 
-// Two sectors with a common apex (at zero), each spanned by two edges: some plane through the apex parts them by more than the angle.
-bool are_sectors_apart(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b) {
+// A sector spanned by two edges from an apex (at zero).
+struct Sector {
+  std::array<Vec3, 2> edge;
+  Vec3 normal;
+  std::array<Vec3, 2> inward;  // off the edges, in the plane
+
+  Sector(const Vec3& first, const Vec3& last)
+      : edge{first, last}, normal(accurate_cross(first, last)), inward{normal.cross(first), last.cross(normal)} {}
+  bool is_over(const Vec3& v) const { return inward[0].dot(v) > 0.0 && inward[1].dot(v) > 0.0; }
+};
+
+// The angle between a direction and a sector is more than kLeastAngle.
+bool is_off(const Sector& sector, const Vec3& v) {
   constexpr double kAngle = SurfaceAdjacency::kLeastAngle;
-  const auto side = [](const Vec3& normal, const Vec3& v) {  // sine of the angle over the plane, roughly; 0 within kAngle
-    const double s = normal.dot(v);
-    const double least = kAngle * normal.norm() * v.norm();
-    return s > least ? 1 : s < -least ? -1 : 0;
-  };
-  const auto one_side = [&](const Vec3& normal, const std::array<Vec3, 2>& of) {
-    const int first = side(normal, of[0]);
-    return first != 0 && first == side(normal, of[1]) ? first : 0;
-  };
-  const Vec3 normal_a = accurate_cross(a[0], a[1]);
-  const Vec3 normal_b = accurate_cross(b[0], b[1]);
-  if (one_side(normal_a, b) != 0 || one_side(normal_b, a) != 0) return true;
+  const double length = v.norm();
+  if (sector.is_over(v)) return std::fabs(sector.normal.dot(v)) > kAngle * length * sector.normal.norm();
+  return std::all_of(sector.edge.begin(), sector.edge.end(),
+                     [&](const Vec3& edge) { return edge.dot(v) < 0.0 || edge.cross(v).norm() > kAngle * length * edge.norm(); });
+}
+
+// Two sectors with a common apex come nowhere else as near as kLeastAngle: no edge of one comes near the other, nor do they cross.
+bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3, 2>& edges_b) {
+  const Sector a(edges_a[0], edges_a[1]);
+  const Sector b(edges_b[0], edges_b[1]);
   for (int k = 0; k < 2; ++k) {
-    const Vec3 edge_a = (k == 0 ? 1.0 : -1.0) * a[k].cross(normal_a);  // outwards
-    if (one_side(edge_a, b) > 0) return true;
-    const Vec3 edge_b = (k == 0 ? 1.0 : -1.0) * b[k].cross(normal_b);
-    if (one_side(edge_b, a) > 0) return true;
+    if (!is_off(a, b.edge[k]) || !is_off(b, a.edge[k])) return false;
   }
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) {
-      const Vec3 normal = a[i].cross(b[j]);  // both edges lie in this plane: the others must lie on opposite sides
-      if (side(normal, a[1 - i]) * side(normal, b[1 - j]) < 0) return true;
-    }
-  }
-  return false;
+  const Vec3 line = a.normal.cross(b.normal);
+  return !(a.is_over(line) && b.is_over(line)) && !(a.is_over(-line) && b.is_over(-line));
 }
 
 // Folded onto each other along their common edge.

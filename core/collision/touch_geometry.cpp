@@ -107,7 +107,7 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
   if (!none_below && !none_above) return {};
   const double to = normal.dot(q - a);
   const double time = begins_on_plane ? 0.0 : from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0;
-  return {id, time, side_p != 0.0 ? side_p < 0.0 : side_q > 0.0, begins_on_plane};
+  return {time, side_p != 0.0 ? side_p < 0.0 : side_q > 0.0, begins_on_plane};
 }
 
 void TouchGeometry::place(const Vec3& p) noexcept {

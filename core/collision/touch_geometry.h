@@ -56,38 +56,36 @@ class TouchGeometry {
   }
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
-  // The first triangle that the segment from p to q goes through or ends on, and from which side. One that it begins on is gone through
-  // where the segment leaves its plane. Every decision is an exact sign of the points as given, so no segment passes between two triangles
-  // that share an edge, nor a chain of segments where each begins at the end of the one before.
+  // Where a segment goes through a triangle or ends on it, and from which side. One that begins on it goes through where it leaves its plane.
+  // Every decision is an exact sign of the points as given, so no segment passes between two triangles that share an edge, nor does a chain
+  // of segments each of which begins where the one before ended.
   struct Hit {
-    std::uint32_t id = 0;
-    double time = 2.0;  // 0 at p, 1 at q; above 1: nothing is met
+    double time = 2.0;  // 0 at p, 1 at q; above 1: it is not met
     bool from_back = false;
-    bool begins_on_plane = false;  // p is within `on_plane` of its plane: from_back is the side that q is not on
-    bool any() const { return time <= 1.0; }
+    bool begins_on_plane = false;  // from_back is the side that q is not on
   };
-  // `may_stop(hit)` says whether a triangle counts. A p within `on_plane` of a triangle's plane counts as on it. RT: yes.
-  template <class MayStop>
-  Hit find_first_hit(const Vec3& p, const Vec3& q, double on_plane, MayStop&& may_stop) const {
-    Hit first;
+  // A p within `on_plane` of the triangle's plane counts as on it. RT: yes.
+  Hit pierce(std::uint32_t id, const Vec3& p, const Vec3& q, double on_plane) const noexcept;
+
+  // Calls until = visit(id, until) for triangles whose boxes come within `radius` of the segment from p to q before the time `until`.
+  template <class Visit>
+  void visit_along(const Vec3& p, const Vec3& q, double radius, Visit&& visit) const {
+    double until = 1.0;
     const Vec3 motion = q - p;
-    const Box way = Box::around(p, q);
+    const Box way = Box::around(p, q).inflated(radius);
     for (const Slot& slot : slots_) {
       if (slot.active == nullptr || !slot.bounds.overlaps(way)) continue;
-      double from = 0.0;
-      double until = std::min(1.0, first.time);
-      clip(slot.bounds, p, motion, from, until);
-      if (from > until) continue;
-      const Vec3 start = p + from * motion;
-      const Vec3 part = (until - from) * motion;
-      slot.active->tree().visit_along(start, part, 1.0, [&](std::uint32_t t, double visit_until) {
-        const Hit hit = pierce(slot.first_id | t, p, q, on_plane);
-        if (!(hit.time < first.time) || !may_stop(hit)) return visit_until;
-        first = hit;
-        return std::clamp((first.time - from) / std::max(until - from, 0x1p-60) * (1.0 + 0x1p-40) + 0x1p-40, 0.0, visit_until);
+      double begin = 0.0;
+      double end = until;
+      clip(slot.bounds.inflated(radius), p, motion, begin, end);
+      if (begin > end) continue;
+      slot.active->tree().visit_along(p + begin * motion, (end - begin) * motion, radius, 1.0, [&](std::uint32_t t, double part_until) {
+        const double before = until;
+        until = visit(slot.first_id | t, until);
+        if (until == before) return part_until;
+        return std::clamp((until - begin) / std::max(end - begin, 0x1p-60) * (1.0 + 0x1p-40) + 0x1p-40, 0.0, part_until);
       });
     }
-    return first;
   }
 
   Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {
@@ -139,7 +137,6 @@ class TouchGeometry {
   };
 
   void mark_unwalkable_between_objects();
-  Hit pierce(std::uint32_t id, const Vec3& p, const Vec3& q, double on_plane) const noexcept;
   // Shortens from..until to the part of the motion that may lie in the box.
   static void clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept;
 

@@ -46,11 +46,11 @@ class WideBvh {
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
-  // Calls visit(item, until) for items whose boxes the segment from p to p + motion meets before the time `until` of its 0..1, roughly in the
-  // order they are met; visit returns the new `until` (never larger). Boxes that are only nearly met are visited too.
-  // Pre: p and motion are of the size of the boxes' coordinates.
+  // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of the segment from p to p + motion before the
+  // time `until` of its 0..1, roughly in the order they are met; visit returns the new `until` (never larger). Boxes that only nearly do are
+  // visited too. Pre: p and motion are of the size of the boxes' coordinates.
   template <class Visit>
-  void visit_along(const Vec3& p, const Vec3& motion, double until, Visit&& visit) const;
+  void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const;
 
   // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
   std::vector<std::uint32_t> items_in_tree_order() const;
@@ -190,7 +190,7 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
 }
 
 template <class Visit>
-void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double until, Visit&& visit) const {
+void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const {
   if (nodes_.empty()) return;
   // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24 of
   // the coordinates; times are widened by what the reciprocal and the product round.
@@ -199,7 +199,7 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double until, Visit
   __m256 inverse[3];
   float size = 1.0F;
   for (int k = 0; k < 3; ++k) size = std::max(size, detail::round_up(std::abs(p[k]) + std::abs(motion[k])));
-  const __m256 error = _mm256_set1_ps(size / 2097152.0F);
+  const __m256 error = _mm256_set1_ps(size / 2097152.0F + detail::round_up(radius));
   for (int k = 0; k < 3; ++k) {
     start[k] = _mm256_set1_ps(static_cast<float>(p[k]));
     const double least = motion[k] < 0.0 ? std::min(motion[k], -1e-30) : std::max(motion[k], 1e-30);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "core/force/proxy_method.h"
+#include "core/math/orient3d.h"
 
 namespace hapton {
 namespace {
@@ -24,6 +25,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   }
   ++counters_.careful;
   const Vec3 from = on_way(last, device, time);
+  if (free_ && is_point_) clear_start();
   if (!free_ && time > 0.0) solve(from);
   follow_by_sweeps(from, device);
 }
@@ -96,24 +98,58 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   return false;
 }
 
-// Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. `off_surface`: it begins where the
-// proxy stands.
+// Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. From triangles that are not it stays
+// as far off as sweeps do, or they take over. `off_surface`: it begins where the proxy stands.
 ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool off_surface, double& time) noexcept {
   constexpr double kOnPlane = 0x1p-44;  // the rounding of a point on the surface, and some more
   const bool leaves = off_surface && surface_.stands();
-  const TouchGeometry::Hit hit = geometry_.find_first_hit(from, to, leaves ? kOnPlane : 0.0, [&](const TouchGeometry::Hit& at) {
-    if (at.from_back && one_sided_[geometry_.mesh_of(at.id)] != 0) return false;
-    if (!leaves) return true;
-    if (surface_.stands_on(at.id)) return false;
-    bool back = false;
-    return !at.begins_on_plane || !surface_.find_side(at.id, back) || back == at.from_back;
+  Met met = Met::nothing;
+  std::uint32_t first = 0;
+  bool back = false;
+  const Vec3 motion = to - from;
+  geometry_.visit_along(from, to, clearance_.rest, [&](std::uint32_t id, double until) {
+    if (leaves && surface_.stands_on(id)) return until;
+    if (!geometry_.is_walkable(id)) {
+      if (!can_touch(id, from) || time_to_block(TriangleView{geometry_, id}, from, motion, until, clearance_) > until) return until;
+      met = Met::other;
+      return 0.0;
+    }
+    const TouchGeometry::Hit hit = geometry_.pierce(id, from, to, leaves ? kOnPlane : 0.0);
+    if (met == Met::other || !(hit.time < until || (hit.time <= until && met == Met::nothing))) return until;
+    if (hit.from_back && one_sided_[geometry_.mesh_of(id)] != 0) return until;
+    bool side = false;
+    if (hit.begins_on_plane && surface_.find_side(id, side) && side != hit.from_back) return until;
+    met = Met::walkable;
+    first = id;
+    back = hit.from_back;
+    return hit.time;
   });
-  if (!hit.any()) return Met::nothing;
+  if (met != Met::walkable) return met;
+  const ContactTriangle shape = shape_of(first);
+  const TouchGeometry::Hit hit = geometry_.pierce(first, from, to, leaves ? kOnPlane : 0.0);
   time = hit.time;
-  const ContactTriangle shape = shape_of(hit.id);
-  const Vec3 at = from + hit.time * (to - from);
+  const Vec3 at = from + time * motion;
   const Vec3 on_face = at - shape.normal().dot(at - shape.corner(0)) * shape.normal();
-  return surface_.land(hit.id, hit.from_back, on_face) ? Met::walkable : Met::other;
+  return surface_.land(first, back, on_face) ? Met::walkable : Met::other;
+}
+
+// A free proxy may be nearer to a walkable triangle than sweeps keep: it is moved off, to the side that it is on.
+void ProxyMethod::clear_start() noexcept {
+  int count = 0;
+  geometry_.for_each_overlapping(Box{proxy_, proxy_}.inflated(clearance_.rest), [&](std::uint32_t id) {
+    const ContactTriangle shape = shape_of(id);
+    const Separation at = shape.separation(proxy_);
+    if (at.distance >= clearance_.rest || count == kMaxTouching || !can_touch(id, proxy_)) return;
+    Vec3 normal = at.normal;
+    if (at.feature == Feature::face) {
+      const double side = orient3d_sign(shape.corner(0), shape.corner(1), shape.corner(2), proxy_);
+      if (side != 0.0 && (side > 0.0) != (shape.normal().dot(normal) > 0.0)) normal = -normal;
+    }
+    planes_[count++] = {normal, clearance_.rest - normal.dot(proxy_ - at.nearest)};
+  });
+  if (count == 0) return;
+  const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(count)));
+  if (off.solved && off.motion.norm() <= kBeside * hover_) proxy_ += off.motion;
 }
 
 // The surface holds the proxy at the end of a step.

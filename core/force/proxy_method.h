@@ -134,6 +134,7 @@ class ProxyMethod final : public ForceMethod {
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   enum class Met : std::uint8_t { nothing, walkable, other };
   Met fly(const Vec3& from, const Vec3& to, bool off_surface, double& time) noexcept;
+  void clear_start() noexcept;
   void lift_off_surface() noexcept;
   bool stand_on_surface() noexcept;
   void hold_by_surface(const Vec3& device) noexcept;
