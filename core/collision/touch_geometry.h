@@ -56,9 +56,8 @@ class TouchGeometry {
   }
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
-  // Where a segment goes through a triangle or ends on it, and from which side. One that begins on it goes through where it leaves its plane.
-  // Every decision is an exact sign of the points as given, so no segment passes between two triangles that share an edge, nor does a chain
-  // of segments each of which begins where the one before ended.
+  // Where a segment goes through a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between
+  // two triangles that share an edge, nor does a chain of segments each of which begins where the one before ended.
   struct Hit {
     double time = 2.0;  // 0 at p, 1 at q; above 1: it is not met
     bool from_back = false;

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "core/force/proxy_method.h"
-#include "core/math/orient3d.h"
+#include "core/math/side_sign.h"
 
 namespace hapton {
 namespace {
@@ -142,8 +142,8 @@ void ProxyMethod::clear_start() noexcept {
     if (at.distance >= clearance_.rest || count == kMaxTouching || !can_touch(id, proxy_)) return;
     Vec3 normal = at.normal;
     if (at.feature == Feature::face) {
-      const double side = orient3d_sign(shape.corner(0), shape.corner(1), shape.corner(2), proxy_);
-      if (side != 0.0 && (side > 0.0) != (shape.normal().dot(normal) > 0.0)) normal = -normal;
+      const double side = side_sign(shape.corner(0), shape.corner(1), shape.corner(2), proxy_);
+      if ((side > 0.0) != (shape.normal().dot(normal) > 0.0)) normal = -normal;
     }
     planes_[count++] = {normal, clearance_.rest - normal.dot(proxy_ - at.nearest)};
   });

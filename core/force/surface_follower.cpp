@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/force/contact_qp.h"
-#include "core/math/orient3d.h"
+#include "core/math/side_sign.h"
 
 namespace hapton {
 namespace {
@@ -62,16 +62,23 @@ bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, con
 void SurfaceFollower::stand_on_face(const Vec3& p) noexcept {
   on_ = Stand::face;
   corner_ = -1;
+  came_by_ = -1;
   p_ = p;
 }
 
-// Which side of a facet a point is on: 1 in front, -1 behind, 0 exactly in its plane.
+void SurfaceFollower::cross_edge() noexcept {
+  first_ = 1 - first_;
+  stand_on_face(p_);
+  came_by_ = other_edge_;
+}
+
+// Which side of a facet a point is on: 1 in front, -1 behind.
 int SurfaceFollower::side_of(const Facet& facet, const Vec3& p) const noexcept {
   constexpr double kRounding = 0x1p-47;  // of a height, for coordinates up to 1
   const double height = facet.height(p);
   if (std::fabs(height) > kRounding * (1.0 + p.cwiseAbs().maxCoeff())) return height > 0.0 ? 1 : -1;
-  const double sign = facet.side * orient3d_sign(facet.shape.corner(0), facet.shape.corner(1), facet.shape.corner(2), p);
-  return sign > 0.0 ? 1 : sign < 0.0 ? -1 : 0;
+  const double sign = facet.side * side_sign(facet.shape.corner(0), facet.shape.corner(1), facet.shape.corner(2), p);
+  return sign > 0.0 ? 1 : -1;
 }
 
 bool SurfaceFollower::is_convex() const noexcept {
@@ -134,7 +141,7 @@ SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexc
   double soonest = 2.0;
   for (int k = 0; k < 3; ++k) {
     if (corner_ >= 0 && k != (corner_ + 1) % 3) continue;  // the others meet where it came from
-    const double there = face.inside(k, goal);
+    const double there = face.inside(k, device);  // as at the edge itself: the two must agree
     if (there > 0.0) continue;
     const double here = face.inside(k, p_);
     const double t = here > 0.0 ? here / (here - there) : 0.0;
@@ -183,12 +190,12 @@ SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexc
   const bool to_a = in_a > 0.0 && a().height(device) <= 0.0;
   const bool to_b = in_b > 0.0 && b().height(device) <= 0.0;
   if (to_b && !(to_a && in_a > in_b)) {
-    first_ = 1 - first_;
-    stand_on_face(p_);
+    cross_edge();
     return Next::again;
   }
   if (to_a) {
     stand_on_face(p_);
+    came_by_ = edge_;
     return Next::again;
   }
   const ContactTriangle& face = a().shape;
@@ -242,11 +249,12 @@ bool SurfaceFollower::collect_fan() noexcept {
 }
 
 // A way nearer to the device that is no longer than this is none: its slope is all rounding.
-double SurfaceFollower::least_slope(const Vec3& device) const noexcept { return 4.0 * kSnap + 0x1p-40 * (device - p_).norm(); }
+double SurfaceFollower::least_slope(const Vec3& device) const noexcept { return kLeastWay + 0x1p-40 * (device - p_).norm(); }
 
 // Whether a way that leads farther from every edge and face round the vertex leads off the surface: by the normal of the vertex, each face's
 // weighted by its angle (Baerentzen & Aanaes 2005). Pre: the vertex is the point of its faces nearest to `wish`.
 bool SurfaceFollower::is_free_at_vertex(const Vec3& wish) const noexcept {
+  if (!(wish.norm() > kLeastWay)) return false;  // too near to tell
   const auto fan = std::span(fan_).first(static_cast<std::size_t>(fan_count_));
   if (std::none_of(fan.begin(), fan.end(), [&](const FanFacet& facet) { return facet.normal.dot(wish) > 0.0; })) return false;
   double sum = 0.0;
@@ -329,10 +337,13 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
     time = 1.0;
     return Next::settled;
   }
+  // Back over the edge that it has just come by, to where the other face says the same: both are rounding, the edge holds it.
+  const bool turns_back = exit == came_by_ && soonest <= time;
   time = soonest;
   const Vec3 device = on_way(from, to, time);
   const Next next = reach_edge(exit, device - a().height(device) * a().normal());
-  return next == Next::again ? Next::descend : next;
+  if (turns_back && on_ == Stand::edge) has_left_a_ = false;
+  return next != Next::again || (turns_back && on_ == Stand::edge) ? next : Next::descend;
 }
 
 // The device comes to the free side of the face, at `at`. By an edge, it may go on behind the face beyond.
@@ -378,9 +389,14 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
   }
   const double here = std::clamp(face.along(edge_, on_way(from, to, time)), 0.0, 1.0);
   p_ = face.corner(edge_) + here * face.edge(edge_);
-  if (event == Event::none) return Next::settled;
-  if (event == Event::to_b) first_ = 1 - first_;
+  // Only by rounding, near the vertex it came from, can it have taken an edge that the device is on the free side of.
+  if (event == Event::none) return is_free_over_edge(to) ? Next::airborne : Next::settled;
+  if (event == Event::to_b) {
+    cross_edge();
+    return Next::again;
+  }
   stand_on_face(p_);
+  came_by_ = edge_;
   return Next::again;
 }
 

@@ -81,6 +81,8 @@ class SurfaceFollower {
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
   // A point as near to a vertex is taken to be there: 16 times the rounding of a local coordinate, far below any walkable triangle's height.
   static constexpr double kSnap = 0x1p-46;
+  // And it stays there until the device draws it as far: the direction to a device nearer than this is mostly rounding.
+  static constexpr double kLeastWay = 0x1p-42;
 
   enum class Stand : std::uint8_t { face, edge, vertex };
   enum class Next : std::uint8_t { again, settled, airborne, released, unwalkable, descend };
@@ -117,6 +119,7 @@ class SurfaceFollower {
   bool is_convex() const noexcept;
   bool is_free_over_edge(const Vec3& device) const noexcept;
   void stand_on_face(const Vec3& p) noexcept;
+  void cross_edge() noexcept;
 
   Next descend_on_face(const Vec3& device) noexcept;
   Next descend_on_edge(const Vec3& device) noexcept;
@@ -141,6 +144,7 @@ class SurfaceFollower {
   int edge_ = 0;              // of a(), where it stands on one,
   int other_edge_ = 0;        // as b() numbers it
   bool has_left_a_ = false;   // it came to the edge over a(), which leads no farther
+  int came_by_ = -1;         // on a face: the edge it came by, or -1
   int corner_ = -1;           // of a(): the vertex it stands at; on a face the one it came from, or -1
   std::array<FanFacet, kMostFan> fan_;
   int fan_count_ = 0;

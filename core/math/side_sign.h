@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/math/exact_cross.h"
+#include "core/math/orient3d.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Exact signs for points that move among triangles, none of them zero: where the points as given lie exactly in a plane or a line through
+// an edge, all moving points are taken to be shifted by one and the same direction, by less than any number (Edelsbrunner & Muecke 1990,
+// simulation of simplicity; we differ in shifting the moving points alone, all alike). So a chain of segments crosses a closed surface just
+// as a chain in general position does: it never slips through an edge, and what it only touches it does not meet from both sides.
+// Pre: as orient3d. RT: yes.
+
+namespace detail {
+
+// Of no mesh's symmetry: powers of the reciprocal of the tribonacci-like root of x^4 = x + 1, signs mixed.
+inline const Vec3 kShift(0.8191725133961645, -0.6710436067037893, 0.5497004779019703);
+
+}  // namespace detail
+
+// > 0 where the moving point p lies on the side of abc from which a, b, c turn counter-clockwise.
+inline double side_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noexcept {
+  const double sign = orient3d_sign(a, b, c, p);
+  return sign != 0.0 ? sign : accurate_cross(b - a, c - a).dot(detail::kShift);
+}
+
+// The sign of det(q - p, a - p, b - p): on which side the segment of a moving point from p to q passes the line through a and b.
+inline double pass_sign(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) noexcept {
+  const double sign = orient3d_sign(p, q, a, b);
+  return sign != 0.0 ? sign : -(q - p).dot(detail::kShift.cross(b - a));
+}
+
+}  // namespace hapton
