@@ -91,23 +91,21 @@ void TouchGeometry::clip(const Box& box, const Vec3& p, const Vec3& motion, doub
   }
 }
 
-TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const Vec3& q, double on_plane) const noexcept {
+TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const Vec3& q) const noexcept {
   const auto [a, b, c, vertices] = corners(id);
-  const Vec3 normal = accurate_cross(b - a, c - a);
-  const double from = normal.dot(p - a);
+  const double side_p = side_sign(a, b, c, p);
   const double side_q = side_sign(a, b, c, q);
-  const bool begins_on_plane = on_plane > 0.0 && std::fabs(from) <= on_plane * normal.norm();
-  const double side_p = begins_on_plane ? -side_q : side_sign(a, b, c, p);
-  if (side_p * side_q >= 0.0) return {};
+  if ((side_p > 0.0) == (side_q > 0.0)) return {};
   const double ab = pass_sign(p, q, a, b);
   const double bc = pass_sign(p, q, b, c);
   const double ca = pass_sign(p, q, c, a);
   const bool none_below = ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
   const bool none_above = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
   if (!none_below && !none_above) return {};
+  const Vec3 normal = accurate_cross(b - a, c - a);
+  const double from = normal.dot(p - a);
   const double to = normal.dot(q - a);
-  const double time = begins_on_plane ? 0.0 : from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0;
-  return {time, side_p < 0.0, begins_on_plane};
+  return {from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0, side_p < 0.0};
 }
 
 void TouchGeometry::place(const Vec3& p) noexcept {

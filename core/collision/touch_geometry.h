@@ -61,10 +61,9 @@ class TouchGeometry {
   struct Hit {
     double time = 2.0;  // 0 at p, 1 at q; above 1: it is not met
     bool from_back = false;
-    bool begins_on_plane = false;  // from_back is the side that q is not on
   };
-  // A p within `on_plane` of the triangle's plane counts as on it. RT: yes.
-  Hit pierce(std::uint32_t id, const Vec3& p, const Vec3& q, double on_plane) const noexcept;
+  // RT: yes.
+  Hit pierce(std::uint32_t id, const Vec3& p, const Vec3& q) const noexcept;
 
   // Calls until = visit(id, until) for triangles whose boxes come within `radius` of the segment from p to q before the time `until`.
   template <class Visit>

@@ -8,6 +8,7 @@ namespace hapton {
 namespace {
 
 constexpr double kFarFromScene = 4.0;  // local units: farther out positions are too coarse to be exact on the surface
+constexpr double kLift = 0.5 * SurfaceFollower::kClear;  // how far off the surface a flight begins
 constexpr int kMostLegs = 64;          // times that a step leaves the surface
 
 Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
@@ -41,7 +42,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     const Vec3 here = on_way(last, device, time);
     if (!surface_.stands()) {
       double until = 1.0;
-      const Met met = fly(here, device, outcome == Outcome::released, until);
+      const Met met = fly(here, device, until);
       if (met == Met::nothing) {
         settle_at(device);
         return true;
@@ -68,8 +69,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     ++counters_.flights;
     if (outcome == Outcome::released) {
       double until = 1.0;
-      const Vec3 at = on_way(last, device, time);
-      const Met met = fly(at, device, true, until);
+      const Met met = fly(surface_.lifted(kLift, device), device, until);
       if (met == Met::other) return false;
       if (met == Met::nothing) {
         surface_.leave();
@@ -81,7 +81,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     double until = 1.0;
     const Vec3 at = on_way(last, device, time);
-    const Met met = fly(surface_.point(), at, true, until);
+    const Met met = fly(surface_.lifted(kLift, at), at, until);
     if (met == Met::other) return false;
     if (met == Met::nothing) {
       surface_.leave();
@@ -99,38 +99,32 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
 }
 
 // Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. From triangles that are not it stays
-// as far off as sweeps do, or they take over. `off_surface`: it begins where the proxy stands.
-ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool off_surface, double& time) noexcept {
-  constexpr double kOnPlane = 0x1p-44;  // the rounding of a point on the surface, and some more
-  const bool leaves = off_surface && surface_.stands();
+// as far off as sweeps do, or they take over.
+ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
   Met met = Met::nothing;
   std::uint32_t first = 0;
-  bool back = false;
+  TouchGeometry::Hit hit;
   const Vec3 motion = to - from;
   geometry_.visit_along(from, to, clearance_.rest, [&](std::uint32_t id, double until) {
-    if (leaves && surface_.stands_on(id)) return until;
     if (!geometry_.is_walkable(id)) {
       if (!can_touch(id, from) || time_to_block(TriangleView{geometry_, id}, from, motion, until, clearance_) > until) return until;
       met = Met::other;
       return 0.0;
     }
-    const TouchGeometry::Hit hit = geometry_.pierce(id, from, to, leaves ? kOnPlane : 0.0);
-    if (met == Met::other || !(hit.time < until || (hit.time <= until && met == Met::nothing))) return until;
-    if (hit.from_back && one_sided_[geometry_.mesh_of(id)] != 0) return until;
-    bool side = false;
-    if (hit.begins_on_plane && surface_.find_side(id, side) && side != hit.from_back) return until;
+    const TouchGeometry::Hit at = geometry_.pierce(id, from, to);
+    if (met == Met::other || at.time > until || (at.time == until && met == Met::walkable)) return until;
+    if (at.from_back && one_sided_[geometry_.mesh_of(id)] != 0) return until;
     met = Met::walkable;
     first = id;
-    back = hit.from_back;
+    hit = at;
     return hit.time;
   });
   if (met != Met::walkable) return met;
-  const ContactTriangle shape = shape_of(first);
-  const TouchGeometry::Hit hit = geometry_.pierce(first, from, to, leaves ? kOnPlane : 0.0);
   time = hit.time;
+  const ContactTriangle shape = shape_of(first);
   const Vec3 at = from + time * motion;
   const Vec3 on_face = at - shape.normal().dot(at - shape.corner(0)) * shape.normal();
-  return surface_.land(first, back, on_face) ? Met::walkable : Met::other;
+  return surface_.land(first, hit.from_back, on_face) ? Met::walkable : Met::other;
 }
 
 // A free proxy may be nearer to a walkable triangle than sweeps keep: it is moved off, to the side that it is on.

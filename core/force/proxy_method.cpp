@@ -153,7 +153,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;
-  const Vec3 p_SP = geometry_.to_scene(proxy_);
+  const Vec3 p_SP = geometry_.to_scene(surface_.stands() ? surface_.lifted(kShownHeight, device) : proxy_);
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
   // The surface itself is one hover nearer to the device than a proxy that sweeps hold.
   const double off_surface = surface_.stands() ? 0.0 : hover_;

@@ -72,23 +72,16 @@ void SurfaceFollower::cross_edge() noexcept {
   came_by_ = other_edge_;
 }
 
-// Which side of a facet a point is on: 1 in front, -1 behind.
-int SurfaceFollower::side_of(const Facet& facet, const Vec3& p) const noexcept {
-  constexpr double kRounding = 0x1p-47;  // of a height, for coordinates up to 1
-  const double height = facet.height(p);
-  if (std::fabs(height) > kRounding * (1.0 + p.cwiseAbs().maxCoeff())) return height > 0.0 ? 1 : -1;
-  const double sign = facet.side * side_sign(facet.shape.corner(0), facet.shape.corner(1), facet.shape.corner(2), p);
-  return sign > 0.0 ? 1 : -1;
-}
-
+// As seen from the side of a(). A boundary edge is the sharpest there is.
 bool SurfaceFollower::is_convex() const noexcept {
-  if (a().id == b().id) return true;  // a boundary edge
-  return side_of(b(), a().shape.corner((edge_ + 2) % 3)) < 0;
+  if (a().id == b().id) return true;
+  const ContactTriangle& beyond = b().shape;
+  return b().side * side_sign(beyond.corner(0), beyond.corner(1), beyond.corner(2), a().shape.corner((edge_ + 2) % 3)) < 0.0;
 }
 
 bool SurfaceFollower::is_free_over_edge(const Vec3& device) const noexcept {
-  const bool before_a = side_of(a(), device) > 0;
-  const bool before_b = side_of(b(), device) > 0;
+  const bool before_a = a().height(device) > kClear;
+  const bool before_b = b().height(device) > kClear;
   return before_a && before_b ? true : before_a || before_b ? is_convex() : false;
 }
 
@@ -135,7 +128,7 @@ SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& t
 SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexcept {
   const ContactTriangle& face = a().shape;
   const double height = a().height(device);
-  if (height > 0.0 && side_of(a(), device) > 0) return Next::airborne;
+  if (height > kClear) return Next::airborne;
   const Vec3 goal = device - height * a().normal();
   int exit = -1;
   double soonest = 2.0;
@@ -187,8 +180,8 @@ SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexc
   if (is_free_over_edge(device)) return Next::airborne;
   const double in_a = has_left_a_ ? 0.0 : a().shape.inside(edge_, device);
   const double in_b = b().shape.inside(other_edge_, device);
-  const bool to_a = in_a > 0.0 && a().height(device) <= 0.0;
-  const bool to_b = in_b > 0.0 && b().height(device) <= 0.0;
+  const bool to_a = in_a > 0.0 && a().height(device) <= kClear;
+  const bool to_b = in_b > 0.0 && b().height(device) <= kClear;
   if (to_b && !(to_a && in_a > in_b)) {
     cross_edge();
     return Next::again;
@@ -293,7 +286,7 @@ SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noe
   const FanFacet& facet = fan_[at];
   load(facet.id, facet.back, a());
   if (is_face) {
-    if (side_of(a(), device) > 0) {
+    if (a().height(device) > kClear) {
       corner_ = facet.corner;  // stays at the vertex, which it leaves through the air
       return Next::airborne;
     }
@@ -325,8 +318,8 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
       exit = k;
     }
   }
-  if (height > 0.0 && side_of(a(), to) > 0) {
-    const double t = time_of_zero(std::min(a().height(from), 0.0), height, time);
+  if (height > kClear) {
+    const double t = time_of_zero(std::min(a().height(from) - kClear, 0.0), height - kClear, time);
     if (t <= soonest) {
       time = t;
       return release(on_way(from, to, t), to);
@@ -417,41 +410,49 @@ SurfaceFollower::Next SurfaceFollower::follow_at_vertex(const Vec3& from, const 
   return Next::descend;
 }
 
-bool SurfaceFollower::stands_on(std::uint32_t triangle) const noexcept {
-  if (on_ == Stand::face) return triangle == a().id;
-  if (on_ == Stand::edge) return triangle == a().id || triangle == b().id;
-  return std::any_of(fan_.begin(), fan_.begin() + fan_count_, [triangle](const FanFacet& facet) { return facet.id == triangle; });
-}
-
-bool SurfaceFollower::find_side(std::uint32_t triangle, bool& back) const noexcept {
-  for (int start = 0; start < 3; ++start) {
-    std::uint32_t id = a().id;
-    bool is_back = a().is_back();
-    int next = start;
-    const std::uint32_t vertex = geometry_.corners(id).vertices[start];
-    for (int i = 0; i < kMostFan; ++i) {
-      const TouchGeometry::Across across = geometry_.across(id, next);
-      if (!across.exists) break;
-      id = across.id;
-      is_back = is_back != across.flips;
-      if (id == triangle) {
-        back = is_back;
-        return true;
-      }
-      const Triangle& vertices = geometry_.corners(id).vertices;
-      next = vertices[across.edge] == vertex ? (across.edge + 2) % 3 : (across.edge + 1) % 3;
-      if (id == a().id && is_back == a().is_back()) break;
-    }
-  }
-  return false;
-}
-
 SurfaceFollower::Inside SurfaceFollower::inside(double off_edges) const noexcept {
   const ContactTriangle& face = a().shape;
   const Vec3 to_middle = (face.corner(0) + face.corner(1) + face.corner(2)) / 3.0 - p_;
   const double length = to_middle.norm();
   const double share = length > 2.0 * off_edges ? off_edges / length : 0.5;
   return {a().id, p_ + share * to_middle, a().normal()};
+}
+
+Vec3 SurfaceFollower::lifted(double height, const Vec3& towards) const noexcept {
+  std::array<ContactPlane, kMostFan> planes;
+  int count = 0;
+  const auto add = [&](const Vec3& normal, const Vec3& on_plane) { planes[count++] = {normal, height - normal.dot(p_ - on_plane)}; };
+  if (on_ == Stand::vertex) {
+    for (int i = 0; i < fan_count_; ++i) add(fan_[i].normal, p_);
+  } else {
+    add(a().normal(), p_);
+    if (on_ == Stand::edge) {
+      add(b().normal(), p_);
+    } else {
+      add_near_planes(height, add);
+    }
+  }
+  if (count == 1) return p_ + height * a().normal();
+  const ConstrainedMotion up = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
+  const Vec3 way = towards - p_;
+  const double length = way.norm();
+  return length > height ? Vec3(p_ + (height / length) * way) : Vec3(p_ + height * a().normal());
+}
+
+// On a face, by an edge that it meets another face at: as seen from there.
+template <class Add>
+void SurfaceFollower::add_near_planes(double height, Add&& add) const noexcept {
+  for (int k = 0; k < 3; ++k) {
+    const double inside = a().shape.inside(k, p_);
+    const double near = kSteepest * height;
+    if (inside > 0.0 && inside * inside > near * near * a().shape.edge(k).squaredNorm()) continue;
+    const TouchGeometry::Across across = geometry_.across(a().id, k);
+    if (!across.exists || across.id == a().id) continue;
+    Facet beyond;
+    load(across.id, a().is_back() != across.flips, beyond);
+    if (beyond.height(a().shape.corner((k + 2) % 3)) > 0.0) add(beyond.normal(), beyond.shape.corner(0));
+  }
 }
 
 int SurfaceFollower::find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept {

@@ -25,6 +25,9 @@ namespace hapton {
 class SurfaceFollower {
  public:
   static constexpr int kMostEvents = 1024;
+  // A device no farther than this in front of a face is still at it: 512 times the rounding of a height, so that what is off the surface is so
+  // beyond doubt. Local units, as all lengths here.
+  static constexpr double kClear = 0x1p-43;
 
   enum class Outcome : std::uint8_t {
     settled,     // at a local minimum for the device where it is at `time`
@@ -59,11 +62,6 @@ class SurfaceFollower {
   // is then. Pre: stands; settled at `time`.
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
-  // The triangles that the point stands on: a segment that leaves the surface there does not hit them.
-  bool stands_on(std::uint32_t triangle) const noexcept;
-  // The side by which a triangle near the point joins the side that the point is on: one that shares a vertex with the face it stands on.
-  // False for any other.
-  bool find_side(std::uint32_t triangle, bool& back) const noexcept;
   // A point of a face it stands on, a little off every edge and vertex, and the way off the surface there.
   struct Inside {
     std::uint32_t triangle;
@@ -71,6 +69,10 @@ class SurfaceFollower {
     Vec3 normal;  // unit
   };
   Inside inside(double off_edges) const noexcept;
+
+  // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near; where they leave no
+  // room, that far towards a device on the free side.
+  Vec3 lifted(double height, const Vec3& towards) const noexcept;
 
   // What holds the point, at most three faces; multipliers sum up only when it has settled. Returns their number.
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
@@ -83,6 +85,8 @@ class SurfaceFollower {
   static constexpr double kSnap = 0x1p-46;
   // And it stays there until the device draws it as far: the direction to a device nearer than this is mostly rounding.
   static constexpr double kLeastWay = 0x1p-42;
+
+  static constexpr double kSteepest = 64.0;  // of a lift's height: how far it may lead
 
   enum class Stand : std::uint8_t { face, edge, vertex };
   enum class Next : std::uint8_t { again, settled, airborne, released, unwalkable, descend };
@@ -115,7 +119,6 @@ class SurfaceFollower {
   bool holds(std::uint32_t triangle, bool back) const noexcept;
   void load(std::uint32_t id, bool back, Facet& facet) const noexcept;
   bool load_neighbour() noexcept;
-  int side_of(const Facet& facet, const Vec3& p) const noexcept;
   bool is_convex() const noexcept;
   bool is_free_over_edge(const Vec3& device) const noexcept;
   void stand_on_face(const Vec3& p) noexcept;
@@ -131,6 +134,8 @@ class SurfaceFollower {
   Next follow_at_vertex(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next release(const Vec3& at, const Vec3& to) noexcept;
   bool collect_fan() noexcept;
+  template <class Add>
+  void add_near_planes(double height, Add&& add) const noexcept;
   bool is_free_at_vertex(const Vec3& wish) const noexcept;
   double least_slope(const Vec3& device) const noexcept;
 
