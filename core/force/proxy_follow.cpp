@@ -148,7 +148,7 @@ void ProxyMethod::clear_start() noexcept {
 
 // The surface holds the proxy at the end of a step.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
-  proxy_ = surface_.point();
+  proxy_ = surface_.lifted(hover_, device);
   free_ = false;
   sliding_ = false;
   std::array<SurfaceFollower::Contact, 3> contacts;

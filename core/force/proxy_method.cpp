@@ -153,15 +153,14 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
   ++counters_.contact_steps;
-  const Vec3 p_SP = geometry_.to_scene(surface_.stands() ? surface_.lifted(kShownHeight, device) : proxy_);
+  const Vec3 p_SP = geometry_.to_scene(proxy_);
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
-  // The surface itself is one hover nearer to the device than a proxy that sweeps hold.
-  const double off_surface = surface_.stands() ? 0.0 : hover_;
+  // The surface itself is one hover nearer to the device than the proxy.
   const Vec3 stretch = proxy_ - device;
   const double length = stretch.norm();
   const Vec3 turned = shading_ > 0.0 ? shaded(stretch) : stretch;
-  const Vec3 felt = length > off_surface ? Vec3(turned * ((length - off_surface) / length * geometry_.unit_m())) : Vec3::Zero();
-  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > off_surface};
+  const Vec3 felt = length > hover_ ? Vec3(turned * ((length - hover_) / length * geometry_.unit_m())) : Vec3::Zero();
+  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > hover_};
 }
 
 // The planes that hold the proxy, made the first of those it touches.

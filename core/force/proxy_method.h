@@ -75,7 +75,6 @@ class ProxyMethod final : public ForceMethod {
   static constexpr double kLookAheadSteps = 500.0;  // an object is asked for half a second before the probe can be there, at 1 kHz
   static constexpr double kLargestReach = 2.0;      // local units: the scene's size
   static constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
-  static constexpr double kShownHeight = 0x1p-40;  // local units: how far off a surface it stands on the proxy is said to be
   static constexpr int kMaxIdle = 6;
   static constexpr double kCatchUp = 1.3;       // strides
   static constexpr double kCatchUpFold = 1.01;  // where folds hold the proxy

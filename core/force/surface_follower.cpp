@@ -79,6 +79,11 @@ bool SurfaceFollower::is_convex() const noexcept {
   return b().side * side_sign(beyond.corner(0), beyond.corner(1), beyond.corner(2), a().shape.corner((edge_ + 2) % 3)) < 0.0;
 }
 
+// How far inside edge k the projection of the device on a facet lies, times the edge's length, beyond what counts as on the edge.
+double SurfaceFollower::excess(const Facet& facet, int k, const Vec3& device) noexcept {
+  return facet.shape.inside(k, device) - kOnEdge * facet.shape.length(k);
+}
+
 bool SurfaceFollower::is_free_over_edge(const Vec3& device) const noexcept {
   const bool before_a = a().height(device) > kClear;
   const bool before_b = b().height(device) > kClear;
@@ -134,10 +139,10 @@ SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexc
   double soonest = 2.0;
   for (int k = 0; k < 3; ++k) {
     if (corner_ >= 0 && k != (corner_ + 1) % 3) continue;  // the others meet where it came from
-    const double there = face.inside(k, device);  // as at the edge itself: the two must agree
+    const double there = excess(a(), k, device);  // as at the edge itself: the two must agree
     if (there > 0.0) continue;
     const double here = face.inside(k, p_);
-    const double t = here > 0.0 ? here / (here - there) : 0.0;
+    const double t = here > 0.0 ? std::min(1.0, here / (here - face.inside(k, device))) : 0.0;
     if (t < soonest) {
       soonest = t;
       exit = k;
@@ -178,8 +183,8 @@ SurfaceFollower::Next SurfaceFollower::reach_vertex(int corner) noexcept {
 // Onto the face that leads nearer to the device; else along the edge, which is concave.
 SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexcept {
   if (is_free_over_edge(device)) return Next::airborne;
-  const double in_a = has_left_a_ ? 0.0 : a().shape.inside(edge_, device);
-  const double in_b = b().shape.inside(other_edge_, device);
+  const double in_a = has_left_a_ ? 0.0 : excess(a(), edge_, device);
+  const double in_b = excess(b(), other_edge_, device);
   const bool to_a = in_a > 0.0 && a().height(device) <= kClear;
   const bool to_b = in_b > 0.0 && b().height(device) <= kClear;
   if (to_b && !(to_a && in_a > in_b)) {
@@ -305,14 +310,13 @@ SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noe
 }
 
 SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Vec3& to, double& time) noexcept {
-  const ContactTriangle& face = a().shape;
   const double height = a().height(to);
   double soonest = 2.0;
   int exit = -1;
   for (int k = 0; k < 3; ++k) {
-    const double there = face.inside(k, to);
+    const double there = excess(a(), k, to);
     if (there > 0.0) continue;
-    const double t = time_of_zero(std::max(face.inside(k, from), 0.0), there, time);
+    const double t = time_of_zero(std::max(excess(a(), k, from), 0.0), there, time);
     if (t < soonest) {
       soonest = t;
       exit = k;
@@ -367,10 +371,10 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
       event = which;
     }
   };
-  const double in_a = a().shape.inside(edge_, to);
-  const double in_b = b().shape.inside(other_edge_, to);
-  if (in_a > 0.0) consider(std::min(a().shape.inside(edge_, from), 0.0), in_a, Event::to_a);
-  if (in_b > 0.0) consider(std::min(b().shape.inside(other_edge_, from), 0.0), in_b, Event::to_b);
+  const double in_a = excess(a(), edge_, to);
+  const double in_b = excess(b(), other_edge_, to);
+  if (in_a > 0.0) consider(std::min(excess(a(), edge_, from), 0.0), in_a, Event::to_a);
+  if (in_b > 0.0) consider(std::min(excess(b(), other_edge_, from), 0.0), in_b, Event::to_b);
   const double along = face.along(edge_, to);
   const double along_before = face.along(edge_, from);
   if (along <= 0.0) consider(std::max(along_before, 0.0), along, Event::begin);

@@ -24,7 +24,7 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes. Bounded: kMostEvents events a call.
 class SurfaceFollower {
  public:
-  static constexpr int kMostEvents = 1024;
+  static constexpr int kMostEvents = 8192;
   // A device no farther than this in front of a face is still at it: 512 times the rounding of a height, so that what is off the surface is so
   // beyond doubt. Local units, as all lengths here.
   static constexpr double kClear = 0x1p-43;
@@ -83,10 +83,12 @@ class SurfaceFollower {
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
   // A point as near to a vertex is taken to be there: 16 times the rounding of a local coordinate, far below any walkable triangle's height.
   static constexpr double kSnap = 0x1p-46;
-  // And it stays there until the device draws it as far: the direction to a device nearer than this is mostly rounding.
+  // A projection as near to an edge is on it: the edge decides, not the rounding of either face.
+  static constexpr double kOnEdge = 0x1p-44;
+  // At a vertex it stays until the device draws it as far: the direction to a device nearer than this is mostly rounding.
   static constexpr double kLeastWay = 0x1p-42;
 
-  static constexpr double kSteepest = 64.0;  // of a lift's height: how far it may lead
+  static constexpr double kSteepest = 4096.0;  // of a lift's height: how far it may lead
 
   enum class Stand : std::uint8_t { face, edge, vertex };
   enum class Next : std::uint8_t { again, settled, airborne, released, unwalkable, descend };
@@ -120,6 +122,7 @@ class SurfaceFollower {
   void load(std::uint32_t id, bool back, Facet& facet) const noexcept;
   bool load_neighbour() noexcept;
   bool is_convex() const noexcept;
+  static double excess(const Facet& facet, int k, const Vec3& device) noexcept;
   bool is_free_over_edge(const Vec3& device) const noexcept;
   void stand_on_face(const Vec3& p) noexcept;
   void cross_edge() noexcept;

@@ -20,12 +20,14 @@ class ContactTriangle {
     for (int k = 0; k < 3; ++k) {
       inward_[k] = normal_.cross(edge_[k]);
       const double squared = edge_[k].squaredNorm();
+      length_[k] = std::sqrt(squared);
       inverse_squared_[k] = squared > 0.0 ? 1.0 / squared : 0.0;
     }
   }
 
   const Vec3& corner(int k) const { return corner_[k]; }
   const Vec3& edge(int k) const { return edge_[k]; }  // from corner k to the next
+  double length(int k) const { return length_[k]; }   // of edge k
   const Vec3& normal() const { return normal_; }      // unit, as wound; zero without area
 
   // How far inside edge k a point of the plane lies, times the edge's length: negative beyond it.
@@ -104,6 +106,7 @@ class ContactTriangle {
   Vec3 normal_;     // unit; zero without area
   Vec3 inward_[3];  // in the plane, across edge k towards the inside
   double inverse_squared_[3];
+  double length_[3];
 };
 
 }  // namespace hapton
