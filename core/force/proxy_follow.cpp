@@ -69,7 +69,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     ++counters_.flights;
     if (outcome == Outcome::released) {
       double until = 1.0;
-      const Met met = fly(surface_.lifted(kLift, device), device, until);
+      const Met met = fly(surface_.lifted(kLift), device, until);
       if (met == Met::other) return false;
       if (met == Met::nothing) {
         surface_.leave();
@@ -81,7 +81,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     double until = 1.0;
     const Vec3 at = on_way(last, device, time);
-    const Met met = fly(surface_.lifted(kLift, at), at, until);
+    const Met met = fly(surface_.lifted(kLift), at, until);
     if (met == Met::other) return false;
     if (met == Met::nothing) {
       surface_.leave();
@@ -148,7 +148,7 @@ void ProxyMethod::clear_start() noexcept {
 
 // The surface holds the proxy at the end of a step.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
-  proxy_ = surface_.lifted(hover_, device);
+  proxy_ = surface_.lifted(hover_);
   free_ = false;
   sliding_ = false;
   std::array<SurfaceFollower::Contact, 3> contacts;

@@ -79,9 +79,9 @@ bool SurfaceFollower::is_convex() const noexcept {
   return b().side * side_sign(beyond.corner(0), beyond.corner(1), beyond.corner(2), a().shape.corner((edge_ + 2) % 3)) < 0.0;
 }
 
-// How far inside edge k the projection of the device on a facet lies, times the edge's length, beyond what counts as on the edge.
-double SurfaceFollower::excess(const Facet& facet, int k, const Vec3& device) noexcept {
-  return facet.shape.inside(k, device) - kOnEdge * facet.shape.length(k);
+// How far inside edge k the projection of the device on a facet lies, less `margin`; times the edge's length.
+double SurfaceFollower::inside_by(double margin, const Facet& facet, int k, const Vec3& device) noexcept {
+  return facet.shape.inside(k, device) - margin * facet.shape.length(k);
 }
 
 bool SurfaceFollower::is_free_over_edge(const Vec3& device) const noexcept {
@@ -139,20 +139,32 @@ SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexc
   double soonest = 2.0;
   for (int k = 0; k < 3; ++k) {
     if (corner_ >= 0 && k != (corner_ + 1) % 3) continue;  // the others meet where it came from
-    const double there = excess(a(), k, device);  // as at the edge itself: the two must agree
+    const double there = inside_by(-kOnEdge, a(), k, device);
     if (there > 0.0) continue;
     const double here = face.inside(k, p_);
-    const double t = here > 0.0 ? std::min(1.0, here / (here - face.inside(k, device))) : 0.0;
+    const double t = here > 0.0 ? std::clamp(here / (here - face.inside(k, device)), 0.0, 1.0) : 0.0;
     if (t < soonest) {
       soonest = t;
       exit = k;
     }
   }
-  if (exit < 0) {
-    stand_on_face(goal);
-    return Next::settled;
-  }
+  if (exit < 0) return settle_on_face(goal, device) ? Next::settled : Next::again;
   return reach_edge(exit, p_ + soonest * (goal - p_));
+}
+
+// At rest on a face. False where it would balance on a convex edge, on the other side of which the device draws it on: it stands on that then.
+bool SurfaceFollower::settle_on_face(const Vec3& p, const Vec3& device) noexcept {
+  stand_on_face(p);
+  for (int k = 0; k < 3; ++k) {
+    if (!(inside_by(kBalance, a(), k, p) < 0.0)) continue;
+    edge_ = k;
+    if (!load_neighbour() || b().height(device) > kClear || !(inside_by(4.0 * kBalance, b(), other_edge_, device) > 0.0) || !is_convex()) {
+      continue;
+    }
+    cross_edge();
+    return false;
+  }
+  return true;
 }
 
 SurfaceFollower::Next SurfaceFollower::reach_edge(int k, const Vec3& p) noexcept {
@@ -183,8 +195,8 @@ SurfaceFollower::Next SurfaceFollower::reach_vertex(int corner) noexcept {
 // Onto the face that leads nearer to the device; else along the edge, which is concave.
 SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexcept {
   if (is_free_over_edge(device)) return Next::airborne;
-  const double in_a = has_left_a_ ? 0.0 : excess(a(), edge_, device);
-  const double in_b = excess(b(), other_edge_, device);
+  const double in_a = has_left_a_ ? 0.0 : inside_by(kOnEdge, a(), edge_, device);
+  const double in_b = inside_by(kOnEdge, b(), other_edge_, device);
   const bool to_a = in_a > 0.0 && a().height(device) <= kClear;
   const bool to_b = in_b > 0.0 && b().height(device) <= kClear;
   if (to_b && !(to_a && in_a > in_b)) {
@@ -314,9 +326,9 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
   double soonest = 2.0;
   int exit = -1;
   for (int k = 0; k < 3; ++k) {
-    const double there = excess(a(), k, to);
+    const double there = inside_by(-kOnEdge, a(), k, to);
     if (there > 0.0) continue;
-    const double t = time_of_zero(std::max(excess(a(), k, from), 0.0), there, time);
+    const double t = time_of_zero(std::max(inside_by(-kOnEdge, a(), k, from), 0.0), there, time);
     if (t < soonest) {
       soonest = t;
       exit = k;
@@ -330,9 +342,8 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
     }
   }
   if (exit < 0) {
-    stand_on_face(to - height * a().normal());
     time = 1.0;
-    return Next::settled;
+    return settle_on_face(to - height * a().normal(), to) ? Next::settled : Next::descend;
   }
   // Back over the edge that it has just come by, to where the other face says the same: both are rounding, the edge holds it.
   const bool turns_back = exit == came_by_ && soonest <= time;
@@ -371,10 +382,10 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
       event = which;
     }
   };
-  const double in_a = excess(a(), edge_, to);
-  const double in_b = excess(b(), other_edge_, to);
-  if (in_a > 0.0) consider(std::min(excess(a(), edge_, from), 0.0), in_a, Event::to_a);
-  if (in_b > 0.0) consider(std::min(excess(b(), other_edge_, from), 0.0), in_b, Event::to_b);
+  const double in_a = inside_by(kOnEdge, a(), edge_, to);
+  const double in_b = inside_by(kOnEdge, b(), other_edge_, to);
+  if (in_a > 0.0) consider(std::min(inside_by(kOnEdge, a(), edge_, from), 0.0), in_a, Event::to_a);
+  if (in_b > 0.0) consider(std::min(inside_by(kOnEdge, b(), other_edge_, from), 0.0), in_b, Event::to_b);
   const double along = face.along(edge_, to);
   const double along_before = face.along(edge_, from);
   if (along <= 0.0) consider(std::max(along_before, 0.0), along, Event::begin);
@@ -422,26 +433,32 @@ SurfaceFollower::Inside SurfaceFollower::inside(double off_edges) const noexcept
   return {a().id, p_ + share * to_middle, a().normal()};
 }
 
-Vec3 SurfaceFollower::lifted(double height, const Vec3& towards) const noexcept {
+Vec3 SurfaceFollower::lifted(double height) const noexcept {
+  if (on_ == Stand::edge) return p_ + between(a().normal(), b().normal(), height);
   std::array<ContactPlane, kMostFan> planes;
+  Vec3 sum = Vec3::Zero();
   int count = 0;
-  const auto add = [&](const Vec3& normal, const Vec3& on_plane) { planes[count++] = {normal, height - normal.dot(p_ - on_plane)}; };
+  const auto add = [&](const Vec3& normal, double over) {
+    planes[count++] = {normal, height - over};
+    sum += normal;
+  };
   if (on_ == Stand::vertex) {
-    for (int i = 0; i < fan_count_; ++i) add(fan_[i].normal, p_);
+    for (int i = 0; i < fan_count_; ++i) add(fan_[i].normal, 0.0);
   } else {
-    add(a().normal(), p_);
-    if (on_ == Stand::edge) {
-      add(b().normal(), p_);
-    } else {
-      add_near_planes(height, add);
-    }
+    add(a().normal(), 0.0);
+    add_near_planes(height, add);
   }
   if (count == 1) return p_ + height * a().normal();
   const ConstrainedMotion up = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
   if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
-  const Vec3 way = towards - p_;
-  const double length = way.norm();
-  return length > height ? Vec3(p_ + (height / length) * way) : Vec3(p_ + height * a().normal());
+  return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
+}
+
+// The least way to `height` over two planes through zero.
+Vec3 SurfaceFollower::between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
+  const Vec3 sum = normal_a + normal_b;
+  const double squared = sum.squaredNorm();
+  return squared * kSteepest * kSteepest > 4.0 ? Vec3(sum * (2.0 * height / squared)) : Vec3(height * normal_a);
 }
 
 // On a face, by an edge that it meets another face at: as seen from there.
@@ -455,7 +472,7 @@ void SurfaceFollower::add_near_planes(double height, Add&& add) const noexcept {
     if (!across.exists || across.id == a().id) continue;
     Facet beyond;
     load(across.id, a().is_back() != across.flips, beyond);
-    if (beyond.height(a().shape.corner((k + 2) % 3)) > 0.0) add(beyond.normal(), beyond.shape.corner(0));
+    if (beyond.height(a().shape.corner((k + 2) % 3)) > 0.0) add(beyond.normal(), beyond.height(p_));
   }
 }
 

@@ -70,9 +70,8 @@ class SurfaceFollower {
   };
   Inside inside(double off_edges) const noexcept;
 
-  // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near; where they leave no
-  // room, that far towards a device on the free side.
-  Vec3 lifted(double height, const Vec3& towards) const noexcept;
+  // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near.
+  Vec3 lifted(double height) const noexcept;
 
   // What holds the point, at most three faces; multipliers sum up only when it has settled. Returns their number.
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
@@ -83,8 +82,11 @@ class SurfaceFollower {
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
   // A point as near to a vertex is taken to be there: 16 times the rounding of a local coordinate, far below any walkable triangle's height.
   static constexpr double kSnap = 0x1p-46;
-  // A projection as near to an edge is on it: the edge decides, not the rounding of either face.
+  // A face is left where the projection of the device is so far beyond its edge, and entered where it is so far inside: between, either
+  // stays as it is, and rounding does not lead back and forth.
   static constexpr double kOnEdge = 0x1p-44;
+  // As near to a convex edge it balances there. It is what the hover of a sphere stands for, four times.
+  static constexpr double kBalance = 0x1p-28;
   // At a vertex it stays until the device draws it as far: the direction to a device nearer than this is mostly rounding.
   static constexpr double kLeastWay = 0x1p-42;
 
@@ -122,7 +124,8 @@ class SurfaceFollower {
   void load(std::uint32_t id, bool back, Facet& facet) const noexcept;
   bool load_neighbour() noexcept;
   bool is_convex() const noexcept;
-  static double excess(const Facet& facet, int k, const Vec3& device) noexcept;
+  static double inside_by(double margin, const Facet& facet, int k, const Vec3& device) noexcept;
+  bool settle_on_face(const Vec3& p, const Vec3& device) noexcept;
   bool is_free_over_edge(const Vec3& device) const noexcept;
   void stand_on_face(const Vec3& p) noexcept;
   void cross_edge() noexcept;
@@ -137,6 +140,7 @@ class SurfaceFollower {
   Next follow_at_vertex(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next release(const Vec3& at, const Vec3& to) noexcept;
   bool collect_fan() noexcept;
+  static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
   template <class Add>
   void add_near_planes(double height, Add&& add) const noexcept;
   bool is_free_at_vertex(const Vec3& wish) const noexcept;
