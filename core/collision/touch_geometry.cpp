@@ -102,9 +102,9 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
   const bool none_below = ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
   const bool none_above = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
   if (!none_below && !none_above) return {};
-  const Vec3 normal = accurate_cross(b - a, c - a);
-  const double from = normal.dot(p - a);
-  const double to = normal.dot(q - a);
+  // To many digits, however near the plane both ends are: which of two triangles comes first decides on which side a segment arrives.
+  const double from = orient3d(a, b, c, p);
+  const double to = orient3d(a, b, c, q);
   return {from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0, side_p < 0.0};
 }
 

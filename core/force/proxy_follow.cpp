@@ -114,6 +114,7 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time
     const TouchGeometry::Hit at = geometry_.pierce(id, from, to);
     if (met == Met::other || at.time > until || (at.time == until && met == Met::walkable)) return until;
     if (at.from_back && one_sided_[geometry_.mesh_of(id)] != 0) return until;
+    if (!is_seen_from(from, id, at.from_back, from + at.time * motion)) return until;
     met = Met::walkable;
     first = id;
     hit = at;
@@ -125,6 +126,30 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time
   const Vec3 at = from + time * motion;
   const Vec3 on_face = at - shape.normal().dot(at - shape.corner(0)) * shape.normal();
   return surface_.land(first, hit.from_back, on_face) ? Met::walkable : Met::other;
+}
+
+// Near an edge a segment that cuts it goes through both its triangles within what rounding can tell apart. Only that is met which p sees: p
+// lies on that side of the wedge that the two form.
+bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const Vec3& hit) const noexcept {
+  constexpr double kNearEdge = 0x1p-40;
+  const ContactTriangle shape = shape_of(id);
+  const auto in_front = [](const ContactTriangle& of, const Vec3& point) {
+    return side_sign(of.corner(0), of.corner(1), of.corner(2), point) > 0.0;
+  };
+  for (int k = 0; k < 3; ++k) {
+    if (shape.inside(k, hit) > kNearEdge * shape.length(k)) continue;
+    const TouchGeometry::Across across = geometry_.across(id, k);
+    if (!across.exists || across.id == id) continue;
+    const double along = shape.along(k, hit) * shape.length(k);
+    if (!(along > kNearEdge && shape.length(k) - along > kNearEdge)) continue;  // at a vertex more than two have a say
+    const ContactTriangle other = shape_of(across.id);
+    const bool other_back = back != across.flips;
+    const bool is_convex = in_front(other, shape.corner((k + 2) % 3)) == other_back;
+    const bool before = in_front(shape, p) != back;
+    const bool before_other = in_front(other, p) != other_back;
+    if (!(is_convex ? before || before_other : before && before_other)) return false;
+  }
+  return true;
 }
 
 // A free proxy may be nearer to a walkable triangle than sweeps keep: it is moved off, to the side that it is on.

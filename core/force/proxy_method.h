@@ -134,6 +134,7 @@ class ProxyMethod final : public ForceMethod {
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   enum class Met : std::uint8_t { nothing, walkable, other };
   Met fly(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool is_seen_from(const Vec3& p, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
   void clear_start() noexcept;
   void lift_off_surface() noexcept;
   bool stand_on_surface() noexcept;

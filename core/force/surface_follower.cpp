@@ -148,23 +148,28 @@ SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexc
       exit = k;
     }
   }
-  if (exit < 0) return settle_on_face(goal, device) ? Next::settled : Next::again;
+  if (exit < 0) return settle_on_face(goal, device);
   return reach_edge(exit, p_ + soonest * (goal - p_));
 }
 
-// At rest on a face. False where it would balance on a convex edge, on the other side of which the device draws it on: it stands on that then.
-bool SurfaceFollower::settle_on_face(const Vec3& p, const Vec3& device) noexcept {
+// At rest on a face, unless it balances on a convex edge and the device is beyond: over the face there, or free.
+SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3& device) noexcept {
   stand_on_face(p);
   for (int k = 0; k < 3; ++k) {
     if (!(inside_by(kBalance, a(), k, p) < 0.0)) continue;
     edge_ = k;
-    if (!load_neighbour() || b().height(device) > kClear || !(inside_by(4.0 * kBalance, b(), other_edge_, device) > 0.0) || !is_convex()) {
-      continue;
+    if (!load_neighbour() || !is_convex()) continue;
+    const bool is_free = b().height(device) > kClear;
+    if (!is_free && !(inside_by(4.0 * kBalance, b(), other_edge_, device) > 0.0)) continue;
+    p_ = a().shape.corner(k) + std::clamp(a().shape.along(k, p), 0.0, 1.0) * a().shape.edge(k);
+    if (is_free) {
+      on_ = Stand::edge;
+      return Next::airborne;
     }
     cross_edge();
-    return false;
+    return Next::again;
   }
-  return true;
+  return Next::settled;
 }
 
 SurfaceFollower::Next SurfaceFollower::reach_edge(int k, const Vec3& p) noexcept {
@@ -343,7 +348,8 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
   }
   if (exit < 0) {
     time = 1.0;
-    return settle_on_face(to - height * a().normal(), to) ? Next::settled : Next::descend;
+    const Next next = settle_on_face(to - height * a().normal(), to);
+    return next == Next::again ? Next::descend : next;
   }
   // Back over the edge that it has just come by, to where the other face says the same: both are rounding, the edge holds it.
   const bool turns_back = exit == came_by_ && soonest <= time;

@@ -125,7 +125,7 @@ class SurfaceFollower {
   bool load_neighbour() noexcept;
   bool is_convex() const noexcept;
   static double inside_by(double margin, const Facet& facet, int k, const Vec3& device) noexcept;
-  bool settle_on_face(const Vec3& p, const Vec3& device) noexcept;
+  Next settle_on_face(const Vec3& p, const Vec3& device) noexcept;
   bool is_free_over_edge(const Vec3& device) const noexcept;
   void stand_on_face(const Vec3& p) noexcept;
   void cross_edge() noexcept;
