@@ -7,14 +7,6 @@
 
 namespace hapton {
 
-Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& settings, const TouchScene& scene) {
-  if (!(settings.shading >= 0.0 && settings.shading <= 1.0)) return fail("proxy: a shading of {:g}; give 0 to 1", settings.shading);
-  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
-    return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
-  }
-  return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
-}
-
 namespace {
 
 constexpr double kFarthestGoal = 0x1p10;  // local units
@@ -35,6 +27,15 @@ Vec3 within_limits(const Vec3& local) {
 }
 
 }  // namespace
+
+Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  if (!(settings.shading >= 0.0 && settings.shading <= 1.0)) return fail("proxy: a shading of {:g}; give 0 to 1", settings.shading);
+  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
+    return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
+  }
+  if (auto fits = TouchGeometry::check(meshes_of(scene)); !fits) return fail("proxy: {}", fits.error().what);
+  return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
+}
 
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
