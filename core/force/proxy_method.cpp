@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/force/contact_material.h"
+
 namespace hapton {
 
 namespace {
@@ -56,8 +58,18 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.tolerance = 0x1p-10 * kHover;
 }
 
-const Material& ProxyMethod::touched_material() const noexcept {
-  return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0];
+Material ProxyMethod::touched_material() const noexcept {
+  const int count = std::min(pushing_count_, touching_count_);
+  if (count < 2) return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0];
+  ContactMaterial material;
+  for (int i = 0; i < count; ++i) material.add(surfaces_[geometry_.mesh_of(touching_[i].triangle)], push_[i]);
+  return material.mean();
+}
+
+Material ProxyMethod::material_of(const ConstrainedMotion& held) const noexcept {
+  ContactMaterial material;
+  for (int i = 0; i < held.active_count; ++i) material.add(surfaces_[geometry_.mesh_of(touching_[held.active[i]].triangle)], held.push[i]);
+  return held.active_count > 0 ? material.mean() : touched_material();
 }
 
 bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcept {
@@ -190,7 +202,7 @@ Vec3 ProxyMethod::shaded(const Vec3& stretch) noexcept {
 
 // Hooke's law, less damping along the stretch; damping never pulls in.
 Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept {
-  const Material& material = touched_material();
+  const Material material = touched_material();
   const Vec3 spring = material.stiffness_n_per_m * stretch_m;
   const double length = stretch_m.norm();
   if (material.damping_ns_per_m == 0.0 || length == 0.0) return spring;
@@ -338,7 +350,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
     }
     ++counters_.iterations;
     const ConstrainedMotion constrained = next_motion(wish);
-    const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
+    const Vec3 motion = has_friction_ ? rub(wish, constrained) : constrained.motion;
     if (motion.norm() <= rest_of_motion + kNormalError * distance) {
       if (i < last_doubt && forget_doubtful(constrained)) {
         last_doubt = 0;
@@ -396,8 +408,9 @@ ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) noexcept {
 }
 
 // Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.
-Vec3 ProxyMethod::rub(const Vec3& wish, const Vec3& motion) noexcept {
-  const Material& material = touched_material();
+Vec3 ProxyMethod::rub(const Vec3& wish, const ConstrainedMotion& constrained) noexcept {
+  const Vec3& motion = constrained.motion;
+  const Material material = material_of(constrained);
   const double depth = (wish - motion).norm();
   const double way = motion.norm();
   const double hold = (sliding_ ? material.friction_dynamic : material.friction_static) * depth;
