@@ -28,7 +28,8 @@ struct LocalFrame {
 // Threads: immutable after construction. RT: queries yes, construction set-up only.
 class ObjectGeometry {
  public:
-  // shading_crease_rad: with a value, smooth normals are kept too; edges whose faces turn by more stay sharp (corner_normals.h).
+  // shading_crease_rad: with a value, smooth normals are kept too: the mesh's authored ones where they are valid, else computed ones; edges
+  // whose faces turn by more stay sharp then (corner_normals.h).
   ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
