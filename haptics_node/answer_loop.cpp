@@ -96,11 +96,14 @@ bool AnswerLoop::is_ready() noexcept {
 }
 
 void AnswerLoop::answer() noexcept {
+  const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.answer();
-  const std::int64_t spent_ns = std::clamp<std::int64_t>(clock_.now_ns() - arrival_ns_, 0, std::numeric_limits<std::uint32_t>::max());
+  const std::int64_t end_ns = clock_.now_ns();
+  const std::int64_t spent_ns = std::clamp<std::int64_t>(end_ns - arrival_ns_, 0, std::numeric_limits<std::uint32_t>::max());
   command.compute_ns = static_cast<std::uint32_t>(spent_ns);
   hub_.send(command);
   compute_times_.record(spent_ns);
+  step_times_.record(end_ns - begin_ns);
 }
 
 void AnswerLoop::change_method() noexcept {

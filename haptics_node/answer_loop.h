@@ -30,6 +30,8 @@ class AnswerLoop {
 
   // From a state's arrival to its answer's departure.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
+  // Of them the step alone: device sample to force.
+  const LatencyHistogram& step_times() const noexcept { return step_times_; }
 
  private:
   void drain() noexcept;
@@ -53,6 +55,7 @@ class AnswerLoop {
   int setup_repeats_ = 0;           // still to be told soon
   Datagram datagram_;
   LatencyHistogram compute_times_;
+  LatencyHistogram step_times_;
   std::int64_t arrival_ns_ = 0;
   std::int64_t start_ns_;
   std::uint64_t session_ = 0;

@@ -6,17 +6,22 @@
 
 namespace hapton {
 
-std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times) {
+std::string describe_times(const std::string& what, const LatencyHistogram& times) {
+  if (times.count() == 0) return {};
+  const auto us = [&](double fraction) { return 1e-3 * times.quantile_ns(fraction); };
+  return fmt::format("{}: p50 {:.2f} us, p90 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, worst {:.2f}, n {}\n", what, us(0.5), us(0.9), us(0.99),
+                     us(0.999), 1e-3 * static_cast<double>(times.max_ns()), times.count());
+}
+
+std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
+                                const LatencyHistogram& step_times) {
   const HapticsCounts& counts = step.counts();
-  const auto us = [&](double fraction) { return 1e-3 * compute_times.quantile_ns(fraction); };
   std::string text =
       fmt::format("haptics_node: {} states answered, {} in contact, {:.3f} N at most; {} skipped, {} lost, {} overtaken, {} joins\n",
                   counts.answered, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost,
                   hub.sequence_counts().reordered, hub.counts().joins);
-  if (compute_times.count() > 0) {
-    text += fmt::format("arrival to answer: p50 {:.2f} us, p90 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, max {:.2f}, n {}\n", us(0.5), us(0.9),
-                        us(0.99), us(0.999), 1e-3 * static_cast<double>(compute_times.max_ns()), compute_times.count());
-  }
+  text += describe_times("step", step_times);
+  text += describe_times("arrival to answer", compute_times);
   if (counts.views_taken + counts.views_rejected > 0) {
     text +=
         fmt::format("view transforms: {} taken, {} rejected (no rotation and translation)\n", counts.views_taken, counts.views_rejected);

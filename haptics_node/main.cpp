@@ -62,7 +62,7 @@ int run(const HapticsOptions& options) {
   std::fflush(stdout);
 
   loop.run(stop, options.seconds);
-  fmt::print("{}", make_haptics_report(step, client, loop.compute_times()));
+  fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
     return give_up(
         {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",

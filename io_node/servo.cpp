@@ -135,7 +135,7 @@ void Servo::sample_device() noexcept {
   const bool is_expected =
       haptics_alive(sample_.time_ns) && sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
   ledger_.take(sample_number_, sample_.time_ns, is_expected);
-  p_WD_[sample_number_ % p_WD_.size()] = sample_.p_WD;
+  poses_[sample_number_ % poses_.size()] = {sample_.time_ns, sample_.p_WD, sample_.q_WT};
   DeviceState state{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons};
   state.is_resumed = is_haptics_new_ && p_WP_ && (*p_WP_ - sample_.p_WD).norm() <= kResumeReachM;
   if (state.is_resumed) state.p_WP = *p_WP_;
@@ -255,8 +255,8 @@ void Servo::on_force(const ForceCommand& command) noexcept {
 // So that a haptics node that comes in its stead can go on from there.
 void Servo::remember_probe(const ForceCommand& command) noexcept {
   is_haptics_new_ = false;
-  const bool is_known = command.contact && sample_number_ - command.echo_sample < p_WD_.size();
-  p_WP_ = is_known ? std::optional<Vec3>(p_WD_[command.echo_sample % p_WD_.size()] + command.visual_offset_m) : std::nullopt;
+  const bool is_known = command.contact && is_pose_known(command.echo_sample);
+  p_WP_ = is_known ? std::optional<Vec3>(poses_[command.echo_sample % poses_.size()].p_WD + command.visual_offset_m) : std::nullopt;
 }
 
 void Servo::on_view(const ViewTransform& view) noexcept {
@@ -388,15 +388,23 @@ void Servo::tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) n
   faults_ = is_there ? faults_ | bit : faults_ & ~bit;
 }
 
+bool Servo::is_pose_known(std::uint64_t sample) const noexcept { return sample != 0 && sample_number_ - sample < poses_.size(); }
+
+// Pose and visual offset are one sample's: the newest that was answered. An older answer's offset beside the newest pose would draw the
+// probe beside the surface by what the device moved meanwhile. While nobody answers it is the newest sample, as it is.
 void Servo::fill_probe() noexcept {
-  probe_.sample = sample_number_;
-  probe_.sample_time_ns = sample_.time_ns;
-  probe_.p_WD = sample_.p_WD;
-  probe_.q_WT = sample_.q_WT;
+  const bool is_live = !governor_.is_silent() && is_pose_known(last_force_.echo_sample);
+  const std::uint64_t shown = is_live ? last_force_.echo_sample : sample_number_;
+  if (shown >= probe_.sample) {  // an answer to a sample before the silence comes too late for the picture
+    const Pose& pose = poses_[shown % poses_.size()];
+    probe_.sample = shown;
+    probe_.sample_time_ns = pose.time_ns;
+    probe_.p_WD = pose.p_WD;
+    probe_.q_WT = pose.q_WT;
+    probe_.contact = is_live && last_force_.contact;
+    probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3(Vec3::Zero());
+  }
   probe_.buttons = sample_.buttons;
-  const bool is_live = !governor_.is_silent();
-  probe_.contact = is_live && last_force_.contact;
-  probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3::Zero();
   probe_.force_n = written_.force_n;
   probe_.view_revision = view_ ? view_->revision : 0;
 }
@@ -412,7 +420,7 @@ void Servo::tell_vision(std::int64_t now_ns) noexcept {
     if (verdict == VisionPace::Verdict::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
   }
   stats_.probe_states_sent += reached;
-  if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(sample_number_);
+  if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(probe_.sample);
 }
 
 void Servo::refresh_figures(std::int64_t now_ns) noexcept {

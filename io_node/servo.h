@@ -116,6 +116,7 @@ class Servo {
   void write(const Wrench& wrench) noexcept;
   void do_spare_work() noexcept;
   void fill_probe() noexcept;
+  bool is_pose_known(std::uint64_t sample) const noexcept;
   void tell_vision(std::int64_t now_ns) noexcept;
   void refresh_figures(std::int64_t now_ns) noexcept;
   void tell_of_strangers(std::int64_t now_ns) noexcept;
@@ -161,10 +162,15 @@ class Servo {
   Wrench written_;
   bool is_force_new_ = false;  // since the last tick
   bool is_finished_ = false;
-  std::int64_t accepted_ns_ = 0;     // the last force that the governor let pass
-  std::array<Vec3, 256> p_WD_ = {};  // of the newest samples, by number
-  std::optional<Vec3> p_WP_;         // where the probe rests, in contact, as far as known
-  bool is_haptics_new_ = false;      // it has not answered yet
+  std::int64_t accepted_ns_ = 0;  // the last force that the governor let pass
+  struct Pose {
+    std::int64_t time_ns = 0;
+    Vec3 p_WD = Vec3::Zero();
+    Quat q_WT = Quat::Identity();
+  };
+  std::array<Pose, 256> poses_ = {};  // of the newest samples, by number
+  std::optional<Vec3> p_WP_;          // where the probe rests, in contact, as far as known
+  bool is_haptics_new_ = false;       // it has not answered yet
   ForceCommand last_force_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;

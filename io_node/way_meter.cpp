@@ -19,6 +19,11 @@ void WayMeter::on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) 
 }
 
 void WayMeter::on_probe_sent(std::uint64_t sample) noexcept {
+  Sent& last = probes_[(next_probe_ + kProbesKept - 1) % kProbesKept];
+  if (last.sample == sample) {  // sent again, the figures beside it having changed
+    last.time_ns = endpoint_.last_send_ns();
+    return;
+  }
   probes_[next_probe_] = {sample, endpoint_.last_send_ns()};
   next_probe_ = (next_probe_ + 1) % kProbesKept;
 }

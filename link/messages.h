@@ -65,7 +65,8 @@ struct ViewTransform {
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]
 };
 
-// hub -> every vision node.
+// hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest that haptics answered, the newest of all while
+// nobody answers (offset zero then). Force, buttons and figures are the newest.
 struct ProbeState {
   std::uint64_t sample = 0;
   std::int64_t sample_time_ns = 0;

@@ -36,6 +36,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   if (raw.mesh.triangles.size() > kMaxMeshTriangles) {
     return fail("has {} triangles, more than {}: simplify it", raw.mesh.triangles.size(), kMaxMeshTriangles);
   }
+  raw.end_normals();
   MeshFile file;
   file.file_vertices = raw.mesh.vertices.size();
   weld_vertices(raw.mesh);
@@ -93,6 +94,10 @@ Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name)
     if (run.name == name) {
       const auto first = file.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
       part.triangles.insert(part.triangles.end(), first, first + static_cast<std::ptrdiff_t>(run.triangle_count));
+      if (file.mesh.has_authored_normals()) {
+        const auto from = file.mesh.authored_normals.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
+        part.authored_normals.insert(part.authored_normals.end(), from, from + static_cast<std::ptrdiff_t>(run.triangle_count));
+      }
     }
     if (names.size() < 200) names += (names.empty() ? "'" : ", '") + run.name + "'";
   }

@@ -13,7 +13,7 @@ constexpr double kCrackShare = 1e-3;  // of the longest side
 }  // namespace
 
 MeshFlaws find_flaws(const TriangleMesh& mesh) {
-  MeshFlaws flaws{.topology = compute_mesh_topology(mesh), .borders = {}, .mend = {}};
+  MeshFlaws flaws{.topology = compute_mesh_topology(mesh), .borders = {}, .mend = {}, .normals = count_authored_normals(mesh)};
   flaws.borders = count_border_edges(mesh, kCrackShare * (flaws.topology.highest - flaws.topology.lowest).maxCoeff());
   mend_mesh(mesh, flaws.mend);
   return flaws;
@@ -71,6 +71,7 @@ std::string to_text(const MeshReport& report) {
   line("needle triangles", "{}", t.needle_triangles);
   line("duplicate triangles", "{}", report.flaws.mend.dropped_duplicates);
   line("double faces", "{} (the same corners the other way round)", report.flaws.mend.double_faces);
+  line("authored normals", "{}", report.flaws.normals.describe());
   line("components", "{}", t.components);
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
@@ -116,6 +117,7 @@ std::string to_json(const MeshReport& report) {
                        {"dropped_duplicates", report.flaws.mend.dropped_duplicates},
                        {"turned", report.flaws.mend.turned},
                        {"unorientable_pieces", report.flaws.mend.unorientable_pieces}}},
+                     {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
                      {"components", t.components},
                      {"parts", parts},
                      {"notes", report.file.notes}};

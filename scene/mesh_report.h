@@ -6,6 +6,7 @@
 
 #include "core/base/result.h"
 #include "core/geometry/border_edges.h"
+#include "core/geometry/corner_normals.h"
 #include "core/geometry/mend_mesh.h"
 #include "core/geometry/mesh_topology.h"
 #include "scene/mesh_file.h"
@@ -17,6 +18,7 @@ struct MeshFlaws {
   MeshTopology topology;  // metres
   BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
   MendReport mend;
+  AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
 
 // RT: set-up only.

@@ -1,6 +1,9 @@
 #include "scene/raw_mesh.h"
 
+#include <numeric>
 #include <utility>
+
+#include "scene/polygon.h"
 
 namespace hapton {
 
@@ -13,6 +16,35 @@ void RawMesh::end_parts() {
   if (parts.empty()) return;
   parts.back().triangle_count = mesh.triangles.size() - parts.back().first_triangle;
   if (parts.back().triangle_count == 0) parts.pop_back();
+}
+
+namespace {
+
+const std::array<Eigen::Vector3f, 3> kNoNormals = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+
+}  // namespace
+
+bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals) {
+  if (normals.empty()) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
+  // Over the polygon's own corners: one vertex may stand in it twice, with two normals.
+  std::vector<std::uint32_t> own(corners.size());
+  std::iota(own.begin(), own.end(), 0U);
+  std::vector<Vec3> points;
+  for (const std::uint32_t corner : corners) points.push_back(mesh.vertices[corner]);
+  std::vector<Triangle> triangles;
+  if (!triangulate_polygon(own, points, triangles)) return false;
+  for (const auto& [a, b, c] : triangles) add_triangle({corners[a], corners[b], corners[c]}, {normals[a], normals[b], normals[c]});
+  return true;
+}
+
+void RawMesh::add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals) {
+  mesh.authored_normals.resize(mesh.triangles.size(), kNoNormals);
+  mesh.triangles.push_back(triangle);
+  mesh.authored_normals.push_back(normals);
+}
+
+void RawMesh::end_normals() {
+  if (!mesh.authored_normals.empty()) mesh.authored_normals.resize(mesh.triangles.size(), kNoNormals);
 }
 
 }  // namespace hapton

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +24,14 @@ struct RawMesh {
   void begin_part(std::string name);
   // Counts the last part's triangles; parts without any go.
   void end_parts();
+
+  // Appends a polygon's triangles as triangulate_polygon does. normals: the authored ones of its corners, in their order; empty when there
+  // are none. False, and nothing appended, when it has too many corners.
+  bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals);
+  // The same for one triangle.
+  void add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals);
+  // Once at the end: triangles that were added without normals have zero ones, when others have some.
+  void end_normals();
 };
 
 // One strict reader a format; bytes is the whole file. Errors say where in the file, not which file. RT: set-up only.

@@ -354,6 +354,7 @@ class GltfReader {
     if (auto error = add_vertices(*positions, X_SN)) return error;
     std::vector<std::uint32_t> corners;
     if (auto error = read_corners(primitive, where, first, positions->count, corners)) return error;
+    read_normals(member(member(primitive, "attributes"), "NORMAL"), where, first, positions->count, X_SN);
     return add_triangles(corners, *mode, X_SN.linear().determinant() < 0, where);
   }
 
@@ -367,6 +368,25 @@ class GltfReader {
       raw_.mesh.vertices.push_back(p_SV);
     }
     return std::nullopt;
+  }
+
+  // By the inverse transpose, which keeps them at right angles to the surface [3.7.4]. Normals are welcome, not needed: where they cannot
+  // be read they are computed.
+  void read_normals(const Json& normal, const std::string& where, std::size_t first, std::size_t vertex_count,
+                    const Eigen::Affine3d& X_SN) {
+    normals_.clear();
+    first_normal_ = first;
+    if (normal.is_null()) return;
+    const auto normals = accessor(normal, where + ".attributes.NORMAL", "VEC3", 3);
+    if (!normals || normals->count != vertex_count) {
+      ++bad_normals_;
+      return;
+    }
+    const Eigen::Matrix3d turn = X_SN.linear().inverse().transpose();
+    for (std::size_t i = 0; i < vertex_count; ++i) {
+      const Vec3 n_S = turn * Vec3(normals->component(i, 0), normals->component(i, 1), normals->component(i, 2));
+      normals_.push_back(n_S.normalized().cast<float>());
+    }
   }
 
   std::optional<Error> read_corners(const Json& primitive, const std::string& where, std::size_t first, std::size_t vertex_count,
@@ -397,7 +417,10 @@ class GltfReader {
     if (mode == 4 && n % 3 != 0) return Error{fmt::format("{} has {} corners, not a multiple of 3: {}", where, n, kExportAgain)};
     if (raw_.mesh.triangles.size() + n > kMaxMeshTriangles) return too_large();
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      raw_.mesh.triangles.push_back(mirrored ? Triangle{a, c, b} : Triangle{a, b, c});
+      const Triangle triangle = mirrored ? Triangle{a, c, b} : Triangle{a, b, c};
+      if (normals_.empty()) return raw_.mesh.triangles.push_back(triangle);
+      raw_.add_triangle(
+          triangle, {normals_[triangle[0] - first_normal_], normals_[triangle[1] - first_normal_], normals_[triangle[2] - first_normal_]});
     };
     if (mode == 4) {
       for (std::size_t i = 0; i + 2 < n; i += 3) add(corners[i], corners[i + 1], corners[i + 2]);
@@ -510,6 +533,7 @@ class GltfReader {
     if (not_triangles_ > 0)
       raw_.notes.push_back(fmt::format("{} primitives of points or lines, or without positions, were skipped", not_triangles_));
     if (skinned_ > 0) raw_.notes.push_back(fmt::format("{} skinned nodes are shown as they rest, not posed by their skeleton", skinned_));
+    if (bad_normals_ > 0) raw_.notes.push_back(fmt::format("the normals of {} primitives cannot be read: computed there", bad_normals_));
     if (morphed_ > 0) raw_.notes.push_back(fmt::format("{} primitives have morph targets, which were skipped", morphed_));
   }
 
@@ -519,6 +543,9 @@ class GltfReader {
   RawMesh raw_;
   Json root_;
   std::map<std::size_t, std::string> loaded_;
+  std::vector<Eigen::Vector3f> normals_;  // of this primitive's vertices; empty: it has none
+  std::size_t first_normal_ = 0;          // the vertex of normals_[0]
+  std::size_t bad_normals_ = 0;
   std::size_t not_triangles_ = 0;
   std::size_t skinned_ = 0;
   std::size_t morphed_ = 0;

@@ -14,8 +14,8 @@ namespace {
 
 // Keywords that carry no triangles. What is in neither list is noted, so that nothing is dropped in silence.
 bool is_decoration(std::string_view keyword) {
-  for (const std::string_view known : {"vt", "vn", "s", "usemtl", "mtllib", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp",
-                                       "lod", "shadow_obj", "trace_obj", "mg"}) {
+  for (const std::string_view known : {"vt", "s", "usemtl", "mtllib", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",
+                                       "shadow_obj", "trace_obj", "mg"}) {
     if (keyword == known) return true;
   }
   return false;
@@ -45,6 +45,10 @@ class ObjReader {
     const std::string_view keyword = cursor_.word_in_line();
     if (keyword.empty() || keyword[0] == '#' || is_decoration(keyword)) return std::nullopt;
     if (keyword == "v") return read_vertex();
+    if (keyword == "vn") {
+      read_normal();
+      return std::nullopt;
+    }
     if (keyword == "f" || keyword == "fo") return read_face();
     if (keyword == "o" || keyword == "g") {
       raw_.begin_part(std::string(cursor_.rest_of_line()));
@@ -71,8 +75,34 @@ class ObjReader {
     return std::nullopt;
   }
 
+  // Normals are welcome, not needed: one that cannot be read is none, and its corners get computed ones.
+  void read_normal() {
+    Eigen::Vector3d normal;
+    bool is_read = true;
+    for (int axis = 0; axis < 3; ++axis) is_read = is_read && parse_number(cursor_.word_in_line(), normal[axis]);
+    bad_normals_ += is_read ? 0 : 1;
+    normals_.push_back(is_read ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f(Eigen::Vector3f::Zero()));
+  }
+
+  // Of "vertex/texture/normal", the normal.
+  Eigen::Vector3f normal_of(std::string_view word) {
+    const auto first = word.find('/');
+    const auto second = first == std::string_view::npos ? first : word.find('/', first + 1);
+    if (second == std::string_view::npos) return Eigen::Vector3f::Zero();
+    std::int64_t index = 0;
+    const auto count = static_cast<std::int64_t>(normals_.size());
+    const bool is_read = parse_integer(word.substr(second + 1), index);
+    const std::int64_t from_zero = index < 0 ? count + index : index - 1;
+    if (!is_read || index == 0 || from_zero < 0 || from_zero >= count) {
+      ++bad_normals_;
+      return Eigen::Vector3f::Zero();
+    }
+    return normals_[static_cast<std::size_t>(from_zero)];
+  }
+
   std::optional<Error> read_face() {
     corners_.clear();
+    corner_normals_.clear();
     for (std::string_view word = cursor_.word_in_line(); !word.empty() && word[0] != '#'; word = cursor_.word_in_line()) {
       std::int64_t index = 0;
       if (!parse_integer(word.substr(0, word.find('/')), index)) {
@@ -84,10 +114,11 @@ class ObjReader {
         return at_line("vertex number {} is out of range, {} vertices come before: export the file again", index, count);
       }
       corners_.push_back(static_cast<std::uint32_t>(from_zero));
+      if (!normals_.empty()) corner_normals_.push_back(normal_of(word));
     }
     if (corners_.size() < 3) return at_line("a face has {} corners where at least 3 belong: export the file again", corners_.size());
     for (const std::uint32_t corner : corners_) is_in_face_[corner] = true;
-    if (!triangulate_polygon(corners_, raw_.mesh.vertices, raw_.mesh.triangles)) {
+    if (!raw_.add_polygon(corners_, corner_normals_)) {
       return at_line("a hollow polygon has {} corners, more than {}: triangulate it before exporting", corners_.size(), kMaxPolygonCorners);
     }
     if (raw_.parts.empty()) raw_.parts.push_back({});
@@ -96,6 +127,7 @@ class ObjReader {
 
   void add_notes() {
     if (unknown_ > 1) raw_.notes.push_back(fmt::format("{} lines in all have keywords that were skipped", unknown_));
+    if (bad_normals_ > 0) raw_.notes.push_back(fmt::format("{} vertex normals cannot be read: computed there", bad_normals_));
     // No count stands in an OBJ file: cut at a line's end, this is all that shows.
     const auto loose = std::count(is_in_face_.begin(), is_in_face_.end(), false);
     if (loose > 0) {
@@ -108,8 +140,11 @@ class ObjReader {
   TextCursor cursor_;
   RawMesh raw_;
   std::vector<std::uint32_t> corners_;
-  std::vector<bool> is_in_face_;  // of each vertex
+  std::vector<Eigen::Vector3f> normals_;
+  std::vector<Eigen::Vector3f> corner_normals_;  // of corners_; empty: the file has none
+  std::vector<bool> is_in_face_;                 // of each vertex
   std::size_t unknown_ = 0;
+  std::size_t bad_normals_ = 0;
 };
 
 }  // namespace

@@ -301,20 +301,37 @@ class BodyReader {
         return Error{fmt::format("the vertices do not have one property '{}': export the file again", "xyz"[axis])};
       }
     }
+    find_normal_axes(element, axes);
     raw_.mesh.vertices.reserve(raw_.mesh.vertices.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
       Vec3 vertex;
+      Vec3 normal;
       for (std::size_t p = 0; p < axes.size(); ++p) {
         if (axes[p] < 0) {
           if (auto error = skip(element.properties[p])) return error;
-        } else if (const char* why = values_.read(element.properties[p].type, vertex[axes[p]])) {
+        } else if (const char* why = values_.read(element.properties[p].type, axes[p] < 3 ? vertex[axes[p]] : normal[axes[p] - 3])) {
           return at_place(why);
         }
       }
       if (!vertex.allFinite()) return at_place(fmt::format("vertex {} has a coordinate that is not finite: repair the mesh", i));
       raw_.mesh.vertices.push_back(vertex);
+      if (has_normals_) normals_.push_back(normal.cast<float>());
     }
     return std::nullopt;
+  }
+
+  // Normals are read when all three coordinates are there: places 3 to 5.
+  void find_normal_axes(const Element& element, std::vector<int>& axes) {
+    std::array<std::vector<std::size_t>, 3> found;
+    for (std::size_t p = 0; p < element.properties.size(); ++p) {
+      const Property& property = element.properties[p];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!property.list_count && property.name == std::string("n") + "xyz"[axis]) found[axis].push_back(p);
+      }
+    }
+    has_normals_ = std::all_of(found.begin(), found.end(), [](const auto& places) { return places.size() == 1; });
+    normals_.resize(has_normals_ ? raw_.mesh.vertices.size() : 0, Eigen::Vector3f::Zero());
+    for (std::size_t axis = 0; axis < 3 && has_normals_; ++axis) axes[found[axis][0]] = 3 + static_cast<int>(axis);
   }
 
   std::optional<Error> read_faces(const Element& element) {
@@ -348,7 +365,9 @@ class BodyReader {
       }
       corners_.push_back(static_cast<std::uint32_t>(index));
     }
-    if (!triangulate_polygon(corners_, raw_.mesh.vertices, raw_.mesh.triangles)) {
+    corner_normals_.clear();
+    for (std::size_t k = 0; k < corners_.size() && has_normals_; ++k) corner_normals_.push_back(normals_[corners_[k]]);
+    if (!raw_.add_polygon(corners_, corner_normals_)) {
       return at_place(
           fmt::format("face {} is hollow and has more than {} corners: triangulate it before exporting", face, kMaxPolygonCorners));
     }
@@ -372,6 +391,9 @@ class BodyReader {
   Values values_;
   RawMesh& raw_;
   std::vector<std::uint32_t> corners_;
+  std::vector<Eigen::Vector3f> normals_;  // of the vertices; empty: the file has none
+  std::vector<Eigen::Vector3f> corner_normals_;
+  bool has_normals_ = false;
   bool seen_faces_ = false;
 };
 

@@ -258,6 +258,8 @@ Result<TriangleMesh> make_mesh(const ObjectSpec& object, const std::filesystem::
   Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
   if (!mesh) return fail("{}: {}", path.string(), mesh.error().what);
   for (Vec3& vertex : mesh->vertices) vertex = object.p_SM + object.q_SM * (object.scale * vertex);
+  const Eigen::Quaternionf turn = object.q_SM.cast<float>();
+  for (auto& normals : mesh->authored_normals) normals = {turn * normals[0], turn * normals[1], turn * normals[2]};
   return mesh;
 }
 

@@ -54,6 +54,8 @@ std::string to_json(const SceneReport& report) {
                        {"needle_triangles", t.needle_triangles},
                        {"duplicate_triangles", t.duplicate_triangles},
                        {"double_faces", report.flaws[i].mend.double_faces},
+                       {"authored_normals", report.flaws[i].normals.given},
+                       {"authored_normals_used", report.flaws[i].normals.used},
                        {"lowest_m", corner(t.lowest)},
                        {"highest_m", corner(t.highest)},
                        {"stiffness_n_per_m", object.material.stiffness_n_per_m},

@@ -1,11 +1,15 @@
 #include "tools/replay.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -34,7 +38,39 @@ bool same(const ReplayRow& row, const TouchInput& input, const TouchOutput& felt
   return row.force_n == felt.force_n && row.contact == felt.contact && row.p_WP == input.p_WD + felt.visual_offset_m;
 }
 
+// By nearest rank: no step in `fraction` of them takes longer.
+std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction) {
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(fraction * static_cast<double>(times.size())));
+  const auto nth = times.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
+  std::nth_element(times.begin(), nth, times.end());
+  return *nth;
+}
+
+std::string describe_times(std::vector<std::int64_t> times) {
+  if (times.empty()) return "none";
+  return fmt::format("p50 {} / p99 {} / p99.9 {} / worst {} ns", quantile_ns(times, 0.5), quantile_ns(times, 0.99),
+                     quantile_ns(times, 0.999), quantile_ns(times, 1.0));
+}
+
 }  // namespace
+
+std::string describe_replay(const Replay& replay, const ReplaySettings& settings) {
+  std::vector<std::int64_t> all;
+  std::vector<std::int64_t> contact;
+  double max_force_n = 0.0;
+  for (const ReplayRow& row : replay.rows) {
+    all.push_back(row.step_ns);
+    if (row.contact) contact.push_back(row.step_ns);
+    max_force_n = std::max(max_force_n, row.force_n.norm());
+  }
+  std::string text = fmt::format("replay: {} steps, {} in contact, force max {:.6g} N\n", all.size(), contact.size(), max_force_n);
+  text += fmt::format("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
+                      describe_times(std::move(all)), describe_times(std::move(contact)));
+  if (replay.rows_that_differ > 0) {
+    text += fmt::format("note: {} steps felt otherwise in a repetition than at first\n", replay.rows_that_differ);
+  }
+  return text;
+}
 
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
   Replay replay;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/result.h"
@@ -37,6 +38,9 @@ struct Replay {
 // Drives the step along the trajectory, row by row, as often as asked; every repetition begins with a reset.
 // RT: set-up only. Pre: repeat >= 1.
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
+
+// How many steps, how many in contact, the largest force, and p50, p99, p99.9 and the worst step of all and of those in contact.
+std::string describe_replay(const Replay& replay, const ReplaySettings& settings);
 
 // Writes t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns with all digits of every number.
 // Error: one line with the path.

@@ -66,38 +66,6 @@ Result<TouchScene> make_scene(const ReplayOptions& options, const Scene& scene) 
   return touch;
 }
 
-std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction) {
-  const auto nth = times.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(times.size() - 1));
-  std::nth_element(times.begin(), nth, times.end());
-  return *nth;
-}
-
-std::string step_times(std::vector<std::int64_t> times) {
-  if (times.empty()) {
-    return "none";
-  }
-  return fmt::format("p50 {} / p99 {} / worst {} ns", quantile_ns(times, 0.5), quantile_ns(times, 0.99), quantile_ns(times, 1.0));
-}
-
-void print_summary(const Replay& replay, const ReplaySettings& settings) {
-  std::vector<std::int64_t> all;
-  std::vector<std::int64_t> contact;
-  double max_force_n = 0.0;
-  for (const ReplayRow& row : replay.rows) {
-    all.push_back(row.step_ns);
-    if (row.contact) {
-      contact.push_back(row.step_ns);
-    }
-    max_force_n = std::max(max_force_n, row.force_n.norm());
-  }
-  fmt::print("replay: {} steps, {} in contact, force max {:.6g} N\n", all.size(), contact.size(), max_force_n);
-  fmt::print("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
-             step_times(all), step_times(contact));
-  if (replay.rows_that_differ > 0) {
-    fmt::print("note: {} steps felt otherwise in a repetition than at first\n", replay.rows_that_differ);
-  }
-}
-
 Result<void> replay(ReplayOptions& options) {
   const auto settings = settings_of(options.method);
   if (!settings) {
@@ -126,7 +94,7 @@ Result<void> replay(ReplayOptions& options) {
   SteadyClock clock;
   const Replay done = run_replay(touch, *trajectory, options.replay, clock);
   fmt::print("{}", touch.method().describe());
-  print_summary(done, options.replay);
+  fmt::print("{}", describe_replay(done, options.replay));
   return write_replay_csv(options.out, done.rows);
 }
 

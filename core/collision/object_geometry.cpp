@@ -50,6 +50,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     std::iota(source.begin(), source.end(), 0U);
     CornerNormalReport report;
     ShadedMesh shaded = fill_corner_normals(mesh, source, *shading_crease_rad, report);
+    use_authored_normals(mesh, shaded);
     check_corner_normals(shaded);
     for (const Vec3& normal : shaded.normals) normals_.push_back(normal.cast<float>());
     for (const std::uint32_t old : order) corner_normals_.push_back(shaded.corner_normals[old]);

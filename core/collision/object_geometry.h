@@ -32,7 +32,8 @@ class ObjectGeometry {
   // No triangle of another part of the surface comes as near to a walkable triangle (surface_adjacency.h).
   static constexpr double kWalkableMargin = 0x1p-26;
 
-  // shading_crease_rad: with a value, smooth normals are kept too; edges whose faces turn by more stay sharp (corner_normals.h).
+  // shading_crease_rad: with a value, smooth normals are kept too: the mesh's authored ones where they are valid, else computed ones; edges
+  // whose faces turn by more stay sharp then (corner_normals.h).
   ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }

@@ -23,60 +23,81 @@ Box bounds_of(const TriangleMesh& mesh) {
 
 LocalFrame frame_of(const Box& bounds) {
   LocalFrame frame;
-  if (!(bounds.low.array() <= bounds.high.array()).all()) return frame;
+  if (bounds.is_empty()) return frame;
   frame.origin = bounds.center();
   const double diagonal = bounds.diagonal();
   if (diagonal > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(diagonal));
   return frame;
 }
 
+std::size_t most_triangles_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+  std::size_t most = 1;
+  for (const auto& mesh : meshes) most = std::max(most, mesh->triangles.size());
+  return most;
+}
+
 }  // namespace
+
+Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+  const std::size_t most = most_triangles_of(meshes);
+  const int bits = static_cast<int>(std::bit_width(most));
+  constexpr int kMostBits = 28;  // SurfaceAdjacency packs a triangle's number, an edge and a side into 32
+  if (bits <= kMostBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};
+  return fail(
+      "{} objects, the largest of {} triangles, are more than can be numbered; beside that one there may be {} objects: join small ones",
+      meshes.size(), most, bits <= kMostBits ? std::size_t{1} << (32 - bits) : 0);
+}
 
 TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : TouchGeometry(borrowed(meshes)) {}
 
 TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy,
                              std::optional<double> shading_crease_rad)
-    : shading_crease_rad_(shading_crease_rad), slots_(meshes.size()) {
+    : shading_crease_rad_(shading_crease_rad),
+      triangle_bits_(static_cast<int>(std::bit_width(most_triangles_of(meshes)))),
+      triangle_mask_((1U << triangle_bits_) - 1U),
+      active_(meshes.size(), nullptr),
+      slots_(meshes.size()),
+      requested_(meshes.size()),
+      finished_(meshes.size()),
+      held_(meshes.size()) {
+  std::vector<Box> bounds;
   Box scene;
-  std::size_t most_triangles = 1;
   for (const auto& mesh : meshes) {
-    const Box bounds = bounds_of(*mesh);
-    if ((bounds.low.array() <= bounds.high.array()).all()) {
-      scene.grow(bounds.low);
-      scene.grow(bounds.high);
-    }
-    most_triangles = std::max(most_triangles, mesh->triangles.size());
+    bounds.push_back(bounds_of(*mesh));
+    scene.grow(bounds.back());
   }
   frame_ = frame_of(scene);
   units_per_m_ = 1.0 / frame_.unit_m;
-  triangle_bits_ = static_cast<int>(std::bit_width(most_triangles));
-  triangle_mask_ = (1U << triangle_bits_) - 1U;
-  waiting_ = slots_.size();
+  std::vector<Box> approach;
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    Slot& slot = slots_[i];
-    slot.mesh = std::move(meshes[i]);
-    slot.first_id = static_cast<std::uint32_t>(i) << triangle_bits_;
-    const Box bounds = bounds_of(*slot.mesh);
-    slot.bounds = Box{frame_.to_local(bounds.low), frame_.to_local(bounds.high)}.inflated(0x1p-48);
+    slots_[i].mesh = std::move(meshes[i]);
+    approach.emplace_back();
+    if (bounds[i].is_empty()) continue;
+    bounds[i] = Box{frame_.to_local(bounds[i].low), frame_.to_local(bounds[i].high)}.inflated(0x1p-48);
+    slots_[i].size = bounds[i].diagonal();
+    approach[i] = bounds[i].inflated(slots_[i].size);
+    ++waiting_;
   }
-  if (policy == BuildPolicy::on_approach) return;
-  for (Slot& slot : slots_) {
-    slot.wanted = true;
-    slot.built = std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
-    slot.mesh.reset();
-    slot.ready = slot.built.get();
-    slot.active = slot.ready;
-    --waiting_;
+  hierarchy_ = ObjectHierarchy(bounds);
+  if (policy == BuildPolicy::on_approach) {
+    approach_ = ObjectHierarchy(approach);
+    return;
   }
+  for (std::uint32_t i = 0; i < slots_.size(); ++i) {
+    request(i);
+    build_wanted();
+    active_[i] = slots_[i].built.get();
+  }
+  active_count_ = received_ = static_cast<std::uint32_t>(slots_.size());
+  waiting_ = 0;
   mark_unwalkable_between_objects();
 }
 
 void TouchGeometry::mark_unwalkable_between_objects() {
-  for (Slot& slot : slots_) {
-    for (const Slot& other : slots_) {
-      if (&slot == &other || !slot.bounds.inflated(ObjectGeometry::kWalkableMargin).overlaps(other.bounds)) continue;
-      slot.built->mark_unwalkable_near(*other.built);
-    }
+  for (std::uint32_t o = 0; o < slots_.size(); ++o) {
+    hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
+      if (other != o) slots_[o].built->mark_unwalkable_near(*slots_[other].built);
+    });
   }
 }
 
@@ -110,74 +131,103 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
 
 void TouchGeometry::place(const Vec3& p) noexcept {
   if (waiting_ == 0) return;
-  for (Slot& slot : slots_) {
-    slot.encloses_start = distance_squared(slot.bounds, p) == 0.0;
-    if (slot.encloses_start) slot.wanted.store(true, std::memory_order_relaxed);
-  }
+  ++placement_;
+  hierarchy_.for_each_overlapping(Box{p, p}, [&](std::uint32_t o) {
+    slots_[o].placed_in = placement_;
+    request(o);
+  });
+}
+
+void TouchGeometry::request(std::uint32_t object) noexcept {
+  if (slots_[object].requested) return;
+  slots_[object].requested = true;
+  const std::uint32_t at = requested_count_.load(std::memory_order_relaxed);
+  requested_[at] = object;
+  requested_count_.store(at + 1, std::memory_order_release);
 }
 
 double TouchGeometry::look_ahead(const Vec3& p, double reach) noexcept {
-  double may_go = std::numeric_limits<double>::infinity();
-  if (waiting_ == 0) return may_go;
-  for (Slot& slot : slots_) {
-    if (slot.active != nullptr) continue;
-    const double distance = std::sqrt(distance_squared(slot.bounds, p));
-    const double near = std::max(reach, slot.bounds.diagonal());
-    if (distance > near) {
-      may_go = std::min(may_go, distance - near);
+  if (waiting_ == 0) return std::numeric_limits<double>::infinity();
+  let_in(p);
+  // Every object's distance shrinks by no more than p moves, less what it must be by no more than the reach grows.
+  double gone = (p - searched_from_).norm() + std::max(0.0, reach - searched_reach_);
+  if (!(gone < unrequested_after_)) {
+    find_unrequested(p, reach);
+    gone = 0.0;
+  }
+  const bool any_pending = requested_count_.load(std::memory_order_relaxed) > active_count_;
+  return any_pending ? 0.0 : unrequested_after_ - gone;
+}
+
+// What was built since the last time, and what waits for the probe to leave its bounds.
+void TouchGeometry::let_in(const Vec3& p) noexcept {
+  const std::uint32_t finished = finished_count_.load(std::memory_order_acquire);
+  while (received_ < finished) held_[held_count_++] = finished_[received_++];
+  for (std::size_t i = 0; i < held_count_;) {
+    const std::uint32_t o = held_[i];
+    const bool encloses_start = placement_ > 0 && slots_[o].placed_in == placement_;
+    if (!(hierarchy_.bounds(o).distance_squared(p) > 0.0) && !encloses_start) {
+      ++i;
       continue;
     }
-    slot.wanted.store(true, std::memory_order_relaxed);
-    const ObjectGeometry* ready = slot.ready.load(std::memory_order_acquire);
-    if (ready != nullptr && (distance > 0.0 || slot.encloses_start)) {
-      slot.active = ready;
-      --waiting_;
-    } else {
-      may_go = 0.0;
-    }
+    active_[o] = slots_[o].built.get();
+    ++active_count_;
+    --waiting_;
+    held_[i] = held_[--held_count_];
   }
-  return may_go;
+}
+
+// Bounds grown by the object's size lie nearer to p than the object less its size: the bound of the search is one on what p may go, plus
+// the reach.
+void TouchGeometry::find_unrequested(const Vec3& p, double reach) noexcept {
+  searched_from_ = p;
+  searched_reach_ = reach;
+  unrequested_after_ = std::numeric_limits<double>::infinity();
+  approach_.visit_nearest(p, unrequested_after_, [&](std::uint32_t o, double bound) {
+    if (slots_[o].requested) return bound;
+    const double beyond = std::sqrt(hierarchy_.bounds(o).distance_squared(p)) - std::max(reach, slots_[o].size);
+    if (!(beyond > 0.0)) {
+      request(o);
+      return bound;
+    }
+    unrequested_after_ = std::min(unrequested_after_, beyond);
+    const double farthest = reach + unrequested_after_;
+    return std::min(bound, farthest * farthest);
+  });
 }
 
 bool TouchGeometry::build_wanted() {
-  for (Slot& slot : slots_) {
-    if (slot.built != nullptr || !slot.wanted.load(std::memory_order_relaxed)) continue;
-    slot.built = std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
-    // Those built before took this one's box for it.
-    for (const Slot& other : slots_) {
-      if (&other == &slot || !slot.bounds.inflated(ObjectGeometry::kWalkableMargin).overlaps(other.bounds)) continue;
-      if (other.built != nullptr) {
-        slot.built->mark_unwalkable_near(*other.built);
+  if (begun_ == requested_count_.load(std::memory_order_acquire)) return false;
+  const std::uint32_t o = requested_[begun_++];
+  Slot& slot = slots_[o];
+  slot.built = std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
+  // While the others are still to come, their boxes stand for them; those built before have taken this one's.
+  if (approach_.object_count() > 0) {
+    hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
+      if (other == o) return;
+      if (slots_[other].built != nullptr) {
+        slot.built->mark_unwalkable_near(*slots_[other].built);
       } else {
-        slot.built->mark_unwalkable_near(other.bounds);
+        slot.built->mark_unwalkable_near(hierarchy_.bounds(other));
       }
-    }
-    slot.mesh.reset();
-    slot.ready.store(slot.built.get(), std::memory_order_release);
-    return true;
+    });
   }
-  return false;
-}
-
-std::size_t TouchGeometry::built_count() const {
-  std::size_t count = 0;
-  for (const Slot& slot : slots_) count += slot.ready.load(std::memory_order_acquire) != nullptr ? 1 : 0;
-  return count;
+  slot.mesh.reset();
+  const std::uint32_t at = finished_count_.load(std::memory_order_relaxed);
+  finished_[at] = o;
+  finished_count_.store(at + 1, std::memory_order_release);
+  return true;
 }
 
 std::size_t TouchGeometry::triangle_count() const {
   std::size_t count = 0;
-  for (const Slot& slot : slots_) {
-    if (const ObjectGeometry* ready = slot.ready.load(std::memory_order_acquire)) count += ready->triangle_count();
-  }
+  for (std::size_t i = 0, n = built_count(); i < n; ++i) count += slots_[finished_[i]].built->triangle_count();
   return count;
 }
 
 std::size_t TouchGeometry::bytes() const {
-  std::size_t bytes = 0;
-  for (const Slot& slot : slots_) {
-    if (const ObjectGeometry* ready = slot.ready.load(std::memory_order_acquire)) bytes += ready->bytes();
-  }
+  std::size_t bytes = hierarchy_.bytes() + approach_.bytes();
+  for (std::size_t i = 0, n = built_count(); i < n; ++i) bytes += slots_[finished_[i]].built->bytes();
   return bytes;
 }
 

@@ -3,28 +3,36 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
+#include "core/base/result.h"
 #include "core/collision/object_geometry.h"
+#include "core/collision/object_hierarchy.h"
 
 namespace hapton {
 
 // When the structures of an object are built: all at once, or each when the probe first comes near.
 enum class BuildPolicy : std::uint8_t { at_once, on_approach };
 
-// All triangles of a scene for contact queries, object by object, in one local frame.
+// All triangles of a scene for contact queries in one local frame: a hierarchy over the objects, and under each object the tree over its
+// triangles. A query costs what lies near it, however many objects there are.
 //
 // Triangles are numbered across objects: the object in the high bits, its triangle in the low ones.
-// With BuildPolicy::on_approach an object costs its bounding box until the probe comes near: look_ahead (RT) asks for it, build_wanted (a
-// slow task, any thread) builds it, and from the next look_ahead with the probe outside its bounds it can be touched. An object that
-// appeared round the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
-// RT: queries and look_ahead yes; construction and build_wanted set-up only.
+// With BuildPolicy::on_approach an object costs its bounding box until the probe comes near: look_ahead (RT) requests it, build_wanted (a
+// slow task, any thread) builds it, nearest first, and from the next look_ahead with the probe outside its bounds it can be touched. An
+// object that appeared round the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
+// RT: queries, place and look_ahead yes; construction and build_wanted set-up only.
 // Threads: one for the RT side, one for build_wanted.
 class TouchGeometry {
  public:
+  // Pre: check(meshes) holds.
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
                          std::optional<double> shading_crease_rad = std::nullopt);
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes may go afterwards
+
+  // Error: more objects and triangles than can be numbered.
+  static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
 
   const LocalFrame& frame() const { return frame_; }
   const Vec3& origin() const { return frame_.origin; }
@@ -33,7 +41,7 @@ class TouchGeometry {
   Vec3 to_scene(const Vec3& local) const { return frame_.to_scene(local); }
 
   std::size_t object_count() const { return slots_.size(); }
-  std::size_t built_count() const;
+  std::size_t built_count() const { return finished_count_.load(std::memory_order_acquire); }
   std::size_t waiting_count() const { return waiting_; }  // objects that cannot be touched yet
   std::size_t triangle_count() const;                     // of the objects built
   std::size_t bytes() const;                              // of the objects built
@@ -67,24 +75,7 @@ class TouchGeometry {
 
   // Calls until = visit(id, until) for triangles whose boxes come within `radius` of the segment from p to q before the time `until`.
   template <class Visit>
-  void visit_along(const Vec3& p, const Vec3& q, double radius, Visit&& visit) const {
-    double until = 1.0;
-    const Vec3 motion = q - p;
-    const Box way = Box::around(p, q).inflated(radius);
-    for (const Slot& slot : slots_) {
-      if (slot.active == nullptr || !slot.bounds.overlaps(way)) continue;
-      double begin = 0.0;
-      double end = until;
-      clip(slot.bounds.inflated(radius), p, motion, begin, end);
-      if (begin > end) continue;
-      slot.active->tree().visit_along(p + begin * motion, (end - begin) * motion, radius, 1.0, [&](std::uint32_t t, double part_until) {
-        const double before = until;
-        until = visit(slot.first_id | t, until);
-        if (until == before) return part_until;
-        return std::clamp((until - begin) / std::max(end - begin, 0x1p-60) * (1.0 + 0x1p-40) + 0x1p-40, 0.0, part_until);
-      });
-    }
-  }
+  void visit_along(const Vec3& p, const Vec3& q, double radius, Visit&& visit) const;
 
   Vec3 smooth_normal(std::uint32_t id, const Vec3& on_triangle) const noexcept {
     return object(id).smooth_normal(id & triangle_mask_, on_triangle);
@@ -93,61 +84,113 @@ class TouchGeometry {
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
   // Calls visit(id) for every triangle whose box overlaps the query, and some that only nearly do. A visit that returns a bool ends the
-  // search within an object by false.
+  // search by false.
   template <class Visit>
-  void for_each_overlapping(const Box& query, Visit&& visit) const {
-    for (const Slot& slot : slots_) {
-      if (slot.active == nullptr || !slot.bounds.overlaps(query)) continue;
-      slot.active->tree().for_each_overlapping(query, [&](std::uint32_t t) { return visit(slot.first_id | t); });
-    }
-  }
+  void for_each_overlapping(const Box& query, Visit&& visit) const;
 
   // Calls bound_squared = visit(id, bound_squared) for triangles whose boxes may lie nearer to p than sqrt(bound_squared).
   template <class Visit>
-  void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
-    for (const Slot& slot : slots_) {
-      if (slot.active == nullptr || distance_squared(slot.bounds, p) >= bound_squared) continue;
-      slot.active->tree().visit_nearest(p, bound_squared,
-                                        [&](std::uint32_t t, double) { return bound_squared = visit(slot.first_id | t, bound_squared); });
-    }
-  }
+  void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
-  // The probe is put at p: objects whose bounds enclose it are asked for and come in as soon as they are built, as if they had always been.
+  // The probe is put at p: objects whose bounds enclose it are requested and come in as soon as they are built, as if they had always been.
   void place(const Vec3& p) noexcept;
 
-  // Before the probe at p moves: asks for objects that are not built and lie nearer than their own size or `reach`, and lets those in
-  // that have been built and do not enclose p. Returns how far p may go before this must be called again; infinity when all are in.
+  // Before the probe at p moves: requests objects that are not built and lie nearer than their own size or `reach`, and lets those in
+  // that have been built and do not enclose p. Returns how far p may go before this must be called again: 0 while a requested object is
+  // not in, infinity when all are. A call that finds p within what the one before returned costs a comparison.
   double look_ahead(const Vec3& p, double reach) noexcept;
 
-  // Builds one object that was asked for. False when there is none.
+  // Builds one object that was requested. False when there is none.
   bool build_wanted();
 
  private:
   struct Slot {
-    std::shared_ptr<const TriangleMesh> mesh;
-    Box bounds;  // local, with a margin for rounding
-    std::uint32_t first_id = 0;
-    std::unique_ptr<ObjectGeometry> built;  // written by the builder, before ready
-    std::atomic<bool> wanted = false;
-    std::atomic<const ObjectGeometry*> ready = nullptr;
-    const ObjectGeometry* active = nullptr;  // RT side only, like the next
-    bool encloses_start = false;
+    std::shared_ptr<const TriangleMesh> mesh;     // the builder's, once requested
+    std::unique_ptr<ObjectGeometry> built;        // written by the builder, before it counts as finished
+    double size = 0.0;                            // the diagonal of its bounds
+    bool requested = false;                       // RT side only, like the next
+    std::uint64_t placed_in = 0;                  // the last placement that its bounds enclosed
   };
 
   void mark_unwalkable_between_objects();
   // Shortens from..until to the part of the motion that may lie in the box.
   static void clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept;
-
-  static double distance_squared(const Box& box, const Vec3& p) { return (box.low - p).cwiseMax(p - box.high).cwiseMax(0.0).squaredNorm(); }
-  const ObjectGeometry& object(std::uint32_t id) const { return *slots_[id >> triangle_bits_].active; }
+  const ObjectGeometry& object(std::uint32_t id) const { return *active_[id >> triangle_bits_]; }
+  void request(std::uint32_t object) noexcept;
+  void let_in(const Vec3& p) noexcept;
+  void find_unrequested(const Vec3& p, double reach) noexcept;
 
   LocalFrame frame_;
   double units_per_m_ = 1.0;
   std::optional<double> shading_crease_rad_;
-  std::vector<Slot> slots_;
   int triangle_bits_ = 31;
   std::uint32_t triangle_mask_ = 0x7FFFFFFFU;
+  ObjectHierarchy hierarchy_;                  // over local bounds, with a margin for rounding
+  std::vector<const ObjectGeometry*> active_;  // an object: what queries see, null until it is let in
+  std::vector<Slot> slots_;
+
+  // Of on_approach only. Each object is requested once and finished once, so the two lists between the threads never run over.
+  ObjectHierarchy approach_;  // over bounds grown by the object's own size
+  std::vector<std::uint32_t> requested_;
+  std::atomic<std::uint32_t> requested_count_ = 0;
+  std::uint32_t begun_ = 0;  // of requested_; the builder's
+  std::vector<std::uint32_t> finished_;
+  std::atomic<std::uint32_t> finished_count_ = 0;
+  std::uint32_t received_ = 0;       // of finished_; RT side only, like all below
+  std::vector<std::uint32_t> held_;  // finished, but not let in: they enclose the probe
+  std::size_t held_count_ = 0;
   std::size_t waiting_ = 0;  // objects not active yet
+  std::size_t active_count_ = 0;
+  std::uint64_t placement_ = 0;
+  Vec3 searched_from_ = Vec3::Zero();  // where unrequested objects were last looked for, with which reach, and what was left to go
+  double searched_reach_ = 0.0;
+  double unrequested_after_ = 0.0;
 };
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class Visit>
+void TouchGeometry::visit_along(const Vec3& p, const Vec3& q, double radius, Visit&& visit) const {
+  const Vec3 motion = q - p;
+  hierarchy_.visit_along(p, motion, radius, 1.0, [&](std::uint32_t o, double until) {
+    double begin = 0.0;
+    double end = until;
+    clip(hierarchy_.bounds(o).inflated(radius), p, motion, begin, end);
+    if (active_[o] == nullptr || begin > end) return until;
+    const std::uint32_t first_id = o << triangle_bits_;
+    const double length = std::max(end - begin, 0x1p-60);
+    active_[o]->tree().visit_along(p + begin * motion, (end - begin) * motion, radius, 1.0, [&](std::uint32_t t, double part_until) {
+      const double before = until;
+      until = visit(first_id | t, until);
+      return until == before ? part_until : std::clamp((until - begin) / length * (1.0 + 0x1p-40) + 0x1p-40, 0.0, part_until);
+    });
+    return until;
+  });
+}
+
+template <class Visit>
+void TouchGeometry::for_each_overlapping(const Box& query, Visit&& visit) const {
+  hierarchy_.for_each_overlapping(query, [&](std::uint32_t o) {
+    bool goes_on = true;
+    if (active_[o] == nullptr) return goes_on;
+    const std::uint32_t first_id = o << triangle_bits_;
+    active_[o]->tree().for_each_overlapping(query, [&](std::uint32_t t) {
+      if constexpr (std::is_same_v<decltype(visit(t)), bool>) return goes_on = visit(first_id | t);
+      visit(first_id | t);
+      return true;
+    });
+    return goes_on;
+  });
+}
+
+template <class Visit>
+void TouchGeometry::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
+  hierarchy_.visit_nearest(p, bound_squared, [&](std::uint32_t o, double bound) {
+    if (active_[o] == nullptr) return bound;
+    const std::uint32_t first_id = o << triangle_bits_;
+    active_[o]->tree().visit_nearest(p, bound, [&](std::uint32_t t, double) { return bound = visit(first_id | t, bound); });
+    return bound;
+  });
+}
 
 }  // namespace hapton

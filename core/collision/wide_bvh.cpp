@@ -317,6 +317,38 @@ std::vector<std::uint32_t> WideBvh::items_in_tree_order() const {
   return order;
 }
 
+WideBvh::Parents WideBvh::find_parents() const {
+  Parents parents;
+  parents.of_node.assign(nodes_.size(), kNoParent);
+  for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+    for (std::uint32_t c = 0; c < kWidth; ++c) {
+      const std::uint32_t child = nodes_[n].child[c];
+      if (!(nodes_[n].low[0][c] <= nodes_[n].high[0][c])) continue;
+      std::vector<std::uint32_t>& of = (child & kItemBit) != 0 ? parents.of_item : parents.of_node;
+      const std::uint32_t i = child & ~kItemBit;
+      if (i >= of.size()) of.resize(i + 1, kNoParent);
+      of[i] = n * kWidth + c;
+    }
+  }
+  return parents;
+}
+
+void WideBvh::refit(std::uint32_t item, const Box& box, const Parents& parents) noexcept {
+  std::uint32_t at = parents.of_item[item];
+  for (int k = 0; k < 3; ++k) {
+    const bool empty = box.is_empty();
+    nodes_[at / kWidth].low[k][at % kWidth] = empty ? std::numeric_limits<float>::infinity() : detail::round_down(box.low[k]);
+    nodes_[at / kWidth].high[k][at % kWidth] = empty ? -std::numeric_limits<float>::infinity() : detail::round_up(box.high[k]);
+  }
+  for (std::uint32_t n = at / kWidth; (at = parents.of_node[n]) != kNoParent; n = at / kWidth) {
+    Node& above = nodes_[at / kWidth];
+    for (int k = 0; k < 3; ++k) {
+      above.low[k][at % kWidth] = *std::min_element(nodes_[n].low[k].begin(), nodes_[n].low[k].end());
+      above.high[k][at % kWidth] = *std::max_element(nodes_[n].high[k].begin(), nodes_[n].high[k].end());
+    }
+  }
+}
+
 void WideBvh::renumber_items(std::span<const std::uint32_t> renumbered) {
   for (Node& node : nodes_) {
     for (std::uint32_t& child : node.child) {

@@ -55,6 +55,19 @@ class WideBvh {
   // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
   std::vector<std::uint32_t> items_in_tree_order() const;
 
+  // Where the box of each item and of each node is stored, as node * kWidth + child: the way up from an item that refit needs. The root's
+  // is kNoParent. RT: set-up only.
+  static constexpr std::uint32_t kNoParent = 0xFFFFFFFFU;
+  struct Parents {
+    std::vector<std::uint32_t> of_item;
+    std::vector<std::uint32_t> of_node;
+  };
+  Parents find_parents() const;
+
+  // The item has another box from now on, and those above it follow; an empty box is found by no query. Work: a node a level.
+  // Pre: the parents are this tree's. RT: yes.
+  void refit(std::uint32_t item, const Box& box, const Parents& parents) noexcept;
+
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
   int depth() const { return depth_; }

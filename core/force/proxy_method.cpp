@@ -5,15 +5,9 @@
 #include <limits>
 #include <numbers>
 
-namespace hapton {
+#include "core/force/contact_material.h"
 
-Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& settings, const TouchScene& scene) {
-  if (!(settings.shading >= 0.0 && settings.shading <= 1.0)) return fail("proxy: a shading of {:g}; give 0 to 1", settings.shading);
-  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
-    return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
-  }
-  return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
-}
+namespace hapton {
 
 namespace {
 
@@ -42,6 +36,15 @@ Vec3 within_limits(const Vec3& local) {
 
 }  // namespace
 
+Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  if (!(settings.shading >= 0.0 && settings.shading <= 1.0)) return fail("proxy: a shading of {:g}; give 0 to 1", settings.shading);
+  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
+    return fail("proxy: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
+  }
+  if (auto fits = TouchGeometry::check(meshes_of(scene)); !fits) return fail("proxy: {}", fits.error().what);
+  return std::unique_ptr<ForceMethod>(new ProxyMethod(settings, scene));
+}
+
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
@@ -63,8 +66,18 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.tolerance = 0x1p-10 * kHover;
 }
 
-const Material& ProxyMethod::touched_material() const noexcept {
-  return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0];
+Material ProxyMethod::touched_material() const noexcept {
+  const int count = std::min(pushing_count_, touching_count_);
+  if (count < 2) return surfaces_[touching_count_ > 0 ? geometry_.mesh_of(touching_[0].triangle) : 0];
+  ContactMaterial material;
+  for (int i = 0; i < count; ++i) material.add(surfaces_[geometry_.mesh_of(touching_[i].triangle)], push_[i]);
+  return material.mean();
+}
+
+Material ProxyMethod::material_of(const ConstrainedMotion& held) const noexcept {
+  ContactMaterial material;
+  for (int i = 0; i < held.active_count; ++i) material.add(surfaces_[geometry_.mesh_of(touching_[held.active[i]].triangle)], held.push[i]);
+  return held.active_count > 0 ? material.mean() : touched_material();
 }
 
 bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcept {
@@ -199,7 +212,7 @@ Vec3 ProxyMethod::shaded(const Vec3& stretch) noexcept {
 
 // Hooke's law, less damping along the stretch; damping never pulls in.
 Vec3 ProxyMethod::force_of(const Vec3& stretch_m, const Vec3& velocity_m_per_s) const noexcept {
-  const Material& material = touched_material();
+  const Material material = touched_material();
   const Vec3 spring = material.stiffness_n_per_m * stretch_m;
   const double length = stretch_m.norm();
   if (material.damping_ns_per_m == 0.0 || length == 0.0) return spring;
@@ -346,7 +359,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
     }
     ++counters_.iterations;
     const ConstrainedMotion constrained = next_motion(wish);
-    const Vec3 motion = has_friction_ ? rub(wish, constrained.motion) : constrained.motion;
+    const Vec3 motion = has_friction_ ? rub(wish, constrained) : constrained.motion;
     if (motion.norm() <= rest_of_motion + kNormalError * distance) {
       if (i < last_doubt && forget_doubtful(constrained)) {
         last_doubt = 0;
@@ -404,8 +417,9 @@ ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) noexcept {
 }
 
 // Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.
-Vec3 ProxyMethod::rub(const Vec3& wish, const Vec3& motion) noexcept {
-  const Material& material = touched_material();
+Vec3 ProxyMethod::rub(const Vec3& wish, const ConstrainedMotion& constrained) noexcept {
+  const Vec3& motion = constrained.motion;
+  const Material material = material_of(constrained);
   const double depth = (wish - motion).norm();
   const double way = motion.norm();
   const double hold = (sliding_ ? material.friction_dynamic : material.friction_static) * depth;

@@ -163,7 +163,7 @@ class ProxyMethod final : public ForceMethod {
   Vec3 normal_to_proxy(std::uint32_t triangle) const noexcept;
   bool is_better(const Vec3& device) const noexcept;
   ConstrainedMotion next_motion(const Vec3& wish) noexcept;
-  Vec3 rub(const Vec3& wish, const Vec3& motion) noexcept;
+  Vec3 rub(const Vec3& wish, const ConstrainedMotion& constrained) noexcept;
   bool cross_emptiness(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;
@@ -182,7 +182,8 @@ class ProxyMethod final : public ForceMethod {
   double find_empty_ball(const Vec3& device, double may_go) noexcept;
   void enter_ball(const Vec3& p_SD, double radius) noexcept;
   void leave_ball() noexcept;
-  const Material& touched_material() const noexcept;
+  Material touched_material() const noexcept;
+  Material material_of(const ConstrainedMotion& held) const noexcept;
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
 
   TouchGeometry geometry_;

@@ -49,7 +49,7 @@ bool ProxyMethod::walk(const Vec3& device) noexcept {
 FacetDescent ProxyMethod::facets() noexcept {
   const double margin = kBeside * hover_;
   if (!has_friction_) return {near(), clearance_.rest, margin};
-  const Material& material = touched_material();
+  const Material material = touched_material();
   return {near(), clearance_.rest, margin, {material.friction_static, material.friction_dynamic, sliding_}};
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/force/contact_material.h"
 #include "core/force/convex_sweep.h"
 
 namespace hapton {
@@ -239,7 +240,7 @@ void ReferenceMethod::descend(const Vec3& device) noexcept {
     idle = distance < nearest - kIdleGain ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
     const Wish wish = project_wish(device - proxy_);
-    if (wish.strongest != nullptr) felt_material_ = materials_[wish.strongest->face.object];
+    if (wish.strongest != nullptr) felt_material_ = material_of(wish);
     if (wish.motion.count == 0) {
       const bool arrives = (device - proxy_).norm() <= kLongestMotion;
       if (advance(wish.motion.point) && arrives) {
@@ -404,13 +405,21 @@ ReferenceMethod::Wish ReferenceMethod::project_wish(const Vec3& wish) noexcept {
   return result;
 }
 
+Material ReferenceMethod::material_of(const Wish& wish) const noexcept {
+  ContactMaterial material;
+  for (int i = 0; i < wish.motion.count; ++i) {
+    material.add(materials_[touched_[wish.motion.active[i]].face.object], wish.motion.multiplier[i]);
+  }
+  return material.mean();
+}
+
 // Coulomb friction: the part of the frictionless motion that the cone leaves.
 Vec3 ReferenceMethod::hold_back(const Wish& wish) noexcept {
   const Vec3& motion = wish.motion.point;
   if (!has_friction() || wish.strongest == nullptr) return motion;
   Vec3 push = Vec3::Zero();
   for (int i = 0; i < wish.motion.count; ++i) push += wish.motion.multiplier[i] * half_spaces_[wish.motion.active[i]].normal;
-  const Material& material = materials_[wish.strongest->face.object];
+  const Material material = material_of(wish);
   const double way = motion.norm();
   const double held = (sliding_ ? material.friction_dynamic : material.friction_static) * push.norm();
   if (way <= held + kStill) return Vec3::Zero();

@@ -88,6 +88,7 @@ class ReferenceMethod final : public ForceMethod {
   bool cross_emptiness(const Vec3& device) noexcept;
   void look_at_touched() noexcept;
   Wish project_wish(const Vec3& wish) noexcept;
+  Material material_of(const Wish& wish) const noexcept;
   Vec3 hold_back(const Wish& wish) noexcept;
   bool has_friction() const { return !frictionless_ && !friction_off_; }
   bool roll(const Vec3& device, const Wish& wish) noexcept;

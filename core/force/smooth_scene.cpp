@@ -51,23 +51,24 @@ Result<SmoothScene> SmoothScene::build(const TouchScene& scene, const SmoothScen
       return fail("hulls of {} directions are not known; choose 6, 14, 18 or 26", settings.directions);
   }
   if (!done) return tl::unexpected(done.error());
-  built.measure();
+  for (Object& object : built.objects_) built.measure(object);
+  built.measure_all();
   return built;
 }
 
-void SmoothScene::measure() {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  for (const Object& object : objects_) {
-    for (const Vec3& v : object.surface.mesh.vertices) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
-  }
-  diagonal_ = (high - low).norm();
-  center_ = 0.5 * low + 0.5 * high;
+void SmoothScene::measure(Object& object) {
+  object.bounds = Box();
+  for (const Vec3& v : object.surface.mesh.vertices) object.bounds.grow(v);
+}
+
+// From the objects' bounds: one that moved costs its own vertices, not all of the scene's.
+void SmoothScene::measure_all() {
+  Box all;
+  for (const Object& object : objects_) all.grow(object.bounds);
+  diagonal_ = all.diagonal();
+  center_ = 0.5 * all.low + 0.5 * all.high;
   // Far from the origin the coordinates themselves are coarse.
-  skin_ = std::max(kSkin * diagonal_, 1e-12 * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()));
+  skin_ = std::max(kSkin * diagonal_, 1e-12 * std::max(all.low.cwiseAbs().maxCoeff(), all.high.cwiseAbs().maxCoeff()));
 }
 
 SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept {
@@ -156,7 +157,8 @@ Result<void> SmoothScene::move_vertices(std::uint32_t object, std::span<const Ve
   moved.surface.move_vertices(vertices);
   ++version_;
   const auto done = std::visit([&](auto& tree) { return tree.refit(object, moved.surface.mesh.vertices); }, tree_);
-  measure();
+  measure(moved);
+  measure_all();
   return done;
 }
 

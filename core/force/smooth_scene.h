@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/collision/box.h"
 #include "core/collision/fdh_scene.h"
 #include "core/force/local_set.h"
 #include "core/force/touch_scene.h"
@@ -92,10 +93,12 @@ class SmoothScene {
     SmoothSurfaceReport report;
     Material material;
     std::size_t vertex_count = 0;  // of the mesh as it came
+    Box bounds;
   };
 
   SmoothScene() = default;
-  void measure();
+  void measure(Object& object);
+  void measure_all();
 
   std::vector<Object> objects_;
   std::variant<FdhScene<6>, FdhScene<14>, FdhScene<18>, FdhScene<26>> tree_;

@@ -131,6 +131,59 @@ void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
     mesh.normals[first_middle + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
 }
 
+namespace {
+
+// Unit; zero where there is none or it is not valid.
+Vec3 valid_authored_normal(const TriangleMesh& mesh, std::size_t t, int k, const Vec3& face) {
+  const Vec3 normal = mesh.authored_normals[t][k].cast<double>();
+  const double length = normal.norm();
+  if (!std::isfinite(length) || !(length > 0.0)) return Vec3::Zero();
+  return normal.dot(face) > kFarthestTurn * length ? Vec3(normal / length) : Vec3(Vec3::Zero());
+}
+
+// Calls use(triangle, corner, normal) for every valid one.
+template <class Use>
+AuthoredNormalReport for_each_authored(const TriangleMesh& mesh, Use&& use) {
+  AuthoredNormalReport report;
+  if (!mesh.has_authored_normals()) return report;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 face = unit_face_normal(mesh, t);
+    for (int k = 0; k < 3; ++k) {
+      report.given += mesh.authored_normals[t][k].isZero(0.0F) ? 0 : 1;
+      const Vec3 normal = valid_authored_normal(mesh, t, k, face);
+      if (normal.isZero(0.0)) continue;
+      ++report.used;
+      use(t, k, normal);
+    }
+  }
+  return report;
+}
+
+}  // namespace
+
+AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh) {
+  return for_each_authored(mesh, [](std::size_t, int, const Vec3&) {});
+}
+
+AuthoredNormalReport use_authored_normals(const TriangleMesh& mesh, ShadedMesh& shaded) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  const auto first = static_cast<std::uint32_t>(shaded.normals.size());
+  std::vector<std::uint32_t> newest(mesh.has_authored_normals() ? mesh.vertices.size() : 0, kNone);  // of each vertex,
+  std::vector<std::uint32_t> before;                                                                 // and the one before each
+  return for_each_authored(mesh, [&](std::size_t t, int k, const Vec3& normal) {
+    std::uint32_t& list = newest[mesh.triangles[t][k]];
+    std::uint32_t n = list;
+    while (n != kNone && shaded.normals[n] != normal) n = before[n - first];
+    if (n == kNone) {
+      n = static_cast<std::uint32_t>(shaded.normals.size());
+      shaded.normals.push_back(normal);
+      before.push_back(list);
+      list = n;
+    }
+    shaded.corner_normals[t][k] = n;
+  });
+}
+
 Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between) {
   const Vec3 sum = mesh.normals[between[0]] + mesh.normals[between[1]];
   const double length = sum.norm();
@@ -158,6 +211,11 @@ std::string CornerNormalReport::describe() const {
   return fmt::format(
       "normals: filled {} corners with {} normals; {} sharp edges (faces turn by more than {:g} degrees), {} vertices with several", filled,
       normals, sharp_edges, crease_angle_rad * 180.0 / std::numbers::pi, creased);
+}
+
+std::string AuthoredNormalReport::describe() const {
+  return given == 0 ? std::string("none")
+                    : fmt::format("of {} corners, {} used by force shading, {} not valid: computed there", given, used, given - used);
 }
 
 std::string NormalCheckReport::describe() const {

@@ -32,6 +32,20 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
 // RT: no (linear in the mesh), but no heap.
 void update_corner_normals(ShadedMesh& mesh, std::size_t faces);
 
+struct AuthoredNormalReport {
+  std::size_t given = 0;  // corners that the mesh's author gave a normal
+  std::size_t used = 0;   // of them: finite, not zero, less than 85 degrees off the outer side of their face
+  std::string describe() const;
+};
+
+// What use_authored_normals would find.
+AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh);
+
+// Gives each corner the normal its author gave it, where that is valid; the others keep theirs, computed by fill_corner_normals. Equal ones
+// at a vertex are shared. A triangle without area has no outer side and keeps the computed ones.
+// Pre: shaded has the mesh's triangles, in order. RT: set-up only.
+AuthoredNormalReport use_authored_normals(const TriangleMesh& mesh, ShadedMesh& shaded);
+
 // Half-way between two normals; the first where they are opposite.
 Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between);
 

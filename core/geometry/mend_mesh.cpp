@@ -105,9 +105,11 @@ void drop_useless(TriangleMesh& mesh, MendReport& report, std::vector<std::uint3
     }
     if (seen.contains(rotated({t[0], t[2], t[1]}))) ++report.double_faces;
     source[kept] = static_cast<std::uint32_t>(i);
+    if (i < mesh.authored_normals.size()) mesh.authored_normals[kept] = mesh.authored_normals[i];
     mesh.triangles[kept++] = t;
   }
   mesh.triangles.resize(kept);
+  if (!mesh.authored_normals.empty()) mesh.authored_normals.resize(kept, {});
   source.resize(kept);
 }
 
@@ -163,6 +165,7 @@ void wind(TriangleMesh& mesh, const SharedEdges& edges, MendReport& report) {
     for (const std::uint32_t t : piece) {
       if (state[t] != minority) continue;
       std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+      if (!mesh.authored_normals.empty()) std::swap(mesh.authored_normals[t][1], mesh.authored_normals[t][2]);
       ++report.turned;
     }
   }

@@ -269,6 +269,7 @@ TriangleMesh make_pit(double side_m, double depth_m) {
 
 TriangleMesh flipped(TriangleMesh mesh) {
   for (Triangle& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
+  for (auto& normals : mesh.authored_normals) normals = {-normals[0], -normals[2], -normals[1]};
   return mesh;
 }
 
@@ -282,6 +283,12 @@ TriangleMesh joined(const TriangleMesh& first, const TriangleMesh& second) {
   const auto shift = static_cast<Index>(first.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), second.vertices.begin(), second.vertices.end());
   for (const auto& [a, b, c] : second.triangles) mesh.triangles.push_back({a + shift, b + shift, c + shift});
+  if (first.has_authored_normals() || second.has_authored_normals()) {
+    const std::array<Eigen::Vector3f, 3> kNone = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
+    mesh.authored_normals.resize(first.triangles.size(), kNone);
+    mesh.authored_normals.insert(mesh.authored_normals.end(), second.authored_normals.begin(), second.authored_normals.end());
+    mesh.authored_normals.resize(mesh.triangles.size(), kNone);
+  }
   return mesh;
 }
 

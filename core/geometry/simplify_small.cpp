@@ -157,6 +157,7 @@ Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m) {
   report.before = report.after = mesh.triangles.size();
   if (max_error_m == 0.0 || mesh.triangles.empty()) return report;
 
+  mesh.authored_normals.clear();  // of triangles that may be others from here on
   const std::vector<Triangle> before = std::move(mesh.triangles);
   const std::vector<float> positions = positions_in_unit_box(mesh, bounds.low, side);
   double error = max_error_m / side;

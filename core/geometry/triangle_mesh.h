@@ -18,7 +18,11 @@ using Triangle = std::array<std::uint32_t, 3>;
 struct TriangleMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
+  // The normals that the mesh's author gave the corners of each triangle, as they came: zero where there was none, not checked for length
+  // or side (corner_normals.h does). Empty when the mesh has none; else as long as triangles.
+  std::vector<std::array<Eigen::Vector3f, 3>> authored_normals = {};
 
+  bool has_authored_normals() const { return !authored_normals.empty() && authored_normals.size() == triangles.size(); }
   const Vec3& corner(std::size_t triangle, int k) const { return vertices[triangles[triangle][k]]; }
 };
 

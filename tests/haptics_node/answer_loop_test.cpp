@@ -85,6 +85,8 @@ TEST_F(AnswerLoopTest, EveryStateIsAnswered) {
   EXPECT_NEAR(pressed->force_n[2], 2.0, 1e-9);
   EXPECT_EQ(commands_, 2);
   EXPECT_EQ(loop_.compute_times().count(), 2U);
+  EXPECT_EQ(loop_.step_times().count(), 2U);
+  EXPECT_LE(loop_.step_times().max_ns(), loop_.compute_times().max_ns());
 }
 
 TEST_F(AnswerLoopTest, ABacklogGetsOneAnswerToItsNewest) {

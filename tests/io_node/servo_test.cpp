@@ -78,6 +78,7 @@ struct Servos : testing::Test {
   // How the haptics node answers; -1: not at all.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
+  std::optional<double> floor_z_m;  // set: what is touched, so that each answer has its own sample's visual offset
   // How long the vision node draws at a state; -1: it never says.
   std::int64_t draw_ns = 0;
   std::deque<std::pair<std::int64_t, Drawn>> drawing;
@@ -115,6 +116,7 @@ struct Servos : testing::Test {
     ForceCommand command = answer;
     command.echo_sample = state.sample;
     command.echo_sample_time_ns = state.sample_time_ns;
+    if (floor_z_m) command.visual_offset_m.z() = *floor_z_m - state.p_WD.z();
     say(kHaptics, command, delay_ns);
   }
 
@@ -329,6 +331,45 @@ TEST_F(Servos, vision_hears_the_probe_at_its_rate_with_offset_and_figures) {
   EXPECT_NEAR(probe.servo_rate_hz, 1000.0, 5.0);
   EXPECT_NEAR(probe.round_trip_p50_us, 100.0, 2.0);
   EXPECT_EQ(stats().probe_states_sent, probes.size());
+}
+
+// 0.5 m/s into a floor, each answer 1.3 ms late: an offset beside another sample's pose would be off by what the device moved meanwhile.
+TEST_F(Servos, vision_hears_a_pose_and_the_offset_of_the_same_sample) {
+  make();
+  device.drift.z() = -0.5e-3;
+  floor_z_m = 0.0;
+  answer_delay_ns = 1300 * kUs;
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(300);
+  double most_m = 0.0;
+  std::size_t in_contact = 0;
+  std::uint64_t last = 0;
+  for (const ProbeState& probe : probes) {
+    const DeviceState& state = states.at(states.size() - 1 - (states.back().sample - std::max(probe.sample, states.front().sample)));
+    EXPECT_GE(probe.sample, last);
+    last = probe.sample;
+    if (!probe.contact) continue;
+    ++in_contact;
+    EXPECT_EQ(probe.p_WD, state.p_WD);
+    EXPECT_EQ(probe.sample_time_ns, state.sample_time_ns);
+    most_m = std::max(most_m, std::fabs((probe.p_WD + probe.visual_offset_m).z() - *floor_z_m));
+  }
+  EXPECT_GT(in_contact, 40U);
+  EXPECT_LE(most_m, 1e-12) << "the probe is drawn beside the surface";
+}
+
+TEST_F(Servos, vision_hears_the_newest_sample_while_nobody_answers) {
+  make();
+  device.drift.z() = -0.5e-3;
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(200);
+  answer_delay_ns = -1;
+  run(60);
+  EXPECT_FALSE(probes.back().contact);
+  EXPECT_EQ(probes.back().visual_offset_m, Vec3(Vec3::Zero()));
+  EXPECT_LE(states.back().sample - probes.back().sample, 10U) << "the picture stands still";
 }
 
 TEST_F(Servos, vision_is_served_without_haptics_too) {

@@ -70,6 +70,18 @@ TEST(Replay, TheClocksOwnCostIsTakenOff) {
   EXPECT_EQ(replay.rows[0].step_ns, 0);
 }
 
+TEST(Replay, TheSummarySaysTheWorstStepAndTheTail) {
+  Replay replay;
+  for (int i = 1; i <= 2000; ++i) {
+    replay.rows.push_back({.force_n = Vec3(0, 0, i % 2), .contact = i % 2 == 1, .step_ns = i});
+  }
+  replay.rows.back().step_ns = 123456;
+  const std::string text = describe_replay(replay, {.repeat = 3});
+  EXPECT_THAT(text, ::testing::HasSubstr("2000 steps, 1000 in contact"));
+  EXPECT_THAT(text, ::testing::HasSubstr("all p50 1000 / p99 1980 / p99.9 1998 / worst 123456 ns"));
+  EXPECT_THAT(text, ::testing::HasSubstr("contact p50 999 / p99 1979 / p99.9 1997 / worst 1999 ns"));
+}
+
 TEST(Replay, CsvKeepsEveryBit) {
   const auto path = std::filesystem::temp_directory_path() / ("hapton_replay_" + std::to_string(::getpid()) + ".csv");
   const ReplayRow row = {.t_s = 0.1,

@@ -23,5 +23,25 @@ TEST(Box, TouchingBoxesOverlapAndPartedOnesDoNot) {
   EXPECT_TRUE(box.inflated(0.01).overlaps(Box::around({1.001, 0, 0}, {2, 1, 1})));
 }
 
+TEST(Box, GrowsByBoxesAndAnEmptyOneAddsNothing) {
+  Box box;
+  EXPECT_TRUE(box.is_empty());
+  box.grow(Box());
+  EXPECT_TRUE(box.is_empty());
+  box.grow(Box::around({0, 0, 0}, {1, 1, 1}));
+  box.grow(Box());
+  box.grow(Box::around({2, -1, 0}, {2, 0, 0}));
+  EXPECT_FALSE(box.is_empty());
+  EXPECT_EQ(box.low, Vec3(0, -1, 0));
+  EXPECT_EQ(box.high, Vec3(2, 1, 1));
+}
+
+TEST(Box, DistanceIsToTheNearestPoint) {
+  const Box box = Box::around({0, 0, 0}, {1, 2, 3});
+  EXPECT_EQ(box.distance_squared({0.5, 1, 3}), 0.0);
+  EXPECT_EQ(box.distance_squared({3, 1, -1}), 5.0);
+  EXPECT_EQ(Box().distance_squared({0, 0, 0}), std::numeric_limits<double>::infinity());
+}
+
 }  // namespace
 }  // namespace hapton

@@ -41,6 +41,27 @@ TEST(ObjectGeometry, NeighboursAreNearInMemory) {
   EXPECT_LT(way / object.triangle_count(), 0.006);
 }
 
+TEST(ObjectGeometry, SmoothNormalsAreTheAuthoredOnesWhereTheyAreValid) {
+  TriangleMesh mesh = make_box({1, 1, 1}, 1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::array<Eigen::Vector3f, 3> normals;
+    for (int k = 0; k < 3; ++k) normals[k] = mesh.corner(t, k).cast<float>();
+    mesh.authored_normals.push_back(normals);
+  }
+  constexpr double kCrease = 0.7;
+  const ObjectGeometry rounded(mesh, {}, kCrease);
+  for (std::uint32_t t = 0; t < rounded.triangle_count(); ++t) {
+    const Vec3& corner = rounded.corner(t, 1);
+    EXPECT_LT((rounded.smooth_normal(t, corner) - corner.normalized()).norm(), 1e-6);
+  }
+  for (auto& normals : mesh.authored_normals) normals = {-normals[0], -normals[1], -normals[2]};
+  const ObjectGeometry sharp(mesh, {}, kCrease);
+  for (std::uint32_t t = 0; t < sharp.triangle_count(); ++t) {
+    const Vec3 normal = sharp.smooth_normal(t, sharp.corner(t, 1));
+    EXPECT_NEAR(normal.cwiseAbs().maxCoeff(), 1.0, 1e-6) << "turned inwards, they are not valid";
+  }
+}
+
 TEST(ObjectGeometry, AnEmptyMeshIsEmpty) {
   const ObjectGeometry object(TriangleMesh(), {});
   EXPECT_EQ(object.triangle_count(), 0U);

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 
@@ -84,6 +88,119 @@ TEST(TouchGeometry, BuildsOnApproachAndLetsNoObjectCloseRoundTheProbe) {
   EXPECT_GT(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), static_cast<int>(near->triangles.size()));
   EXPECT_EQ(geometry.built_count(), 1U);
+}
+
+// 125 balls side by side, some of them touching.
+std::vector<std::shared_ptr<const TriangleMesh>> many_balls(int level) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  const TriangleMesh ball = make_icosphere(0.05, level);
+  for (int i = 0; i < 125; ++i) {
+    const Vec3 place(0.11 * (i % 5), 0.1 * (i / 5 % 5), 0.13 * (i / 25));
+    meshes.push_back(std::make_shared<TriangleMesh>(scaled_and_moved(ball, 1.0, place)));
+  }
+  return meshes;
+}
+
+TEST(TouchGeometry, QueriesOverManyObjectsAgreeWithBruteForce) {
+  constexpr unsigned kSeed = 21;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const TouchGeometry geometry(many_balls(1));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  const auto each = [&](auto&& visit) {
+    const auto bits = static_cast<std::uint32_t>(std::countr_zero(geometry.object_bits()));
+    for (std::uint32_t o = 0; o < 125; ++o) {
+      for (std::uint32_t t = 0; t < 80; ++t) visit(o << bits | t);
+    }
+  };
+  for (int q = 0; q < 200; ++q) {
+    const Vec3 p(place(random), place(random), place(random));
+    const Box query{p.array() - 0.08, p.array() + 0.08};
+    std::vector<std::uint32_t> found;
+    geometry.for_each_overlapping(query, [&](std::uint32_t id) { found.push_back(id); });
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+    double brute = std::numeric_limits<double>::infinity();
+    each([&](std::uint32_t id) {
+      Box box = Box::around(geometry.corner(id, 0), geometry.corner(id, 1));
+      box.grow(geometry.corner(id, 2));
+      if (box.overlaps(query)) {
+        EXPECT_TRUE(std::binary_search(found.begin(), found.end(), id));
+      }
+      brute = std::min(brute, geometry.separation(id, p).distance);
+    });
+    double best = std::numeric_limits<double>::infinity();
+    geometry.visit_nearest(p, best, [&](std::uint32_t id, double bound) {
+      const double d = geometry.separation(id, p).distance;
+      return best = std::min(bound, d * d);
+    });
+    EXPECT_DOUBLE_EQ(std::sqrt(best), brute);
+  }
+}
+
+TEST(TouchGeometry, AVisitEndsTheSearchOverAllObjects) {
+  const TouchGeometry geometry(many_balls(0));
+  int visits = 0;
+  geometry.for_each_overlapping(Box{Vec3::Constant(-2), Vec3::Constant(2)}, [&](std::uint32_t) { return ++visits < 25; });
+  EXPECT_EQ(visits, 25) << "20 triangles an object: the search went on in others";
+}
+
+// The rule itself, object by object: who must be requested at p, and how far p may go before another must.
+TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
+  constexpr unsigned kSeed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const auto meshes = many_balls(0);
+  TouchGeometry geometry(meshes, BuildPolicy::on_approach);
+  std::vector<Box> bounds(meshes.size());
+  for (std::size_t o = 0; o < meshes.size(); ++o) {
+    for (const Vec3& v : meshes[o]->vertices) bounds[o].grow(geometry.to_local(v));
+  }
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> any(0.0, 1.0);
+  std::vector<bool> requested(meshes.size(), false);
+  Vec3 p(-1.5, -1.5, -1.5);
+  Vec3 velocity = Vec3::Zero();
+  for (int step = 0; step < 4000; ++step) {
+    velocity = 0.98 * velocity + 0.0005 * Vec3(any(random), any(random), any(random)) - 0.0001 * p;
+    p += velocity;
+    const double reach = 20.0 * velocity.norm();
+    const double may_go = geometry.look_ahead(p, reach);
+    double brute = std::numeric_limits<double>::infinity();
+    for (std::size_t o = 0; o < bounds.size(); ++o) {
+      const double beyond = std::sqrt(bounds[o].distance_squared(p)) - std::max(reach, bounds[o].diagonal());
+      if (beyond <= -1e-12) requested[o] = true;
+      if (!requested[o]) brute = std::min(brute, std::max(0.0, beyond));
+    }
+    EXPECT_LE(may_go, brute + 1e-12) << "step " << step;
+    while (geometry.build_wanted()) {
+    }
+    ASSERT_EQ(geometry.built_count(), static_cast<std::size_t>(std::count(requested.begin(), requested.end(), true))) << "step " << step;
+    if (geometry.waiting_count() == 0) break;
+  }
+  EXPECT_GT(geometry.built_count(), 100U) << "the walk met too few objects to tell";
+}
+
+TEST(TouchGeometry, AnObjectWithoutTrianglesIsNotWaitedFor) {
+  const auto ball = std::make_shared<TriangleMesh>(make_icosphere(0.05, 1));
+  TouchGeometry geometry({std::make_shared<TriangleMesh>(), ball}, BuildPolicy::on_approach);
+  EXPECT_EQ(geometry.waiting_count(), 1U);
+  geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
+  EXPECT_TRUE(geometry.build_wanted());
+  EXPECT_EQ(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), std::numeric_limits<double>::infinity());
+  const TouchGeometry at_once({std::make_shared<TriangleMesh>(), ball});
+  EXPECT_EQ(at_once.triangle_count(), ball->triangles.size());
+}
+
+TEST(TouchGeometry, SaysWhenThereAreMoreTrianglesThanNumbers) {
+  auto large = std::make_shared<TriangleMesh>();
+  large->vertices.assign(3, Vec3::Zero());
+  large->triangles.assign(1U << 20U, Triangle{0, 1, 2});
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes(2048, large);
+  EXPECT_TRUE(TouchGeometry::check(meshes));
+  meshes.push_back(large);
+  const auto checked = TouchGeometry::check(meshes);
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().what.find("2049 objects"), std::string::npos) << checked.error().what;
 }
 
 }  // namespace

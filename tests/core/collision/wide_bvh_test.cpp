@@ -130,6 +130,27 @@ TEST(WideBvh, TreeOrderListsEveryItemOnceAndRenumberingFollows) {
   for (const Box& query : random_boxes(50, 0.3, random)) expect_same_as_brute_force(reordered, tree, query);
 }
 
+TEST(WideBvh, RefittedItemsAreFoundWhereTheyAreAndNowhereElse) {
+  constexpr unsigned kSeed = 8;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::vector<Box> boxes = random_boxes(600, 0.1, random);
+  WideBvh tree(boxes);
+  const WideBvh::Parents parents = tree.find_parents();
+  ASSERT_EQ(parents.of_item.size(), boxes.size());
+  const std::vector<Box> others = random_boxes(600, 0.3, random);
+  for (std::uint32_t i = 0; i < boxes.size(); i += 2) {
+    boxes[i] = i % 6 == 0 ? Box() : others[i];
+    tree.refit(i, boxes[i], parents);
+  }
+  for (const Box& query : random_boxes(60, 0.3, random)) expect_same_as_brute_force(boxes, tree, query);
+  // Back again: no box above stays larger than it must be.
+  const std::vector<Box> first = random_boxes(600, 0.1, random);
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) tree.refit(i, first[0], parents);
+  EXPECT_EQ(found_by(tree, first[0]).size(), boxes.size());
+  EXPECT_TRUE(found_by(tree, Box::around({-3, -3, -3}, {-2, -2, -2})).empty());
+}
+
 TEST(WideBvh, QueriesTakeNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   std::mt19937_64 random(3);

@@ -106,6 +106,8 @@ TEST(SmoothScene, FollowsMovedVerticesAsIfBuiltAnew) {
   touch.objects[1].mesh = mesh;
   const auto anew = SmoothScene::build(touch, {});
   ASSERT_TRUE(anew);
+  EXPECT_EQ(moved->diagonal(), anew->diagonal());
+  EXPECT_EQ(moved->center(), anew->center());
   const auto one = std::make_unique<LocalSet>();
   const auto other = std::make_unique<LocalSet>();
   for (const Vec3& p : {Vec3(0.0, 0.0, 0.09), Vec3(0.03, 0.02, 0.0), Vec3(0.2, 0.1, 0.0)}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -44,6 +45,66 @@ TEST(CornerNormals, OfABoxAreItsFaces) {
   const ShadedMesh rounded = shade(mesh, 180.0, smooth);
   EXPECT_EQ(smooth.sharp_edges, 0U);
   EXPECT_EQ(smooth.normals, mesh.vertices.size());
+}
+
+// A box whose author rounded it: the normal at each corner points from the middle.
+TriangleMesh rounded_box() {
+  TriangleMesh mesh = make_box(Vec3(1, 1, 1), 1);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::array<Eigen::Vector3f, 3> normals;
+    for (int k = 0; k < 3; ++k) normals[k] = 7.0F * mesh.corner(t, k).cast<float>();
+    mesh.authored_normals.push_back(normals);
+  }
+  return mesh;
+}
+
+TEST(CornerNormals, AuthoredOnesReplaceComputedOnes) {
+  const TriangleMesh mesh = rounded_box();
+  CornerNormalReport report;
+  ShadedMesh shaded = shade(mesh, 40.0, report);
+  const std::size_t computed = shaded.normals.size();
+  const AuthoredNormalReport authored = use_authored_normals(mesh, shaded);
+  EXPECT_EQ(authored.given, 36U);
+  EXPECT_EQ(authored.used, 36U);
+  EXPECT_EQ(shaded.normals.size(), computed + 8U) << "equal ones at a vertex are one";
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) EXPECT_LT((shaded.normal(t, k) - mesh.corner(t, k).normalized()).norm(), 1e-6);
+  }
+  EXPECT_EQ(check_corner_normals(shaded).repaired(), 0U);
+}
+
+TEST(CornerNormals, AuthoredOnesThatAreNotValidFallBackToComputedOnes) {
+  TriangleMesh mesh = rounded_box();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  mesh.authored_normals[0] = {Eigen::Vector3f::Zero(), Eigen::Vector3f(nan, 0, 1), -mesh.authored_normals[0][2]};
+  CornerNormalReport report;
+  const ShadedMesh computed = shade(mesh, 40.0, report);
+  ShadedMesh shaded = computed;
+  const AuthoredNormalReport authored = use_authored_normals(mesh, shaded);
+  EXPECT_EQ(authored.given, 35U);
+  EXPECT_EQ(authored.used, 33U);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(shaded.normal(0, k), computed.normal(0, k));
+  EXPECT_NE(shaded.normal(1, 0), computed.normal(1, 0));
+  EXPECT_NE(authored.describe().find("33 used"), std::string::npos) << authored.describe();
+}
+
+TEST(CornerNormals, AMeshWithoutAuthoredOnesKeepsTheComputedOnes) {
+  const TriangleMesh mesh = make_box(Vec3(1, 1, 1), 1);
+  CornerNormalReport report;
+  ShadedMesh shaded = shade(mesh, 40.0, report);
+  const std::size_t before = shaded.normals.size();
+  EXPECT_EQ(use_authored_normals(mesh, shaded).given, 0U);
+  EXPECT_EQ(shaded.normals.size(), before);
+  EXPECT_EQ(count_authored_normals(mesh).describe(), "none");
+}
+
+TEST(CornerNormals, AuthoredOnesOfAFlippedMeshPointTheOtherWay) {
+  const TriangleMesh turned = flipped(rounded_box());
+  EXPECT_EQ(count_authored_normals(turned).used, 36U);
+  const TriangleMesh both = joined(make_box(Vec3(3, 3, 3), 1), rounded_box());
+  ASSERT_TRUE(both.has_authored_normals());
+  EXPECT_EQ(count_authored_normals(both).given, 36U);
+  EXPECT_EQ(count_authored_normals(both).used, 36U);
 }
 
 // The angle, not the number of triangles, gives a face its weight.

@@ -1,0 +1,27 @@
+#include "core/collision/object_hierarchy.h"
+
+namespace hapton {
+
+// An object without bounds gets a place in the tree as well, in the middle of the others, and is emptied afterwards.
+ObjectHierarchy::ObjectHierarchy(std::span<const Box> bounds) : bounds_(bounds.begin(), bounds.end()) {
+  Box all;
+  for (const Box& box : bounds_) all.grow(box);
+  const Vec3 middle = all.is_empty() ? Vec3(Vec3::Zero()) : all.center();
+  tree_ = WideBvh(bounds_.size(), [&](std::size_t i) { return bounds_[i].is_empty() ? Box{middle, middle} : bounds_[i]; });
+  parents_ = tree_.find_parents();
+  for (std::uint32_t i = 0; i < bounds_.size(); ++i) {
+    if (bounds_[i].is_empty()) tree_.refit(i, Box(), parents_);
+  }
+}
+
+std::size_t ObjectHierarchy::bytes() const {
+  return tree_.bytes() + bounds_.capacity() * sizeof(Box) +
+         (parents_.of_item.capacity() + parents_.of_node.capacity()) * sizeof(std::uint32_t);
+}
+
+void ObjectHierarchy::refit(std::uint32_t object, const Box& bounds) noexcept {
+  bounds_[object] = bounds;
+  tree_.refit(object, bounds, parents_);
+}
+
+}  // namespace hapton

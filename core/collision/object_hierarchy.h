@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/collision/box.h"
+#include "core/collision/wide_bvh.h"
+
+namespace hapton {
+
+// The upper level over the objects of a scene: a tree over their bounds, so that a query costs what lies near it, however many objects
+// there are (fdh-rendering.txt, section 3; we differ in axis-aligned boxes). An object may have no bounds (an empty box): no query finds it
+// until a refit gives it some.
+//
+// A moved object is refitted: its box and those above it are set anew, so queries stay exact. What objects that travel far cost is speed,
+// never completeness: build a new hierarchy outside the step when most have left their places.
+// Frame, units: those of the bounds. Pre: bounds lie within WideBvh::kFarthest of zero.
+// Threads: const calls from any number, none beside refit. RT: queries and refit yes; construction set-up only.
+class ObjectHierarchy {
+ public:
+  ObjectHierarchy() = default;
+  explicit ObjectHierarchy(std::span<const Box> bounds);
+
+  std::size_t object_count() const { return bounds_.size(); }
+  const Box& bounds(std::uint32_t object) const { return bounds_[object]; }
+  std::size_t bytes() const;
+
+  // The object has other bounds from now on. Work: one node a level of the tree.
+  void refit(std::uint32_t object, const Box& bounds) noexcept;
+
+  // Calls visit(object) for every object whose bounds overlap the query. A visit that returns a bool ends the search by false.
+  template <class Visit>
+  void for_each_overlapping(const Box& query, Visit&& visit) const;
+
+  // Calls bound_squared = visit(object, bound_squared) for every object whose bounds lie nearer to p than sqrt(bound_squared), in roughly
+  // increasing distance. A visit never returns a larger bound than it was given.
+  template <class Visit>
+  void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
+
+  // Calls until = visit(object, until) for every object whose bounds come within `radius` of the segment from p to p + motion before the
+  // time `until` of its 0..1, roughly in the order they are met; others that nearly do are visited, too.
+  template <class Visit>
+  void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const {
+    tree_.visit_along(p, motion, radius, until, std::forward<Visit>(visit));
+  }
+
+ private:
+  std::vector<Box> bounds_;
+  WideBvh tree_{std::span<const Box>()};
+  WideBvh::Parents parents_;
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class Visit>
+void ObjectHierarchy::for_each_overlapping(const Box& query, Visit&& visit) const {
+  tree_.for_each_overlapping(query, [&](std::uint32_t object) {
+    if (!bounds_[object].overlaps(query)) return true;  // the tree's boxes are rounded outward
+    if constexpr (std::is_same_v<decltype(visit(object)), bool>) return visit(object);
+    visit(object);
+    return true;
+  });
+}
+
+template <class Visit>
+void ObjectHierarchy::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
+  tree_.visit_nearest(p, bound_squared, [&](std::uint32_t object, double bound) {
+    return bounds_[object].distance_squared(p) < bound ? visit(object, bound) : bound;
+  });
+}
+
+}  // namespace hapton

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "core/force/touch_scene.h"
+
+namespace hapton {
+
+// The one material of a contact that several active constraints hold: stiffness, damping and friction are the means of the constraints'
+// materials, weighted by their multipliers. A constraint whose multiplier falls to zero has no weight when it is released, so the force has
+// no discontinuity there; constraints of one material give exactly that material. The force stays along the penetration vector.
+//
+// Where all multipliers are zero the first constraint's material stands. two_sided is the first constraint's.
+// RT: yes.
+class ContactMaterial {
+ public:
+  // multiplier: >= 0, in any unit that is the same for all.
+  void add(const Material& material, double multiplier) noexcept {
+    if (!any_) mean_ = material;
+    any_ = true;
+    if (!(multiplier > 0.0)) return;
+    sum_ += multiplier;
+    // Incrementally, so that equal values stay what they are: their differences are zero.
+    const double share = multiplier / sum_;
+    if (share == 1.0) {  // the first with a weight
+      const bool two_sided = mean_.two_sided;
+      mean_ = material;
+      mean_.two_sided = two_sided;
+      return;
+    }
+    mean_.stiffness_n_per_m += share * (material.stiffness_n_per_m - mean_.stiffness_n_per_m);
+    mean_.damping_ns_per_m += share * (material.damping_ns_per_m - mean_.damping_ns_per_m);
+    mean_.friction_static += share * (material.friction_static - mean_.friction_static);
+    mean_.friction_dynamic += share * (material.friction_dynamic - mean_.friction_dynamic);
+  }
+
+  const Material& mean() const noexcept { return mean_; }
+
+ private:
+  Material mean_;
+  double sum_ = 0.0;
+  bool any_ = false;
+};
+
+}  // namespace hapton
