@@ -143,7 +143,9 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
     hidden += static_cast<int>(felt.hidden);
   }
   EXPECT_GE(hidden, least_hidden);
-  if (least_hidden > 0) EXPECT_GT(felt_several, 100);
+  if (least_hidden > 0) {
+    EXPECT_GT(felt_several, 100);
+  }
 }
 
 TEST(Algorithm1, IsThePapersOnASphere) { expect_as_transcribed(make_icosphere(0.05, 3), 0.004, 0.004, 201, 0); }
