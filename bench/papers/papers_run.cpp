@@ -35,8 +35,8 @@ Result<void> measure_grid(const PapersMesh& car, PapersReport& report) {
   const auto grid = UniformGrid::make(triangles, {kMemoDivision, kMemoDivision, kMemoDivision});
   if (!grid) return tl::unexpected(grid.error());
   const GridOccupancy& full = grid->occupancy();
-  const std::string how = fmt::format("{}, {} triangles; not the memo's own car; a triangle is in every cell it touches",
-                                      car.name, triangles.size());
+  const std::string how =
+      fmt::format("{}, {} triangles; not the memo's own car; a triangle is in every cell it touches", car.name, triangles.size());
   fill_in(report, "memo.grid_occupied", 100.0 * full.occupied_share(), how);
   fill_in(report, "memo.grid_mean", full.mean_triangles_a_cell(), "the same");
   fill_in(report, "memo.grid_max", static_cast<double>(full.max_triangles_a_cell), "the same");
