@@ -36,7 +36,8 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->capture_default_str();
   app.add_option("--set-size", options.method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
   app.add_option("--radius", options.method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data")->capture_default_str();
-  app.add_option("--layer", options.method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1")
+  app.add_option("--layer", options.method.smooth_layer,
+                 "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
       ->capture_default_str();
   app.add_option("--directions", options.method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26")->capture_default_str();
   app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees are felt sharp")

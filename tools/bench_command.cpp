@@ -3,6 +3,7 @@
 #include "tools/bench_haptons_command.h"
 #include "tools/bench_numbers_command.h"
 #include "tools/bench_objects_command.h"
+#include "tools/bench_papers_command.h"
 #include "tools/bench_pareto_command.h"
 
 namespace hapton {
@@ -14,6 +15,7 @@ void add_bench_command(CommandLine app, int& exit_code) {
   add_bench_haptons_command(bench, exit_code);
   add_bench_numbers_command(bench, exit_code);
   add_bench_objects_command(bench, exit_code);
+  add_bench_papers_command(bench, exit_code);
   add_bench_pareto_command(bench, exit_code);
 }
 

@@ -23,7 +23,10 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
       .shows_default();
   command.add_option("--set-size", method.set_size, "smooth: triangles in the local set, 16 to 256").shows_default();
   command.add_option("--radius", method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data").shows_default();
-  command.add_option("--layer", method.smooth_layer, "smooth: share of RADIUS over which force builds up outside, 0 to 1").shows_default();
+  command
+      .add_option("--layer", method.smooth_layer,
+                  "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
+      .shows_default();
   command.add_option("--directions", method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26").shows_default();
   command.add_option("--grid", flags.grid, "sweep: cells along each axis, N or NxNxN").shows_default();
   command.add_option("--offset-in", flags.offset_in, "sweep: length of the offset vector, inches").positive("inches").shows_default();

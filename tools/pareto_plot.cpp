@@ -34,8 +34,9 @@ struct Style {
   std::string_view color;
 };
 constexpr std::array kStyles = {
-    Style{"proxy point", 7, "#0050c8"}, Style{"proxy sphere", 5, "#56b4e9"}, Style{"sweep", 9, "#d55e00"},
-    Style{"smooth", 13, "#009e73"},     Style{"reference", 2, "#000000"},    Style{"reference sphere", 1, "#7f7f7f"},
+    Style{"proxy point", 7, "#0050c8"},      Style{"proxy sphere", 5, "#56b4e9"},  Style{"sweep", 9, "#d55e00"},
+    Style{"smooth", 13, "#009e73"},          Style{"smooth layer", 12, "#cc79a7"}, Style{"reference", 2, "#000000"},
+    Style{"reference sphere", 1, "#7f7f7f"},
 };
 
 // gnuplot reads _ and the like as markup.
@@ -174,7 +175,8 @@ std::string make_pareto_plot(const std::vector<ParetoMark>& marks, const std::st
       "set terminal pngcairo size {},{} font 'sans,10'\n"
       "set output '{}'\n"
       "set multiplot layout {},{} title \"Contact step: time against force error\\n"
-      "sweep: cells along an axis; smooth: triangles in the set, or d: directions of its hulls\"\n"
+      "sweep: cells along an axis; smooth, smooth layer (the FDH paper at full strength): triangles in the set, or d: directions of its "
+      "hulls\"\n"
       "set xlabel 'contact step, p99, us'\nset ylabel 'force error, RMS, %'\n"
       "set logscale xy\nset xrange [{}:{}]\nset yrange [{}:{}]\n"
       "set format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"

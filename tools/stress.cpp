@@ -54,6 +54,7 @@ std::string again(const StressResult& result, const StressFinding& finding, cons
              "--method {} --body {} --seed {} --scale {:g} --offset {:g} --friction-static {:g} --friction-dynamic {:g} --episode {}",
              plan.method.name, result.body, plan.seed, result.variant.scale, result.variant.offset_extents, result.variant.friction_static,
              result.variant.friction_dynamic, finding.episode) +
+         (plan.method.smooth_layer > 0.0 ? fmt::format(" --layer {:g}", plan.method.smooth_layer) : "") +
          (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "");
 }
 
@@ -162,6 +163,7 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
   const MachineInfo machine = read_machine_info();
   Json json{{"schema", "hapton.stress/1"},
             {"method", plan.method.name},
+            {"smooth_layer", plan.method.smooth_layer},
             {"seed", plan.seed},
             {"machine",
              {{"host", machine.host},

@@ -118,6 +118,11 @@ void add_stress_command(CommandLine app, int& exit_code) {
   const CommandLine command = app.add_subcommand("stress", "Numerical torture of a force method; exit code 0 only without any fault");
   command.add_option("--method", options->plan.method.name, "Which method, one of: " + method_names()).shows_default();
   command
+      .add_option("--layer", options->plan.method.smooth_layer,
+                  "smooth: share of RADIUS over which force builds up outside; 1 is the FDH paper's Algorithm 1 at full strength")
+      .between(0.0, 1.0)
+      .shows_default();
+  command
       .add_option("--steps", options->plan.steps,
                   "At least so many a body, shared by all scales and places: an episode, of up to 400, is never cut short. Where one scale "
                   "gets 10,000, walks of 20,000 steps come on top")

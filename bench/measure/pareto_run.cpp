@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/force/smooth_force.h"
 #include "core/geometry/mesh_measures.h"
 
 namespace hapton {
@@ -43,6 +44,14 @@ std::vector<Candidate> make_candidates(double extent_m) {
     add("smooth", fmt::format("fdh 14, set {}", n), [n](MethodSettings& s) {
       s.name = "smooth";
       s.set_size = n;
+    });
+  }
+  // The FDH paper at full strength: its force begins RADIUS outside the surface.
+  for (const int n : {16, 32, 64, 128, 256}) {
+    add("smooth layer", fmt::format("fdh 14, set {}, layer 1", n), [n](MethodSettings& s) {
+      s.name = "smooth";
+      s.set_size = n;
+      s.smooth_layer = kFdhPaperLayer;
     });
   }
   for (const int n : {6, 18, 26}) {
@@ -92,6 +101,7 @@ Json row_json(const MethodRow& row) {
           {"method", row.settings.name},
           {"family", row.family},
           {"structure", row.structure},
+          {"smooth_layer", row.settings.smooth_layer},
           {"precision", "double"},
           {"probe_radius_m", row.settings.probe_radius_m},
           {"steps", row.steps},
@@ -116,7 +126,7 @@ Json row_json(const MethodRow& row) {
 std::string label_of(const MethodRow& row) {
   const MethodSettings& s = row.settings;
   if (row.family == "sweep") return fmt::format("{}", s.grid_division[0]);
-  if (row.family != "smooth") return {};
+  if (s.name != "smooth") return {};
   return s.hull_directions == MethodSettings{}.hull_directions ? fmt::format("{}", s.set_size) : fmt::format("d{}", s.hull_directions);
 }
 

@@ -23,7 +23,7 @@ struct ParetoSettings {
 struct MethodRow {
   std::string mesh;
   std::size_t triangles = 0;
-  std::string family;  // "proxy point", "proxy sphere", "sweep", "smooth", "reference": one mark in the plot
+  std::string family;  // "proxy point", "proxy sphere", "sweep", "smooth", "smooth layer", "reference": one mark in the plot
   MethodSettings settings;
   std::string structure;  // "neighbourhood + wide", "grid 32", "fdh 14, set 64"
   std::size_t steps = 0;

@@ -8,6 +8,10 @@
 
 namespace hapton {
 
+// The share of RADIUS (MethodSettings::smooth_layer) at which f fills all of it: Algorithm 1 as the paper prints it, where every triangle
+// with d in 0..RADIUS exerts a force outside the surface. `--method smooth --layer 1` is that preset.
+constexpr double kFdhPaperLayer = 1.0;
+
 // Algorithm 1 of fdh-rendering.txt: the force that a set of triangles exerts on a probe near it, with smooth normals. In the paper's
 // symbols: P the probe, T a triangle, B the nearest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i
 // the distance from it, D the virtual contact point (VCP), f the force law. Decisions where the paper leaves a choice:

@@ -73,6 +73,7 @@ class SmoothMethod final : public ForceMethod {
 
   const SmoothCounters& counters() const { return counters_; }
   double radius_m() const { return radius_; }
+  double layer_m() const { return layer_; }  // where f begins outside the surface
   bool is_inside() const { return inside_; }
   const LocalSet& local_set() const { return set_; }
 

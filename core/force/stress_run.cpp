@@ -7,6 +7,7 @@
 
 #include "core/force/certain_rest.h"
 #include "core/force/reference_method.h"
+#include "core/force/smooth_method.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/point_in_mesh.h"
@@ -174,7 +175,7 @@ struct StressRun::Inside {
 
   bool rubs() const { return settings.material.friction_static > 0.0; }
   // A room is convex: without friction and damping its proxy is a projection onto a convex set.
-  bool shows_pops() const { return body.room && !rubs() && settings.material.damping_ns_per_m == 0.0; }
+  bool shows_pops() const { return body.room && !rubs() && settings.material.damping_ns_per_m == 0.0 && layer == 0.0; }
 
   bool looks_for(StressFault fault) const {
     switch (fault) {
@@ -212,6 +213,7 @@ struct StressRun::Inside {
   TriangleMesh walk_mesh;
   SurfaceWalk walk;
   double probe_radius = 0.0;
+  double layer = 0.0;  // smooth: how far outside the surface its force begins; it may add that much to the spring
   std::optional<PointInMesh> solid;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> borders;
   TouchScene scene;
@@ -233,6 +235,7 @@ Result<StressRun> StressRun::make(const StressBody& body, const StressSettings& 
   auto made = maker(inside->method_with_probe, inside->scene);
   if (!made) return tl::unexpected(made.error());
   inside->method = std::move(*made);
+  if (const auto* smooth = dynamic_cast<const SmoothMethod*>(inside->method.get())) inside->layer = smooth->layer_m();
   auto judge = ReferenceMethod::make_reference(inside->method_with_probe, inside->scene);
   if (!judge) return tl::unexpected(judge.error());
   inside->judge = std::move(*judge);
@@ -278,7 +281,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     const double play = extent * (kRelative + 1e-15 * in.settings.offset_extents);
     const bool undamped = in.settings.material.damping_ns_per_m == 0.0;
     if (felt.contact != (felt.force_n.norm() > 0.0)) note(StressFault::kBroken, 0.0);
-    if (undamped && (felt.force_n - stiffness * stretch).norm() > stiffness * (play + kRelative * length))
+    if (undamped && (felt.force_n - stiffness * stretch).norm() > stiffness * (play + kRelative * length + in.layer))
       note(StressFault::kBroken, (felt.force_n / stiffness - stretch).norm());
     if (!felt.contact && length > play) note(StressFault::kBroken, length);
     if (in.solid) {

@@ -68,7 +68,7 @@ TEST(Pareto, MeasuresEveryMethodAndStructure) {
       report);
   ASSERT_TRUE(done.has_value()) << done.error().what;
   EXPECT_EQ(report.queries.size(), structures.size());
-  for (const char* family : {"proxy point", "proxy sphere", "sweep", "smooth", "reference"}) {
+  for (const char* family : {"proxy point", "proxy sphere", "sweep", "smooth", "smooth layer", "reference"}) {
     EXPECT_TRUE(std::any_of(report.methods.begin(), report.methods.end(), [&](const MethodRow& row) { return row.family == family; }))
         << family;
   }

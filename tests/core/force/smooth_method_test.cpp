@@ -334,6 +334,33 @@ TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
   EXPECT_LT(with->counters().selections, alone->counters().selections / 4);
 }
 
+// The paper at full strength (--layer 1) lives on the slow task's sets as well: a run in which none is offered fails here.
+TEST(SmoothMethod, TheLayerLivesOnOfferedSets) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
+  auto told = SmoothMethod::make({.smooth_layer = kFdhPaperLayer}, scene_of(mesh));
+  ASSERT_TRUE(told) << told.error().what;
+  auto& method = dynamic_cast<SmoothMethod&>(**told);
+  EXPECT_DOUBLE_EQ(method.layer_m(), method.radius_m());
+  const auto alone = make(scene_of(mesh), with_size(64, kFdhPaperLayer));
+  method.reset(Vec3(0.07, 0, 0));
+  alone->reset(Vec3(0.07, 0, 0));
+  int outside = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double a = 2e-3 * i;
+    const Vec3 P = (0.0487 + 0.0025 * std::sin(0.02 * i)) * Vec3(std::cos(a), std::sin(a), 0.1 * std::sin(5.0 * a)).normalized();
+    const MethodOutput felt = method.step({.p_SD = P});
+    ASSERT_EQ(felt.force_n, alone->step({.p_SD = P}).force_n) << i;
+    outside += felt.contact && !method.is_inside() ? 1 : 0;
+    if (i % 10 == 0) {
+      while (method.prepare()) {
+      }
+    }
+  }
+  EXPECT_GT(outside, 100) << "the layer is felt before the surface is reached";
+  EXPECT_GT(method.counters().offered, 50U) << "no set ever came from the slow task";
+  EXPECT_LT(method.counters().selections, alone->counters().selections / 2);
+}
+
 TEST(SmoothMethod, PrepareMayRunBesideStep) {
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const std::vector<Vec3> way = wander(mesh, 105, 4000);

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bench/papers/papers_report.h"
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// A mesh under the name that the report gives it.
+struct PapersMesh {
+  std::string name;
+  std::shared_ptr<const TriangleMesh> mesh;
+};
+
+struct PapersSettings {
+  std::uint64_t seed = 1;
+  std::size_t steps = 12000;    // of the slides for force rates and hulls
+  double touch_seconds = 12.0;  // of the two tasks, at each rate
+  double hapton_seconds = 5.0;
+  TimingBudget budget{.repetitions = 5, .seconds = 3.0};  // of one figure
+};
+
+// Fills in all rows but those of the nodes. Car: the memo's object of 3,300 polygons; paper_mesh: the FDH paper's of some 20,000 triangles.
+// Error: a mesh or method that cannot be used; a slow task that gave no set. A row that cannot be measured says why. RT: set-up only.
+Result<void> measure_papers(const PapersSettings& settings, const Stopwatch& watch, const PapersMesh& car, const PapersMesh& paper_mesh,
+                            const std::function<void(const std::string&)>& progress, PapersReport& report);
+
+}  // namespace hapton
