@@ -137,6 +137,14 @@ struct StressRun::Inside {
     });
   }
 
+  bool is_on_surface(const Vec3& p, double within) const {
+    const TriangleMesh& mesh = body.touched;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (closest_point(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2), p).distance <= within) return true;
+    }
+    return false;
+  }
+
   // The reference, which asks every triangle, comes there too: round an edge or corner that the straight way cuts.
   bool leads_round(const Vec3& from, const Vec3& to) const { return (judge->settle_from(from, to).p_SP - to).norm() <= kRelative * extent; }
 
@@ -156,8 +164,11 @@ struct StressRun::Inside {
   template <class Note>
   void judge_rest(const Vec3& p, const Vec3& device, const Note& note) const {
     const double length = (p - device).norm();
-    const double gain = length - (judge->settle_from(p, device).p_SP - device).norm();
+    const Vec3 end = judge->settle_from(p, device).p_SP;
+    const double gain = length - (end - device).norm();
     if (!(gain > kLagGain * extent)) return;
+    // A judge that ends on the other side of a closed surface went through it, and proves nothing.
+    if (is_wrong(end) && solid->compute_distance(end) > 2.0 * kInsideShare * extent && !is_wrong(p)) return;
     // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
     const double depth = solid ? solid->compute_distance(device) : extent;
     if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device)) return;
@@ -296,6 +307,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       }
     } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP) &&
                !in.leads_round(felt_before.p_SP, felt.p_SP)) {
+      // On the surface to the last digit a place has no side: the next one off it is judged, from the last one off it.
+      if (in.is_on_surface(felt.p_SP, play)) continue;
       note(StressFault::kThrough, (device - before).norm());
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.
