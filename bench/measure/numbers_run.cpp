@@ -210,7 +210,7 @@ class Numbers {
     double most_n = 0.0;
     for (const double radius : {0.0, kSphere_m}) {
       progress_(fmt::format("reference over {} steps, probe of {:g} mm", heads.p_SD.size(), 1e3 * radius));
-      const auto reference = run_references(watch_, scene_of(mesh_), heads, radius);
+      const auto reference = run_reference(watch_, scene_of(mesh_), heads, radius);
       if (!reference) return tl::unexpected(reference.error());
       for (const int exponent : settings_.scale_exponents) {
         progress_(fmt::format("falls at scale 1e{}, probe of {:g} mm", exponent, 1e3 * radius));
@@ -269,20 +269,22 @@ class Numbers {
     if (!slide) return tl::unexpected(slide.error());
     const std::size_t pieces = (slide->p_SD.size() + slide->reset_every - 1) / slide->reset_every;
     const TouchTrajectory heads = take_heads(*slide, std::max<std::size_t>(2, settings_.judged_steps / pieces));
-    const auto reference = run_references(watch_, scene_of(mesh), heads, probe_radius_m);
+    const auto reference = run_reference(watch_, scene_of(mesh), heads, probe_radius_m);
     if (!reference) return tl::unexpected(reference.error());
     const auto felt = feel(proxy_of(probe_radius_m), scene_of(mesh), heads);
     if (!felt) return tl::unexpected(felt.error());
     const ForceError error = reference->judge(*felt);
     const std::string name = "force error, frictionless slide, " + what;
     const std::string note = fmt::format(
-        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}", error.contact_steps,
-        slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops);
+        "{} contact steps of {}, the first {} of each piece; {} branch switches of {} steps, {} not settled; falls {}, ghosts {}, locks "
+        "{}, pops {}",
+        error.contact_steps, slide->p_SD.size(), heads.reset_every, error.branch_switches, error.switched_steps, error.unsettled_steps,
+        error.falls, error.ghosts, error.locks, error.pops);
     const auto of_a_point = [&](const char* quoted) { return probe_radius_m == 0.0 ? quoted : ""; };
-    add({name, "p50", "%", std::nullopt, false, of_a_point("6.4 (70 k)"), {}, 100.0 * error.all.p50, note});
-    add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.all.p99, note});
-    add({name, "RMS", "%", 1.0, false, of_a_point("23 (70 k), 2000 (1.3 M)"), {}, 100.0 * error.all.rms, note});
-    add({name, "RMS away from basin changes", "%", 0.1, false, "", {}, 100.0 * error.away.rms, note});
+    add({name, "p50", "%", std::nullopt, false, of_a_point("6.4 (70 k)"), {}, 100.0 * error.error.p50, note});
+    add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.error.p99, note});
+    add({name, "RMS", "%", 1.0, false, of_a_point("23 (70 k), 2000 (1.3 M)"), {}, 100.0 * error.error.rms, note});
+    add({name, "max", "%", 0.1, false, "", {}, 100.0 * error.error.most, note});
     add({name, "direction, p50", "deg", std::nullopt, false, of_a_point("3.7"), {}, kDegrees * error.direction_rad.p50, note});
     return {};
   }

@@ -64,7 +64,7 @@ TEST(Numbers, MeasureEveryRow) {
     }
   }
   const auto json = nlohmann::json::parse(to_json(*report));
-  EXPECT_EQ(json["schema"], "hapton.bench/1");
+  EXPECT_EQ(json["schema"], "hapton.bench/2");
   EXPECT_EQ(json["rows"].size(), report->rows.size());
 }
 
