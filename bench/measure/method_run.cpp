@@ -46,7 +46,8 @@ MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, Touc
   std::vector<std::uint8_t> free(steps);
   std::transform(contact.begin(), contact.end(), free.begin(), [](std::uint8_t c) { return c == 0 ? 1 : 0; });
   timing.all = spread_of_times(timed.least.ns());
-  timing.contact = spread_of_times(timed.least.only(contact));
+  timing.contact_ns = timed.least.only(contact);
+  timing.contact = spread_of_times(timing.contact_ns);
   timing.free = spread_of_times(timed.least.only(free));
   timing.mean_ns = timed.mean_ns;
   timing.repetitions = timed.repetitions;

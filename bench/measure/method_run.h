@@ -17,9 +17,10 @@ struct MethodTiming {
   TimeSpread all, contact, free;  // of the least times over repetitions
   double mean_ns = 0.0;           // of all steps, no clock in between
   int repetitions = 0;
-  double build_ms = 0.0;       // make_method, once
-  std::size_t bytes = 0;       // by which the heap grew while it was built: all the method holds
-  std::vector<FeltStep> felt;  // of the last repetition
+  double build_ms = 0.0;           // make_method, once
+  std::size_t bytes = 0;           // by which the heap grew while it was built: all the method holds
+  std::vector<FeltStep> felt;      // of the last repetition
+  std::vector<double> contact_ns;  // the least time of each contact step
 };
 
 // RT: set-up only. Error: as make_method.

@@ -163,6 +163,7 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
     const ReferenceRun& reference = candidate.settings.probe_radius_m > 0.0 ? references[1].second : references[0].second;
     row.error = reference.judge(*felt);
     timing->felt.clear();
+    timing->contact_ns.clear();
     row.timing = std::move(*timing);
     report.methods.push_back(std::move(row));
   }
