@@ -26,6 +26,7 @@ void for_each_setting(S& s, Visit&& visit) {
   visit("shading", s.shading);
   visit("probe_radius_m", s.probe_radius_m);
   visit("reference_substeps", s.reference_substeps);
+  visit("reference_substep_limit", s.reference_substep_limit);
 }
 
 std::string write(const std::array<int, 3>& value) { return fmt::format("{}x{}x{}", value[0], value[1], value[2]); }

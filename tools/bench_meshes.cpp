@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <system_error>
@@ -50,6 +52,18 @@ std::filesystem::path find_mesh_folder() {
   std::error_code ignored;
   if (std::filesystem::is_directory("meshes", ignored)) return "meshes";
   return std::filesystem::path(HAPTON_SOURCE_FOLDER) / "meshes";
+}
+
+std::vector<std::string> find_mesh_files(const std::filesystem::path& folder) {
+  constexpr std::array<std::string_view, 5> kMeshes = {".glb", ".gltf", ".obj", ".ply", ".stl"};
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (std::find(kMeshes.begin(), kMeshes.end(), entry.path().extension().string()) != kMeshes.end())
+      files.push_back(entry.path().filename().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 Result<void> check_writable(const std::filesystem::path& folder) {

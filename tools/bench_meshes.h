@@ -22,6 +22,9 @@ Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesyste
 // Where the project's meshes lie: ./meshes where there is one, else those this program was built beside.
 std::filesystem::path find_mesh_folder();
 
+// The names of all mesh files in the folder, in order; empty where there is none.
+std::vector<std::string> find_mesh_files(const std::filesystem::path& folder);
+
 // Makes the folder and tries to write there, so that a long measurement does not find out at its end. Error: one line with the path.
 Result<void> check_writable(const std::filesystem::path& folder);
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <thread>
 
+#include "core/force/reference_method.h"
 #include "core/geometry/mesh_measures.h"
 
 namespace hapton {
@@ -15,10 +16,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void run_segment(ForceMethod& method, const TouchTrajectory& trajectory, std::size_t from, std::size_t to, std::vector<FeltStep>& felt) {
+  const auto* const reference = dynamic_cast<const ReferenceMethod*>(&method);
   method.reset(trajectory.p_SD[from]);
   for (std::size_t i = from; i < to; ++i) {
     const MethodOutput output = method.step({.p_SD = trajectory.p_SD[i]});
-    felt[i] = {trajectory.p_SD[i], output.p_SP, output.force_n};
+    felt[i] = {trajectory.p_SD[i], output.p_SP, output.force_n, reference == nullptr || reference->last_step().settled};
   }
 }
 
@@ -70,17 +72,15 @@ Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& 
   MethodSettings reference = settings.method;
   reference.name = "reference";
   reference.reference_substeps = settings.substeps;
-  MethodSettings finer = reference;
-  finer.reference_substeps = settings.finer_substeps;
+  reference.reference_substep_limit = settings.substep_limit;
   if (auto done = run(settings.method, judgement.method); !done) return tl::unexpected(done.error());
   if (auto done = run(reference, judgement.reference); !done) return tl::unexpected(done.error());
-  if (auto done = run(finer, judgement.finer_reference); !done) return tl::unexpected(done.error());
   ForceErrorSettings error;
   error.stiffness_n_per_m = scene.objects.front().material.stiffness_n_per_m;
   error.extent_m = 0.0;
   for (const TouchObject& object : scene.objects) error.extent_m = std::max(error.extent_m, compute_bounds(*object.mesh).extent());
   error.reset_every = trajectory.reset_every;
-  judgement.error = compare_forces(judgement.method, judgement.reference, judgement.finer_reference, error);
+  judgement.error = compare_forces(judgement.method, judgement.reference, error);
   return judgement;
 }
 
@@ -90,13 +90,14 @@ std::string to_text(const Judgement& judgement) {
   if (judgement.shading > 0.0) {
     text += fmt::format("force shading {:g}: the shaded force against the unshaded reference\n", judgement.shading);
   }
-  text += fmt::format("steps {}, contact {}, basin changes {}, not finite {}\n", error.steps, error.contact_steps, error.basin_steps,
-                      error.not_finite);
-  text += fmt::format("force error, all:                 {}\n", percent(error.all));
-  text += fmt::format("force error, away from basins:    {}\n", percent(error.away));
+  text += fmt::format("steps {}, contact {}, reference not settled {}, not finite {}\n", error.steps, error.contact_steps,
+                      error.unsettled_steps, error.not_finite);
+  text += fmt::format("force error, all contact steps:   {}\n", percent(error.error));
   const double degrees = 180.0 / std::numbers::pi;
-  text += fmt::format("direction, away from basins:      p50 {:.4g} deg  p99 {:.4g} deg  max {:.4g} deg\n",
+  text += fmt::format("direction:                        p50 {:.4g} deg  p99 {:.4g} deg  max {:.4g} deg\n",
                       degrees * error.direction_rad.p50, degrees * error.direction_rad.p99, degrees * error.direction_rad.most);
+  text += fmt::format("branch switches {}, steps in them {} (all counted above; nothing but the surface or a reset ends one)\n",
+                      error.branch_switches, error.switched_steps);
   text += fmt::format("falls {}, ghosts {}, locks {}, pops {} (worst {:.4g} N above the bound)\n", error.falls, error.ghosts, error.locks,
                       error.pops, error.worst_pop_n);
   return text;
@@ -108,10 +109,11 @@ std::string to_json(const Judgement& judgement) {
                   {"reference_shading", 0.0},
                   {"steps", error.steps},
                   {"contact_steps", error.contact_steps},
-                  {"basin_steps", error.basin_steps},
-                  {"force_error_all", spread_json(error.all)},
-                  {"force_error_away", spread_json(error.away)},
-                  {"direction_rad_away", spread_json(error.direction_rad)},
+                  {"unsettled_steps", error.unsettled_steps},
+                  {"force_error", spread_json(error.error)},
+                  {"direction_rad", spread_json(error.direction_rad)},
+                  {"branch_switches", error.branch_switches},
+                  {"switched_steps", error.switched_steps},
                   {"falls", error.falls},
                   {"ghosts", error.ghosts},
                   {"locks", error.locks},

@@ -14,8 +14,8 @@ namespace hapton {
 
 struct JudgeSettings {
   MethodSettings method;
-  int substeps = 8;  // of the reference
-  int finer_substeps = 32;
+  int substeps = MethodSettings{}.reference_substeps;            // of the reference, to begin with
+  int substep_limit = MethodSettings{}.reference_substep_limit;  // where it stops doubling them
   unsigned threads = 1;
 };
 
@@ -23,7 +23,7 @@ struct JudgeSettings {
 struct Judgement {
   ForceError error;
   double shading = 0.0;  // of the method's force; the reference is never shaded, so what shading turns is part of the error
-  std::vector<FeltStep> method, reference, finer_reference;
+  std::vector<FeltStep> method, reference;
 };
 
 // Drives the method along the trajectory, contact forgotten where the trajectory says. Segments between those places are independent and
@@ -31,7 +31,7 @@ struct Judgement {
 Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
                                          unsigned threads);
 
-// Runs the method and both references. The scene's first material gives the stiffness, its extent all lengths.
+// Runs the method and the reference. The scene's first material gives the stiffness, its extent all lengths.
 Result<Judgement> judge_method(const JudgeSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // For people.

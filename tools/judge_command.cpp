@@ -32,14 +32,13 @@ struct JudgeOptions {
 };
 
 std::string to_csv(const Judgement& judgement, double rate_hz) {
-  std::string text = "t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,reference_fx_n,reference_fy_n,reference_fz_n,finer_fx_n,finer_fy_n,finer_fz_n\n";
+  std::string text = "t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,reference_fx_n,reference_fy_n,reference_fz_n,reference_settled\n";
   for (std::size_t i = 0; i < judgement.method.size(); ++i) {
     fmt::format_to(std::back_inserter(text), "{:.6f}", static_cast<double>(i) / rate_hz);
-    for (const Vec3& v :
-         {judgement.method[i].device, judgement.method[i].force_n, judgement.reference[i].force_n, judgement.finer_reference[i].force_n}) {
+    for (const Vec3& v : {judgement.method[i].device, judgement.method[i].force_n, judgement.reference[i].force_n}) {
       fmt::format_to(std::back_inserter(text), ",{:.17g},{:.17g},{:.17g}", v.x(), v.y(), v.z());
     }
-    text += '\n';
+    text += judgement.reference[i].settled ? ",1\n" : ",0\n";
   }
   return text;
 }
@@ -82,8 +81,8 @@ void add_judge_command(CommandLine app, int& exit_code) {
   command.add_option("--friction-dynamic", options->material.friction_dynamic, "Coulomb coefficient, not above the static one")
       .not_negative()
       .shows_default();
-  command.add_option("--substeps", options->settings.substeps, "Of the reference").between(1, 10000).shows_default();
-  command.add_option("--finer-substeps", options->settings.finer_substeps, "Of the reference that tells basin changes")
+  command.add_option("--substeps", options->settings.substeps, "Of the reference, to begin with").between(1, 10000).shows_default();
+  command.add_option("--substep-limit", options->settings.substep_limit, "Where the reference stops doubling its sub-steps")
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->settings.threads, "Segments judged at a time").between(1, 1024).shows_default();

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bench/measure/live_heap.h"
+#include "core/force/reference_method.h"
 #include "core/force/touch_step.h"
 #include "core/geometry/mesh_measures.h"
 
@@ -14,15 +15,16 @@ bool starts_piece(const TouchTrajectory& trajectory, std::size_t i) {
   return i == 0 || (trajectory.reset_every > 0 && i % trajectory.reset_every == 0);
 }
 
-MethodSettings reference_of(int substeps, double probe_radius_m) {
+MethodSettings reference_of(double probe_radius_m) {
   MethodSettings settings;
   settings.name = "reference";
-  settings.reference_substeps = substeps;
   settings.probe_radius_m = probe_radius_m;
   return settings;
 }
 
-MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, TouchStep& touch, const TouchTrajectory& trajectory) {
+template <class Note>
+MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, TouchStep& touch, const TouchTrajectory& trajectory,
+                        const Note& note) {
   MethodTiming timing;
   const std::size_t steps = trajectory.p_SD.size();
   timing.felt.resize(steps);
@@ -37,13 +39,15 @@ MethodTiming time_touch(const Stopwatch& watch, const TimingBudget& budget, Touc
       },
       [&](std::size_t) { output = touch.step(input); },
       [&](std::size_t i) {
-        timing.felt[i] = {input.p_WD, input.p_WD + output.visual_offset_m, output.force_n};
+        timing.felt[i] = {.device = input.p_WD, .proxy = input.p_WD + output.visual_offset_m, .force_n = output.force_n};
+        note(timing.felt[i]);
         contact[i] = output.contact ? 1 : 0;
       });
   std::vector<std::uint8_t> free(steps);
   std::transform(contact.begin(), contact.end(), free.begin(), [](std::uint8_t c) { return c == 0 ? 1 : 0; });
   timing.all = spread_of_times(timed.least.ns());
-  timing.contact = spread_of_times(timed.least.only(contact));
+  timing.contact_ns = timed.least.only(contact);
+  timing.contact = spread_of_times(timing.contact_ns);
   timing.free = spread_of_times(timed.least.only(free));
   timing.mean_ns = timed.mean_ns;
   timing.repetitions = timed.repetitions;
@@ -61,7 +65,7 @@ Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& bud
   if (!method) return tl::unexpected(method.error());
   const std::size_t grown = read_live_heap_bytes();
   TouchStep touch(std::move(*method));
-  MethodTiming timing = time_touch(watch, budget, touch, trajectory);
+  MethodTiming timing = time_touch(watch, budget, touch, trajectory, [](FeltStep&) {});
   timing.build_ms = 1e-6 * build_ns;
   timing.bytes = grown > heap ? grown - heap : 0;
   return timing;
@@ -78,7 +82,7 @@ Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchSc
     input.p_WD = trajectory.p_SD[i];
     if (starts_piece(trajectory, i)) touch.reset(input);
     const TouchOutput output = touch.step(input);
-    felt.push_back({input.p_WD, input.p_WD + output.visual_offset_m, output.force_n});
+    felt.push_back({.device = input.p_WD, .proxy = input.p_WD + output.visual_offset_m, .force_n = output.force_n});
   }
   return felt;
 }
@@ -93,7 +97,9 @@ TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows) 
   return heads;
 }
 
-ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt) const { return compare_forces(felt, coarse, fine, error_settings()); }
+ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt_by_method) const {
+  return compare_forces(felt_by_method, felt, error_settings());
+}
 
 ForceErrorSettings ReferenceRun::error_settings() const {
   ForceErrorSettings settings;
@@ -103,19 +109,21 @@ ForceErrorSettings ReferenceRun::error_settings() const {
   return settings;
 }
 
-Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
-                                    double probe_radius_m) {
+Result<ReferenceRun> run_reference(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                   double probe_radius_m) {
   ReferenceRun run;
   run.trajectory = trajectory;
   run.stiffness_n_per_m = scene.objects.front().material.stiffness_n_per_m;
   for (const TouchObject& object : scene.objects) run.extent_m = std::max(run.extent_m, compute_bounds(*object.mesh).extent());
-  auto coarse = time_method(watch, {.repetitions = 1, .seconds = 0.0}, reference_of(run.substeps, probe_radius_m), scene, trajectory);
-  if (!coarse) return tl::unexpected(coarse.error());
-  auto fine = feel(reference_of(run.finer_substeps, probe_radius_m), scene, trajectory);
-  if (!fine) return tl::unexpected(fine.error());
-  run.coarse = std::move(coarse->felt);
-  run.time = coarse->contact;
-  run.fine = std::move(*fine);
+  auto made = ReferenceMethod::make_reference(reference_of(probe_radius_m), scene);
+  if (!made) return tl::unexpected(made.error());
+  const std::shared_ptr<ReferenceMethod> method = std::move(*made);
+  TouchStep touch(method);
+  MethodTiming timing = time_touch(watch, {.repetitions = 1, .seconds = 0.0}, touch, trajectory,
+                                   [&](FeltStep& step) { step.settled = method->last_step().settled; });
+  run.felt = std::move(timing.felt);
+  run.time = timing.contact;
+  run.description = method->describe();
   return run;
 }
 

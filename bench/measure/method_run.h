@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "bench/measure/step_times.h"
@@ -16,9 +17,10 @@ struct MethodTiming {
   TimeSpread all, contact, free;  // of the least times over repetitions
   double mean_ns = 0.0;           // of all steps, no clock in between
   int repetitions = 0;
-  double build_ms = 0.0;       // make_method, once
-  std::size_t bytes = 0;       // by which the heap grew while it was built: all the method holds
-  std::vector<FeltStep> felt;  // of the last repetition
+  double build_ms = 0.0;           // make_method, once
+  std::size_t bytes = 0;           // by which the heap grew while it was built: all the method holds
+  std::vector<FeltStep> felt;      // of the last repetition
+  std::vector<double> contact_ns;  // the least time of each contact step
 };
 
 // RT: set-up only. Error: as make_method.
@@ -31,24 +33,24 @@ Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchSc
 // The first `rows` rows of every piece between two resets: a method that starts anew there feels the same as on the whole.
 TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows);
 
-// Both references over a trajectory, for compare_forces.
+// The reference over a trajectory, for compare_forces.
 struct ReferenceRun {
   TouchTrajectory trajectory;
-  std::vector<FeltStep> coarse, fine;
-  int substeps = 8, finer_substeps = 32;
-  TimeSpread time;  // of the coarse one's contact steps, one repetition
+  std::vector<FeltStep> felt;
+  std::string description;  // of the method: its sub-steps and how many steps settled
+  TimeSpread time;          // of its contact steps, one repetition
   double extent_m = 0.0;
   double stiffness_n_per_m = 0.0;
 
-  // How a method that felt this along `trajectory` stands to them.
-  ForceError judge(const std::vector<FeltStep>& felt) const;
+  // How a method that felt this along `trajectory` stands to it.
+  ForceError judge(const std::vector<FeltStep>& felt_by_method) const;
 
  private:
   ForceErrorSettings error_settings() const;
 };
 
 // Error: as make_method.
-Result<ReferenceRun> run_references(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
-                                    double probe_radius_m);
+Result<ReferenceRun> run_reference(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                   double probe_radius_m);
 
 }  // namespace hapton

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "bench/measure/mesh_rows.h"
 #include "core/force/smooth_scene.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
@@ -20,10 +21,16 @@ using Peers = std::vector<std::pair<std::string, double>>;
 constexpr double kExtent_m = 0.1;
 constexpr double kSphere_m = 0.0005;
 constexpr std::uint32_t kSetSize = 64;
-constexpr double kDegrees = 57.29577951308232;  // a radian
 
 std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_bumpy_sphere(0.045, 0.25, triangles, seed);
+  const double extent = compute_bounds(mesh).extent();
+  return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
+}
+
+// Root mean square curvature radius 0.7 mm, touched 1 to 2 mm deep; waves of 2.5 mm take ten facets at 1.31 M triangles.
+std::shared_ptr<const TriangleMesh> make_rough(std::size_t triangles, std::uint64_t seed) {
+  TriangleMesh mesh = make_rough_sphere(0.049, 0.0007, 0.0025, triangles, seed);
   const double extent = compute_bounds(mesh).extent();
   return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
 }
@@ -51,7 +58,7 @@ class Numbers {
   Numbers(const NumbersSettings& settings, const Stopwatch& watch, const std::vector<QueryStructureKind>& peers, const Progress& progress)
       : settings_(settings), watch_(watch), peers_(peers), progress_(progress) {}
 
-  Result<void> measure_all(const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name) {
+  Result<void> measure_all(const std::vector<NamedMesh>& meshes) {
     progress_("making the meshes and trajectories");
     mesh_ = make_bumpy(settings_.ladder.back(), settings_.seed);
     size_ = count_text(mesh_->triangles.size()) + " triangles";
@@ -62,24 +69,21 @@ class Numbers {
                             &Numbers::measure_scales}) {
       if (auto done = (this->*step)(); !done) return done;
     }
-    if (auto done = measure_errors(mesh_, "bumpy, " + size_); !done) return done;
-    if (file_mesh != nullptr) {
-      if (auto done = measure_errors(file_mesh, fmt::format("{}, {} triangles", file_name, count_text(file_mesh->triangles.size()))); !done)
-        return done;
-    }
     if (auto done = measure_local_set(); !done) return done;
+    if (auto done = measure_meshes(meshes); !done) return done;
     name_what_others_measure();
     return {};
   }
 
   std::vector<NumberRow> rows;
+  std::vector<MeshFigures> figures;
 
  private:
   void add(NumberRow row) { rows.push_back(std::move(row)); }
 
   // The peers' figures of one kind of query.
   template <class Figure>
-  Peers figures(const std::vector<StructureTiming>& timings, bool QueryStructureKind::*has, Figure&& figure) const {
+  Peers figures_of(const std::vector<StructureTiming>& timings, bool QueryStructureKind::*has, Figure&& figure) const {
     Peers all;
     for (std::size_t i = 0; i < timings.size(); ++i) {
       if (peers_[i].*has) all.emplace_back(peers_[i].full_name(), figure(timings[i]));
@@ -124,7 +128,7 @@ class Numbers {
     const std::string note =
         fmt::format("{} contact steps, least of {}; peers: the segment query alone", timing->contact.count, timing->repetitions);
     const auto segment = [&](double TimeSpread::*part) {
-      return figures(*peers, &QueryStructureKind::segments, [part](const StructureTiming& t) { return t.segments.time.*part; });
+      return figures_of(*peers, &QueryStructureKind::segments, [part](const StructureTiming& t) { return t.segments.time.*part; });
     };
     add({what, "p50", "ns", 250, false, "1252", segment(&TimeSpread::p50_ns), timing->contact.p50_ns, note});
     add({what, "p99", "ns", 1000, false, "7721 .. 23896", segment(&TimeSpread::p99_ns), timing->contact.p99_ns, note});
@@ -143,7 +147,7 @@ class Numbers {
     const auto peers = time_peers(*mesh_, make_queries(timing->felt, free->reset_every, kExtent_m));
     if (!peers) return tl::unexpected(peers.error());
     add({"free-space step, " + size_, "p50", "ns", 20, false, "110",
-         figures(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }),
+         figures_of(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }),
          timing->free.p50_ns,
          fmt::format("{} free steps, mean {:.1f}, p99 {:.0f}, worst {:.0f} ns; peers: the segment query alone, mean {}", timing->free.count,
                      timing->mean_ns, timing->free.p99_ns, timing->free.worst_ns, means_of(*peers))});
@@ -160,7 +164,7 @@ class Numbers {
     const std::string note =
         fmt::format("{} contact steps, p99 {:.0f} ns; peers: the nearest triangle alone", timing->contact.count, timing->contact.p99_ns);
     const auto nearest = [&](double TimeSpread::*part) {
-      return figures(contact_peers_, &QueryStructureKind::nearests, [part](const StructureTiming& t) { return t.nearests.time.*part; });
+      return figures_of(contact_peers_, &QueryStructureKind::nearests, [part](const StructureTiming& t) { return t.nearests.time.*part; });
     };
     add({what, "p50", "ns", 500, false, "51948", nearest(&TimeSpread::p50_ns), timing->contact.p50_ns, note});
     add({what, "worst", "ns", 20000, false, "746579", nearest(&TimeSpread::worst_ns), timing->contact.worst_ns, note});
@@ -210,7 +214,7 @@ class Numbers {
     double most_n = 0.0;
     for (const double radius : {0.0, kSphere_m}) {
       progress_(fmt::format("reference over {} steps, probe of {:g} mm", heads.p_SD.size(), 1e3 * radius));
-      const auto reference = run_references(watch_, scene_of(mesh_), heads, radius);
+      const auto reference = run_reference(watch_, scene_of(mesh_), heads, radius);
       if (!reference) return tl::unexpected(reference.error());
       for (const int exponent : settings_.scale_exponents) {
         progress_(fmt::format("falls at scale 1e{}, probe of {:g} mm", exponent, 1e3 * radius));
@@ -258,32 +262,26 @@ class Numbers {
     return felt;
   }
 
-  Result<void> measure_errors(const std::shared_ptr<const TriangleMesh>& mesh, const std::string& what) {
-    if (auto done = measure_error(mesh, what, 0.0); !done) return done;
-    return measure_error(mesh, fmt::format("sphere of {:g} mm, {}", 1e3 * kSphere_m, what), kSphere_m);
-  }
-
-  Result<void> measure_error(const std::shared_ptr<const TriangleMesh>& mesh, const std::string& what, double probe_radius_m) {
-    progress_("force error against the reference: " + what);
-    const auto slide = make_slide_trajectory(*mesh, {.seed = settings_.seed, .rows = settings_.steps, .rate_hz = 1000.0});
-    if (!slide) return tl::unexpected(slide.error());
-    const std::size_t pieces = (slide->p_SD.size() + slide->reset_every - 1) / slide->reset_every;
-    const TouchTrajectory heads = take_heads(*slide, std::max<std::size_t>(2, settings_.judged_steps / pieces));
-    const auto reference = run_references(watch_, scene_of(mesh), heads, probe_radius_m);
-    if (!reference) return tl::unexpected(reference.error());
-    const auto felt = feel(proxy_of(probe_radius_m), scene_of(mesh), heads);
-    if (!felt) return tl::unexpected(felt.error());
-    const ForceError error = reference->judge(*felt);
-    const std::string name = "force error, frictionless slide, " + what;
-    const std::string note = fmt::format(
-        "{} contact steps of {}, the first {} of each piece; {} basin changes; falls {}, ghosts {}, locks {}, pops {}", error.contact_steps,
-        slide->p_SD.size(), heads.reset_every, error.basin_steps, error.falls, error.ghosts, error.locks, error.pops);
-    const auto of_a_point = [&](const char* quoted) { return probe_radius_m == 0.0 ? quoted : ""; };
-    add({name, "p50", "%", std::nullopt, false, of_a_point("6.4 (70 k)"), {}, 100.0 * error.all.p50, note});
-    add({name, "p99", "%", 0.1, false, "", {}, 100.0 * error.all.p99, note});
-    add({name, "RMS", "%", 1.0, false, of_a_point("23 (70 k), 2000 (1.3 M)"), {}, 100.0 * error.all.rms, note});
-    add({name, "RMS away from basin changes", "%", 0.1, false, "", {}, 100.0 * error.away.rms, note});
-    add({name, "direction, p50", "deg", std::nullopt, false, of_a_point("3.7"), {}, kDegrees * error.direction_rad.p50, note});
+  // Every mesh, both probes, without and with friction: many seeds each.
+  Result<void> measure_meshes(std::vector<NamedMesh> meshes) {
+    meshes.push_back({"bumpy " + count_text(mesh_->triangles.size()), mesh_});
+    progress_("making the rough sphere");
+    const auto rough = make_rough(settings_.rough_triangles, settings_.seed);
+    meshes.push_back({"rough " + count_text(rough->triangles.size()), rough});
+    for (const NamedMesh& mesh : meshes) {
+      auto measured = measure_mesh(settings_.meshes, watch_, mesh, progress_);
+      if (!measured) return tl::unexpected(measured.error());
+      figures.insert(figures.end(), std::make_move_iterator(measured->begin()), std::make_move_iterator(measured->end()));
+    }
+    for (const double radius : settings_.meshes.probe_radii_m) {
+      for (const bool friction : {false, true}) {
+        std::vector<MeshFigures> alike;
+        std::copy_if(figures.begin(), figures.end(), std::back_inserter(alike),
+                     [&](const MeshFigures& f) { return f.probe_radius_m == radius && f.friction == friction; });
+        for (NumberRow& row : rows_of_mesh(alike.back(), settings_.meshes)) add(std::move(row));
+        for (NumberRow& row : rows_over_meshes(alike, settings_.meshes)) add(std::move(row));
+      }
+    }
     return {};
   }
 
@@ -343,6 +341,10 @@ std::string figure(double x) { return std::fabs(x) >= 1000.0 || x == std::floor(
 
 std::string verdict(const NumberRow& row) { return !row.ours ? "not here" : !row.target ? "-" : row.is_met() ? "met" : "NOT MET"; }
 
+std::string metric_text(const NumberRow& row) {
+  return row.metric + (row.unit.empty() ? "" : ", " + row.unit) + (row.mesh.empty() ? "" : " (" + row.mesh + ")");
+}
+
 std::string quoted_cell(std::string text) {
   std::replace(text.begin(), text.end(), '"', '\'');
   return '"' + text + '"';
@@ -359,27 +361,28 @@ std::size_t NumbersReport::met() const {
 }
 
 Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch,
-                                      const std::vector<QueryStructureKind>& structures,
-                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name,
+                                      const std::vector<QueryStructureKind>& structures, const std::vector<NamedMesh>& meshes,
                                       const Progress& progress) {
   const std::uint64_t start = Stopwatch::ticks();
   NumbersReport report;
   report.conditions = begin_conditions(watch, settings.seed);
   Numbers numbers(settings, watch, structures, progress);
-  if (auto done = numbers.measure_all(file_mesh, file_name); !done) return tl::unexpected(done.error());
+  if (auto done = numbers.measure_all(meshes); !done) return tl::unexpected(done.error());
   report.rows = std::move(numbers.rows);
+  report.meshes = std::move(numbers.figures);
   end_conditions(report.conditions, start, watch);
   return report;
 }
 
 std::string to_csv(const NumbersReport& report) {
-  std::string text = "what,metric,unit,target,chai3d_3_3_quoted,hapton,verdict,peers,note\n";
+  std::string text = "what,metric,unit,target,chai3d_3_3_quoted,hapton,verdict,mesh,peers,note\n";
   for (const NumberRow& row : report.rows) {
     std::string peers;
     for (const auto& [name, value] : row.peers) peers += fmt::format("{}{}={:.6g}", peers.empty() ? "" : ";", name, value);
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit,
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{}\n", quoted_cell(row.what), quoted_cell(row.metric), row.unit,
                    row.target ? fmt::format("{:g}", *row.target) : "", quoted_cell(row.quoted),
-                   row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(peers), quoted_cell(row.note));
+                   row.ours ? fmt::format("{:.6g}", *row.ours) : "", verdict(row), quoted_cell(row.mesh), quoted_cell(peers),
+                   quoted_cell(row.note));
   }
   return text;
 }
@@ -398,9 +401,11 @@ std::string to_json(const NumbersReport& report) {
     for (const auto& [name, value] : row.peers) one["peers"][name] = value;
     one["hapton"] = row.ours ? Json(*row.ours) : Json(nullptr);
     one["verdict"] = verdict(row);
+    one["mesh"] = row.mesh;
     one["note"] = row.note;
     json["rows"].push_back(std::move(one));
   }
+  json["meshes"] = to_json(report.meshes);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -410,18 +415,19 @@ std::string to_text(const NumbersReport& report) {
   std::string last;
   for (const NumberRow& row : report.rows) {
     if (row.what != last) {
-      fmt::format_to(out, "\n{}\n  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.what, "", "target", "Hapton", "", "CHAI3D 3.3 (quoted)",
+      fmt::format_to(out, "\n{}\n  {:<46} {:>12} {:>12} {:>9}   {:<30} {}\n", row.what, "", "target", "Hapton", "", "CHAI3D 3.3 (quoted)",
                      "peers, this run");
       last = row.what;
     }
     std::string peers;
     for (const auto& [name, value] : row.peers) peers += fmt::format("{}{} {}", peers.empty() ? "" : ", ", name, figure(value));
-    fmt::format_to(out, "  {:<28} {:>12} {:>12} {:>9}   {:<30} {}\n", row.unit.empty() ? row.metric : row.metric + ", " + row.unit,
+    fmt::format_to(out, "  {:<46} {:>12} {:>12} {:>9}   {:<30} {}\n", metric_text(row),
                    row.target ? (row.at_least ? ">= " : "<= ") + figure(*row.target) : "-", row.ours ? figure(*row.ours) : "-",
                    verdict(row), row.quoted, peers);
     const bool is_last_of_note = &row == &report.rows.back() || (&row)[1].note != row.note;
     if (is_last_of_note && !row.note.empty()) fmt::format_to(out, "    {}\n", row.note);
   }
+  if (!report.meshes.empty()) fmt::format_to(out, "\n{}", to_text(report.meshes));
   fmt::format_to(out, "\n{} of {} targets measured here are met.\n", report.met(), report.measured());
   fmt::format_to(out, "{}.\nQuoted: {}.\n", report.conditions.to_text(), kQuotedFrom);
   return text;

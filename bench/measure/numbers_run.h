@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/measure/mesh_run.h"
 #include "bench/measure/pareto_run.h"
 
 namespace hapton {
@@ -14,10 +15,12 @@ namespace hapton {
 struct NumbersSettings {
   std::vector<std::size_t> ladder = {5000, 20000, 80000, 300000, 1000000};  // triangles at least; the last is the mesh of the other rows
   std::size_t steps = 20000;
-  std::size_t judged_steps = 2000;
+  std::size_t judged_steps = 2000;  // at every scale
   std::vector<int> scale_exponents = {-6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6};
   std::uint64_t seed = 1;
   TimingBudget budget{.repetitions = 6, .seconds = 5.0};
+  std::size_t rough_triangles = 1000000;  // at least, of the rough sphere
+  MeshRunSettings meshes;                 // how every mesh is measured
 };
 
 // A goal, what others reach, and what we do.
@@ -31,6 +34,7 @@ struct NumberRow {
   std::vector<std::pair<std::string, double>> peers;  // live, in this run
   std::optional<double> ours;                         // none: another command measures it
   std::string note;
+  std::string mesh = {};  // of the figure, where it is the worst of many meshes
 
   bool is_measured() const { return target.has_value() && ours.has_value(); }
   bool is_met() const { return is_measured() && (at_least ? *ours >= *target : *ours <= *target); }
@@ -43,6 +47,7 @@ constexpr const char* kHaptonsRow = "haptons: triangle pairs a millisecond, on e
 struct NumbersReport {
   RunConditions conditions;
   std::vector<NumberRow> rows;
+  std::vector<MeshFigures> meshes;  // what the rows over all meshes are taken from
 
   std::size_t measured() const;  // rows with a target
   std::size_t met() const;
@@ -54,10 +59,10 @@ constexpr const char* kQuotedFrom =
     "over "
     "meshes of the same size at 10 units a metre; measured once, not in this run";
 
-// Measures all rows over bumpy spheres of 100 mm. A file mesh, when given, is judged too. Error: a method or structure that cannot be made.
+// Measures all rows over bumpy spheres of 100 mm, then method `proxy` over these meshes, the smooth bumpy sphere and a rough one whose
+// bumps bend more sharply than they are touched deep. Error: a method or structure that cannot be made.
 Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch,
-                                      const std::vector<QueryStructureKind>& structures,
-                                      const std::shared_ptr<const TriangleMesh>& file_mesh, const std::string& file_name,
+                                      const std::vector<QueryStructureKind>& structures, const std::vector<NamedMesh>& meshes,
                                       const Progress& progress);
 
 std::string to_csv(const NumbersReport& report);

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-constexpr const char* kBenchSchema = "hapton.bench/1";
+constexpr const char* kBenchSchema = "hapton.bench/2";
 
 // Under which figures of a benchmark were taken.
 struct RunConditions {

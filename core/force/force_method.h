@@ -52,14 +52,15 @@ struct MethodSettings {
   double offset_m = 0.0005 * 0.0254;                // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
   int set_size = 64;                                // smooth: triangles in the local set, 16..256
   double smooth_radius_m = 0.0;                     // smooth: RADIUS of Algorithm 1; 0: from the data
-  double smooth_layer = 0.0;       // smooth: share of RADIUS over which the force already builds up outside the surface, 0..1
-  int hull_directions = 14;        // smooth: of its Fixed Direction Hulls: 6, 14, 18 or 26
-  double crease_deg = 40.0;        // smooth, proxy with shading: edges whose faces turn by more are felt sharp, 0..180
-  double simplify_m = 0.0;         // smooth: how far from the surface merging small triangles may leave a vertex; 0: never
-  bool build_on_approach = false;  // proxy: an object's structures are built when the probe first comes near, by prepare()
-  double shading = 0.0;            // proxy: force direction from the faces' normals (0) to interpolated smooth normals (1)
-  double probe_radius_m = 0.0;     // proxy, reference: 0 is a point probe
-  int reference_substeps = 8;      // reference: equal parts each step's device motion is followed in
+  double smooth_layer = 0.0;           // smooth: share of RADIUS over which the force already builds up outside the surface, 0..1
+  int hull_directions = 14;            // smooth: of its Fixed Direction Hulls: 6, 14, 18 or 26
+  double crease_deg = 40.0;            // smooth, proxy with shading: edges whose faces turn by more are felt sharp, 0..180
+  double simplify_m = 0.0;             // smooth: how far from the surface merging small triangles may leave a vertex; 0: never
+  bool build_on_approach = false;      // proxy: an object's structures are built when the probe first comes near, by prepare()
+  double shading = 0.0;                // proxy: force direction from the faces' normals (0) to interpolated smooth normals (1)
+  double probe_radius_m = 0.0;         // proxy, reference: 0 is a point probe
+  int reference_substeps = 64;         // reference: sub-steps each step is first done in; doubled until the force settles
+  int reference_substep_limit = 1024;  // reference: where the doubling ends and the step counts as not settled
 };
 
 // Builds the named method over the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene.

@@ -207,6 +207,32 @@ TriangleMesh make_bumpy_sphere(double radius_m, double relative_height, std::siz
   return mesh;
 }
 
+TriangleMesh make_rough_sphere(double radius_m, double curvature_radius_m, double wavelength_m, std::size_t min_triangles,
+                               std::uint64_t seed) {
+  constexpr int kWaves = 8;
+  int level = 0;
+  for (std::size_t count = 20; count < min_triangles; count *= 4) ++level;
+  TriangleMesh mesh = make_icosphere(radius_m, level);
+  const double number = 2.0 * std::numbers::pi / wavelength_m;
+  const double height = std::sqrt(10.0 / kWaves) / (curvature_radius_m * number * number);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
+  std::array<Vec3, kWaves> wave;
+  std::array<double, kWaves> shift{};
+  for (int i = 0; i < kWaves; ++i) {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    wave[i] = number * Vec3(x, y, z).normalized();
+    shift[i] = phase(random);
+  }
+  for (Vec3& vertex : mesh.vertices) {
+    double bump = 0.0;
+    for (int i = 0; i < kWaves; ++i) bump += height * std::sin(wave[i].dot(vertex) + shift[i]);
+    vertex *= 1.0 + bump / radius_m;
+  }
+  return mesh;
+}
+
 TriangleMesh make_thin_wall(double side_m, double thickness_m, int cells) { return make_box(Vec3(side_m, side_m, thickness_m), cells); }
 
 TriangleMesh make_prism(const std::vector<Eigen::Vector2d>& outline_m, double length_m, int layers) {

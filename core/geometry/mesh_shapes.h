@@ -29,6 +29,15 @@ TriangleMesh make_plane_grid(double side_m, int cells);
 // 1,000,000 gives 1,310,720 triangles.
 TriangleMesh make_bumpy_sphere(double radius_m, double relative_height, std::size_t min_triangles, std::uint64_t seed);
 
+// Icosphere of the least level with at least min_triangles, roughened by eight seeded waves of one length in random directions, so that the
+// surface's normal curvatures have the root mean square 1 / curvature_radius_m. With wave number k and height A a wave along the unit
+// vector d bends the surface by A k^2 (d.u)^2 sin in direction u; the mean of (d.u)^4 over directions is 1/5, of sin^2 1/2, so eight waves
+// give A k^2 sqrt(8 / 10), and A = sqrt(10 / 8) curvature_radius / (curvature_radius k)^2. The slopes are sqrt(10 / 6) / (curvature_radius
+// k) in the mean: a wavelength below 5 curvature_radius keeps them below 1. Pre: wavelength_m and curvature_radius_m small against
+// radius_m.
+TriangleMesh make_rough_sphere(double radius_m, double curvature_radius_m, double wavelength_m, std::size_t min_triangles,
+                               std::uint64_t seed);
+
 // A closed plate in the x-y plane, thin along z.
 TriangleMesh make_thin_wall(double side_m, double thickness_m, int cells);
 

@@ -23,7 +23,8 @@ TEST(MethodText, gives_back_every_setting_to_the_last_bit) {
                                 .build_on_approach = true,
                                 .shading = 0.7,
                                 .probe_radius_m = 0.0005,
-                                .reference_substeps = 32};
+                                .reference_substeps = 32,
+                                .reference_substep_limit = 512};
   const auto read = parse_method_text(to_text(settings));
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_EQ(to_text(*read), to_text(settings));
@@ -33,6 +34,7 @@ TEST(MethodText, gives_back_every_setting_to_the_last_bit) {
   EXPECT_EQ(read->simplify_m, settings.simplify_m);
   EXPECT_EQ(read->grid_division, settings.grid_division);
   EXPECT_TRUE(read->build_on_approach);
+  EXPECT_EQ(read->reference_substep_limit, 512);
 }
 
 TEST(MethodText, refuses_what_it_does_not_write) {

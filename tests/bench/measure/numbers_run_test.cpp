@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/measure/own_structures.h"
+#include "core/geometry/mesh_shapes.h"
 
 namespace hapton {
 namespace {
@@ -49,12 +50,16 @@ TEST(Numbers, MeasureEveryRow) {
   settings.judged_steps = 300;
   settings.scale_exponents = {-6, 0, 6};
   settings.budget = {.repetitions = 1, .seconds = 0.05};
+  settings.rough_triangles = 1000;
+  settings.meshes = {.seeds = {1, 2}, .steps = 400, .repetitions = 1, .windows = 1, .window_steps = 20};
   std::vector<QueryStructureKind> structures = own_structures();
   std::erase_if(structures, [](const QueryStructureKind& kind) { return kind.full_name() != "fdh 14"; });
-  const auto report = measure_numbers(settings, Stopwatch::calibrate(), structures, nullptr, "", [](const std::string&) {});
+  const auto report =
+      measure_numbers(settings, Stopwatch::calibrate(), structures,
+                      {{"box", std::make_shared<TriangleMesh>(make_box(Vec3(0.1, 0.06, 0.04)))}}, [](const std::string&) {});
   ASSERT_TRUE(report.has_value()) << report.error().what;
-  EXPECT_EQ(report->rows.size(), 24U);
-  EXPECT_EQ(report->measured(), 18U);
+  EXPECT_EQ(report->rows.size(), 102U);
+  EXPECT_EQ(report->measured(), 32U);
   for (const NumberRow& one : report->rows) {
     if (one.what.starts_with("fall-through") || one.what.starts_with("lock")) {
       EXPECT_EQ(*one.ours, 0.0) << one.what << ": " << one.note;
@@ -64,8 +69,9 @@ TEST(Numbers, MeasureEveryRow) {
     }
   }
   const auto json = nlohmann::json::parse(to_json(*report));
-  EXPECT_EQ(json["schema"], "hapton.bench/1");
+  EXPECT_EQ(json["schema"], "hapton.bench/2");
   EXPECT_EQ(json["rows"].size(), report->rows.size());
+  EXPECT_EQ(json["meshes"].size(), 12U);  // three meshes, two probes, without and with friction
 }
 
 }  // namespace

@@ -97,7 +97,8 @@ TEST(ReferenceMethod, RoomCornersAreExactProjections) {
       before_force = felt.force_n;
       before = device;
     }
-    EXPECT_EQ(method->counters().unsettled, 0u);
+    EXPECT_EQ(method->counters().proxy.unconverged, 0u);
+    EXPECT_EQ(method->counters().unsettled_steps, 0u);
   }
 }
 
@@ -154,7 +155,7 @@ void expect_close_to_analytic(const Curved& shape, double probe) {
     ++contacts;
   });
   EXPECT_EQ(contacts, 1500);
-  EXPECT_EQ(method->counters().unsettled, 0u) << shape.name;
+  EXPECT_EQ(method->counters().proxy.unconverged, 0u) << shape.name;
 }
 
 // The longest edge e of a face inscribed in radius r: the face's circumradius is at most e / sqrt(3) for near-equilateral faces and e / 2
@@ -424,6 +425,160 @@ TEST(ReferenceMethod, DampingResistsGoingInAndNeverPulls) {
   EXPECT_EQ(method->step({.p_SD = Vec3(0.0, 0.0, -0.00001)}).force_n.z(), 0.0);
 }
 
+// ---- The limit of ever finer sub-steps. ----
+
+std::unique_ptr<ReferenceMethod> limit_over(TriangleMesh mesh, int substeps, int limit, Material material = {}) {
+  MethodSettings settings;
+  settings.reference_substeps = substeps;
+  settings.reference_substep_limit = limit;
+  auto made = ReferenceMethod::make_reference(settings, scene_of(std::move(mesh), material));
+  EXPECT_TRUE(made.has_value());
+  return std::move(*made);
+}
+
+TriangleMesh box_between(const Vec3& low, const Vec3& high) { return scaled_and_moved(make_box(high - low), 1.0, 0.5 * (low + high)); }
+
+// A block with its top in y = 0 and its right side in x = 0; a shelf beside it, below the top, that leaves a gap.
+TriangleMesh block_and_shelf(double gap) {
+  return joined(box_between({-0.1, -0.1, -0.05}, {0.0, 0.0, 0.05}), box_between({gap, -0.020, -0.05}, {0.03, -0.016, 0.05}));
+}
+
+constexpr double kLeap = 0.02;   // of the device in one step, along x
+constexpr double kDepth = 0.04;  // below the top of the block, and below the shelf
+
+// The device crosses the side of the block at the share `at` of its step. There the proxy, held above it on the edge, is let go, falls
+// straight down through the gap to the device, and is free from then on. Sub-steps longer than the gap have it fall on the shelf.
+ReferenceStep leap(ReferenceMethod& method, double at, MethodOutput& felt) {
+  method.reset(Vec3(-at * kLeap, 0.001, 0.0));
+  method.step({.p_SD = Vec3(-at * kLeap, -kDepth, 0.0)});
+  felt = method.step({.p_SD = Vec3((1.0 - at) * kLeap, -kDepth, 0.0)});
+  return method.last_step();
+}
+
+TEST(ReferenceMethod, ReleasedAtAConvexEdgeInMidStepItConvergesToTheEvent) {
+  const double gap = 0.05 * kLeap;  // 8 sub-steps: 0.625 - 0.53 is too far; 16: 0.5625 - 0.53 falls through
+  MethodOutput felt;
+  const auto enough = limit_over(block_and_shelf(gap), 8, 64);
+  const ReferenceStep settled = leap(*enough, 0.53, felt);
+  EXPECT_TRUE(settled.settled);
+  EXPECT_EQ(settled.substeps, 32);
+  EXPECT_FALSE(felt.contact);
+  EXPECT_EQ(felt.p_SP, Vec3(0.47 * kLeap, -kDepth, 0.0));
+  EXPECT_EQ(enough->counters().unsettled_steps, 0u);
+}
+
+TEST(ReferenceMethod, WhatDiffersAtTheLimitOfSubStepsHasNotSettled) {
+  MethodOutput felt;
+  const auto short_of = limit_over(block_and_shelf(0.05 * kLeap), 8, 16);
+  const ReferenceStep step = leap(*short_of, 0.53, felt);
+  EXPECT_FALSE(step.settled);
+  EXPECT_EQ(step.substeps, 16);
+  EXPECT_GT(step.change, 0.1);
+  EXPECT_EQ(short_of->counters().unsettled_steps, 1u);
+  EXPECT_NE(short_of->describe().find("1 not settled"), std::string::npos) << short_of->describe();
+}
+
+// The shelf is divided by plates, each half as far from the block as the next: each halving of the sub-step falls into another division.
+TEST(ReferenceMethod, AChaoticStepIsReportedNotSettled) {
+  TriangleMesh mesh = block_and_shelf(1e-6);
+  for (double x = 0.71 * kLeap; x > 1e-5; x *= 0.5) {
+    mesh = joined(mesh, box_between({x, -0.018, -0.05}, {1.05 * x, -0.012, 0.05}));
+  }
+  MethodOutput felt;
+  const auto method = limit_over(mesh, 2, 512);
+  const ReferenceStep step = leap(*method, 0.5 + 1e-5, felt);
+  EXPECT_FALSE(step.settled);
+  EXPECT_EQ(step.substeps, 512);
+  EXPECT_GT(step.change, 1e-6);
+  EXPECT_TRUE(felt.contact);
+}
+
+// A gutter of two walls at 45 degrees. The device moves along x below it, and in mid-step the left wall's multiplier reaches zero: from
+// there the proxy is the projection onto the right wall.
+TEST(ReferenceMethod, ReleasedFromAConcaveEdgeInMidStepItIsOnTheOtherWall) {
+  for (const int substeps : {1, 3, 8, 32}) {
+    const auto method = limit_over(make_gutter(0.1, 0.02, std::numbers::pi / 2.0, 2), substeps, 1024);
+    const double apex = compute_bounds(make_gutter(0.1, 0.02, std::numbers::pi / 2.0, 2)).high.y() - 0.02;
+    const double depth = 0.01;
+    method->reset(Vec3(0.0, apex + 0.001, 0.0));
+    method->step({.p_SD = Vec3(0.002, apex - depth, 0.0)});
+    const MethodOutput felt = method->step({.p_SD = Vec3(0.016, apex - depth, 0.0)});  // let go at x = depth
+    // The right wall rises as (1, 1) / sqrt 2: its height over the apex is the mean of x and y.
+    const double along = 0.5 * (0.016 - depth);
+    EXPECT_LT((felt.force_n / kStiffness - Vec3(along - 0.016, along + depth, 0.0)).norm(), 1e-12) << substeps;
+    EXPECT_TRUE(method->last_step().settled);
+    EXPECT_EQ(method->last_step().substeps, 2 * substeps);
+  }
+}
+
+// Inside a prism of eight sides the proxy stays on its face until the device's projection passes an edge, however near the next face is.
+TEST(ReferenceMethod, OverTheEdgesOfAPrismItIsTheProjection) {
+  constexpr double kEighth = std::numbers::pi / 4.0;
+  const double radius = 0.05;
+  const double half_side = radius * std::sin(0.5 * kEighth);
+  const auto method = limit_over(make_cylinder(radius, 0.1, 8), 1, 1024);
+  const auto device_at = [](double angle) { return Vec3(0.044 * std::cos(angle), 0.044 * std::sin(angle), 0.0); };
+  double face = 0.5 * kEighth;
+  method->reset(Vec3(0.06 * std::cos(face), 0.06 * std::sin(face), 0.0));
+  method->step({.p_SD = device_at(face)});
+  for (int i = 1; i < 60; ++i) {
+    const Vec3 device = device_at(0.5 * kEighth + 0.37 * i);
+    while (device.dot(Vec3(-std::sin(face), std::cos(face), 0.0)) > half_side) face += kEighth;
+    const Vec3 normal(std::cos(face), std::sin(face), 0.0);
+    const Vec3 expected = device + (radius * std::cos(0.5 * kEighth) - device.dot(normal)) * normal;
+    EXPECT_LT((method->step({.p_SD = device}).force_n / kStiffness + device - expected).norm(), 1e-12) << i;
+    EXPECT_TRUE(method->last_step().settled) << i;
+  }
+}
+
+// Dragged over a plane by a device that turns, the proxy follows tractrices; their length in sub-steps does not matter.
+TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
+  Material material;
+  material.friction_static = 0.4;
+  material.friction_dynamic = 0.4;
+  const auto coarse = limit_over(make_plane_grid(0.1, 3), 1, 1024, material);
+  const auto fine = limit_over(make_plane_grid(0.1, 3), 64, 1024, material);
+  const double depth = 0.001;
+  const double cone = 0.4 * depth;
+  for (ReferenceMethod* method : {coarse.get(), fine.get()}) {
+    method->reset(Vec3(-0.01, 0.001, 0.001));
+    method->step({.p_SD = Vec3(-0.01, 0.001, -depth)});
+    method->step({.p_SD = Vec3(0.0, 0.001, -depth)});  // slides: the lag is the cone, along x
+    const MethodOutput felt = method->step({.p_SD = Vec3(0.0, 0.001 + 2.0 * cone, -depth)});
+    const Vec3 lag(cone / std::cosh(2.0), cone * std::tanh(2.0), -depth);  // of the proxy behind the device
+    EXPECT_LT((felt.force_n / kStiffness + lag).norm(), 1e-12);
+    EXPECT_TRUE(method->last_step().settled);
+  }
+}
+
+TEST(ReferenceMethod, APointsRadiusIsTakenOffAgain) {
+  const auto method = reference_over(make_plane_grid(0.1, 4));
+  method->reset(Vec3(0.001, 0.002, 0.001));
+  const MethodOutput felt = method->step({.p_SD = Vec3(0.001, 0.002, -0.001)});
+  EXPECT_NEAR(felt.force_n.z(), kStiffness * 0.001, 1e-13);
+  EXPECT_GT(felt.p_SP.z(), 0.0);
+  EXPECT_FALSE(method->step({.p_SD = Vec3(0.001, 0.002, 1e-11)}).contact);
+}
+
+TEST(ReferenceMethod, ResumeGoesOnFromAnotherMethodsProxy) {
+  Material material;
+  material.friction_static = 0.5;
+  material.friction_dynamic = 0.3;
+  const auto first = limit_over(make_plane_grid(0.1, 4), 8, 64, material);
+  const auto second = limit_over(make_plane_grid(0.1, 4), 8, 64, material);
+  first->reset(Vec3(0.0, 0.0, 0.001));
+  first->step({.p_SD = Vec3(0.0, 0.0, -0.001)});
+  const Vec3 device(0.003, 0.001, -0.001);
+  const MethodOutput sliding = first->step({.p_SD = device});
+  second->resume(sliding.p_SP, device, true);
+  for (int i = 1; i < 20; ++i) {
+    const Vec3 next = device + Vec3(2e-5 * i, 5e-5 * i, 1e-6 * i);
+    EXPECT_LT((first->step({.p_SD = next}).force_n - second->step({.p_SD = next}).force_n).norm(), 1e-9) << i;
+  }
+  second->resume(Vec3(0.0, 0.0, 0.01), Vec3(0.0, 0.0, 0.01), false);
+  EXPECT_FALSE(second->step({.p_SD = Vec3(0.0, 0.0, 0.005)}).contact);
+}
+
 // ---- The judge of rest. ----
 
 TEST(ReferenceMethod, SettleFromMovesWhatWasNotAtRest) {
@@ -439,6 +594,9 @@ TEST(ReferenceMethod, RefusesImpossibleSettings) {
   settings.reference_substeps = 0;
   EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(make_plane_grid(0.1, 1))).has_value());
   settings.reference_substeps = 8;
+  settings.reference_substep_limit = 4;
+  EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(make_plane_grid(0.1, 1))).has_value());
+  settings.reference_substep_limit = 8;
   settings.probe_radius_m = -1.0;
   EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(make_plane_grid(0.1, 1))).has_value());
   settings.probe_radius_m = 0.0;

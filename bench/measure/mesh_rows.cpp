@@ -1,0 +1,86 @@
+#include "bench/measure/mesh_rows.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+std::string condition_of(const MeshFigures& f) {
+  return fmt::format("{}, {}", f.probe_radius_m > 0.0 ? fmt::format("sphere of {:g} mm", 1e3 * f.probe_radius_m) : "point probe",
+                     f.friction ? "friction" : "no friction");
+}
+
+}  // namespace
+
+std::vector<NumberRow> rows_of_mesh(const MeshFigures& f, const MeshRunSettings& settings) {
+  std::vector<NumberRow> rows;
+  const auto add = [&](NumberRow row) { rows.push_back(std::move(row)); };
+  const std::string what = fmt::format("contact step, {} triangles, {}", f.mesh, condition_of(f));
+  const std::string note =
+      fmt::format("{} contact steps of {} seeds, least of {}; {} above 10 us, {} above 50, {} above 100", f.contact.count,
+                  settings.seeds.size(), settings.repetitions, f.over_10us, f.over_50us, f.over_100us);
+  const bool point = f.probe_radius_m == 0.0;
+  const auto goal = [&](double of_point, double of_sphere) -> std::optional<double> {
+    if (f.friction) return std::nullopt;
+    return point ? of_point : of_sphere;
+  };
+  const auto quoted = [&](const char* of_point, const char* of_sphere) { return f.friction ? "" : point ? of_point : of_sphere; };
+  add({what, "p50", "ns", goal(150, 1000), false, quoted("2171", "51948 (smooth)"), {}, f.contact.p50_ns, note});
+  add({what, "p99", "ns", goal(800, 8000), false, quoted("10440", "461802 (smooth)"), {}, f.contact.p99_ns, note});
+  add({what, "worst", "ns", goal(3000, 30000), false, quoted("75046", "746579 (smooth)"), {}, f.contact.worst_ns, note});
+  add({what, "a facet crossed", "ns", std::nullopt, false, "", {}, f.ns_per_facet, note});
+  return rows;
+}
+
+std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings) {
+  std::vector<NumberRow> rows;
+  const auto add = [&](NumberRow row) { rows.push_back(std::move(row)); };
+  const std::string over = fmt::format("over {} meshes and {} seeds, {}", all.size(), settings.seeds.size(), condition_of(all[0]));
+  const auto add_pair = [&](const std::string& what, const std::string& metric, const std::string& unit, std::optional<double> target,
+                            const std::string& quoted, const std::string& note, auto&& figure) {
+    const MedianAndWorst both = over_meshes(all, figure);
+    add({what, metric + ", median mesh", unit, std::nullopt, false, quoted, {}, both.median, note});
+    add({what, metric + ", worst mesh", unit, target, false, "", {}, both.worst, note, both.worst_mesh});
+  };
+  const auto sum = [&](auto&& count) {
+    std::size_t total = 0;
+    for (const MeshFigures& f : all) total += count(f);
+    return total;
+  };
+  const bool point = all[0].probe_radius_m == 0.0 && !all[0].friction;
+  const std::string times = "contact step " + over;
+  const std::size_t steps = sum([](const MeshFigures& f) { return f.contact.count; });
+  const std::string counted = fmt::format("of {} contact steps", steps);
+  add_pair(times, "p50", "ns", std::nullopt, "", counted, [](const MeshFigures& f) { return f.contact.p50_ns; });
+  add_pair(times, "p99", "ns", point ? std::optional<double>(2000.0) : std::nullopt, "", counted,
+           [](const MeshFigures& f) { return f.contact.p99_ns; });
+  add_pair(times, "worst", "ns", point ? std::optional<double>(25000.0) : std::nullopt, "", counted,
+           [](const MeshFigures& f) { return f.contact.worst_ns; });
+  add_pair(times, "a facet crossed", "ns", std::nullopt, "", counted, [](const MeshFigures& f) { return f.ns_per_facet; });
+  const auto add_count = [&](const char* metric, std::optional<double> target, auto&& count) {
+    add({times, metric, "", target, false, "", {}, static_cast<double>(sum(count)), counted});
+  };
+  add_count("steps above 10 us", std::nullopt, [](const MeshFigures& f) { return f.over_10us; });
+  add_count("steps above 50 us", std::nullopt, [](const MeshFigures& f) { return f.over_50us; });
+  add_count("steps above 100 us", 0.0, [](const MeshFigures& f) { return f.over_100us; });
+  const std::string errors = "force error against the limit " + over;
+  const std::string windows = fmt::format(
+      "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all, {} not settled",
+      sum([](const MeshFigures& f) { return f.error.contact_steps; }), settings.window_steps,
+      sum([](const MeshFigures& f) { return f.error.branch_switches; }), sum([](const MeshFigures& f) { return f.error.switched_steps; }),
+      sum([](const MeshFigures& f) { return f.error.unsettled_steps; }));
+  const auto goal = [&](double share) { return all[0].friction ? std::nullopt : std::optional<double>(share); };
+  add_pair(errors, "RMS", "%", goal(0.001), point ? "23 (70 k), 2000 (1.3 M)" : "", windows,
+           [](const MeshFigures& f) { return 100.0 * f.error.error.rms; });
+  add_pair(errors, "p99", "%", std::nullopt, "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.p99; });
+  add_pair(errors, "max", "%", goal(0.1), "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.most; });
+  const auto bad =
+      sum([](const MeshFigures& f) { return f.error.falls + f.error.ghosts + f.error.locks + f.error.pops + f.error.not_finite; });
+  add({errors, "falls, ghosts, locks, pops", "", 0.0, false, "", {}, static_cast<double>(bad), windows});
+  return rows;
+}
+
+}  // namespace hapton

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "bench/measure/mesh_run.h"
+#include "bench/measure/numbers_run.h"
+
+namespace hapton {
+
+// The rows of one mesh: the rough sphere, whose goals these are.
+std::vector<NumberRow> rows_of_mesh(const MeshFigures& figures, const MeshRunSettings& settings);
+
+// Each figure's median and worst mesh, and what is counted over all of them. Pre: not empty, of one probe, all with or all without
+// friction.
+std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings);
+
+}  // namespace hapton

@@ -1,0 +1,236 @@
+#include "bench/measure/mesh_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <utility>
+
+#include "bench/measure/facet_locator.h"
+#include "core/force/reference_method.h"
+#include "core/geometry/mesh_measures.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMoves = 1e-9;  // of the extent: a proxy that moved by more since the last step slides
+
+struct Slide {
+  std::uint64_t seed;
+  TouchTrajectory trajectory;
+};
+
+struct Windows {
+  std::vector<FeltStep> method, reference;  // one window after the other, all of the same length
+};
+
+// Where windows begin: contact steps that have a whole window left before the next reset.
+std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings) {
+  std::vector<std::size_t> possible;
+  const std::size_t piece = slide.trajectory.reset_every;
+  for (std::size_t i = 1; i + settings.window_steps < felt.size(); ++i) {
+    if (i % piece != 0 && i % piece + settings.window_steps < piece && !felt[i].force_n.isZero(0.0)) possible.push_back(i);
+  }
+  std::mt19937_64 random(slide.seed);
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < settings.windows && !possible.empty(); ++i) starts.push_back(possible[random() % possible.size()]);
+  return starts;
+}
+
+void judge_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings,
+                   double extent_m, Windows& windows) {
+  for (const std::size_t start : choose_starts(slide, felt, settings)) {
+    const bool slides = (felt[start].proxy - felt[start - 1].proxy).norm() > kMoves * extent_m;
+    reference.resume(felt[start].proxy, felt[start].device, slides);
+    for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
+      const MethodOutput expected = reference.step({.p_SD = felt[i].device});
+      windows.method.push_back(felt[i]);
+      windows.reference.push_back({felt[i].device, expected.p_SP, expected.force_n, reference.last_step().settled});
+    }
+  }
+}
+
+MethodSettings settings_of(const char* name, double probe_radius_m) {
+  MethodSettings settings;
+  settings.name = name;
+  settings.probe_radius_m = probe_radius_m;
+  return settings;
+}
+
+std::uint64_t count_facets(const FacetLocator& locator, const Slide& slide, const std::vector<FeltStep>& felt) {
+  std::uint64_t crossed = 0;
+  for (std::size_t i = 1; i < felt.size(); ++i) {
+    if (i % slide.trajectory.reset_every == 0 || felt[i].force_n.isZero(0.0) || felt[i - 1].force_n.isZero(0.0)) continue;
+    crossed += locator.count_crossed(felt[i - 1].proxy, felt[i].proxy);
+  }
+  return crossed;
+}
+
+std::size_t count_above(const std::vector<double>& ns, double limit_ns) {
+  return static_cast<std::size_t>(std::count_if(ns.begin(), ns.end(), [&](double t) { return t > limit_ns; }));
+}
+
+Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
+                                const std::vector<Slide>& slides, const FacetLocator& locator, double probe_radius_m, bool friction) {
+  MeshFigures figures;
+  figures.mesh = mesh.name;
+  figures.triangles = mesh.mesh->triangles.size();
+  figures.probe_radius_m = probe_radius_m;
+  figures.friction = friction;
+  TouchScene scene;
+  Material material;
+  if (friction) {
+    material.friction_static = settings.friction_static;
+    material.friction_dynamic = settings.friction_dynamic;
+  }
+  scene.objects.push_back({mesh.mesh, material});
+  auto reference = ReferenceMethod::make_reference(settings_of("reference", probe_radius_m), scene);
+  if (!reference) return tl::unexpected(reference.error());
+  const TimingBudget budget{.repetitions = settings.repetitions, .seconds = std::numeric_limits<double>::infinity()};
+  ForceErrorSettings error;
+  error.stiffness_n_per_m = material.stiffness_n_per_m;
+  error.extent_m = compute_bounds(*mesh.mesh).extent();
+  error.reset_every = settings.window_steps;
+  std::vector<double> contact_ns, free_p50_ns;
+  Windows windows;
+  for (const Slide& slide : slides) {
+    auto timing = time_method(watch, budget, settings_of("proxy", probe_radius_m), scene, slide.trajectory);
+    if (!timing) return tl::unexpected(timing.error());
+    contact_ns.insert(contact_ns.end(), timing->contact_ns.begin(), timing->contact_ns.end());
+    if (timing->free.count > 0) free_p50_ns.push_back(timing->free.p50_ns);
+    figures.facets_crossed += count_facets(locator, slide, timing->felt);
+    judge_windows(**reference, slide, timing->felt, settings, error.extent_m, windows);
+  }
+  double sum_ns = 0.0;
+  for (const double ns : contact_ns) sum_ns += ns;
+  figures.ns_per_facet = sum_ns / static_cast<double>(std::max<std::uint64_t>(1, figures.facets_crossed));
+  figures.over_10us = count_above(contact_ns, 10e3);
+  figures.over_50us = count_above(contact_ns, 50e3);
+  figures.over_100us = count_above(contact_ns, 100e3);
+  figures.contact = spread_of_times(std::move(contact_ns));
+  figures.free_p50_ns = spread_of_times(std::move(free_p50_ns)).p50_ns;
+  figures.error = compare_forces(windows.method, windows.reference, error);
+  return figures;
+}
+
+std::string probe_text(double radius_m) { return radius_m > 0.0 ? fmt::format("sphere {:g} mm", 1e3 * radius_m) : "point"; }
+
+}  // namespace
+
+Result<std::vector<MeshFigures>> measure_mesh(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
+                                              const std::function<void(const std::string&)>& progress) {
+  progress(fmt::format("{}: slides of {} seeds", mesh.name, settings.seeds.size()));
+  std::vector<Slide> slides;
+  for (const std::uint64_t seed : settings.seeds) {
+    auto made = make_slide_trajectory(*mesh.mesh, {.seed = seed, .rows = settings.steps, .rate_hz = 1000.0});
+    if (!made) return tl::unexpected(made.error());
+    slides.push_back({seed, std::move(*made)});
+  }
+  const FacetLocator locator(*mesh.mesh);
+  std::vector<MeshFigures> all;
+  for (const double radius : settings.probe_radii_m) {
+    for (const bool friction : {false, true}) {
+      progress(fmt::format("{}: {}{}", mesh.name, probe_text(radius), friction ? ", friction" : ""));
+      auto figures = measure_one(settings, watch, mesh, slides, locator, radius, friction);
+      if (!figures) return tl::unexpected(figures.error());
+      all.push_back(std::move(*figures));
+    }
+  }
+  return all;
+}
+
+MedianAndWorst over_meshes(const std::vector<MeshFigures>& figures, const std::function<double(const MeshFigures&)>& figure) {
+  MedianAndWorst result;
+  std::vector<double> values;
+  for (const MeshFigures& one : figures) {
+    values.push_back(figure(one));
+    if (values.size() > 1 && values.back() <= result.worst) continue;
+    result.worst = values.back();
+    result.worst_mesh = one.mesh;
+  }
+  // Of an even number the upper of the two in the middle: no figure that nobody measured.
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  result.median = values[values.size() / 2];
+  return result;
+}
+
+std::string to_csv(const std::vector<MeshFigures>& figures) {
+  std::string text =
+      "mesh,triangles,probe_radius_m,friction,contact_steps,p50_ns,p90_ns,p99_ns,p99_9_ns,worst_ns,free_p50_ns,over_10us,over_50us,over_"
+      "100us,"
+      "facets_crossed,ns_per_facet,judged_steps,judged_contact_steps,unsettled_steps,error_rms,error_p50,error_p99,error_max,branch_"
+      "switches,"
+      "switched_steps,falls,ghosts,locks,pops,not_finite\n";
+  for (const MeshFigures& f : figures) {
+    const TimeSpread& t = f.contact;
+    const ForceError& e = f.error;
+    fmt::format_to(
+        std::back_inserter(text),
+        "{},{},{:g},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{},{},{},{},{:.1f},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{}"
+        ",{},{},{},{}\n",
+        f.mesh, f.triangles, f.probe_radius_m, f.friction ? 1 : 0, t.count, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns,
+        f.free_p50_ns, f.over_10us, f.over_50us, f.over_100us, f.facets_crossed, f.ns_per_facet, e.steps, e.contact_steps,
+        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.falls, e.ghosts,
+        e.locks, e.pops, e.not_finite);
+  }
+  return text;
+}
+
+Json to_json(const std::vector<MeshFigures>& figures) {
+  Json all = Json::array();
+  for (const MeshFigures& f : figures) {
+    const TimeSpread& t = f.contact;
+    const ForceError& e = f.error;
+    all.push_back({{"mesh", f.mesh},
+                   {"triangles", f.triangles},
+                   {"probe_radius_m", f.probe_radius_m},
+                   {"friction", f.friction},
+                   {"contact",
+                    {{"n", t.count},
+                     {"p50_ns", t.p50_ns},
+                     {"p90_ns", t.p90_ns},
+                     {"p99_ns", t.p99_ns},
+                     {"p99_9_ns", t.p99_9_ns},
+                     {"worst_ns", t.worst_ns}}},
+                   {"free_p50_ns", f.free_p50_ns},
+                   {"over_10us", f.over_10us},
+                   {"over_50us", f.over_50us},
+                   {"over_100us", f.over_100us},
+                   {"facets_crossed", f.facets_crossed},
+                   {"ns_per_facet", f.ns_per_facet},
+                   {"judged_steps", e.steps},
+                   {"judged_contact_steps", e.contact_steps},
+                   {"unsettled_steps", e.unsettled_steps},
+                   {"force_error", {{"rms", e.error.rms}, {"p50", e.error.p50}, {"p99", e.error.p99}, {"max", e.error.most}}},
+                   {"branch_switches", e.branch_switches},
+                   {"switched_steps", e.switched_steps},
+                   {"falls", e.falls},
+                   {"ghosts", e.ghosts},
+                   {"locks", e.locks},
+                   {"pops", e.pops},
+                   {"not_finite", e.not_finite}});
+  }
+  return all;
+}
+
+std::string to_text(const std::vector<MeshFigures>& figures) {
+  std::string text =
+      fmt::format("{:<24} {:<14} {:<4} {:>8} {:>7} {:>8} {:>9} {:>6} {:>6} {:>6} {:>8} {:>9} {:>9} {:>9} {:>8}\n", "mesh", "probe", "mu",
+                  "contact", "p50 ns", "p99 ns", "worst ns", ">10us", ">50us", ">100us", "ns/facet", "RMS %", "p99 %", "max %", "switches");
+  for (const MeshFigures& f : figures) {
+    const ForceError& e = f.error;
+    fmt::format_to(std::back_inserter(text),
+                   "{:<24} {:<14} {:<4} {:>8} {:>7.0f} {:>8.0f} {:>9.0f} {:>6} {:>6} {:>6} {:>8.0f} {:>9.3g} {:>9.3g} {:>9.3g} {:>8}\n",
+                   f.mesh, probe_text(f.probe_radius_m), f.friction ? "on" : "off", f.contact.count, f.contact.p50_ns, f.contact.p99_ns,
+                   f.contact.worst_ns, f.over_10us, f.over_50us, f.over_100us, f.ns_per_facet, 100.0 * e.error.rms, 100.0 * e.error.p99,
+                   100.0 * e.error.most, e.branch_switches);
+  }
+  return text;
+}
+
+}  // namespace hapton

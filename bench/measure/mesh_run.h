@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/measure/method_run.h"
+
+namespace hapton {
+
+// A mesh that `numbers` measures, its longest side 100 mm.
+struct NamedMesh {
+  std::string name;
+  std::shared_ptr<const TriangleMesh> mesh;
+};
+
+struct MeshRunSettings {
+  std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6};  // of the slides
+  std::size_t steps = 20000;                              // of each slide
+  std::vector<double> probe_radii_m = {0.0, 0.0005};
+  // Static and dynamic; those of the quoted CHAI3D figures.
+  double friction_static = 0.5;
+  double friction_dynamic = 0.4;
+  int repetitions = 3;            // the least time of each step counts
+  std::size_t windows = 4;        // of each slide, judged against the reference
+  std::size_t window_steps = 40;  // of a window
+};
+
+// Method proxy over one mesh with one probe, without or with friction: all seeds together.
+struct MeshFigures {
+  std::string mesh;
+  std::size_t triangles = 0;
+  double probe_radius_m = 0.0;
+  bool friction = false;
+  TimeSpread contact;                                        // least times of the contact steps
+  std::size_t over_10us = 0, over_50us = 0, over_100us = 0;  // contact steps that take longer
+  std::uint64_t facets_crossed = 0;                          // by the proxy in those steps, as FacetLocator counts
+  double ns_per_facet = 0.0;                                 // all contact time over facets crossed
+  double free_p50_ns = 0.0;
+  ForceError error;  // in the windows
+};
+
+// Measures method `proxy` over a mesh: slides of every seed, each probe, without and with friction.
+//
+// The errors are those of windows of consecutive steps. The seed chooses where a window begins among the contact steps; the reference goes
+// on there from the proxy's own state, so a branch switch before the window is forgiven, and one within it counts to the window's end.
+// Nothing is re-synchronised within a window. Error: a trajectory or method that cannot be made.
+Result<std::vector<MeshFigures>> measure_mesh(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
+                                              const std::function<void(const std::string&)>& progress);
+
+// One figure over all meshes: its median and its worst. Pre: not empty.
+struct MedianAndWorst {
+  double median = 0.0;
+  double worst = 0.0;
+  std::string worst_mesh;
+};
+MedianAndWorst over_meshes(const std::vector<MeshFigures>& figures, const std::function<double(const MeshFigures&)>& figure);
+
+std::string to_csv(const std::vector<MeshFigures>& figures);
+nlohmann::ordered_json to_json(const std::vector<MeshFigures>& figures);
+std::string to_text(const std::vector<MeshFigures>& figures);
+
+}  // namespace hapton

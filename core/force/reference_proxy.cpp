@@ -1,0 +1,470 @@
+#include "core/force/reference_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "core/force/contact_material.h"
+#include "core/force/convex_sweep.h"
+#include "core/force/friction_drag.h"
+
+namespace hapton {
+namespace {
+
+// All of these are in local units, where the scene's diagonal lies in (1/2, 1].
+const double kSkin = std::ldexp(1.0, -38);      // hover / 64: far above rounding, far below hover
+const double kRounding = std::ldexp(1.0, -48);  // bound on the error of a distance between points within the scene
+const double kErosion = std::ldexp(1.0, -47);   // what one motion may take off a distance that is already at its least
+const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
+const double kIdleGain = std::ldexp(1.0, -50);  // coming nearer to the device by less than this is none
+const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
+constexpr double kLongestMotion = 4.0;          // a device far away must not cost the digits of what is near
+constexpr double kLeastRoll = 1e-10;            // rad
+constexpr double kLongestRoll = std::numbers::pi / 3.0;
+constexpr double kLongestTip = std::numbers::pi / 6.0;
+constexpr double kBorder = 1e-3;    // of the rest distance: a face's contact this near to its border may stand on the edge
+constexpr double kOpenFace = 16.0;  // rest distances from its border a point on a face has nothing else to be held by
+constexpr int kIdleMotions = 8;
+constexpr int kMostMotions = 4000;
+constexpr int kMostEscapes = 64;
+constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
+constexpr std::size_t kMostContacts = 256;
+constexpr double kSamePlane = 1e-14;  // normals of one plane differ by less in their cosine
+constexpr double kSteepest = 4.0;     // rest distances: farther off the surface, in a wedge of 29 degrees and less, it stays
+constexpr std::size_t kMostNear = 48;
+constexpr std::size_t kMostDirections = 1536;
+
+bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
+  return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
+}
+
+}  // namespace
+
+ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces)
+    : rest_(std::max(probe_radius, kPointRadius)), materials_(std::move(materials)), state_(make_state()) {
+  for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
+  faces_.reserve(most_faces);
+  boxes_.reserve(most_faces);
+  contacts_before_.reserve(kMostContacts);
+  near_.reserve(kMostNear);
+  directions_.reserve(kMostDirections);
+  half_spaces_.reserve(kMostContacts);
+}
+
+ReferenceProxy::State ReferenceProxy::make_state() const {
+  State state;
+  state.contacts.reserve(kMostContacts);
+  return state;
+}
+
+void ReferenceProxy::clear_faces() noexcept {
+  faces_.clear();
+  boxes_.clear();
+}
+
+void ReferenceProxy::add_face(const Face& face) noexcept {
+  const auto& [a, b, c] = face.shape.corner;
+  faces_.push_back(face);
+  boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
+}
+
+void ReferenceProxy::place_free(const Vec3& p) noexcept {
+  state_.place = p;
+  state_.contacts.clear();
+  state_.free = true;
+  state_.sliding = false;
+}
+
+void ReferenceProxy::place_held(const Vec3& p, bool sliding) noexcept {
+  place_free(p);
+  state_.free = false;
+  state_.sliding = sliding;
+}
+
+void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, const Rules& rules) noexcept {
+  if (faces_.empty() && state_.contacts.empty()) return place_free(device_to);
+  ++counters_.substeps;
+  rules_ = rules;
+  const Vec3 start = state_.place;
+  drag(device_from, device_to);
+  descend(device_to);
+  for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
+  state_.free = state_.place == device_to && state_.contacts.empty();
+  if (!state_.free && (state_.place - start).norm() <= kStill) state_.sliding = false;
+}
+
+// Friction on one plane in closed form: return mapping alone is right only to the square of the sub-step, each time.
+void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexcept {
+  if (!has_friction() || device_from == device_to) return;
+  update_contacts();
+  const Pull before = project_pull(device_from - state_.place);
+  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace) return;
+  const Vec3 normal = before.strongest->near.direction;
+  const Pull after = project_pull(device_to - state_.place);
+  if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
+  const auto in_plane = [&](const Vec3& v) { return Vec3(v - v.dot(normal) * normal); };
+  const Material material = material_of(after);
+  FrictionMotion input;
+  input.lag = in_plane(device_from - state_.place);
+  input.motion = in_plane(device_to - device_from);
+  input.pressure_start = pressure_of(before.motion.multiplier[0]);
+  input.pressure_end = pressure_of(after.motion.multiplier[0]);
+  input.friction_static = material.friction_static;
+  input.friction_dynamic = material.friction_dynamic;
+  input.sliding = state_.sliding;
+  if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
+  const FrictionDrag dragged = drag_by_friction(input);
+  const Vec3 motion = input.lag + input.motion - dragged.lag;
+  state_.sliding = dragged.sliding;
+  if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
+}
+
+Vec3 ReferenceProxy::surface_place(const Vec3& device) noexcept {
+  const Vec3 place = state_.place;
+  if (rest_ != kPointRadius || place == device) return place;
+  update_contacts();
+  const Vec3 pull = device - place;
+  const Pull held = project_pull(pull);
+  const int n = held.motion.count;
+  if (n == 0 || !held.motion.feasible) return place;
+  // The least motion that brings the proxy to distance zero of all that hold it: N (N^T N)^-1 (-distances).
+  Mat3 normals = Mat3::Zero();
+  Vec3 distances = Vec3::Zero();
+  for (int i = 0; i < n; ++i) {
+    const Contact& contact = state_.contacts[held.motion.active[i]];
+    normals.col(i) = contact.near.direction;
+    distances[i] = contact.near.distance;
+  }
+  Mat3 gram = normals.transpose() * normals;
+  for (int i = n; i < 3; ++i) gram(i, i) = 1.0;
+  const Vec3 down = -normals * gram.fullPivLu().solve(distances);
+  const bool is_sound = down.allFinite() && (normals.transpose() * down + distances).norm() <= kSkin && down.norm() <= kSteepest * rest_;
+  const Vec3 onto = is_sound ? Vec3(place + down) : place;
+  return (onto - device).dot(-pull) > 0.0 ? onto : device;
+}
+
+// From where the proxy is to where no straight motion brings it nearer to the device.
+void ReferenceProxy::descend(const Vec3& device) noexcept {
+  double nearest = std::numeric_limits<double>::infinity();
+  int idle = 0;
+  int motions = 0;
+  for (; motions < kMostMotions && idle < kIdleMotions; ++motions) {
+    update_contacts();
+    if (state_.contacts.empty() && cross_free_space(device)) break;
+    const double distance = (device - state_.place).norm();
+    idle = distance < nearest - kIdleGain ? 0 : idle + 1;
+    nearest = std::min(nearest, distance);
+    const Pull pull = project_pull(device - state_.place);
+    if (pull.strongest != nullptr) state_.material = material_of(pull);
+    if (pull.motion.count == 0) {
+      const bool arrives = (device - state_.place).norm() <= kLongestMotion;
+      if (advance(pull.motion.point) && arrives) {
+        state_.place = device;
+        break;
+      }
+      continue;
+    }
+    const Vec3 motion = limit_by_friction(pull);
+    if (!(motion.norm() > kStill)) {
+      if (tip_over(device, pull)) continue;
+      break;
+    }
+    if (roll(device, pull)) continue;
+    advance(motion);
+  }
+  update_contacts();
+  counters_.motions += static_cast<std::uint64_t>(motions);
+  counters_.most_motions = std::max(counters_.most_motions, static_cast<std::uint64_t>(motions));
+  if (motions == kMostMotions) ++counters_.unconverged;
+}
+
+// A point probe is a sphere only for the sake of safety, and where a fold narrows at a corner the sphere may rest against a step no higher
+// than its own radius that is no obstacle to a point. So at rest the proxy is lifted by a few radii and sent along every direction the
+// corner offers: the pull, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that
+// ends nearer to the device by more than such a step; else it is put back.
+bool ReferenceProxy::escape(const Vec3& device) noexcept {
+  if (rest_ != kPointRadius || has_friction() || state_.contacts.empty() || state_.place == device || is_on_open_face()) return false;
+  const Vec3 start = state_.place;
+  const Vec3 pull = device - start;
+  const double least_gain = kEscapeGain * rest_;
+  contacts_before_ = state_.contacts;
+  for (const double height : {8.0 * rest_, 256.0 * rest_}) {
+    collect_near(start, 2.0 * height);
+    if (!lift(start, height)) continue;
+    const Vec3 lifted = state_.place;
+    for (const Vec3& direction : directions_out(start, pull, 2.0 * height)) {
+      state_.place = lifted;
+      state_.contacts.clear();
+      advance(direction);
+      if ((state_.place - start).norm() < 8.0 * height) continue;
+      descend(device);
+      if ((device - state_.place).norm() < pull.norm() - least_gain) return true;
+    }
+    state_.place = start;
+  }
+  state_.place = start;
+  state_.contacts = contacts_before_;
+  update_contacts();
+  return false;
+}
+
+// On one face alone and not at its border: there a rest is one for a point as well.
+bool ReferenceProxy::is_on_open_face() const noexcept {
+  if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::kFace) return false;
+  const PreparedTriangle& shape = state_.contacts[0].face.shape;
+  for (int k = 0; k < 3; ++k) {
+    if (shape.inward[k].dot(state_.place - shape.corner[k]) <= kOpenFace * rest_ * shape.edge[k].norm()) return false;
+  }
+  return true;
+}
+
+void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
+  near_.clear();
+  for (std::size_t i = 0; i < faces_.size() && near_.size() < kMostNear; ++i) {
+    const Box& box = boxes_[i];
+    if (!boxes_meet(box.low, box.high, p.array() - within, p.array() + within) || !can_meet(faces_[i])) continue;
+    const ClosestPoint near = closest_point(faces_[i].shape, p);
+    if (near.distance <= within && !near.direction.isZero(0.0)) near_.push_back({faces_[i], near});
+  }
+}
+
+// Moves the proxy by the shortest way to where it is `height` above the planes of all that is near. False when there is no such place.
+bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
+  half_spaces_.clear();
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
+  const HalfSpaceProjection way = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  if (!way.feasible || way.point.norm() > 64.0 * height) return false;
+  state_.place = start;
+  advance(way.point);
+  return true;
+}
+
+const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {
+  directions_.clear();
+  auto add_line = [&](const Vec3& line) {
+    const double length2 = line.squaredNorm();
+    if (length2 > 0.0) directions_.push_back((line.dot(pull) / length2) * line);
+  };
+  directions_.push_back(pull);
+  for (const Contact& contact : near_) {
+    const PreparedTriangle& shape = contact.face.shape;
+    if (shape.has_face) directions_.push_back(pull - pull.dot(shape.normal) * shape.normal);
+    for (int k = 0; k < 3; ++k) {
+      const double along = std::clamp(shape.edge[k].dot(start - shape.corner[k]) / std::max(shape.edge[k].squaredNorm(), 1e-300), 0.0, 1.0);
+      if ((start - shape.corner[k] - along * shape.edge[k]).norm() <= within) add_line(shape.edge[k]);
+    }
+  }
+  // Folds between faces that do not share an edge.
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMostDirections; ++j) {
+      const Vec3 fold = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
+      if (fold.squaredNorm() > 1e-12) add_line(fold);
+    }
+  }
+  return directions_;
+}
+
+// Far outside the scene there is nothing to meet: the proxy goes straight to the device, or to where its way enters the surroundings of the
+// scene. True when it has arrived.
+bool ReferenceProxy::cross_free_space(const Vec3& device) noexcept {
+  const double surroundings = 1.0 + 2.0 * rest_;
+  if (state_.place.norm() < 1.01 * surroundings) return false;
+  const Vec3 way = device - state_.place;
+  const double length = way.norm();
+  const double foot = length > 0.0 ? -state_.place.dot(way) / length : 0.0;
+  const double miss = length > 0.0 ? (state_.place + (foot / length) * way).norm() : surroundings;
+  const double entry = foot - std::sqrt(std::max(0.0, (surroundings - miss) * (surroundings + miss)));
+  if (miss >= surroundings || entry <= 0.0 || entry >= length) {
+    state_.place = device;
+    return true;
+  }
+  state_.place += (entry / length) * way;
+  return false;
+}
+
+// Where the touched triangles are nearest now; those left behind are dropped.
+void ReferenceProxy::update_contacts() noexcept {
+  for (Contact& contact : state_.contacts) {
+    contact.near = closest_point(contact.face.shape, state_.place);
+    if (contact.near.distance == 0.0 && contact.near.feature != TriangleFeature::kFace) contact.near.direction = contact.face.shape.normal;
+  }
+  std::erase_if(state_.contacts,
+                [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
+}
+
+ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
+  half_spaces_.clear();
+  for (const Contact& contact : state_.contacts) {
+    // A proxy a little too near is led back to rest; one that starts overlapping (a reset in the surface) only may not go deeper.
+    const double gap = rest_ - contact.near.distance;
+    half_spaces_.push_back({contact.near.direction, gap <= 2.0 * kSkin ? gap : 0.0});
+  }
+  Pull result;
+  result.motion = project_onto_half_spaces(pull, half_spaces_, kFeasible);
+  if (!result.motion.feasible) {
+    for (HalfSpace& half_space : half_spaces_) half_space.gap = std::min(half_space.gap, 0.0);
+    result.motion = project_onto_half_spaces(pull, half_spaces_, kFeasible);
+    if (!result.motion.feasible) {
+      ++counters_.infeasible;
+      result.motion.point = Vec3::Zero();
+    }
+  }
+  double strongest = -1.0;
+  for (int i = 0; i < result.motion.count; ++i) {
+    if (result.motion.multiplier[i] > strongest) {
+      strongest = result.motion.multiplier[i];
+      result.strongest = &state_.contacts[result.motion.active[i]];
+    }
+  }
+  const double length = result.motion.point.norm();
+  if (length > kLongestMotion) result.motion.point *= kLongestMotion / length;
+  return result;
+}
+
+// The surface itself is a point's radius nearer to the device.
+double ReferenceProxy::pressure_of(double push) const noexcept { return rest_ == kPointRadius ? std::max(0.0, push - rest_) : push; }
+
+Material ReferenceProxy::material_of(const Pull& pull) const noexcept {
+  ContactMaterial material;
+  for (int i = 0; i < pull.motion.count; ++i) {
+    material.add(materials_[state_.contacts[pull.motion.active[i]].face.object], pull.motion.multiplier[i]);
+  }
+  return material.mean();
+}
+
+// Coulomb friction: the part of the frictionless motion that the cone leaves.
+Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
+  const Vec3& motion = pull.motion.point;
+  if (!has_friction() || pull.strongest == nullptr) return motion;
+  Vec3 push = Vec3::Zero();
+  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * half_spaces_[pull.motion.active[i]].normal;
+  const Material material = material_of(pull);
+  const double way = motion.norm();
+  const double pressure = pressure_of(push.norm());
+  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * pressure;
+  if (way <= held + kStill) return Vec3::Zero();
+  state_.sliding = true;
+  const double least = material.friction_dynamic * pressure;
+  return motion * ((way - least) / way);
+}
+
+// A sphere over a single edge or corner goes round it to the point nearest to the device, or sixty degrees on.
+bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
+  if (pull.motion.count != 1 || rest_ <= 16.0 * kPointRadius || has_friction()) return false;
+  const Contact& contact = *pull.strongest;
+  if (contact.near.feature == TriangleFeature::kFace || contact.near.distance < rest_ - 2.0 * kSkin) return false;
+  const Vec3 aim = across_feature(contact, device - pivot_of(contact));
+  const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
+  const double side = sideways.norm();
+  const double angle = std::min(std::atan2(side, aim.dot(contact.near.direction)), kLongestRoll);
+  return side > 0.0 && angle > kLeastRoll && go_round(contact, sideways / side, angle);
+}
+
+// At rest, yet not at a minimum: on an edge or a corner with the device beyond it the proxy stands like a ball on a ridge. It goes round to
+// either side if that is free and nearer to the device. The very border of a face is an edge, too. Friction would hold it there.
+bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
+  if (has_friction()) return false;
+  for (int i = 0; i < pull.motion.count; ++i) {
+    Contact contact = state_.contacts[pull.motion.active[i]];
+    if (contact.near.distance < rest_ - 2.0 * kSkin) continue;
+    if (contact.near.feature != TriangleFeature::kFace) {
+      if (tip_over(device, contact)) return true;
+      continue;
+    }
+    for (int k = 0; k < 3 && rules_.tips_borders; ++k) {
+      const PreparedTriangle& shape = contact.face.shape;
+      if (shape.inward[k].dot(state_.place - shape.corner[k]) > kBorder * rest_ * shape.edge[k].norm()) continue;
+      contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kEdge0) + k);
+      if (tip_over(device, contact)) return true;
+    }
+  }
+  return false;
+}
+
+bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexcept {
+  const Vec3& normal = contact.near.direction;
+  if ((device - pivot_of(contact)).dot(normal) >= 0.0) return false;
+  // Along an edge as well: it may end right here.
+  const Vec3 first = is_edge(contact.near.feature) ? Vec3(normal.cross(edge_of(contact)).normalized()) : normal.unitOrthogonal();
+  const Vec3 second = normal.cross(first);
+  const Vec3 start = state_.place;
+  const double tip = std::min(kLongestTip, std::sqrt(kPointRadius / rest_));  // climbs half a hover: over no ridge that holds a sphere
+  for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
+    if (!go_round(contact, tangent, tip)) continue;
+    if ((device - state_.place).squaredNorm() < (device - start).squaredNorm()) return true;
+    state_.place = start;
+  }
+  return false;
+}
+
+// The point the sphere touches.
+Vec3 ReferenceProxy::pivot_of(const Contact& contact) const noexcept {
+  return state_.place - contact.near.distance * contact.near.direction;
+}
+
+Vec3 ReferenceProxy::edge_of(const Contact& contact) noexcept {
+  return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0)];
+}
+
+Vec3 ReferenceProxy::across_feature(const Contact& contact, const Vec3& v) noexcept {
+  if (!is_edge(contact.near.feature)) return v;
+  const Vec3 edge = edge_of(contact);
+  return v - (v.dot(edge) / edge.squaredNorm()) * edge;
+}
+
+// Round the touched edge or corner by an angle, on the two tangents at the ends of the arc. False, and nothing moved, when something is in
+// the way.
+bool ReferenceProxy::go_round(const Contact& contact, const Vec3& tangent, double angle) noexcept {
+  const Vec3 start = state_.place;
+  const Vec3 pivot = pivot_of(contact);
+  const Vec3 normal = contact.near.direction;
+  const Vec3 corner = pivot + rest_ * (normal + std::tan(0.5 * angle) * tangent);
+  const Vec3 end = pivot + rest_ * (std::cos(angle) * normal + std::sin(angle) * tangent);
+  if (advance(corner - start) && advance(end - corner)) return true;
+  state_.place = start;
+  return false;
+}
+
+// Moves the proxy along the motion until it meets a triangle, which is then touched. True when it met none.
+bool ReferenceProxy::advance(const Vec3& motion) noexcept {
+  const Vec3 end = state_.place + motion;
+  const Vec3 low = state_.place.cwiseMin(end).array() - (rest_ + 2.0 * kSkin);
+  const Vec3 high = state_.place.cwiseMax(end).array() + (rest_ + 2.0 * kSkin);
+  double until = 1.0;
+  const Face* met = nullptr;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const Face& face = faces_[i];
+    if (!boxes_meet(boxes_[i].low, boxes_[i].high, low, high) || !can_meet(face)) continue;
+    const double distance = closest_point(face.shape, state_.place).distance;
+    // At rest less the skin the motion ends. Where that is already used up a motion may take one erosion more, but
+    // never below half, so the sum over any number of motions stays on the proxy's side.
+    double limit = std::min(rest_ - kSkin, distance - kErosion);
+    if (distance < 0.5 * rest_) limit = distance;
+    const SweepHit found = sweep_point(face.shape, state_.place, motion, until, limit, 0.5 * kErosion, kRounding);
+    if (found.hit) {
+      until = found.t;
+      met = &face;
+    }
+  }
+  state_.place = met == nullptr ? end : Vec3(state_.place + until * motion);
+  if (met != nullptr) meet(*met);
+  return met == nullptr;
+}
+
+void ReferenceProxy::meet(const Face& face) noexcept {
+  for (const Contact& known : state_.contacts) {
+    if (known.face.triangle == face.triangle) return;
+  }
+  if (state_.contacts.size() == kMostContacts) state_.contacts.erase(state_.contacts.begin());
+  state_.contacts.push_back({face, closest_point(face.shape, state_.place)});
+}
+
+// A one-sided surface is met only from the side its normal points to.
+bool ReferenceProxy::can_meet(const Face& face) const noexcept {
+  if (materials_[face.object].two_sided) return true;
+  return face.shape.has_face && face.shape.normal.dot(state_.place - face.shape.corner[face.shape.base]) > 0.0;
+}
+
+}  // namespace hapton

@@ -1,0 +1,81 @@
+#include "bench/measure/mesh_run.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+std::vector<MeshFigures> measure(const MeshRunSettings& settings) {
+  const NamedMesh mesh{"bumpy", std::make_shared<TriangleMesh>(make_bumpy_sphere(0.045, 0.2, 1000, 3))};
+  auto made = measure_mesh(settings, Stopwatch::calibrate(), mesh, [](const std::string&) {});
+  EXPECT_TRUE(made.has_value());
+  return std::move(*made);
+}
+
+const MeshRunSettings kSmall{.seeds = {1, 2}, .steps = 600, .repetitions = 1, .windows = 2, .window_steps = 30};
+
+TEST(MeshRun, MeasuresEachProbeWithAndWithoutFriction) {
+  const std::vector<MeshFigures> figures = measure(kSmall);
+  ASSERT_EQ(figures.size(), 4u);
+  for (const MeshFigures& f : figures) {
+    EXPECT_GT(f.contact.count, 600u);
+    EXPECT_GE(f.contact.worst_ns, f.contact.p99_ns);
+    EXPECT_GE(f.over_10us, f.over_50us);
+    EXPECT_GE(f.over_50us, f.over_100us);
+    EXPECT_GT(f.facets_crossed, 5u);
+    EXPECT_GT(f.ns_per_facet, 0.0);
+    EXPECT_EQ(f.error.steps, 2u * 2u * 30u);
+    EXPECT_GT(f.error.contact_steps, 100u);
+    EXPECT_EQ(f.error.falls, 0u);
+    if (!f.friction) {
+      EXPECT_LT(f.error.error.p50, 1e-6) << f.probe_radius_m;
+    }
+  }
+}
+
+TEST(MeshRun, TheSeedChoosesTheWindows) {
+  const std::vector<MeshFigures> once = measure(kSmall), again = measure(kSmall);
+  MeshRunSettings other = kSmall;
+  other.seeds = {3, 4};
+  const std::vector<MeshFigures> elsewhere = measure(other);
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    EXPECT_EQ(once[i].error.error.rms, again[i].error.error.rms);
+    EXPECT_EQ(once[i].facets_crossed, again[i].facets_crossed);
+    EXPECT_NE(once[i].error.error.rms, elsewhere[i].error.error.rms);
+  }
+}
+
+TEST(MeshRun, MedianAndWorstOverMeshes) {
+  std::vector<MeshFigures> figures(4);
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    figures[i].mesh = std::string(1, static_cast<char>('a' + i));
+    figures[i].ns_per_facet = std::vector<double>{3.0, 9.0, 1.0, 4.0}[i];
+  }
+  const MedianAndWorst both = over_meshes(figures, [](const MeshFigures& f) { return f.ns_per_facet; });
+  EXPECT_EQ(both.median, 4.0);
+  EXPECT_EQ(both.worst, 9.0);
+  EXPECT_EQ(both.worst_mesh, "b");
+}
+
+TEST(MeshRun, TextCsvAndJsonNameEveryMesh) {
+  std::vector<MeshFigures> figures(2);
+  figures[0].mesh = "one";
+  figures[1].mesh = "two";
+  const std::string csv = to_csv(figures);
+  std::istringstream lines(csv);
+  std::string header, line;
+  std::getline(lines, header);
+  while (std::getline(lines, line))
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
+  EXPECT_EQ(to_json(figures).size(), 2u);
+  EXPECT_NE(to_text(figures).find("two"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton
