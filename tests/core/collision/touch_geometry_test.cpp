@@ -203,5 +203,81 @@ TEST(TouchGeometry, SaysWhenThereAreMoreTrianglesThanNumbers) {
   EXPECT_NE(checked.error().what.find("2049 objects"), std::string::npos) << checked.error().what;
 }
 
+struct FirstHit {
+  double time = 2.0;
+  bool from_back = false;
+};
+
+FirstHit first_by_tree(const TouchGeometry& geometry, const Vec3& p, const Vec3& q) {
+  FirstHit first;
+  geometry.visit_along(p, q, 0.0, [&](std::uint32_t id, double until) {
+    const TouchGeometry::Hit hit = geometry.pierce(id, p, q);
+    if (!(hit.time < first.time)) return until;
+    first = {hit.time, hit.from_back};
+    return hit.time;
+  });
+  return first;
+}
+
+TEST(TouchGeometry, ASegmentMeetsFirstWhatABruteForceSearchFinds) {
+  const TriangleMesh ball = make_icosphere(0.05, 3);
+  const TriangleMesh other = scaled_and_moved(make_bumpy_sphere(0.05, 0.2, 3000, 5), 1.0, Vec3(0.06, 0.01, 0.0));
+  const TouchGeometry geometry({&ball, &other});
+  std::vector<std::uint32_t> ids;
+  geometry.for_each_overlapping(Box{Vec3::Constant(-4.0), Vec3::Constant(4.0)}, [&](std::uint32_t id) { ids.push_back(id); });
+  ASSERT_EQ(ids.size(), ball.triangles.size() + other.triangles.size());
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  int met = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 p(place(random), place(random), place(random));
+    const Vec3 q = p + std::pow(10.0, -(i % 4)) * Vec3(place(random), place(random), place(random));
+    FirstHit expected;
+    for (const std::uint32_t id : ids) {
+      const TouchGeometry::Hit hit = geometry.pierce(id, p, q);
+      if (hit.time < expected.time) expected = {hit.time, hit.from_back};
+    }
+    const FirstHit found = first_by_tree(geometry, p, q);
+    EXPECT_EQ(found.time, expected.time) << i;
+    if (expected.time <= 1.0) EXPECT_EQ(found.from_back, expected.from_back) << i;
+    met += expected.time <= 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(met, 50);
+}
+
+// From vertex to vertex, along edges and in the planes of faces: whatever it touches, a closed way goes in as often as it comes out.
+TEST(TouchGeometry, AClosedWayOverALatticeGoesThroughAClosedSurfaceAnEvenNumberOfTimes) {
+  const TriangleMesh box = make_box(Vec3::Constant(0.5), 2);
+  const TouchGeometry geometry({&box});
+  std::vector<std::uint32_t> ids;
+  geometry.for_each_overlapping(Box{Vec3::Constant(-4.0), Vec3::Constant(4.0)}, [&](std::uint32_t id) { ids.push_back(id); });
+  const double lattice = 0.125 / geometry.unit_m();
+  std::mt19937_64 random(32);
+  const auto draw = [&] {
+    const auto step = [&] { return static_cast<double>(static_cast<int>(random() % 7) - 3) * lattice; };
+    const double x = step();
+    const double y = step();
+    return Vec3(x, y, step());
+  };
+  int through = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 start = draw();
+    Vec3 from = start;
+    int in = 0;
+    int out = 0;
+    for (int leg = 0; leg < 5; ++leg) {
+      const Vec3 to = leg < 4 ? draw() : start;
+      for (const std::uint32_t id : ids) {
+        const TouchGeometry::Hit hit = geometry.pierce(id, from, to);
+        if (hit.time <= 1.0) ++(hit.from_back ? out : in);
+      }
+      from = to;
+    }
+    ASSERT_EQ(in, out) << "way " << i;
+    through += in;
+  }
+  EXPECT_GT(through, 1000);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -165,6 +166,73 @@ TEST(WideBvh, QueriesTakeNothingFromTheHeap) {
   });
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(seen, boxes.size() / 2);
+}
+
+// When a segment enters a box that is grown by `radius`; above 1 where it does not.
+double time_into(const Box& box, const Vec3& p, const Vec3& motion, double radius) {
+  const Box grown = box.inflated(radius);
+  double enter = 0.0;
+  double leave = 1.0;
+  for (int k = 0; k < 3; ++k) {
+    if (motion[k] == 0.0) {
+      if (p[k] < grown.low[k] || p[k] > grown.high[k]) return 2.0;
+      continue;
+    }
+    const double a = (grown.low[k] - p[k]) / motion[k];
+    const double b = (grown.high[k] - p[k]) / motion[k];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  return enter <= leave ? enter : 2.0;
+}
+
+TEST(WideBvh, VisitsAllThatASegmentMeets) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> place(-1.2, 1.2);
+  const std::vector<Box> boxes = random_boxes(3000, 0.1, random);
+  const WideBvh tree(boxes);
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 p(place(random), place(random), place(random));
+    Vec3 motion = Vec3(place(random), place(random), place(random)) * std::pow(10.0, -static_cast<double>(i % 8));
+    if (i % 5 == 0) motion[i % 3] = 0.0;
+    if (i % 7 == 0) motion = Vec3::Zero();
+    const double radius = i % 2 == 0 ? 0.0 : 0.01;
+    std::set<std::uint32_t> met;
+    tree.visit_along(p, motion, radius, 1.0, [&](std::uint32_t item, double until) {
+      EXPECT_TRUE(met.insert(item).second);
+      return until;
+    });
+    for (std::uint32_t item = 0; item < boxes.size(); ++item) {
+      if (time_into(boxes[item], p, motion, radius) <= 1.0) EXPECT_EQ(met.count(item), 1U) << "segment " << i << " item " << item;
+    }
+  }
+}
+
+TEST(WideBvh, ASegmentThatEndsSoonerMeetsTheFirstAndVisitsLess) {
+  std::mt19937_64 random(22);
+  std::uniform_real_distribution<double> place(-1.2, 1.2);
+  const std::vector<Box> boxes = random_boxes(3000, 0.1, random);
+  const WideBvh tree(boxes);
+  std::size_t visited = 0;
+  std::size_t all = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p(place(random), place(random), place(random));
+    const Vec3 motion(place(random), place(random), place(random));
+    double first = 2.0;
+    tree.visit_along(p, motion, 0.0, 1.0, [&](std::uint32_t item, double until) {
+      ++visited;
+      first = std::min(first, time_into(boxes[item], p, motion, 0.0));
+      return std::min(until, first);
+    });
+    double expected = 2.0;
+    for (const Box& box : boxes) expected = std::min(expected, time_into(box, p, motion, 0.0));
+    EXPECT_EQ(first, expected) << i;
+    tree.visit_along(p, motion, 0.0, 1.0, [&](std::uint32_t, double until) {
+      ++all;
+      return until;
+    });
+  }
+  EXPECT_LT(visited, all / 2);
 }
 
 }  // namespace
