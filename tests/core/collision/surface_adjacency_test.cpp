@@ -170,8 +170,11 @@ TEST(AreApart, SaysYesOnlyWhereTheDistanceIsAboveTheMargin) {
       }
     }
     const bool says = are_apart(a, b, margin);
-    if (says) EXPECT_GT(least, margin) << i;
-    if (!says) EXPECT_LT(least, margin + 0.1) << i;  // the samples are no farther apart than that
+    if (says) {
+      EXPECT_GT(least, margin) << i;
+    } else {
+      EXPECT_LT(least, margin + 0.1) << i;  // the samples are no farther apart than that
+    }
     apart += says ? 1 : 0;
   }
   EXPECT_GT(apart, 50);

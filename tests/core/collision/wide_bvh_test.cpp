@@ -203,7 +203,7 @@ TEST(WideBvh, VisitsAllThatASegmentMeets) {
       return until;
     });
     for (std::uint32_t item = 0; item < boxes.size(); ++item) {
-      if (time_into(boxes[item], p, motion, radius) <= 1.0) EXPECT_EQ(met.count(item), 1U) << "segment " << i << " item " << item;
+      EXPECT_TRUE(time_into(boxes[item], p, motion, radius) > 1.0 || met.count(item) == 1) << "segment " << i << " item " << item;
     }
   }
 }
@@ -211,7 +211,7 @@ TEST(WideBvh, VisitsAllThatASegmentMeets) {
 TEST(WideBvh, ASegmentThatEndsSoonerMeetsTheFirstAndVisitsLess) {
   std::mt19937_64 random(22);
   std::uniform_real_distribution<double> place(-1.2, 1.2);
-  const std::vector<Box> boxes = random_boxes(3000, 0.1, random);
+  const std::vector<Box> boxes = random_boxes(3000, 0.4, random);
   const WideBvh tree(boxes);
   std::size_t visited = 0;
   std::size_t all = 0;
