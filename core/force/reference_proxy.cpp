@@ -30,6 +30,7 @@ constexpr int kIdleMotions = 8;
 constexpr int kMostMotions = 4000;
 constexpr int kMostEscapes = 64;
 constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
+constexpr double kLocal = 0x1p-7;    // half the side of the cube whose faces are listed: some hundred of a million
 constexpr std::size_t kMostContacts = 256;
 constexpr double kSamePlane = 1e-14;  // normals of one plane differ by less in their cosine
 constexpr double kSteepest = 4.0;     // rest distances: farther off the surface, in a wedge of 29 degrees and less, it stays
@@ -43,10 +44,14 @@ bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const 
 }  // namespace
 
 ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces)
-    : rest_(std::max(probe_radius, kPointRadius)), materials_(std::move(materials)), state_(make_state()) {
+    : rest_(std::max(probe_radius, kPointRadius)),
+      local_reach_(kLocal + 2.0 * rest_),
+      materials_(std::move(materials)),
+      state_(make_state()) {
   for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
   faces_.reserve(most_faces);
   boxes_.reserve(most_faces);
+  local_.reserve(most_faces);
   contacts_before_.reserve(kMostContacts);
   near_.reserve(kMostNear);
   directions_.reserve(kMostDirections);
@@ -60,12 +65,14 @@ ReferenceProxy::State ReferenceProxy::make_state() const {
 }
 
 void ReferenceProxy::clear_faces() noexcept {
+  has_local_ = false;
   faces_.clear();
   boxes_.clear();
 }
 
 void ReferenceProxy::add_face(const Face& face) noexcept {
   const auto& [a, b, c] = face.shape.corner;
+  has_local_ = false;
   faces_.push_back(face);
   boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
 }
@@ -125,8 +132,7 @@ Vec3 ReferenceProxy::surface_place(const Vec3& device) noexcept {
   const Vec3 place = state_.place;
   if (rest_ != kPointRadius || place == device) return place;
   update_contacts();
-  const Vec3 pull = device - place;
-  const Pull held = project_pull(pull);
+  const Pull held = project_pull(device - place);
   const int n = held.motion.count;
   if (n == 0 || !held.motion.feasible) return place;
   // The least motion that brings the proxy to distance zero of all that hold it: N (N^T N)^-1 (-distances).
@@ -142,7 +148,7 @@ Vec3 ReferenceProxy::surface_place(const Vec3& device) noexcept {
   const Vec3 down = -normals * gram.fullPivLu().solve(distances);
   const bool is_sound = down.allFinite() && (normals.transpose() * down + distances).norm() <= kSkin && down.norm() <= kSteepest * rest_;
   const Vec3 onto = is_sound ? Vec3(place + down) : place;
-  return (onto - device).dot(-pull) > 0.0 ? onto : device;
+  return (onto - device).dot(place - device) > 0.0 ? onto : device;
 }
 
 // From where the proxy is to where no straight motion brings it nearer to the device.
@@ -222,7 +228,11 @@ bool ReferenceProxy::is_on_open_face() const noexcept {
 
 void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
   near_.clear();
-  for (std::size_t i = 0; i < faces_.size() && near_.size() < kMostNear; ++i) {
+  list_local_faces();
+  const bool local = is_local(p, local_reach_ - within);
+  const std::size_t count = local ? local_.size() : faces_.size();
+  for (std::size_t k = 0; k < count && near_.size() < kMostNear; ++k) {
+    const std::size_t i = local ? local_[k] : k;
     const Box& box = boxes_[i];
     if (!boxes_meet(box.low, box.high, p.array() - within, p.array() + within) || !can_meet(faces_[i])) continue;
     const ClosestPoint near = closest_point(faces_[i].shape, p);
@@ -427,14 +437,33 @@ bool ReferenceProxy::go_round(const Contact& contact, const Vec3& tangent, doubl
   return false;
 }
 
-// Moves the proxy along the motion until it meets a triangle, which is then touched. True when it met none.
-bool ReferenceProxy::advance(const Vec3& motion) noexcept {
+// Lists the faces that lie in a cube about the proxy, in the order of all faces, so that short motions need not look at all. The list is
+// kept until the proxy has left the middle of the cube.
+void ReferenceProxy::list_local_faces() noexcept {
+  if (is_local(state_.place, 0.5 * local_reach_)) return;
+  local_.clear();
+  local_centre_ = state_.place;
+  const Vec3 low = local_centre_.array() - local_reach_;
+  const Vec3 high = local_centre_.array() + local_reach_;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (boxes_meet(boxes_[i].low, boxes_[i].high, low, high)) local_.push_back(static_cast<std::uint32_t>(i));
+  }
+  has_local_ = true;
+}
+
+bool ReferenceProxy::is_local(const Vec3& p, double reach) const noexcept {
+  return has_local_ && ((p - local_centre_).cwiseAbs().array() <= reach).all();
+}
+
+// The first of `count` faces met on the way, and when.
+template <class FaceAt>
+ReferenceProxy::FirstMet ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
   const Vec3 end = state_.place + motion;
   const Vec3 low = state_.place.cwiseMin(end).array() - (rest_ + 2.0 * kSkin);
   const Vec3 high = state_.place.cwiseMax(end).array() + (rest_ + 2.0 * kSkin);
-  double until = 1.0;
-  const Face* met = nullptr;
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
+  FirstMet first;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = face_at(k);
     const Face& face = faces_[i];
     if (!boxes_meet(boxes_[i].low, boxes_[i].high, low, high) || !can_meet(face)) continue;
     const double distance = closest_point(face.shape, state_.place).distance;
@@ -442,15 +471,22 @@ bool ReferenceProxy::advance(const Vec3& motion) noexcept {
     // never below half, so the sum over any number of motions stays on the proxy's side.
     double limit = std::min(rest_ - kSkin, distance - kErosion);
     if (distance < 0.5 * rest_) limit = distance;
-    const SweepHit found = sweep_point(face.shape, state_.place, motion, until, limit, 0.5 * kErosion, kRounding);
-    if (found.hit) {
-      until = found.t;
-      met = &face;
-    }
+    const SweepHit found = sweep_point(face.shape, state_.place, motion, first.until, limit, 0.5 * kErosion, kRounding);
+    if (found.hit) first = {found.t, &face};
   }
-  state_.place = met == nullptr ? end : Vec3(state_.place + until * motion);
-  if (met != nullptr) meet(*met);
-  return met == nullptr;
+  return first;
+}
+
+// Moves the proxy along the motion until it meets a triangle, which is then touched. True when it met none. What is met near by, before the
+// motion leaves the cube, is the first of all.
+bool ReferenceProxy::advance(const Vec3& motion) noexcept {
+  list_local_faces();
+  FirstMet first = find_first(motion, local_.size(), [&](std::size_t k) { return std::size_t{local_[k]}; });
+  const double inner = local_reach_ - (rest_ + 2.0 * kSkin);
+  if (!is_local(state_.place + first.until * motion, inner)) first = find_first(motion, faces_.size(), [](std::size_t k) { return k; });
+  state_.place += first.face == nullptr ? motion : Vec3(first.until * motion);
+  if (first.face != nullptr) meet(*first.face);
+  return first.face == nullptr;
 }
 
 void ReferenceProxy::meet(const Face& face) noexcept {

@@ -90,6 +90,15 @@ class ReferenceProxy {
     const Contact* strongest = nullptr;
   };
 
+  struct FirstMet {
+    double until = 1.0;  // share of the motion
+    const Face* face = nullptr;
+  };
+
+  void list_local_faces() noexcept;
+  bool is_local(const Vec3& p, double reach) const noexcept;
+  template <class FaceAt>
+  FirstMet find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept;
   void drag(const Vec3& device_from, const Vec3& device_to) noexcept;
   void descend(const Vec3& device) noexcept;
   bool escape(const Vec3& device) noexcept;
@@ -116,12 +125,16 @@ class ReferenceProxy {
   bool can_meet(const Face& face) const noexcept;
 
   double rest_;
+  double local_reach_;
   std::vector<Material> materials_;  // by object
   bool frictionless_ = true;
   Rules rules_;
   State state_;
   std::vector<Face> faces_;
-  std::vector<Box> boxes_;  // of faces_
+  std::vector<Box> boxes_;            // of faces_
+  std::vector<std::uint32_t> local_;  // faces_ in a cube, in order
+  Vec3 local_centre_ = Vec3::Zero();
+  bool has_local_ = false;
   std::vector<Contact> contacts_before_;
   std::vector<Contact> near_;
   std::vector<Vec3> directions_;
