@@ -57,7 +57,8 @@ class ObjectGeometry {
   }
 
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
-  // Triangles that come near one of another object, or of its box where that is not built, are not walkable. Either object may lie anywhere.
+  // Triangles that come near one of another object, or of its box where that is not built, are not walkable. Either object may lie
+  // anywhere.
   void mark_unwalkable_near(const ObjectGeometry& other);
   void mark_unwalkable_near(const Box& other);
 

@@ -64,8 +64,8 @@ class TouchGeometry {
   }
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
-  // Where a segment goes through a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between
-  // two triangles that share an edge, nor does a chain of segments each of which begins where the one before ended.
+  // Where a segment goes through a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes
+  // between two triangles that share an edge, nor does a chain of segments each of which begins where the one before ended.
   struct Hit {
     double time = 2.0;  // 0 at p, 1 at q; above 1: it is not met
     bool from_back = false;
@@ -105,11 +105,11 @@ class TouchGeometry {
 
  private:
   struct Slot {
-    std::shared_ptr<const TriangleMesh> mesh;     // the builder's, once requested
-    std::unique_ptr<ObjectGeometry> built;        // written by the builder, before it counts as finished
-    double size = 0.0;                            // the diagonal of its bounds
-    bool requested = false;                       // RT side only, like the next
-    std::uint64_t placed_in = 0;                  // the last placement that its bounds enclosed
+    std::shared_ptr<const TriangleMesh> mesh;  // the builder's, once requested
+    std::unique_ptr<ObjectGeometry> built;     // written by the builder, before it counts as finished
+    double size = 0.0;                         // the diagonal of its bounds
+    bool requested = false;                    // RT side only, like the next
+    std::uint64_t placed_in = 0;               // the last placement that its bounds enclosed
   };
 
   void mark_unwalkable_between_objects();

@@ -47,8 +47,8 @@ class WideBvh {
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
   // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of the segment from p to p + motion before the
-  // time `until` of its 0..1, roughly in the order they are met; visit returns the new `until` (never larger). Boxes that only nearly do are
-  // visited too. Pre: p and motion are of the size of the boxes' coordinates.
+  // time `until` of its 0..1, roughly in the order they are met; visit returns the new `until` (never larger). Boxes that only nearly do
+  // are visited too. Pre: p and motion are of the size of the boxes' coordinates.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const;
 
@@ -205,8 +205,8 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
 template <class Visit>
 void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const {
   if (nodes_.empty()) return;
-  // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24 of
-  // the coordinates; times are widened by what the reciprocal and the product round.
+  // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24
+  // of the coordinates; times are widened by what the reciprocal and the product round.
   constexpr float kSlack = 16.0F / 16777216.0F;
   __m256 start[3];
   __m256 inverse[3];

@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarFromScene = 4.0;  // local units: farther out positions are too coarse to be exact on the surface
+constexpr double kFarFromScene = 4.0;                    // local units: farther out positions are too coarse to be exact on the surface
 constexpr double kLift = 0.5 * SurfaceFollower::kClear;  // how far off the surface a flight begins
-constexpr int kMostLegs = 64;          // times that a step leaves the surface
+constexpr int kMostLegs = 64;                            // times that a step leaves the surface
 
 Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
@@ -98,8 +98,8 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   return false;
 }
 
-// Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. From triangles that are not it stays
-// as far off as sweeps do, or they take over.
+// Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. From triangles that are not it
+// stays as far off as sweeps do, or they take over.
 ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
   Met met = Met::nothing;
   std::uint32_t first = 0;
@@ -167,7 +167,8 @@ void ProxyMethod::clear_start() noexcept {
     planes_[count++] = {normal, clearance_.rest - normal.dot(proxy_ - at.nearest)};
   });
   if (count == 0) return;
-  const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(count)));
+  const ConstrainedMotion off =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(count)));
   if (off.solved && off.motion.norm() <= kBeside * hover_) proxy_ += off.motion;
 }
 

@@ -482,7 +482,8 @@ std::string ProxyMethod::describe_steps() const {
   std::string text = fmt::format(
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
       "{:.3f} "
-      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged; {} events, {} flights, {} steps by sweeps, {} out of events\n",
+      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged; {} events, {} "
+      "flights, {} steps by sweeps, {} out of events\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
       static_cast<double>(counters_.refills) / c,

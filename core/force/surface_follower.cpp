@@ -266,37 +266,37 @@ bool SurfaceFollower::collect_fan() noexcept {
 // A way nearer to the device that is no longer than this is none: its slope is all rounding.
 double SurfaceFollower::least_slope(const Vec3& device) const noexcept { return kLeastWay + 0x1p-40 * (device - p_).norm(); }
 
-// Whether a way that leads farther from every edge and face round the vertex leads off the surface: by the normal of the vertex, each face's
-// weighted by its angle (Baerentzen & Aanaes 2005). Pre: the vertex is the point of its faces nearest to `wish`.
-bool SurfaceFollower::is_free_at_vertex(const Vec3& wish) const noexcept {
-  if (!(wish.norm() > kLeastWay)) return false;  // too near to tell
+// Whether a direction that leads farther from every edge and face round the vertex leads off the surface: by the normal of the vertex, each
+// face's weighted by its angle (Baerentzen & Aanaes 2005). Pre: the vertex is the point of its faces nearest to there.
+bool SurfaceFollower::is_free_at_vertex(const Vec3& to_device) const noexcept {
+  if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
   const auto fan = std::span(fan_).first(static_cast<std::size_t>(fan_count_));
-  if (std::none_of(fan.begin(), fan.end(), [&](const FanFacet& facet) { return facet.normal.dot(wish) > 0.0; })) return false;
+  if (std::none_of(fan.begin(), fan.end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
   double sum = 0.0;
   for (int i = 0; i < fan_count_; ++i) {
     const Vec3& first = fan_[(i + fan_count_ - 1) % fan_count_].direction;
     const Vec3& last = fan_[i].direction;
-    sum += std::atan2(first.cross(last).norm(), first.dot(last)) * fan_[i].normal.dot(wish);
+    sum += std::atan2(first.cross(last).norm(), first.dot(last)) * fan_[i].normal.dot(to_device);
   }
   return sum > 0.0;
 }
 
 // The steepest way: to the projection of the device on one of the faces or edges round the vertex, whichever is nearest to it.
 SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noexcept {
-  const Vec3 wish = device - p_;
+  const Vec3 to_device = device - p_;
   double best = least_slope(device);
   int at = -1;
   bool is_face = false;
   for (int i = 0; i < fan_count_; ++i) {
     const FanFacet& facet = fan_[i];
-    const double slope = facet.direction.dot(wish);
+    const double slope = facet.direction.dot(to_device);
     if (slope > best) {
       best = slope;
       at = i;
       is_face = false;
     }
-    if (facet.inward[0].dot(wish) > 0.0 && facet.inward[1].dot(wish) > 0.0) {
-      const double length = (wish - facet.normal.dot(wish) * facet.normal).norm();
+    if (facet.inward[0].dot(to_device) > 0.0 && facet.inward[1].dot(to_device) > 0.0) {
+      const double length = (to_device - facet.normal.dot(to_device) * facet.normal).norm();
       if (length >= best) {
         best = length;
         at = i;
@@ -304,7 +304,7 @@ SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noe
       }
     }
   }
-  if (at < 0) return is_free_at_vertex(wish) ? Next::airborne : Next::settled;
+  if (at < 0) return is_free_at_vertex(to_device) ? Next::airborne : Next::settled;
   const FanFacet& facet = fan_[at];
   load(facet.id, facet.back, a());
   if (is_face) {
@@ -455,7 +455,8 @@ Vec3 SurfaceFollower::lifted(double height) const noexcept {
     add_near_planes(height, add);
   }
   if (count == 1) return p_ + height * a().normal();
-  const ConstrainedMotion up = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  const ConstrainedMotion up =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
   if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
 }
@@ -483,15 +484,15 @@ void SurfaceFollower::add_near_planes(double height, Add&& add) const noexcept {
 }
 
 int SurfaceFollower::find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept {
-  const Vec3 wish = device - p_;
+  const Vec3 to_device = device - p_;
   if (on_ == Stand::face) {
-    contacts[0] = {a().id, a().normal(), -a().normal().dot(wish)};
+    contacts[0] = {a().id, a().normal(), -a().normal().dot(to_device)};
     return 1;
   }
   if (on_ == Stand::edge) {
     const double cosine = a().normal().dot(b().normal());
-    const double at_a = -a().normal().dot(wish);
-    const double at_b = -b().normal().dot(wish);
+    const double at_a = -a().normal().dot(to_device);
+    const double at_b = -b().normal().dot(to_device);
     const double determinant = 1.0 - cosine * cosine;
     const double of_a = determinant > 0.0 ? std::max(0.0, (at_a - cosine * at_b) / determinant) : at_a;
     const double of_b = determinant > 0.0 ? std::max(0.0, (at_b - cosine * at_a) / determinant) : 0.0;
@@ -501,7 +502,8 @@ int SurfaceFollower::find_contacts(const Vec3& device, std::array<Contact, 3>& c
   }
   std::array<ContactPlane, kMostFan> planes;
   for (int i = 0; i < fan_count_; ++i) planes[i] = {fan_[i].normal, 0.0};
-  const ConstrainedMotion held = constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));
+  const ConstrainedMotion held =
+      constrain_motion(to_device, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));
   for (int i = 0; i < held.active_count; ++i) {
     const FanFacet& facet = fan_[held.active[i]];
     contacts[i] = {facet.id, facet.normal, held.push[i]};

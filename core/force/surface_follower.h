@@ -25,8 +25,8 @@ namespace hapton {
 class SurfaceFollower {
  public:
   static constexpr int kMostEvents = 8192;
-  // A device no farther than this in front of a face is still at it: 512 times the rounding of a height, so that what is off the surface is so
-  // beyond doubt. Local units, as all lengths here.
+  // A device no farther than this in front of a face is still at it: 512 times the rounding of a height, so that what is off the surface is
+  // so beyond doubt. Local units, as all lengths here.
   static constexpr double kClear = 0x1p-43;
 
   enum class Outcome : std::uint8_t {
@@ -58,8 +58,8 @@ class SurfaceFollower {
 
   // With the device held. Pre: stands.
   Outcome descend(const Vec3& device) noexcept;
-  // The device goes straight from `from` to `to`, where it is at time 0 and 1; it is followed from `time` until the outcome, whose time that
-  // is then. Pre: stands; settled at `time`.
+  // The device goes straight from `from` to `to`, where it is at time 0 and 1; it is followed from `time` until the outcome, whose time
+  // that is then. Pre: stands; settled at `time`.
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
   // A point of a face it stands on, a little off every edge and vertex, and the way off the surface there.
@@ -80,7 +80,8 @@ class SurfaceFollower {
 
  private:
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
-  // A point as near to a vertex is taken to be there: 16 times the rounding of a local coordinate, far below any walkable triangle's height.
+  // A point as near to a vertex is taken to be there: 16 times the rounding of a local coordinate, far below any walkable triangle's
+  // height.
   static constexpr double kSnap = 0x1p-46;
   // A face is left where the projection of the device is so far beyond its edge, and entered where it is so far inside: between, either
   // stays as it is, and rounding does not lead back and forth.
@@ -107,10 +108,10 @@ class SurfaceFollower {
   struct FanFacet {
     std::uint32_t id = 0;
     bool back = false;
-    int corner = 0;                // the vertex
-    int next = 0;                  // the edge shared with the next of the fan
-    Vec3 normal = Vec3::Zero();    // unit, of the side
-    Vec3 inward[2];                // in the plane, off the two edges at the vertex
+    int corner = 0;                 // the vertex
+    int next = 0;                   // the edge shared with the next of the fan
+    Vec3 normal = Vec3::Zero();     // unit, of the side
+    Vec3 inward[2];                 // in the plane, off the two edges at the vertex
     Vec3 direction = Vec3::Zero();  // unit, along edge `next` away from the vertex
   };
 
@@ -143,7 +144,7 @@ class SurfaceFollower {
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
   template <class Add>
   void add_near_planes(double height, Add&& add) const noexcept;
-  bool is_free_at_vertex(const Vec3& wish) const noexcept;
+  bool is_free_at_vertex(const Vec3& to_device) const noexcept;
   double least_slope(const Vec3& device) const noexcept;
 
   const TouchGeometry& geometry_;
@@ -153,11 +154,11 @@ class SurfaceFollower {
   Vec3 p_ = Vec3::Zero();
   std::array<Facet, 2> facets_;  // the one it stands on, and the one across edge_
   int first_ = 0;
-  int edge_ = 0;              // of a(), where it stands on one,
-  int other_edge_ = 0;        // as b() numbers it
-  bool has_left_a_ = false;   // it came to the edge over a(), which leads no farther
+  int edge_ = 0;             // of a(), where it stands on one,
+  int other_edge_ = 0;       // as b() numbers it
+  bool has_left_a_ = false;  // it came to the edge over a(), which leads no farther
   int came_by_ = -1;         // on a face: the edge it came by, or -1
-  int corner_ = -1;           // of a(): the vertex it stands at; on a face the one it came from, or -1
+  int corner_ = -1;          // of a(): the vertex it stands at; on a face the one it came from, or -1
   std::array<FanFacet, kMostFan> fan_;
   int fan_count_ = 0;
   int budget_ = 0;

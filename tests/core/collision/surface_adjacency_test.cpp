@@ -107,7 +107,8 @@ TEST(SurfaceAdjacency, TwoCopiesOfATriangleAreNotWalkable) {
 }
 
 TEST(SurfaceAdjacency, TwoConesThatShareTheirTipAreNotWalkableThere) {
-  const TriangleMesh cone{.vertices = {{0, 0, 0}, {1, 0, 1}, {0, 1, 1}, {-1, -1, 1}}, .triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}}};
+  const TriangleMesh cone{.vertices = {{0, 0, 0}, {1, 0, 1}, {0, 1, 1}, {-1, -1, 1}},
+                          .triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}}};
   TriangleMesh both = cone;
   for (int k = 1; k < 4; ++k) both.vertices.emplace_back(-cone.vertices[k]);
   for (const Triangle& t : cone.triangles) {

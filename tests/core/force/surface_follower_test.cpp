@@ -65,8 +65,8 @@ TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
   expect_near(stage.follower.point(), stage.local(0.5, 0.02, 0.2));
 }
 
-// A flat roof, its ridge at y = -0.25: the projection on the left side leaves that where the device is at x = 0.1, and the point slides down
-// the right side at once.
+// A flat roof, its ridge at y = -0.25: the projection on the left side leaves that where the device is at x = 0.1, and the point slides
+// down the right side at once.
 TEST(SurfaceFollower, OverARidgeItDescendsWithTheDeviceHeld) {
   Stage stage(make_prism({{-0.5, -0.5}, {0.5, -0.5}, {0.0, -0.25}}, 1.0, 2));
   ASSERT_TRUE(stage.land(stage.local(-0.1, 0.1, 0.03), stage.local(-0.1, -0.4, 0.03)));
@@ -212,7 +212,8 @@ TEST(SurfaceFollower, AStepIsAsManySmallOnes) {
     const MethodOutput at_once = whole->step({.p_SD = slide.p_SD[i]});
     MethodOutput in_parts;
     for (int part = 1; part <= kParts; ++part) {
-      const Vec3 p = part == kParts ? slide.p_SD[i] : Vec3(slide.p_SD[i - 1] + part / static_cast<double>(kParts) * (slide.p_SD[i] - slide.p_SD[i - 1]));
+      const Vec3 p = part == kParts ? slide.p_SD[i]
+                                    : Vec3(slide.p_SD[i - 1] + part / static_cast<double>(kParts) * (slide.p_SD[i] - slide.p_SD[i - 1]));
       in_parts = divided->step({.p_SD = p});
     }
     ASSERT_EQ(at_once.contact, in_parts.contact) << "row " << i;
