@@ -101,6 +101,28 @@ bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
   return a.dot(b) > 0.0 && a.cross(b).norm() <= SurfaceAdjacency::kLeastAngle * a.norm() * b.norm();
 }
 
+// The edges of a closed fan, in order, turn the same way by more than kLeastAngle each and once in all, seen along the sum of the normals
+// between them; and none of these leans by more than 60 degrees from that. So the sectors between them lie side by side.
+bool is_even(std::span<const Vec3> edges) {
+  const auto normal = [&](std::size_t i) { return edges[i].cross(edges[(i + 1) % edges.size()]); };
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < edges.size(); ++i) sum += normal(i);
+  const double length = sum.norm();
+  if (!(length > 0.0)) return false;
+  const Vec3 axis = sum / length;
+  const Vec3 first = edges[0] - axis.dot(edges[0]) * axis;
+  const Vec3 second = axis.cross(first);
+  int turns = 0;  // how often the way round goes through the direction of the first edge
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Vec3& next = edges[(i + 1) % edges.size()];
+    const double along = axis.dot(normal(i));
+    constexpr double kLeast = 8.0 * SurfaceAdjacency::kLeastAngle;
+    if (!(along > 0.5 * normal(i).norm()) || !(along > kLeast * edges[i].norm() * next.norm())) return false;
+    turns += second.dot(edges[i]) < 0.0 && (second.dot(next) >= 0.0 || i + 1 == edges.size()) ? 1 : 0;
+  }
+  return turns == 1;
+}
+
 // Whether two triangles of a mesh leave each other walkable.
 bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const Triangle& t, double margin) {
   int shared = 0;
@@ -193,28 +215,30 @@ std::size_t SurfaceAdjacency::walkable_count() const {
   return static_cast<std::size_t>(std::count(walkable_.begin(), walkable_.end(), std::uint8_t{1}));
 }
 
-// Per vertex: all triangles that have it form one fan, closed or with two boundary edges, and not too many.
-std::vector<std::uint8_t> SurfaceAdjacency::find_whole_fans(std::size_t vertex_count, std::span<const Triangle> triangles) const {
-  std::vector<std::uint32_t> valence(vertex_count, 0);
+// From side to side round each vertex, always over the edge at it that was not come by.
+std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
+  std::vector<std::uint32_t> valence(vertices.size(), 0);
   for (const Triangle& t : triangles) {
     if (repeats_vertex(t)) continue;
     for (const std::uint32_t v : t) ++valence[v];
   }
-  enum : std::uint8_t { kUnknown, kWhole, kBroken };
-  std::vector<std::uint8_t> state(vertex_count, kUnknown);
+  std::vector<Fan> fans(vertices.size(), Fan::broken);
+  std::vector<std::uint8_t> seen(vertices.size(), 0);
+  std::array<Vec3, kMostValence> edges;
   for (std::uint32_t start = 0; start < triangles.size(); ++start) {
     if (repeats_vertex(triangles[start])) continue;
     for (int c = 0; c < 3; ++c) {
       const std::uint32_t vertex = triangles[start][c];
-      if (state[vertex] != kUnknown) continue;
-      state[vertex] = kBroken;
+      if (seen[vertex] != 0) continue;
+      seen[vertex] = 1;
       if (valence[vertex] > kMostValence) continue;
-      // From side to side, always over the edge at the vertex that it did not come by.
       std::uint32_t t = start;
       bool back = false;
       int by = c;
       std::uint32_t count = 0;
       while (count <= 2 * valence[vertex]) {
+        const Triangle& here = triangles[t];
+        if (count < valence[vertex]) edges[count] = vertices[here[by] == vertex ? here[(by + 1) % 3] : here[by]] - vertices[vertex];
         ++count;
         const Across next = across(t, by);
         if (!next.exists) break;
@@ -222,29 +246,40 @@ std::vector<std::uint8_t> SurfaceAdjacency::find_whole_fans(std::size_t vertex_c
         t = next.triangle;
         const Triangle& corner = triangles[t];
         by = corner[next.edge] == vertex ? (next.edge + 2) % 3 : (next.edge + 1) % 3;
-        if (t == start && !back && by == c) {
-          if (count == valence[vertex] || count == 2 * valence[vertex]) state[vertex] = kWhole;
-          break;
-        }
+        if (t != start || back || by != c) continue;
+        if (count == valence[vertex]) fans[vertex] = is_even(std::span(edges).first(count)) ? Fan::even : Fan::whole;
+        if (count == 2 * valence[vertex]) fans[vertex] = Fan::whole;
+        break;
       }
     }
   }
-  for (std::uint8_t& s : state) s = s == kWhole ? 1 : 0;
-  return state;
+  return fans;
 }
 
 void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree,
                                      double margin) {
-  const std::vector<std::uint8_t> is_whole = find_whole_fans(vertices.size(), triangles);
+  const std::vector<Fan> fans = find_fans(vertices, triangles);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
     bool ok = !repeats_vertex(corner);
-    for (int k = 0; k < 3 && ok; ++k) ok = across(t, k).exists && is_whole[corner[k]] != 0;
+    for (int k = 0; k < 3 && ok; ++k) ok = across(t, k).exists && fans[corner[k]] != Fan::broken;
     walkable_[t] = ok && least_height(corners_of(vertices, corner)) >= kLeastHeight;
   }
+  const auto is_settled = [&](const Triangle& s, const Triangle& t) {
+    int shared = 0;
+    std::uint32_t at = 0;
+    for (const std::uint32_t u : s) {
+      for (const std::uint32_t v : t) {
+        if (u != v) continue;
+        ++shared;
+        at = u;
+      }
+    }
+    return shared == 1 && fans[at] == Fan::even;
+  };
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     tree.for_each_overlapping(box_of(corners_of(vertices, triangles[t])).inflated(margin), [&](std::uint32_t u) {
-      if (u >= t || (walkable_[t] | walkable_[u]) == 0) return;
+      if (u >= t || (walkable_[t] | walkable_[u]) == 0 || is_settled(triangles[t], triangles[u])) return;
       if (is_pair_walkable(vertices, triangles[t], triangles[u], margin)) return;
       walkable_[t] = 0;
       walkable_[u] = 0;

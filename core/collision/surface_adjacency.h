@@ -55,7 +55,13 @@ class SurfaceAdjacency {
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
   void pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles);
-  std::vector<std::uint8_t> find_whole_fans(std::size_t vertex_count, std::span<const Triangle> triangles) const;
+  // What the triangles round a vertex form.
+  enum class Fan : std::uint8_t {
+    broken,  // not one fan, or too large a one
+    whole,   // one fan
+    even     // one closed fan that lies side by side seen from above: none of its triangles comes near another but by their common edge
+  };
+  std::vector<Fan> find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
 
   std::vector<std::uint32_t> across_;  // (neighbour << 3) | (its edge << 1) | flips
   std::vector<std::uint8_t> walkable_;
