@@ -6,6 +6,7 @@
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/haptics_setup.h"
+#include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
@@ -33,7 +34,7 @@ int run(const HapticsOptions& options) {
   const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
-  const auto key = find_link_key(options.key_file, *hub);
+  const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
   if (!key) return give_up(key.error());
   const auto scene_path = find_scene(options.scene);
   const auto scene = load_scene(scene_path, options.unit);
@@ -46,7 +47,9 @@ int run(const HapticsOptions& options) {
   if (!endpoint) return give_up(endpoint.error());
 
   SteadyClock clock;
-  SealedClient sealed(**endpoint, clock, *key, *hub);
+  SealedClient::Options sealing;
+  sealing.worker = AgreementWorker::Where::own_thread;
+  SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());

@@ -108,8 +108,8 @@ class Servo {
   void on_view(const ViewTransform& view) noexcept;
   void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
-  void on_settings(const Settings& settings, NodeRole role) noexcept;
-  void reset_faults() noexcept;
+  void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
+  void reset_faults(const Peer& asker) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void hold_force() noexcept;

@@ -72,6 +72,7 @@ class UdpEndpoint final : public Endpoint {
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
+  std::uint64_t oversized() const noexcept override { return oversized_; }
 
  private:
   enum class Attempt : std::uint8_t {
@@ -91,6 +92,7 @@ class UdpEndpoint final : public Endpoint {
   bool is_v4_ = true;
   int timer_ = -1;
   std::int64_t prepared_ns_ = kNothingPrepared;
+  std::uint64_t oversized_ = 0;
 };
 
 UdpEndpoint::~UdpEndpoint() {
@@ -206,6 +208,7 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
   }
   // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
   if (bytes == 0 || static_cast<std::size_t>(bytes) > into.size()) {
+    ++oversized_;
     return Attempt::passed_over;
   }
   received = {.bytes = static_cast<std::size_t>(bytes), .from = address_of(from)};

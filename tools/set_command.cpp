@@ -129,7 +129,7 @@ Result<std::string> set(const SetOptions& options) {
   if (!hub) {
     return tl::unexpected(hub.error());
   }
-  const auto key = find_link_key(options.key_file, *hub);
+  const auto key = find_role_key(options.key_file, *hub, options.reset_faults ? KeyRole::operator_role : KeyRole::tool);
   if (!key) {
     return tl::unexpected(key.error());
   }

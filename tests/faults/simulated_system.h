@@ -8,6 +8,7 @@
 #include "haptics_node/answer_loop.h"
 #include "io_node/devices/model_a.h"
 #include "io_node/servo.h"
+#include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
 #include "tests/faults/simulated_network.h"
@@ -65,7 +66,7 @@ class SimulatedHaptics {
         network_(network),
         at_(at),
         endpoint_(network.open_node(at, [this] { turn(); })),
-        sealed_(*endpoint_, clock, key, hub),
+        sealed_(*endpoint_, clock, RoleKey(key, KeyRole::haptics), hub),
         client_(sealed_, clock, NodeRole::haptics, hub),
         step_(std::make_unique<TouchStep>(*make_method(settings(), scene())), 1e-5),
         builder_(settings(), scene()),
@@ -108,7 +109,7 @@ class SimulatedVision {
         at_(at),
         words_a_turn_(words_a_turn),
         endpoint_(network.open_node(at, [this] { turn(); })),
-        sealed_(*endpoint_, time, key, hub),
+        sealed_(*endpoint_, time, RoleKey(key, KeyRole::vision), hub),
         client_(sealed_, time, NodeRole::vision, hub) {}
   ~SimulatedVision() { network_.kill(at_); }
   SimulatedVision(const SimulatedVision&) = delete;

@@ -21,7 +21,7 @@ TEST(Keys, WithoutBeingToldNodesOfOneUserShareOne) {
   System system;
   for (const char* node : {"haptics_node", "io_node"}) system.start(node);
   EXPECT_TRUE(has_contact(system.wait_for_report(has_contact)));
-  EXPECT_EQ(std::filesystem::status(system.folder() / "hapton" / "key").permissions(), std::filesystem::perms(0600));
+  EXPECT_EQ(std::filesystem::status(system.folder() / "hapton" / "master").permissions(), std::filesystem::perms(0600));
   system.end_all();
 }
 

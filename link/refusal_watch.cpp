@@ -1,0 +1,46 @@
+#include "link/refusal_watch.h"
+
+#include <algorithm>
+
+namespace hapton {
+
+std::string_view describe(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::malformed:
+      return "datagrams of no known form";
+    case Refusal::wrong_version:
+      return "datagrams of another protocol version";
+    case Refusal::wrong_key:
+      return "handshakes with another key or none";
+    case Refusal::replayed_handshake:
+      return "replayed handshakes";
+    case Refusal::too_many_handshakes:
+      return "handshakes beyond the rate limit";
+    case Refusal::no_place:
+      return "handshakes while every place is taken";
+    case Refusal::unknown_session:
+      return "datagrams of no session";
+    case Refusal::replayed:
+      return "replayed datagrams";
+    case Refusal::forged:
+      return "forged datagrams";
+  }
+  return "datagrams";
+}
+
+std::optional<Flood> RefusalWatch::take(std::int64_t now_ns) noexcept {
+  if (!has_begun_) since_ns_ = now_ns;
+  has_begun_ = true;
+  if (now_ns - since_ns_ < kEveryNs) return std::nullopt;
+  const auto worst = std::max_element(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) { return a.count < b.count; });
+  const double per_second = 1e9 * static_cast<double>(worst->count) / static_cast<double>(now_ns - since_ns_);
+  std::optional<Flood> flood;
+  if (per_second > kLeastPerSecond) {
+    flood = Flood{static_cast<Refusal>(worst - seen_.begin()), worst->from, worst->is_from_several, per_second};
+  }
+  seen_ = {};
+  since_ns_ = now_ns;
+  return flood;
+}
+
+}  // namespace hapton
