@@ -115,6 +115,11 @@ Result<std::string> confirm_reset(const SetOptions& options) {
     what = notes.value("safety_fault_is", fault);
     (*reader)->idle(0.1);
   }
+  if (const auto hub = parse_address(options.hub); hub && !is_loopback(*hub)) {
+    return fail(
+        "the fault stays: {}; mend its cause (docs/safety.md), then reset again on the hub's host, or while the dead man's switch is held",
+        what);
+  }
   return fail("the fault stays, its cause is still there: {}; mend that (docs/safety.md), then reset again", what);
 }
 
