@@ -11,7 +11,8 @@
 
 namespace hapton {
 
-// One piece of a handshake that takes an X25519 agreement or key pair: too long for a loop that keeps time.
+// One piece of a handshake that takes an X25519 agreement or key pair: too long for a loop that keeps time. What is secret in it is wiped
+// when it goes.
 struct AgreementTask {
   enum class Kind : std::uint8_t {
     make_request,    // node: psk, prologue -> first, state
@@ -29,6 +30,11 @@ struct AgreementTask {
   std::array<std::uint8_t, seal::kSecondBytes> second = {};
   noise::HandshakeState state;
   seal::SessionKeys keys;
+
+  AgreementTask() = default;
+  ~AgreementTask() { seal::wipe(psk); }
+  AgreementTask(const AgreementTask&) = default;
+  AgreementTask& operator=(const AgreementTask&) = default;
 };
 
 // Does one task, here and now. No heap, lock or throw.

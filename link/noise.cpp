@@ -29,7 +29,7 @@ void hmac(const Key& key, std::span<const std::uint8_t> text, std::uint8_t last,
   sodium_memzero(&state, sizeof state);
 }
 
-// Section 4.3. out3 may be null.
+// Section 4.3. out3 may be null; out1 may be the chaining key.
 void hkdf(const Key& chaining_key, std::span<const std::uint8_t> input, Key& out1, Key& out2, Key* out3) noexcept {
   Key temp;
   hmac(chaining_key, input, 0, false, temp);
@@ -70,7 +70,7 @@ void HandshakeState::begin(const Key& psk, std::span<const std::uint8_t> prologu
 }
 
 void HandshakeState::mix_key(std::span<const std::uint8_t> input) noexcept {
-  hkdf(Key(chaining_key_), input, chaining_key_, key_, nullptr);
+  hkdf(chaining_key_, input, chaining_key_, key_, nullptr);
   n_ = 0;
 }
 
@@ -84,7 +84,7 @@ void HandshakeState::mix_hash(std::span<const std::uint8_t> text) noexcept {
 
 void HandshakeState::mix_key_and_hash(std::span<const std::uint8_t> input) noexcept {
   Key temp;
-  hkdf(Key(chaining_key_), input, chaining_key_, temp, &key_);
+  hkdf(chaining_key_, input, chaining_key_, temp, &key_);
   mix_hash(temp);
   n_ = 0;
   sodium_memzero(temp.data(), temp.size());

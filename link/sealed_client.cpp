@@ -125,8 +125,8 @@ void SealedClient::change_over() noexcept {
   previous_ = std::move(channel_);
   previous_ends_ns_ = 0;  // set when the hub has changed over, too
   channel_ = handshake_.take_channel();
-  rekey_ns_ = clock_.now_ns() + options_.rekey_every_ns;
-  has_heard_ = true;
+  last_heard_ns_ = clock_.now_ns();
+  rekey_ns_ = last_heard_ns_ + options_.rekey_every_ns;
   if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
   held_bytes_ = 0;
 }
