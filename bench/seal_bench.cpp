@@ -63,7 +63,7 @@ void whole_way(benchmark::State& state, const MessageType& message) {
   Bytes plain;
   Bytes sealed;
   Bytes opened;
-  Datagram out;
+  Datagram out{{1, 2, 3, 4}, {}};
   Datagram in;
   std::size_t bytes = 0;
   std::size_t size = 0;
