@@ -20,6 +20,30 @@ struct FrictionDrag {
   bool sliding = false;     // at the end
 };
 
+// The lag of a proxy that slides throughout a motion, in closed form. Time runs from 0 to 1 over the motion; the cone's radius is
+// `radius` + time * `growth`. The lag's direction turns towards the motion and never past it. RT: yes.
+class SlidingLag {
+ public:
+  // lag, motion: in one plane. Pre: radius > 0; it slides: lag.motion >= |lag| growth; |lag| = radius but for rounding.
+  SlidingLag(const Vec3& lag, const Vec3& motion, double radius, double growth) noexcept;
+
+  Vec3 at(double time) const noexcept;
+  // How fast the proxy goes along its lag then.
+  double speed_at(double time) const noexcept;
+  // When the lag lies across `normal`, a vector in the plane; infinite: never from 0 on.
+  double time_across(const Vec3& normal) const noexcept;
+
+ private:
+  double tangent_at(double time) const noexcept;  // of half the angle to the motion
+
+  Vec3 ahead_ = Vec3::Zero();     // unit, along the motion
+  Vec3 sideways_ = Vec3::Zero();  // unit or zero: the lag is in the plane of both, on this side
+  double way_ = 0.0;
+  double radius_ = 0.0;
+  double growth_ = 0.0;
+  double tangent_ = 0.0;  // at the start
+};
+
 // Follows the proxy to the end of the motion, in closed form: it sticks until the lag leaves the static cone, jumps to the dynamic one, and
 // is then dragged along its own lag, which keeps the cone's size. That path is the tractrix: with the angle psi between lag and motion and
 // the cone's radius R, R psi' = -|motion| sin psi, so tan(psi / 2) falls by exp(-integral of |motion| / R). It sticks again where the lag

@@ -19,10 +19,10 @@ std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& sce
   return meshes;
 }
 
-std::vector<std::uint8_t> one_sided_of(const TouchScene& scene) {
-  std::vector<std::uint8_t> one_sided;
-  for (const TouchObject& object : scene.objects) one_sided.push_back(object.material.two_sided ? 0 : 1);
-  return one_sided;
+std::vector<Material> materials_of(const TouchScene& scene) {
+  std::vector<Material> materials;
+  for (const TouchObject& object : scene.objects) materials.push_back(object.material);
+  return materials;
 }
 
 // A device farther out than a billion scenes is taken to be there: its squares must stay finite.
@@ -48,11 +48,10 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
+      surfaces_(materials_of(scene)),
       shading_(settings.shading),
-      one_sided_(one_sided_of(scene)),
-      surface_(geometry_, one_sided_) {
+      surface_(geometry_, surfaces_) {
   for (const TouchObject& object : scene.objects) {
-    surfaces_.push_back(object.material);
     has_one_sided_ |= !object.material.two_sided;
     has_friction_ |= object.material.friction_static > 0.0;
   }

@@ -99,7 +99,7 @@ void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, cons
   descend(device_to);
   for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
   state_.free = state_.place == device_to && state_.contacts.empty();
-  if (!state_.free && (state_.place - start).norm() <= kStill) state_.sliding = false;
+  if (state_.free || (state_.place - start).norm() <= kStill) state_.sliding = false;
 }
 
 // Friction on one plane in closed form: return mapping alone is right only to the square of the sub-step, each time.
