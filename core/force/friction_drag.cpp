@@ -10,11 +10,25 @@ namespace {
 constexpr double kOnCone = 1e-9;  // of the cone's radius: a sliding proxy's lag is on the cone but for rounding
 constexpr int kMostPhases = 16;   // each is a stick and a slip; in a straight motion two are enough, but for rounding
 
-// When a sticking proxy's lag leaves the cone; infinite: not at all. 0 = |lag + t motion|^2 - (radius + t growth)^2 = a t^2 + 2 b t + c.
+// When a lag that the proxy does not follow leaves a cone; infinite: not at all. 0 = |lag + t motion|^2 - (radius + t growth)^2 = a t^2 + 2
+// b t + c.
 double find_slip(const Vec3& lag, const Vec3& motion, double radius, double growth) {
   const double a = motion.squaredNorm() - growth * growth;
   const double b = lag.dot(motion) - radius * growth;
   const double c = std::min(0.0, lag.squaredNorm() - radius * radius);
+  const double discriminant = b * b - a * c;
+  if (!(discriminant >= 0.0)) return std::numeric_limits<double>::infinity();
+  const double root = std::sqrt(discriminant);
+  if (b > 0.0) return -c / (b + root);
+  return a > 0.0 ? (root - b) / a : std::numeric_limits<double>::infinity();
+}
+
+// When it has become shorter than a cone is wide; infinite: not at all.
+double find_rest(const Vec3& lag, const Vec3& motion, double radius, double growth) {
+  const double a = growth * growth - motion.squaredNorm();
+  const double b = radius * growth - lag.dot(motion);
+  const double c = radius * radius - lag.squaredNorm();
+  if (c >= 0.0) return 0.0;
   const double discriminant = b * b - a * c;
   if (!(discriminant >= 0.0)) return std::numeric_limits<double>::infinity();
   const double root = std::sqrt(discriminant);
@@ -92,27 +106,31 @@ FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept {
   double t = 0.0;
   for (int phase = 0; phase < kMostPhases; ++phase) {
     const double pressure = input.pressure_start + t * growth;
-    if (!now.sliding) {
-      const double slip = find_slip(now.lag, input.motion, input.friction_static * pressure, input.friction_static * growth);
-      if (!(slip < 1.0 - t)) {
-        now.lag += (1.0 - t) * input.motion;
+    const double radius = input.friction_dynamic * pressure;
+    const double widening = input.friction_dynamic * growth;
+    if (now.sliding) {
+      const double length = now.lag.norm();
+      if (!(radius > 0.0) || !(length > 0.0)) return {Vec3::Zero(), true};
+      if (length > radius) now.lag *= radius / length;
+      // It goes on only where the device outruns the cone. The angle to the motion falls on the way, so it does not stop again.
+      const bool outruns = now.lag.dot(input.motion) >= now.lag.norm() * widening;
+      if (outruns && !(now.lag.norm() < radius * (1.0 - kOnCone))) {
+        now.lag = SlidingLag(now.lag, (1.0 - t) * input.motion, radius, (1.0 - t) * widening).at(1.0);
         return now;
       }
-      t += slip;
-      now.lag += slip * input.motion;
-      now.sliding = true;
     }
-    const double radius = input.friction_dynamic * (input.pressure_start + t * growth);
-    const double length = now.lag.norm();
-    if (!(radius > 0.0) || !(length > 0.0)) return {Vec3::Zero(), true};
-    if (length > radius) now.lag *= radius / length;
-    // It goes on sliding only where the device outruns the cone. The angle to the motion falls on the way, so it never stops again.
-    const bool outruns = now.lag.dot(input.motion) >= now.lag.norm() * input.friction_dynamic * growth;
-    if (outruns && !(now.lag.norm() < radius * (1.0 - kOnCone))) {
-      now.lag = SlidingLag(now.lag, (1.0 - t) * input.motion, radius, (1.0 - t) * input.friction_dynamic * growth).at(1.0);
+    const double held = now.sliding ? input.friction_dynamic : input.friction_static;
+    const double slip = find_slip(now.lag, input.motion, held * pressure, held * growth);
+    const double rest =
+        now.sliding ? find_rest(now.lag, input.motion, FrictionMotion::kRest * radius, FrictionMotion::kRest * widening) : slip;
+    const double next = std::min(slip, rest);
+    if (!(next < 1.0 - t)) {
+      now.lag += (1.0 - t) * input.motion;
       return now;
     }
-    now.sliding = false;
+    t += next;
+    now.lag += next * input.motion;
+    now.sliding = slip <= rest;
   }
   now.lag += (1.0 - t) * input.motion;
   return now;

@@ -12,7 +12,11 @@ struct FrictionMotion {
   double pressure_end = 0.0;    // > 0; it changes linearly on the way
   double friction_static = 0.0;
   double friction_dynamic = 0.0;  // <= friction_static
-  bool sliding = false;           // at the start
+  bool sliding = false;           // at the start: the dynamic coefficient is in force
+
+  // A proxy that slides sticks again once its lag has fallen to this share of the dynamic cone. Until then it may stop and slide on: over
+  // small folds it does not stick.
+  static constexpr double kRest = 0.5;
 };
 
 struct FrictionDrag {
@@ -46,10 +50,10 @@ class SlidingLag {
 
 // Follows the proxy to the end of the motion, in closed form: it sticks until the lag leaves the static cone, jumps to the dynamic one, and
 // is then dragged along its own lag, which keeps the cone's size. That path is the tractrix: with the angle psi between lag and motion and
-// the cone's radius R, R psi' = -|motion| sin psi, so tan(psi / 2) falls by exp(-integral of |motion| / R). It sticks again where the lag
-// would become shorter than the cone is wide. This is the limit of ever finer steps of return mapping (the play operator in the plane). All
-// lengths in one unit; only their ratios matter. RT: yes. Source: Visintin, Differential Models of Hysteresis (1994), III.2, vector play;
-// the tractrix with a linear radius is ours.
+// the cone's radius R, R psi' = -|motion| sin psi, so tan(psi / 2) falls by exp(-integral of |motion| / R). Where the lag would become
+// shorter than the cone is wide it stays, until it is on the cone again or, at kRest of it, sticks. This is the limit of ever finer steps
+// of return mapping (the play operator in the plane). All lengths in one unit; only their ratios matter. RT: yes. Source: Visintin,
+// Differential Models of Hysteresis (1994), III.2, vector play; the tractrix with a linear radius is ours.
 FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept;
 
 }  // namespace hapton

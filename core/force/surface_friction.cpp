@@ -10,11 +10,9 @@ namespace hapton {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// A pull must exceed the cone by so much of it to move the point, and by twice that to be an event: what is an event moves it. 4,096 times
-// the rounding of a pull.
-constexpr double kOutOfCone = 0x1p-40;
-// And by a way that is not all rounding.
-constexpr double kLeast = SurfacePoint::kLeastWay;
+// A pull that leaves this much of a cone free or exceeds it by as much is on it: 4,096 times the rounding of a pull.
+constexpr double kOnCone = 0x1p-40;
+constexpr double kLeast = SurfacePoint::kLeastWay;  // a way that is not all rounding
 constexpr int kMostHalvings = 96;
 
 constexpr auto kOnEdge = SurfacePoint::kOnEdge;
@@ -29,9 +27,9 @@ SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend :
 struct Quadratic {
   double a = 0.0, b = 0.0, c = 0.0;
 
-  // When it first reaches zero from below; 0 where it is not below. Infinite: never.
+  // When it first rises above zero. Infinite: never. Pre: it is not above at 0, but for rounding.
   double time_of_rise() const {
-    if (!(c < 0.0)) return 0.0;
+    if (!(c < 0.0)) return b > 0.0 || (b == 0.0 && a > 0.0) ? 0.0 : a > 0.0 ? -2.0 * b / a : kNever;
     const double discriminant = b * b - a * c;
     if (!(discriminant >= 0.0)) return kNever;
     const double root = std::sqrt(discriminant);
@@ -45,8 +43,8 @@ struct MovingPull {
   Vec3 start, motion;
 
   Vec3 at(double t) const { return start + t * motion; }
-  // |pull|^2 times `of_square` plus (normal . pull)^2 times `of_height`, less a bound.
-  Quadratic square(double of_square, const Vec3& normal, double of_height, double bound) const {
+  // |pull|^2 times `of_square` plus (normal . pull)^2 times `of_height`, less `bound`.
+  Quadratic square(double of_square, const Vec3& normal, double of_height, double bound = 0.0) const {
     const double height = normal.dot(start);
     const double climb = normal.dot(motion);
     return {of_square * motion.squaredNorm() + of_height * climb * climb, of_square * motion.dot(start) + of_height * climb * height,
@@ -81,30 +79,37 @@ void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
   static_ = material.friction_static;
   dynamic_ = std::min(material.friction_dynamic, material.friction_static);
   slides_ = slides && acts();
+  drags_ = false;
+  slips_ = false;
 }
 
-// Whether a pull moves the point.
+// Whether a pull moves the point: if it is out of the cone, or if that is the event.
 bool SurfaceFriction::moves(double way, double depth) const noexcept {
-  const double held = (slides_ ? dynamic_ : static_) * (1.0 + kOutOfCone) * depth;
+  if (slips_) return true;
+  const double held = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
   return way * way > held * held + kLeast * kLeast;
 }
 
-// The pull leads on from here, but is too weak. One on the dynamic cone goes on sliding.
-SurfaceNext SurfaceFriction::stop() noexcept {
-  slides_ = false;
+// Held where it is, by a pull inside the cone. On the cone the device drags it on as soon as it moves.
+SurfaceNext SurfaceFriction::hold(double way, double depth) noexcept {
+  drags_ = slides_ && way >= dynamic_ * (1.0 - kOnCone) * depth - kLeast;
+  slides_ = slides_ && way >= FrictionMotion::kRest * dynamic_ * depth;
   return SurfaceNext::settled;
 }
 
 // How much of the way to the nearest point friction leaves.
 double SurfaceFriction::share_of_way(double way, double depth) noexcept {
   slides_ = true;
-  return std::clamp(1.0 - dynamic_ * depth / way, 0.0, 1.0);
+  drags_ = true;
+  return way > 0.0 ? std::clamp(1.0 - dynamic_ * depth / way, 0.0, 1.0) : 0.0;
 }
 
 SurfaceNext SurfaceFriction::descend(SurfacePoint& at, const Vec3& device) noexcept {
-  return at.on() == On::face   ? descend_on_face(at, device)
-         : at.on() == On::edge ? descend_on_edge(at, device)
-                               : descend_at_vertex(at, device);
+  const SurfaceNext next = at.on() == On::face   ? descend_on_face(at, device)
+                           : at.on() == On::edge ? descend_on_edge(at, device)
+                                                 : descend_at_vertex(at, device);
+  if (next != SurfaceNext::again) slips_ = false;
+  return next;
 }
 
 SurfaceNext SurfaceFriction::descend_on_face(SurfacePoint& at, const Vec3& device) noexcept {
@@ -113,10 +118,7 @@ SurfaceNext SurfaceFriction::descend_on_face(SurfacePoint& at, const Vec3& devic
   const Vec3 pull = device - height * at.a().normal() - at.point();
   const double way = pull.norm();
   const double depth = std::max(0.0, -height);
-  if (!moves(way, depth)) {
-    slides_ = slides_ && way >= dynamic_ * (1.0 - kOutOfCone) * depth - kLeast;
-    return SurfaceNext::settled;
-  }
+  if (!moves(way, depth)) return hold(way, depth);
   const Vec3 goal = at.point() + share_of_way(way, depth) * pull;
   const SurfacePoint::Exit exit = at.find_exit(goal);
   if (exit.edge >= 0) return again_if(at.reach_edge(exit.edge, at.point() + exit.time * (goal - at.point())));
@@ -134,7 +136,13 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
   if (to_a || to_b) {
     const bool over_b = to_b && !(to_a && in_a > in_b);
     const double height = (over_b ? at.b() : at.a()).height(device);
-    if (!moves(std::sqrt(std::max(0.0, pull.squaredNorm() - height * height)), std::max(0.0, -height))) return stop();
+    const double way = std::sqrt(std::max(0.0, pull.squaredNorm() - height * height));
+    const double depth = std::max(0.0, -height);
+    if (!moves(way, depth)) {
+      hold(way, depth);
+      drags_ = false;  // along the edge, that is
+      return SurfaceNext::settled;
+    }
     if (over_b) {
       at.cross_edge();
     } else {
@@ -147,10 +155,7 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
   const double length = face.length(edge);
   const double way = face.edge(edge).dot(pull) / length;
   const double depth = (pull - (way / length) * face.edge(edge)).norm();
-  if (!moves(std::fabs(way), depth)) {
-    slides_ = slides_ && std::fabs(way) >= dynamic_ * (1.0 - kOutOfCone) * depth - kLeast;
-    return SurfaceNext::settled;
-  }
+  if (!moves(std::fabs(way), depth)) return hold(std::fabs(way), depth);
   const double goal = face.along(edge, at.point()) + share_of_way(std::fabs(way), depth) * way / length;
   if (goal * length <= kSnap) return again_if(at.reach_vertex(edge));
   if ((1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
@@ -163,22 +168,29 @@ SurfaceNext SurfaceFriction::descend_at_vertex(SurfacePoint& at, const Vec3& dev
   const Vec3 pull = device - at.point();
   const SurfacePoint::Way way = at.find_steepest(pull, at.least_slope(device));
   if (way.facet == nullptr && at.is_free_at_vertex(pull)) return SurfaceNext::airborne;
-  if (way.facet == nullptr || !moves(way.length, std::sqrt(std::max(0.0, pull.squaredNorm() - way.length * way.length)))) return stop();
+  const double depth = std::sqrt(std::max(0.0, pull.squaredNorm() - way.length * way.length));
+  if (way.facet == nullptr || !moves(way.length, depth)) {
+    hold(way.facet == nullptr ? 0.0 : way.length, depth);
+    drags_ = false;
+    return SurfaceNext::settled;
+  }
   slides_ = true;
   return at.take(way, device);
 }
 
 SurfaceNext SurfaceFriction::follow(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
-  if (!slides_ || at.on() == On::vertex) return stick(at, from, to, time);
+  if (!drags_ || at.on() == On::vertex) return stay(at, from, to, time);
   return at.on() == On::face ? slide_on_face(at, from, to, time) : slide_on_edge(at, from, to, time);
 }
 
-// Until the pull leaves the static cone on some face or edge that it can follow.
-SurfaceNext SurfaceFriction::stick(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
-  slides_ = false;
+// Until the pull leaves the cone on some face or edge that it can follow.
+SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
+  drags_ = false;
   const MovingPull pull{on_way(from, to, time) - at.point(), (1.0 - time) * (to - from)};
-  const double held = static_ * (1.0 + 2.0 * kOutOfCone);
-  const double bound = 4.0 * kLeast * kLeast;
+  const double held = slides_ ? dynamic_ : static_;
+  // At a vertex, twice what a way must have to be taken: what is found here is taken.
+  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : 0.0;
+  const double bound = least * least;
   double soonest = kNever;
   const auto consider_face = [&](const Vec3& normal, auto&& is_over) {
     const double t = pull.square(1.0, normal, -(1.0 + held * held), bound).time_of_rise();
@@ -190,13 +202,24 @@ SurfaceNext SurfaceFriction::stick(SurfacePoint& at, const Vec3& from, const Vec
   };
   if (at.on() == On::face) {
     consider_face(at.a().normal(), [](const Vec3&) { return true; });
+    if (slides_) {
+      const double rest = FrictionMotion::kRest * dynamic_;
+      const double t = pull.square(-1.0, at.a().normal(), 1.0 + rest * rest).time_of_rise();
+      if (t < soonest && t < 1.0) {
+        slides_ = false;
+        time = std::min(1.0, time + t * (1.0 - time));
+        return SurfaceNext::again;
+      }
+    }
     // To its front, where it comes through the very point.
     const double height = at.a().normal().dot(pull.start) - kClear;
     const double there = at.a().normal().dot(pull.at(1.0)) - kClear;
     if (there > 0.0) soonest = std::min(soonest, time_of_zero(std::min(height, 0.0), there, 0.0));
   } else if (at.on() == On::edge) {
     const auto is_over = [&](const SurfacePoint::Facet& facet, int k) {
-      return [&facet, k](const Vec3& w) { return facet.shape.inside(k, facet.shape.corner(k) + w) > kOnEdge * facet.shape.length(k); };
+      return [&facet, k](const Vec3& w) {
+        return facet.normal().dot(w) <= kClear && facet.shape.inside(k, facet.shape.corner(k) + w) > kOnEdge * facet.shape.length(k);
+      };
     };
     if (!at.has_left_a()) consider_face(at.a().normal(), is_over(at.a(), at.edge()));
     consider_face(at.b().normal(), is_over(at.b(), at.other_edge()));
@@ -210,11 +233,12 @@ SurfaceNext SurfaceFriction::stick(SurfacePoint& at, const Vec3& from, const Vec
   if (soonest > 1.0) {
     time = 1.0;
     if (at.on() == On::face) return SurfaceNext::settled;
-    const bool is_free = at.on() == On::edge ? at.is_free_over_edge(to) : at.is_free_at_vertex(to - at.point());
-    return is_free ? SurfaceNext::airborne : SurfaceNext::settled;
+    const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // it may be free there
+    return next == SurfaceNext::again ? SurfaceNext::descend : next;
   }
   time = std::min(1.0, time + soonest * (1.0 - time));
   at.balance_on_edge();
+  slips_ = true;
   return SurfaceNext::descend;
 }
 
@@ -234,7 +258,7 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   const bool has_lag = radius > 0.0 && lag.norm() > 0.0;
   // At rest it sticks. So it does where the cone grows faster than the device draws it on.
   if (has_lag ? !(lag.dot(motion) > lag.norm() * growth) : motion.isZero(0.0)) {
-    slides_ = false;
+    drags_ = false;
     return SurfaceNext::again;
   }
   const SlidingLag sliding(has_lag ? lag : motion, motion, has_lag ? radius : std::numeric_limits<double>::min(), growth);
@@ -278,7 +302,7 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   if (turns_back && at.on() == On::edge) {
     // To where the other face says the same: both are rounding.
     at.balance_on_edge();
-    slides_ = false;
+    drags_ = false;
     return SurfaceNext::again;
   }
   return SurfaceNext::descend;
@@ -292,7 +316,8 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
   const Vec3 direction = face.edge(edge) / length;
   const Vec3 here = on_way(from, to, time) - face.corner(edge);
   const Vec3 motion = (1.0 - time) * (to - from);
-  const double sign = direction.dot(here - (at.point() - face.corner(edge))) < 0.0 ? -1.0 : 1.0;
+  const double pull = direction.dot(here - (at.point() - face.corner(edge)));
+  const double sign = (std::fabs(pull) > kLeast ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
   const Vec3 across = here - direction.dot(here) * direction;
   const Vec3 across_motion = motion - direction.dot(motion) * direction;
   const double drawn = sign * direction.dot(motion);
@@ -303,7 +328,7 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
     return drawn - dynamic_ * (d > 0.0 ? (across + t * across_motion).dot(across_motion) / d : 0.0);
   };
   if (!(speed(0.0) > 0.0)) {
-    slides_ = false;
+    drags_ = false;
     return SurfaceNext::again;
   }
   double until = speed(1.0) > 0.0 ? 1.0 : find_fall(0.0, 1.0, [&](double t, double& slope) {
@@ -342,7 +367,7 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
   if (event == Event::to_a) at.return_from_edge();
   if (event != Event::none) return SurfaceNext::again;
   if (stops) {
-    slides_ = false;
+    drags_ = false;
     return SurfaceNext::again;
   }
   return at.is_free_over_edge(to) ? SurfaceNext::airborne : SurfaceNext::settled;
