@@ -194,10 +194,10 @@ TEST(SurfaceFollower, NeverAllocates) {
 
 // Followed exactly, it makes no difference into how many parts a straight motion is divided: the force after a step is that after many
 // small ones. On bumps sharper than the touch is deep, where edges hold and release the point in every other step.
-TEST(SurfaceFollower, AStepIsAsManySmallOnes) {
+void expect_a_step_to_be_as_many_small_ones(const Material& material) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.3, 8000, 7));
   TouchScene scene;
-  scene.objects.push_back({mesh, {}});
+  scene.objects.push_back({mesh, material});
   const TouchTrajectory slide = make_slide_trajectory(*mesh, {.seed = 5, .rows = 4000}).value();
   const auto whole = ProxyMethod::make(MethodSettings(), scene).value();
   const auto divided = ProxyMethod::make(MethodSettings(), scene).value();
@@ -221,6 +221,14 @@ TEST(SurfaceFollower, AStepIsAsManySmallOnes) {
     contacts += at_once.contact ? 1 : 0;
   }
   EXPECT_GT(contacts, 3000);
+}
+
+TEST(SurfaceFollower, AStepIsAsManySmallOnes) { expect_a_step_to_be_as_many_small_ones({}); }
+
+TEST(SurfaceFollower, WithFrictionToo) {
+  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.5, .friction_dynamic = 0.35});
+  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.1, .friction_dynamic = 0.1});
+  expect_a_step_to_be_as_many_small_ones({.friction_static = 1.2, .friction_dynamic = 0.6});
 }
 
 }  // namespace
