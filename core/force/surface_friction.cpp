@@ -101,6 +101,7 @@ SurfaceNext SurfaceFriction::hold(double way, double depth) noexcept {
 double SurfaceFriction::share_of_way(double way, double depth) noexcept {
   slides_ = true;
   drags_ = true;
+  slips_ = false;
   return way > 0.0 ? std::clamp(1.0 - dynamic_ * depth / way, 0.0, 1.0) : 0.0;
 }
 
@@ -157,9 +158,9 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
   const double depth = (pull - (way / length) * face.edge(edge)).norm();
   if (!moves(std::fabs(way), depth)) return hold(std::fabs(way), depth);
   const double goal = face.along(edge, at.point()) + share_of_way(std::fabs(way), depth) * way / length;
-  if (goal * length <= kSnap) return again_if(at.reach_vertex(edge));
-  if ((1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
-  at.move_on_edge(goal);
+  if (way < 0.0 && goal * length <= kSnap) return again_if(at.reach_vertex(edge));
+  if (way > 0.0 && (1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
+  at.move_on_edge(std::clamp(goal, 0.0, 1.0));
   at.balance_on_edge();
   return SurfaceNext::settled;
 }
