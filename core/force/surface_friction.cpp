@@ -190,7 +190,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
   const MovingPull pull{on_way(from, to, time) - at.point(), (1.0 - time) * (to - from)};
   const double held = slides_ ? dynamic_ : static_;
   // At a vertex, twice what a way must have to be taken: what is found here is taken.
-  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : 0.0;
+  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kLeast;
   const double bound = least * least;
   double soonest = kNever;
   const auto consider_face = [&](const Vec3& normal, auto&& is_over) {
