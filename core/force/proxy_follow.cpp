@@ -139,7 +139,11 @@ bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const
     const TouchGeometry::Across across = geometry_.across(id, k);
     if (!across.exists || across.id == id) continue;
     const double along = shape.along(k, hit) * shape.length(k);
-    if (!(along > kNearEdge && shape.length(k) - along > kNearEdge)) continue;  // at a vertex more than two have a say
+    if (!(along > kNearEdge)) {
+      if (!is_vertex_seen_from(p, id, back, k, hit)) return false;
+      continue;
+    }
+    if (!(shape.length(k) - along > kNearEdge)) continue;  // the vertex is the next edge's
     const ContactTriangle other = shape_of(across.id);
     const bool other_back = back != across.flips;
     const bool is_convex = in_front(other, shape.corner((k + 2) % 3)) == other_back;
@@ -148,6 +152,12 @@ bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const
     if (!(is_convex ? before || before_other : before && before_other)) return false;
   }
   return true;
+}
+
+// The same at corner k, where more than two triangles have a say.
+bool ProxyMethod::is_vertex_seen_from(const Vec3& p, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept {
+  SurfacePoint vertex(geometry_, surfaces_);
+  return !vertex.land(id, back, hit) || !vertex.reach_vertex(k) || vertex.is_before_fan(p);
 }
 
 // A free proxy may be nearer to a walkable triangle than sweeps keep: it is moved off, to the side that it is on.

@@ -307,8 +307,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       }
     } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP) &&
                !in.leads_round(felt_before.p_SP, felt.p_SP)) {
-      // On the surface to the last digit a place has no side: the next one off it is judged, from the last one off it.
-      if (in.is_on_surface(felt.p_SP, play)) continue;
+      // On the surface to the last digit a place has no side: only ways between places off it are judged.
+      if (in.is_on_surface(felt.p_SP, play) || in.is_on_surface(felt_before.p_SP, play)) continue;
       note(StressFault::kThrough, (device - before).norm());
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.

@@ -159,19 +159,58 @@ bool SurfacePoint::collect_fan() noexcept {
   return true;
 }
 
-// By the normal of the vertex, each face's weighted by its angle (Baerentzen & Aanaes 2005). Pre: the vertex is the point of its faces
-// nearest to there.
-bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
-  if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
-  const auto fan = std::span(fan_).first(static_cast<std::size_t>(fan_count_));
-  if (std::none_of(fan.begin(), fan.end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
-  double sum = 0.0;
+// Each face's weighted by its angle (Baerentzen & Aanaes 2005): it tells the side of a point that is nearest to the vertex itself.
+Vec3 SurfacePoint::vertex_normal() const noexcept {
+  Vec3 sum = Vec3::Zero();
   for (int i = 0; i < fan_count_; ++i) {
     const Vec3& first = fan_[(i + fan_count_ - 1) % fan_count_].direction;
     const Vec3& last = fan_[i].direction;
-    sum += std::atan2(first.cross(last).norm(), first.dot(last)) * fan_[i].normal.dot(to_device);
+    sum += std::atan2(first.cross(last).norm(), first.dot(last)) * fan_[i].normal;
   }
-  return sum > 0.0;
+  return sum;
+}
+
+// Pre: the vertex is the point of its faces nearest to there.
+bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
+  if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
+  if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
+  return vertex_normal().dot(to_device) > 0.0;
+}
+
+bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcept {
+  const ObjectGeometry::Corners at = geometry_.corners(facet.id);
+  return (side_sign(at.a, at.b, at.c, p) > 0.0) != facet.back;
+}
+
+// What is nearest decides: a face of the fan, an edge between two, or the vertex by its normal. Which it is may be rounding where two are
+// alike; the signs are exact.
+bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
+  const Vec3 off = p == p_ ? kShift : Vec3(p - p_);
+  double nearest = off.squaredNorm();
+  const FanFacet* face = nullptr;
+  const FanFacet* beyond = nullptr;  // over the edge
+  for (int i = 0; i < fan_count_; ++i) {
+    const FanFacet& facet = fan_[i];
+    const double height = facet.normal.dot(off);
+    if (facet.inward[0].dot(off) > 0.0 && facet.inward[1].dot(off) > 0.0 && height * height < nearest) {
+      nearest = height * height;
+      face = &facet;
+      beyond = nullptr;
+    }
+    const double along = facet.direction.dot(off);
+    const double aside = (off - along * facet.direction).squaredNorm();
+    if (along > 0.0 && aside < nearest) {
+      nearest = aside;
+      face = &facet;
+      beyond = &fan_[(i + 1) % fan_count_];
+    }
+  }
+  if (face == nullptr) return vertex_normal().dot(off) > 0.0;
+  if (beyond == nullptr) return is_before(*face, p);
+  const ObjectGeometry::Corners at = geometry_.corners(face->id);
+  const Vec3* const corners[3] = {&at.a, &at.b, &at.c};
+  const bool is_concave = is_before(*beyond, *corners[(face->next + 2) % 3]);
+  return is_concave ? is_before(*face, p) && is_before(*beyond, p) : is_before(*face, p) || is_before(*beyond, p);
 }
 
 SurfacePoint::Exit SurfacePoint::find_exit(const Vec3& goal) const noexcept {

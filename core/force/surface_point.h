@@ -113,6 +113,8 @@ class SurfacePoint {
   bool is_free_over_edge(const Vec3& device) const noexcept;
   // Whether a direction that leads farther from every edge and face round the vertex leads off the surface.
   bool is_free_at_vertex(const Vec3& to_device) const noexcept;
+  // At a vertex: whether a point from which a straight way leads there is on the side of the surface that the fan shows. Exact.
+  bool is_before_fan(const Vec3& p) const noexcept;
   // A way nearer to the device that is no longer than this is none: its slope is all rounding.
   double least_slope(const Vec3& device) const noexcept { return kLeastWay + 0x1p-40 * (device - p_).norm(); }
   // How far inside edge k the projection of the device on a facet lies, less `margin`; times the edge's length.
@@ -153,6 +155,8 @@ class SurfacePoint {
   bool collect_fan() noexcept;
   void turn_to(const FanFacet& facet) noexcept;
   bool enter_edge(const FanFacet& facet) noexcept;
+  Vec3 vertex_normal() const noexcept;
+  bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
   template <class Add>
   void add_near_planes(double height, Add&& add) const noexcept;
