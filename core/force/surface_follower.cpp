@@ -27,8 +27,13 @@ bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, con
   return true;
 }
 
+int SurfaceFollower::most_events(double way, const Vec3& device) const noexcept {
+  const double crossed = at_.edges_per_length() * (way + 2.0 * (device - at_.point()).norm());
+  return static_cast<int>(std::min<double>(kMostEvents, kLeastEvents + kEventsPerEdge * crossed));
+}
+
 SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device) noexcept {
-  if (budget_ <= 0) budget_ = kMostEvents;
+  if (budget_ <= 0) budget_ = most_events(0.0, device);
   for (; budget_ > 0; --budget_) {
     ++events_;
     const Next next = next_descent(device);
@@ -51,7 +56,7 @@ SurfaceFollower::Outcome SurfaceFollower::outcome_of(Next next) noexcept {
 }
 
 SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
-  for (budget_ = kMostEvents; budget_ > 0; --budget_) {
+  for (budget_ = most_events((to - from).norm(), from); budget_ > 0; --budget_) {
     ++events_;
     const Next next = next_event(from, to, time);
     if (next == Next::again) continue;
@@ -188,8 +193,9 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
   consider_face(at_.b(), at_.other_edge(), Event::to_b);
   const double along = face.along(edge, to);
   const double along_before = face.along(edge, from);
-  if (along <= 0.0) consider(std::max(along_before, 0.0), along, Event::begin);
-  if (along >= 1.0) consider(std::min(along_before - 1.0, 0.0), along - 1.0, Event::end);
+  const double near = kSnap / face.length(edge);
+  if (along <= near) consider(std::max(along_before - near, 0.0), along - near, Event::begin);
+  if (along >= 1.0 - near) consider(std::min(along_before - 1.0 + near, 0.0), along - 1.0 + near, Event::end);
   time = event == Event::none ? 1.0 : soonest;
   if (event == Event::begin || event == Event::end) {
     return at_.reach_vertex(event == Event::begin ? edge : (edge + 1) % 3) ? Next::descend : Next::unwalkable;

@@ -22,9 +22,14 @@ namespace hapton {
 // has friction, SurfaceFriction says what moves it and what holds it. It finds its way by adjacency alone, so only over walkable triangles
 // (SurfaceAdjacency); it stops before any other.
 //
-// Frame: TouchGeometry's local one. RT: yes. Bounded: kMostEvents events a call.
+// Frame: TouchGeometry's local one. RT: yes.
+//
+// Bounded: a call has kLeastEvents events, and kEventsPerEdge more for each edge that a straight way over the object's surface crosses on
+// the average, as long as the device's way and twice the pull; kMostEvents in all.
 class SurfaceFollower {
  public:
+  static constexpr int kLeastEvents = 128;
+  static constexpr double kEventsPerEdge = 8.0;
   static constexpr int kMostEvents = 8192;
 
   enum class Outcome : std::uint8_t {
@@ -60,6 +65,7 @@ class SurfaceFollower {
   static constexpr double kBalance = 0x1p-28;
 
   static Outcome outcome_of(Next next) noexcept;
+  int most_events(double way, const Vec3& device) const noexcept;
   Next next_descent(const Vec3& device) noexcept;
   Next next_event(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next settle_on_face(const Vec3& p, const Vec3& device) noexcept;

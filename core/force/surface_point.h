@@ -88,6 +88,7 @@ class SurfacePoint {
   int came_by() const { return came_by_; }         // on a face: the edge it came by, or -1
   int corner() const { return corner_; }           // of a(): the vertex it stands at; on a face the one it came from, or -1
   std::span<const FanFacet> fan() const { return {fan_.data(), static_cast<std::size_t>(fan_count_)}; }  // at a vertex, in order
+  double edges_per_length() const { return geometry_.edges_per_length(a().id); }                         // ObjectGeometry's
   const Material& material() const { return materials_[geometry_.mesh_of(a().id)]; }
 
   void leave() { stands_ = false; }
