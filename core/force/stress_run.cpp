@@ -155,6 +155,16 @@ struct StressRun::Inside {
     return stretch.norm() - (judge->settle_from(start, device).p_SP - device).norm() > kLagGain * extent;
   }
 
+  // Wherever just beside it the device is. Where its way grazes a face, rounding says on which side of that it goes.
+  bool gains_from_beside(const Vec3& p, const Vec3& device) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 aside(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
+      const Vec3 beside = device + kOutsideShare * extent * aside;
+      if ((p - beside).norm() - (judge->settle_from(p, beside).p_SP - beside).norm() <= kLagGain * extent) return false;
+    }
+    return true;
+  }
+
   // A point is held there for certain, however far the reference gets that climbs by its own lift.
   bool is_proved(const Vec3& p, const Vec3& device, double hover) const {
     return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
@@ -171,7 +181,9 @@ struct StressRun::Inside {
     if (is_wrong(end) && solid->compute_distance(end) > 2.0 * kInsideShare * extent && !is_wrong(p)) return;
     // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
     const double depth = solid ? solid->compute_distance(device) : extent;
-    if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device)) return;
+    if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device) ||
+        !gains_from_beside(p, device))
+      return;
     note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
   }
 
