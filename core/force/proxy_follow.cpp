@@ -112,7 +112,7 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool slides,
     const TouchGeometry::Hit at = geometry_.pierce(id, from, to);
     if (met == Met::other || at.time > until || (at.time == until && met == Met::walkable)) return until;
     if (at.from_back && !surfaces_[geometry_.mesh_of(id)].two_sided) return until;
-    if (!is_seen_from(from, id, at.from_back, from + at.time * motion)) return until;
+    if (!is_seen_from(from, to, id, at.from_back, from + at.time * motion)) return until;
     met = Met::walkable;
     first = id;
     hit = at;
@@ -128,7 +128,7 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool slides,
 
 // Near an edge a segment that cuts it goes through both its triangles within what rounding can tell apart. Only that is met which p sees: p
 // lies on that side of the wedge that the two form.
-bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const Vec3& hit) const noexcept {
+bool ProxyMethod::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept {
   constexpr double kNearEdge = 0x1p-40;
   const ContactTriangle shape = shape_of(id);
   const auto in_front = [](const ContactTriangle& of, const Vec3& point) {
@@ -140,10 +140,11 @@ bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const
     if (!across.exists || across.id == id) continue;
     const double along = shape.along(k, hit) * shape.length(k);
     if (!(along > kNearEdge)) {
-      if (!is_vertex_seen_from(p, id, back, k, hit)) return false;
+      if (!is_vertex_seen_from(p, to, id, back, k, hit)) return false;
       continue;
     }
-    if (!(shape.length(k) - along > kNearEdge)) continue;  // the vertex is the next edge's
+    if (!(shape.length(k) - along > kNearEdge)) continue;         // the vertex is the next edge's
+    if (geometry_.pierce(across.id, p, to).time > 1.0) continue;  // it does not go through both
     const ContactTriangle other = shape_of(across.id);
     const bool other_back = back != across.flips;
     const bool is_convex = in_front(other, shape.corner((k + 2) % 3)) == other_back;
@@ -154,10 +155,17 @@ bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const
   return true;
 }
 
-// The same at corner k, where more than two triangles have a say.
-bool ProxyMethod::is_vertex_seen_from(const Vec3& p, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept {
+// The same at corner k, where more than two triangles have a say. Which sides it goes through alternates, so where one is met once more
+// than the other, it is the first.
+bool ProxyMethod::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept {
   SurfacePoint vertex(geometry_, surfaces_);
-  return !vertex.land(id, back, hit) || !vertex.reach_vertex(k) || vertex.is_before_fan(p);
+  if (!vertex.land(id, back, hit) || !vertex.reach_vertex(k)) return true;
+  int more = 0;
+  for (const SurfacePoint::FanFacet& facet : vertex.fan()) {
+    const TouchGeometry::Hit at = geometry_.pierce(facet.id, p, to);
+    if (at.time <= 1.0) more += at.from_back == facet.back ? 1 : -1;
+  }
+  return more != 0 ? more > 0 : vertex.is_before_fan(p);
 }
 
 // A free proxy may be nearer to a walkable triangle than sweeps keep: it is moved off, to the side that it is on.

@@ -135,8 +135,8 @@ class ProxyMethod final : public ForceMethod {
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   enum class Met : std::uint8_t { nothing, walkable, other };
   Met fly(const Vec3& from, const Vec3& to, bool slides, double& time) noexcept;
-  bool is_seen_from(const Vec3& p, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
-  bool is_vertex_seen_from(const Vec3& p, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept;
+  bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
+  bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept;
   void clear_start() noexcept;
   void lift_off_surface() noexcept;
   bool stand_on_surface() noexcept;

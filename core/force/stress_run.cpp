@@ -23,8 +23,9 @@ constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
-constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
-constexpr double kRestHovers = 4.0;   // round a rest that may be proved to be one
+constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
+constexpr double kMouthShare = 1e-5;   // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
+constexpr double kRestHovers = 4.0;    // round a rest that may be proved to be one
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -159,7 +160,7 @@ struct StressRun::Inside {
   bool gains_from_beside(const Vec3& p, const Vec3& device) const {
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 aside(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
-      const Vec3 beside = device + kOutsideShare * extent * aside;
+      const Vec3 beside = device + kBesideShare * extent * aside;
       if ((p - beside).norm() - (judge->settle_from(p, beside).p_SP - beside).norm() <= kLagGain * extent) return false;
     }
     return true;

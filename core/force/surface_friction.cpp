@@ -252,11 +252,12 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
     const Vec3 device = t < 1.0 ? Vec3(here + t * (to - here)) : to;
     return Vec3(device - at.a().height(device) * normal);
   };
-  const Vec3 motion = foot(1.0) - foot(0.0);
-  const Vec3 lag = foot(0.0) - at.point();
+  const auto in_plane = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
+  const Vec3 motion = in_plane(foot(1.0) - foot(0.0));
+  const Vec3 lag = in_plane(foot(0.0) - at.point());
   const double radius = -dynamic_ * start_height;
   const double growth = -dynamic_ * (end_height - start_height);
-  const bool has_lag = radius > 0.0 && lag.norm() > 0.0;
+  const bool has_lag = radius > 0.0 && lag.norm() > kLeast;  // a shorter one has no direction
   // At rest it sticks. So it does where the cone grows faster than the device draws it on.
   if (has_lag ? !(lag.dot(motion) > lag.norm() * growth) : motion.isZero(0.0)) {
     drags_ = false;
