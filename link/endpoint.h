@@ -45,6 +45,8 @@ class Endpoint {
 
   // Datagrams passed over because they were empty or too long to be ours.
   virtual std::uint64_t oversized() const noexcept { return 0; }
+  // Where the newest of them came from.
+  virtual Address oversized_from() const noexcept { return {}; }
 
   // What is refused so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }

@@ -68,20 +68,27 @@ struct KeyFile {
 static_assert(sizeof(KeyFile) == kKeyFileBytes);
 
 // Who may change a folder on the way to a file can put another one in its place; in one with the sticky bit (/tmp) only its owner can.
-Result<void> check_folders(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
-  if (error) return {};  // then the file cannot be opened either, and that says more
-  for (std::filesystem::path folder = real.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+Result<void> check_folders_above(const std::filesystem::path& path, const std::filesystem::path& named) {
+  for (std::filesystem::path folder = path.parent_path(); !folder.empty(); folder = folder.parent_path()) {
     struct stat found = {};
     if (stat(folder.c_str(), &found) == 0 && (found.st_mode & S_IWOTH) != 0 && (found.st_mode & S_ISVTX) == 0) {
       return fail(
           "{}: everyone may put another key in its place, as the folder {} is open to all (mode {:04o}); close it with: chmod o-w {}",
-          path.string(), folder.string(), found.st_mode & 07777, folder.string());
+          named.string(), folder.string(), found.st_mode & 07777, folder.string());
     }
     if (folder == folder.root_path()) break;
   }
   return {};
+}
+
+// On the way as it was named, where a link could be put in another's place, and where that ends.
+Result<void> check_folders(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path named = std::filesystem::absolute(path, error);
+  if (error) return {};  // then the file cannot be opened either, and that says more
+  if (const auto good = check_folders_above(named, path); !good) return good;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
+  return error ? Result<void>() : check_folders_above(real, path);
 }
 
 Result<void> check_size(const std::filesystem::path& path, off_t bytes) {

@@ -1,7 +1,5 @@
 #include "link/refusal_watch.h"
 
-#include <algorithm>
-
 namespace hapton {
 
 std::string_view describe(Refusal refusal) noexcept {
@@ -24,6 +22,8 @@ std::string_view describe(Refusal refusal) noexcept {
       return "replayed datagrams";
     case Refusal::forged:
       return "forged datagrams";
+    case Refusal::oversized:
+      return "datagrams too long to be ours";
   }
   return "datagrams";
 }
@@ -32,11 +32,12 @@ std::optional<Flood> RefusalWatch::take(std::int64_t now_ns) noexcept {
   if (!has_begun_) since_ns_ = now_ns;
   has_begun_ = true;
   if (now_ns - since_ns_ < kEveryNs) return std::nullopt;
-  const auto worst = std::max_element(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) { return a.count < b.count; });
-  const double per_second = 1e9 * static_cast<double>(worst->count) / static_cast<double>(now_ns - since_ns_);
   std::optional<Flood> flood;
-  if (per_second > kLeastPerSecond) {
-    flood = Flood{static_cast<Refusal>(worst - seen_.begin()), worst->from, worst->is_from_several, per_second};
+  for (std::size_t n = 0; n < kRefusals; ++n) {
+    const auto refusal = static_cast<Refusal>(n);
+    const double per_second = 1e9 * static_cast<double>(seen_[n].count) / static_cast<double>(now_ns - since_ns_);
+    if (per_second <= is_flood_above(refusal) || (flood && per_second <= flood->per_second)) continue;
+    flood = Flood{refusal, seen_[n].from, seen_[n].is_from_several, per_second};
   }
   seen_ = {};
   since_ns_ = now_ns;

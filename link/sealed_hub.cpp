@@ -1,6 +1,7 @@
 #include "link/sealed_hub.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "link/random_id.h"
@@ -48,9 +49,20 @@ std::uint64_t& counter_of(Refusal refusal, SealCounts& counts) noexcept {
       return counts.replayed;
     case Refusal::forged:
       return counts.forged;
+    case Refusal::oversized:
+      return counts.oversized;
   }
   return counts.malformed;
 }
+
+constexpr std::size_t index_of(KeyRole role) noexcept { return static_cast<std::size_t>(role) - kFirstKeyRole; }
+
+std::array<SourceLimit, kNodeKeyRoles> make_limits() {
+  const auto make = [] { return SourceLimit(SealedHub::kHandshakeRates, make_random_id()); };
+  return {make(), make(), make(), make()};
+}
+
+static_assert(std::accumulate(SealedHub::kRolePlaces.begin(), SealedHub::kRolePlaces.end(), std::size_t{0}) == SealedHub::kPlaces);
 
 }  // namespace
 
@@ -58,8 +70,8 @@ SealedHub::SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& mast
     : endpoint_(endpoint),
       clock_(clock),
       handshake_(master, worker),
-      retry_limit_(kHandshakeRates, make_random_id()),
-      agreement_limit_(kHandshakeRates, make_random_id()),
+      retry_limits_(make_limits()),
+      agreement_limits_(make_limits()),
       generation_(static_cast<std::uint32_t>(make_random_id())) {}
 
 SealCounts SealedHub::seal_counts() const noexcept {
@@ -71,6 +83,14 @@ SealCounts SealedHub::seal_counts() const noexcept {
 void SealedHub::refuse(Refusal refusal, const Address& from) noexcept {
   ++counter_of(refusal, counts_);
   watch_.note(refusal, from);
+}
+
+// The socket has passed these over; here they get a name.
+std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
+  const std::uint64_t oversized = endpoint_.oversized();
+  if (oversized != oversized_noted_) watch_.note(Refusal::oversized, endpoint_.oversized_from(), oversized - oversized_noted_);
+  oversized_noted_ = oversized;
+  return watch_.take(now_ns);
 }
 
 bool SealedHub::send(const Address& to, std::span<const std::byte> datagram) noexcept {
@@ -139,8 +159,8 @@ void SealedHub::promote(Session& session) noexcept {
     if (other.state == State::live && other.role == session.role) {
       other.state = State::retiring;
       other.ends_ns = session.last_heard_ns + kOverlapNs;
-    } else if (other.state != State::retiring) {
-      other = Session();
+    } else {
+      other = Session();  // of those that were replaced, one at most is still received in
     }
   }
   session.state = State::live;
@@ -164,16 +184,16 @@ void SealedHub::hear_request(std::span<const std::byte> request, const Address& 
 }
 
 void SealedHub::retry(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
-  if (!retry_limit_.take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
+  if (!retry_limits_[index_of(HubHandshake::role_of(request))].take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
   const std::size_t bytes = handshake_.write_retry(request, from, now_ns, outgoing_);
   counts_.retries += endpoint_.send(from, std::span(outgoing_).first(bytes)) ? 1 : 0;
 }
 
 void SealedHub::agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const KeyRole role = HubHandshake::role_of(request);
-  if (!agreement_limit_.take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
+  if (!agreement_limits_[index_of(role)].take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
   if (is_taken_by_another_role(from, role, now_ns)) return refuse(Refusal::no_place, from);
-  Session* const session = find_place(now_ns);
+  Session* const session = find_place(places_of(role, sessions_), now_ns);
   if (session == nullptr) return refuse(Refusal::no_place, from);
   const auto place = static_cast<std::uint32_t>(session - sessions_.data());
   const std::uint32_t connection = ++generation_ * static_cast<std::uint32_t>(kPlaces) + place;
@@ -213,8 +233,13 @@ SealedHub::Session* SealedHub::find_live(const Address& address) noexcept {
   return &*found;
 }
 
+std::span<SealedHub::Session> SealedHub::places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept {
+  const auto before = kRolePlaces.begin() + static_cast<std::ptrdiff_t>(index_of(role));
+  return std::span(sessions).subspan(std::accumulate(kRolePlaces.begin(), before, std::size_t{0}), *before);
+}
+
 // A free place, else that of the oldest candidate when there are many, else of who has been silent long; null when there is none.
-SealedHub::Session* SealedHub::find_place(std::int64_t now_ns) noexcept {
+SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_t now_ns) noexcept {
   Session* free_place = nullptr;
   Session* oldest_candidate = nullptr;
   Session* quietest = nullptr;
@@ -222,7 +247,7 @@ SealedHub::Session* SealedHub::find_place(std::int64_t now_ns) noexcept {
   const auto older = [](const Session& session, const Session* than) {
     return than == nullptr || session.last_heard_ns < than->last_heard_ns;
   };
-  for (Session& session : sessions_) {
+  for (Session& session : places) {
     const bool is_over = session.state == State::retiring && now_ns >= session.ends_ns;
     if (session.state == State::free || is_over) {
       free_place = free_place == nullptr ? &session : free_place;
@@ -233,7 +258,7 @@ SealedHub::Session* SealedHub::find_place(std::int64_t now_ns) noexcept {
       quietest = &session;
     }
   }
-  if (candidates >= kCandidates) return oldest_candidate;
+  if (candidates >= places.size() / 2) return oldest_candidate;
   if (free_place != nullptr) return free_place;
   return quietest != nullptr ? quietest : oldest_candidate;
 }

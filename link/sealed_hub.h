@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "link/endpoint.h"
 #include "link/handshake.h"
@@ -20,17 +21,19 @@ namespace hapton {
 //   junk       Who has no key gets no reply, takes no place and costs a look at four bytes, or a hash. So does who repeats a recorded
 //              handshake: it must be later than all that its host and role have sent (handshake_times.h). Each refusal is counted and the
 //              worst flood of them named (take_flood).
-//   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second.
+//   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role by itself.
 //   X25519     Agreements are the worker's. The caller hands over what has shown key, time and address, and sends the answer when it is
 //              finished, in a later call. A full worker drops requests; it never makes the caller wait.
 //   sessions   A new session of the same role and address replaces the old one once something was opened in it. The old one is still
-//              opened for kOverlapNs: nothing that is on its way is lost. When all places are taken the one that has been silent longest
-//              goes, unless something was received in it within kIdleNs.
+//              opened for kOverlapNs, unless that one is replaced, too: nothing that is on its way is lost. Each role has places of its own
+//              (kRolePlaces), half of them at most for sessions that nothing was opened in yet: the holder of one role's key keeps no other
+//              role out. When all places are taken the one that has been silent longest goes, unless something was received in it within
+//              kIdleNs.
 // RT: yes with a worker thread; construction and destruction set-up only. Threads: one.
 class SealedHub final : public Endpoint {
  public:
-  static constexpr std::size_t kPlaces = 64;      // four times HubPeers::kCapacity: old and new sessions, and nodes that come again
-  static constexpr std::size_t kCandidates = 24;  // of these, sessions that nothing was opened in yet
+  static constexpr std::size_t kPlaces = 64;  // four times HubPeers::kCapacity: old and new sessions, and nodes that come again
+  static constexpr std::array<std::size_t, kNodeKeyRoles> kRolePlaces = {8, 24, 24, 8};  // of haptics, vision, tool, operator
   static constexpr std::int64_t kIdleNs = 2 * kNanosecondsPerSecond;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
   static constexpr SourceLimit::Rates kHandshakeRates = {
@@ -46,7 +49,7 @@ class SealedHub final : public Endpoint {
   void prepare_wait(std::int64_t deadline_ns) noexcept override { endpoint_.prepare_wait(deadline_ns); }
   Address local_address() const override { return endpoint_.local_address(); }
   SealCounts seal_counts() const noexcept override;
-  std::optional<Flood> take_flood(std::int64_t now_ns) noexcept override { return watch_.take(now_ns); }
+  std::optional<Flood> take_flood(std::int64_t now_ns) noexcept override;
 
  private:
   enum class State : std::uint8_t {
@@ -75,15 +78,17 @@ class SealedHub final : public Endpoint {
   void agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
   void take_agreements() noexcept;
   Session* find_live(const Address& address) noexcept;
-  Session* find_place(std::int64_t now_ns) noexcept;
+  static std::span<Session> places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept;
+  static Session* find_place(std::span<Session> places, std::int64_t now_ns) noexcept;
   bool is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept;
 
   Endpoint& endpoint_;
   const Clock& clock_;
   HubHandshake handshake_;
-  SourceLimit retry_limit_;
-  SourceLimit agreement_limit_;
+  std::array<SourceLimit, kNodeKeyRoles> retry_limits_;  // by role
+  std::array<SourceLimit, kNodeKeyRoles> agreement_limits_;
   RefusalWatch watch_;
+  std::uint64_t oversized_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};
   std::array<std::uint8_t, 16> hints_ = {};  // place that was last sent to, by the lower bits of its port
   std::uint32_t generation_ = 0;             // in the upper bits of a connection's number, its place in the lower

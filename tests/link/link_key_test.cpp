@@ -169,6 +169,13 @@ TEST_F(LinkKeyTest, RefusesAFolderThatEveryoneMayChange) {
   EXPECT_THAT(refusal(folder_.path() / "link"), HasSubstr("chmod o-w"));
   ASSERT_EQ(chmod(open_folder.c_str(), 0755), 0);
   EXPECT_TRUE(read_key_file(path));
+  // And a link that everyone may change leads wherever they like.
+  const auto good = write_key("good", kKeyFileBytes, 0600);
+  std::filesystem::create_symlink(good, open_folder / "way");
+  EXPECT_TRUE(read_key_file(open_folder / "way"));
+  ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
+  EXPECT_THAT(refusal(open_folder / "way"), HasSubstr("chmod o-w " + open_folder.string()));
+  EXPECT_TRUE(read_key_file(good));
 }
 
 TEST_F(LinkKeyTest, ARolesKeyIsGoodForThatRoleAlone) {

@@ -23,6 +23,32 @@ TEST(RefusalWatchTest, SaysNothingOfAFew) {
   EXPECT_FALSE(watch.take(kSecond));
   note(watch, Refusal::wrong_key, kOne, 900);
   EXPECT_FALSE(watch.take(2 * kSecond));
+  note(watch, Refusal::replayed_handshake, kOne, 20);  // two nodes of one host that asked at the same time
+  EXPECT_FALSE(watch.take(3 * kSecond));
+}
+
+// Nodes of ours send none: someone who repeats a hundred a second is named, though a thousand of other kinds would pass.
+TEST(RefusalWatchTest, NamesASlowFloodOfHandshakes) {
+  for (const Refusal refusal : {Refusal::replayed_handshake, Refusal::too_many_handshakes}) {
+    RefusalWatch watch;
+    watch.take(kSecond);
+    note(watch, refusal, kOne, 100);
+    note(watch, Refusal::unknown_session, kOther, 900);
+    const auto flood = watch.take(2 * kSecond);
+    ASSERT_TRUE(flood);
+    EXPECT_EQ(flood->refusal, refusal);
+    EXPECT_EQ(flood->from, kOne);
+  }
+}
+
+TEST(RefusalWatchTest, TakesMoreThanOneAtATime) {
+  RefusalWatch watch;
+  watch.take(kSecond);
+  watch.note(Refusal::oversized, kOne, 700'000);
+  const auto flood = watch.take(2 * kSecond);
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::oversized);
+  EXPECT_DOUBLE_EQ(flood->per_second, 700'000.0);
 }
 
 TEST(RefusalWatchTest, NamesAFloodOnceASecondAndTheWorstAlone) {

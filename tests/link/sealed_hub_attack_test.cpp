@@ -83,7 +83,70 @@ TEST_F(SealedHubTest, AFloodIsNamed) {
   EXPECT_NEAR(flood->per_second, 5000.0, 1.0);
 }
 
+TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
+  hub_->take_flood(clock_.now_ns());
+  hub_endpoint_.put_in_oversized(memory_address(66, 6), 740'000);
+  clock_.advance_ns(kNanosecondsPerSecond);
+  const auto flood = hub_->take_flood(clock_.now_ns());
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::oversized);
+  EXPECT_EQ(flood->from, memory_address(66, 6));
+  EXPECT_NEAR(flood->per_second, 740'000.0, 1.0);
+  EXPECT_EQ(hub_->seal_counts().oversized, 740'000U);
+  EXPECT_EQ(hub_->seal_counts().refused(), 740'000U);
+  clock_.advance_ns(kNanosecondsPerSecond);
+  EXPECT_FALSE(hub_->take_flood(clock_.now_ns())) << "it is over";
+}
+
 // --- roles
+
+// A request of a node that has only a key, from wherever it says.
+Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
+  ClientHandshake greedy(RoleKey(key_of(1), role), host, AgreementWorker::Where::caller);
+  greedy.begin();
+  greedy.ask(time_ns);
+  Bytes request(seal::kRequestBytes);
+  greedy.poll(request);
+  return request;
+}
+
+// Addresses can be anyone's: without the rates by role, whoever holds a tool's key keeps the haptics node from its cookie for ever.
+TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
+  const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
+  std::uint64_t made = 0;
+  for (int ms = 0; ms < 200; ++ms) {
+    clock_.advance_ns(kMs);
+    for (int i = 0; i < 5; ++i, ++made) {  // 5,000 a second, each from another host
+      hub_endpoint_.put_in(memory_address(static_cast<std::uint8_t>(20 + made % 200), 9), make_request(KeyRole::tool, made, 1));
+    }
+    hub_hears();
+    if (ms >= 100) say(*haptics, "hello");
+    hub_hears();
+    node_hears(*haptics);
+  }
+  EXPECT_GT(hub_->seal_counts().too_many_handshakes, 500U);
+  EXPECT_TRUE(answer(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
+}
+
+// As many live sessions as a tool's key can have, kept busy: the haptics node still comes in, and changes its keys.
+TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoPlaceOfAnother) {
+  std::vector<std::unique_ptr<Node>> crowd;
+  for (std::size_t i = 0; i < SealedHub::kPlaces; ++i) {
+    crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::tool));
+    say(*crowd.back(), "mine");
+    meet(*crowd.back());
+    for (const auto& node : crowd) node->sealed.send(hub_at_, text("still here"));
+    hub_hears();
+  }
+  EXPECT_EQ(hub_->seal_counts().handshakes, SealedHub::kRolePlaces[2]);
+  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
+  join(*haptics);
+  const auto again = make_node(3, key_of(1), KeyRole::haptics);
+  join(*again);
+  const auto vision = make_node(4, key_of(1), KeyRole::vision);
+  join(*vision);
+}
 
 TEST_F(SealedHubTest, WhatIsHandedOutWearsTheRoleOfItsKey) {
   const auto haptics = make_node(2, key_of(1), KeyRole::haptics);

@@ -299,7 +299,7 @@ TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
 
 TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
   std::vector<std::unique_ptr<Node>> crowd;
-  for (std::size_t i = 0; i < SealedHub::kPlaces; ++i) {
+  for (std::size_t i = 0; i < SealedHub::kRolePlaces[1]; ++i) {  // a vision node's
     crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
     join(*crowd.back());
   }

@@ -175,6 +175,8 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
   EXPECT_EQ(b->oversized(), 2U);
   EXPECT_EQ(MeteredEndpoint(*b, clock_).oversized(), 2U);
+  EXPECT_EQ(b->oversized_from(), a->local_address());
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).oversized_from(), a->local_address());
   EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
 }
 
