@@ -30,6 +30,7 @@ struct ServoEvent {
     reset_without_right,   // a tool whose key is not an operator's asked for a reset
     reset_without_person,  // ... an operator, and nobody is known to be at the device
     flood,
+    role_violation,  // a node asked for a role, or sent what belongs to one, that its key does not allow
   };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;

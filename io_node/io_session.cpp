@@ -58,6 +58,9 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::flood:
       return fmt::format("flood of {} from {}{}, {:.0f} a second; refused, the force does not wait for it", describe(event.flood),
                          to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz);
+    case ServoEvent::Kind::role_violation:
+      return "a node asks for a role that its key does not allow; if it is a node of yours, give it the key of its role: hapton keygen "
+             "--role ROLE --master MASTER FILE";
     case ServoEvent::Kind::away:
       return "the device is away; no force until it is back";
     case ServoEvent::Kind::calibrating:

@@ -14,7 +14,6 @@ namespace {
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
 constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;      // a device is away for so long before it is told
-constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -310,6 +309,8 @@ void Servo::reset_faults(const Peer& asker) noexcept {
   const ResetVerdict verdict = judge_reset(asker.key_role, is_loopback(asker.address), governor_.is_switch_held());
   if (verdict != ResetVerdict::granted) {
     ++stats_.resets_denied;
+    if (clock_.now_ns() < next_denial_ns_) return;
+    next_denial_ns_ = clock_.now_ns() + kNanosecondsPerSecond;
     const bool lacks_right = verdict == ResetVerdict::no_right;
     return tell(lacks_right ? ServoEvent::Kind::reset_without_right : ServoEvent::Kind::reset_without_person, asker.role, asker.address);
   }
@@ -451,12 +452,7 @@ void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
     event.is_from_several = flood->is_from_several;
     events_.push(event);
   }
-  if (now_ns < next_strangers_ns_) return;
-  const SealCounts seal = peers_.seal_counts();
-  if (seal.wrong_key != told_.wrong_key) tell(ServoEvent::Kind::wrong_key, NodeRole::tool, {});
-  if (seal.wrong_version != told_.wrong_version) tell(ServoEvent::Kind::wrong_version, NodeRole::tool, {});
-  if (seal.wrong_key != told_.wrong_key || seal.wrong_version != told_.wrong_version) next_strangers_ns_ = now_ns + kStrangersNs;
-  told_ = seal;
+  strangers_.look(peers_.seal_counts(), peers_.counts(), now_ns, [&](ServoEvent::Kind kind) { tell(kind, NodeRole::tool, {}); });
 }
 
 void Servo::finish() noexcept {
