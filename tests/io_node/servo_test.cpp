@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <deque>
 #include <initializer_list>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "io_node/devices/simulated_phantom.h"
+#include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
 
 namespace hapton {
@@ -822,6 +824,41 @@ TEST_F(Servos, a_reset_takes_an_operators_key_and_a_person_at_the_device) {
   EXPECT_EQ(reset_by(KeyRole::operator_role, 2), ServoEvent::Kind::reset);
 }
 
+TEST_F(Servos, resets_that_are_denied_are_all_counted_and_told_once_a_second) {
+  endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::tool : KeyRole::haptics; };
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.place.x() = -device.place.x() + 0.05;
+  run(20);
+  Settings reset;
+  reset.reset_faults = true;
+  std::size_t told = 0;
+  for (int n = 0; n < 1500; ++n) {
+    say(kTool, reset);
+    run(1);
+    told += events_of(*servo, {ServoEvent::Kind::reset_without_right}).size();
+  }
+  EXPECT_GE(stats().resets_denied, 1499U);
+  EXPECT_EQ(told, 2U);
+}
+
+TEST_F(Servos, a_key_that_does_not_allow_a_role_is_told_of) {
+  endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::role_violation}).empty());
+  for (int n = 0; n < 500; ++n) {
+    say(kTool, Hello{.role = NodeRole::haptics});
+    run(1);
+  }
+  run(300);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::role_violation}).size(), 1U);
+  EXPECT_GE(stats().hub.role_violations, 499U);
+}
+
 TEST_F(Servos, a_flood_is_told_of_with_where_it_comes_from) {
   make();
   run(100);
@@ -920,7 +957,9 @@ TEST_F(Servos, echo_is_measured_halfway_and_leaves_the_force_path_alone) {
   std::vector<std::int64_t> sent;
   echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
     sent.push_back(clock.now_ns());
-    if (sent.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, bytes);
+    std::vector<std::byte> reply(bytes.begin(), bytes.end());
+    std::memcpy(reply.data(), kEchoReply.data(), kEchoMarkBytes);
+    if (sent.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, reply);
   };
   EchoProbe echo(echo_endpoint, clock, responder);
   make({}, &echo);
