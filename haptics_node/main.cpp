@@ -10,6 +10,7 @@
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
+#include "runtime/descriptor_check.h"
 #include "runtime/log.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
@@ -78,6 +79,7 @@ int run(const HapticsOptions& options) {
 
 int main(int argc, char** argv) {
   check_cpu("haptics_node");
+  check_descriptors("haptics_node");
   start_log("haptics_node");
   auto parsed = parse_haptics_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;

@@ -12,6 +12,7 @@
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "runtime/cpu_check.h"
+#include "runtime/descriptor_check.h"
 #include "runtime/log.h"
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
@@ -95,6 +96,7 @@ int run(VisionOptions& options) {
 
 int main(int argc, char** argv) {
   check_cpu("vision_node");
+  check_descriptors("vision_node");
   start_log("vision_node");
   auto parsed = parse_vision_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
