@@ -245,7 +245,7 @@ class DescriptorLimit {
 };
 
 TEST_P(FewDescriptors, EndWithOneLine) {
-  for (const rlim_t allowed : {4, 8, 16, 24}) {
+  for (const rlim_t allowed : {8, 16, 24}) {
     const TestFolder folder;
     std::optional<Program> program;
     {
