@@ -38,7 +38,7 @@ int run(const HapticsOptions& options) {
   const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
   if (!key) return give_up(key.error());
   const auto scene_path = find_scene(options.scene);
-  const auto scene = load_scene(scene_path, options.unit);
+  const auto scene = load_scene(scene_path, options.unit, options.sealing);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto method = make_method(options.method, scene->touch_scene());
