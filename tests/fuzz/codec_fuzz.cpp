@@ -2,12 +2,15 @@
 #include "link/codec.h"
 #include "link/endpoint.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/proto_mutator.h"
 
 FUZZ_TARGET(codec) {
   using namespace hapton;
   static Codec codec;
   Datagram heard;
-  if (codec.decode(std::as_bytes(bytes), heard) != DecodeStatus::ok) return;
+  const DecodeStatus status = codec.decode(std::as_bytes(bytes), heard);
+  if (status != DecodeStatus::truncated && status != DecodeStatus::wrong_version) fuzz::note_passage();
+  if (status != DecodeStatus::ok) return;
   std::array<std::byte, kMaxDatagramBytes> said;
   const std::size_t size = codec.encode(heard, said);
   if (size == 0) return;  // unknown fields are not kept, so that it can only become shorter
@@ -16,3 +19,14 @@ FUZZ_TARGET(codec) {
   fuzz::require(again.message.index() == heard.message.index());
   fuzz::require(again.header.sequence == heard.header.sequence);
 }
+
+namespace {
+
+// Every message has the form of protobuf, in which lengths stand in front of what they count.
+hapton::fuzz::Bytes mutate_message(std::span<const std::uint8_t> message, hapton::fuzz::Mutation& mutation) {
+  return hapton::fuzz::mutate_proto(hapton::fuzz::Bytes(message.begin(), message.end()), mutation);
+}
+
+}  // namespace
+
+FUZZ_MUTATOR(codec, mutate_message);

@@ -1,8 +1,6 @@
 // A hub and a node with someone between them who does what the bytes say: he holds back, repeats, swaps, turns around, changes and forges
 // datagrams, and makes time pass. He holds the key of the role as well: he can give a handshake that he changed the tag that belongs to it,
 // so that what lies behind the tag is reached, too. Whatever he does, nothing is handed out that was not said, and nothing twice.
-#include <sodium.h>
-
 #include <algorithm>
 #include <set>
 #include <vector>
@@ -11,24 +9,13 @@
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
 #include "runtime/clock.h"
+#include "tests/fuzz/fixed_random.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace hapton {
 namespace {
 
 using Bytes = std::vector<std::byte>;
-
-// The same random numbers in every run, so that a finding can be found again.
-std::uint64_t random_state = 0;
-const char* name_of_random() { return "fuzz"; }
-std::uint32_t next_random() {
-  random_state = random_state * 6364136223846793005U + 1442695040888963407U;
-  return static_cast<std::uint32_t>(random_state >> 32);
-}
-void fill_random(void* into, std::size_t size) {
-  auto* const out = static_cast<std::uint8_t*>(into);
-  std::generate(out, out + size, [] { return static_cast<std::uint8_t>(next_random()); });
-}
 
 // The end of a line that the one between holds.
 class HeldEndpoint final : public Endpoint {
@@ -197,12 +184,7 @@ class Line {
 }  // namespace hapton
 
 FUZZ_TARGET(handshake) {
-  static const bool is_fixed = [] {
-    static randombytes_implementation fixed = {hapton::name_of_random, hapton::next_random, nullptr, nullptr, hapton::fill_random, nullptr};
-    randombytes_set_implementation(&fixed);
-    return hapton::seal::start_crypto().has_value();
-  }();
-  hapton::fuzz::require(is_fixed);
-  hapton::random_state = 1;
+  hapton::fuzz::require(hapton::fuzz::FixedRandom::install());
+  hapton::fuzz::FixedRandom::restart();
   hapton::Line().run(hapton::Script(bytes));
 }

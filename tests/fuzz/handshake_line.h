@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "link/sealed_client.h"
+#include "link/sealed_hub.h"
+#include "runtime/clock.h"
+#include "tests/fuzz/datagram_list.h"
+
+// A hub and one node that has requested a session, the same in every run; and handshake messages as the holder of the master key makes
+// them.
+namespace hapton::fuzz {
+
+// Keeps what is sent, and gives out what was put into it, once.
+class HeldDatagram final : public Endpoint {
+ public:
+  explicit HeldDatagram(const Address& at) : at_(at) {}
+  bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
+  Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
+  Address local_address() const override { return at_; }
+
+  // Pre: no longer than kMaxDatagramBytes.
+  void hold(const Bytes& datagram, const Address& from);
+
+  struct Sent {
+    Address to;
+    Bytes bytes;
+  };
+  std::vector<Sent> sent;
+
+ private:
+  Address at_;
+  Bytes held_;
+  Address from_;
+};
+
+class HandshakeLine {
+ public:
+  HandshakeLine();
+
+  // Lets its pause pass, then delivers it. The bytes that were handed out, which nobody has said.
+  std::size_t deliver(const ListedDatagram& datagram);
+
+  const Clock& clock() const { return clock_; }
+  const SealedHub& hub() const { return hub_; }
+  const SealedClient& node() const { return node_; }
+  // Of what was sent, the newest last.
+  const std::vector<HeldDatagram::Sent>& from_hub() const { return hub_end_.sent; }
+  const std::vector<HeldDatagram::Sent>& from_node() const { return node_end_.sent; }
+
+ private:
+  SimulatedClock clock_;
+  HeldDatagram hub_end_;
+  HeldDatagram node_end_;
+  SealedHub hub_;
+  SealedClient node_;
+};
+
+// By kind and length a request, a retry or an answer; and one with the tag of its role.
+std::optional<seal::Kind> find_handshake_kind(const Bytes& datagram);
+bool has_tag(const Bytes& datagram, KeyRole node_role);
+
+// As the holder of the keys: each with the right tag, and a Noise message that belongs to it. Pre: FixedRandom::install().
+Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns, const seal::Cookie& cookie);
+Bytes make_retry(std::int64_t timestamp_ns, const seal::Cookie& cookie, KeyRole role);
+std::optional<Bytes> make_answer(const Bytes& request, std::uint32_t connection);
+// What the hub of every HandshakeLine gives out at that time.
+seal::Cookie find_cookie(std::uint8_t node, std::int64_t now_ns);
+
+// A list of handshake messages with a change in one, which then has the tag, mostly the Noise message, the cookie and a timestamp as if its
+// sender held the keys.
+Bytes mutate_handshakes(std::span<const std::uint8_t> input, Mutation& mutation);
+Bytes cross_handshakes(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, Mutation& mutation);
+
+}  // namespace hapton::fuzz

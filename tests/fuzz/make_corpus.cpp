@@ -1,0 +1,125 @@
+// Writes what the fuzzers of sealed datagrams and of handshakes begin with, to tests/fuzz/corpus/, and gives the codec's messages there the
+// protocol version of today. To be run again when the protocol
+// version changes: seals and tags of another version hold no longer, and fuzz_test says so.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+
+#include "link/codec.h"
+#include "runtime/clock.h"
+#include "tests/fuzz/fixed_random.h"
+#include "tests/fuzz/handshake_line.h"
+#include "tests/fuzz/sealed_session.h"
+
+namespace hapton::fuzz {
+namespace {
+
+constexpr std::int64_t kStartNs = 1000 * kNanosecondsPerSecond;
+constexpr std::uint8_t kHaptics = 0 << 1;
+constexpr std::uint8_t kVision = 1 << 1;
+constexpr std::uint8_t kTool = 2 << 1;
+constexpr std::uint8_t kOperator = 3 << 1;
+constexpr std::uint8_t kToNode = 1;
+constexpr std::uint8_t kSecondLater = 3 << 3;
+
+bool write(const char* target, const char* name, const std::vector<ListedDatagram>& datagrams) {
+  const auto folder = std::filesystem::path(HAPTON_SOURCE_DIR) / "tests/fuzz/corpus" / target;
+  std::filesystem::create_directories(folder);
+  const Bytes bytes = join_datagrams(datagrams);
+  std::ofstream file(folder / name, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) std::fprintf(stderr, "cannot write %s\n", (folder / name).c_str());
+  return file.good();
+}
+
+struct Said {
+  std::uint8_t flags = 0;
+  Message message;
+};
+
+std::vector<ListedDatagram> sealed(std::initializer_list<Said> all) {
+  Codec codec;
+  std::vector<ListedDatagram> datagrams;
+  std::uint64_t number = 0;
+  for (const Said& said : all) {
+    ++number;
+    const ListedDatagram as{.flags = said.flags, .bytes = {}};
+    Datagram datagram;
+    const std::uint64_t sender = as.is_to_node() ? 1U : 10U + as.node();
+    datagram.header = {.session = 1, .sender = sender, .sequence = number, .send_time_ns = kStartNs};
+    datagram.message = said.message;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    const std::size_t size = codec.encode(datagram, into);
+    const auto* const bytes = seal::bytes_of(std::span<std::byte>(into));
+    const OpenedData data{.connection = connection_of(as.node()), .counter = number, .payload = Bytes(bytes, bytes + size)};
+    datagrams.push_back({said.flags, seal_data(data, as)});
+  }
+  return datagrams;
+}
+
+bool write_sealed() {
+  ForceCommand force{.echo_sample = 1, .force_n = Vec3(1, 2, 3), .contact = true};
+  return write("sealed", "haptics",
+               sealed({{kHaptics, Hello{NodeRole::haptics}}, {kHaptics, force}, {kHaptics, HapticsSetup()}, {kHaptics, Bye()}})) &&
+         write("sealed", "vision",
+               sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, Drawn()}, {kVision, HandTarget()}})) &&
+         write("sealed", "tool",
+               sealed({{kTool, Hello{NodeRole::tool}}, {kTool, Settings{.servo_rate_hz = 1000.0}}, {kTool, ReportAsk()}})) &&
+         write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
+         write("sealed", "wrong_role",
+               sealed({{kVision, Hello{NodeRole::haptics}}, {kVision, Hello{NodeRole::vision}}, {kVision, force}})) &&
+         write("sealed", "silence",
+               sealed({{kHaptics, Hello{NodeRole::haptics}}, {kSecondLater | kTool, Hello{NodeRole::tool}}, {kHaptics, force}})) &&
+         write("sealed", "to_node",
+               sealed({{kToNode, Welcome{true, 1000.0}},
+                       {kToNode, DeviceState()},
+                       {kToNode, ViewTransform()},
+                       {kToNode, Settings()},
+                       {kToNode, Bye()}}));
+}
+
+ListedDatagram request(std::uint8_t flags, std::int64_t later_ns, bool has_cookie) {
+  ListedDatagram datagram{.flags = flags, .bytes = {}};
+  const seal::Cookie cookie = has_cookie ? find_cookie(datagram.node(), kStartNs) : seal::Cookie();
+  datagram.bytes = make_request(datagram.role(), 1, kStartNs + later_ns, cookie);
+  return datagram;
+}
+
+bool write_request() {
+  HandshakeLine line;
+  const Bytes first = line.from_node().at(0).bytes;
+  const auto timestamp_ns = seal::load<std::int64_t>(first.data() + seal::kRequestTimestampAt);
+  const ListedDatagram retry{.flags = kToNode, .bytes = make_retry(timestamp_ns, {1}, KeyRole::haptics)};
+  const ListedDatagram answer{.flags = kToNode, .bytes = make_answer(first, 64).value_or(first)};
+  ListedDatagram changed = request(kTool, 1, true);
+  changed.bytes[seal::kFirstAt] ^= 1U;
+  return write("request", "haptics", {request(kHaptics, 1, false), request(kHaptics, 2, true)}) &&
+         write("request", "all_roles",
+               {request(kHaptics, 1, true), request(kVision, 1, true), request(kTool, 1, true), request(kOperator, 1, true)}) &&
+         write("request", "replayed", {request(kTool, 1, true), request(kTool, 1, true)}) &&
+         write("request", "old_cookie",
+               {request(kSecondLater, 1, false), request(kSecondLater, 2, false), request(kSecondLater, 3, true),
+                request(kSecondLater, 4, true)}) &&
+         write("request", "without_tag", {changed}) && write("request", "to_node", {retry, answer}) &&
+         write("request", "from_hub_to_hub", {{.flags = 0, .bytes = retry.bytes}, request(kVision, 1, true)});
+}
+
+// The messages of target codec stay as they are, but for their version.
+bool renew_codec() {
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus/codec")) {
+    std::fstream file(entry.path(), std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(1);
+    file.put(static_cast<char>(kProtocolVersion));
+    if (!file.flush()) return false;
+  }
+  return true;
+}
+
+}  // namespace
+}  // namespace hapton::fuzz
+
+int main() {
+  using namespace hapton::fuzz;
+  return FixedRandom::install() && write_sealed() && write_request() && renew_codec() ? 0 : 1;
+}

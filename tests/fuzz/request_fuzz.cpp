@@ -1,0 +1,58 @@
+// Handshake messages to a hub and to a node that has requested a session, by someone who holds the keys and so can give each its tag.
+// Whatever comes: nothing is handed out, since nothing was said; every datagram is counted once or answered; nobody is sent more bytes than
+// came from there; and no request, retry or answer without its tag is replied to.
+#include <map>
+
+#include "tests/fuzz/fixed_random.h"
+#include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/handshake_line.h"
+
+namespace hapton::fuzz {
+namespace {
+
+void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::map<std::uint8_t, std::ptrdiff_t>& owed) {
+  const std::uint64_t refused = line.hub().seal_counts().refused();
+  const std::size_t sent = line.from_hub().size();
+  require(line.deliver(datagram) == 0);
+  const bool is_refused = line.hub().seal_counts().refused() == refused + 1;
+  const bool is_answered = line.from_hub().size() == sent + 1;
+  require(is_refused != is_answered);
+  owed[datagram.node()] += static_cast<std::ptrdiff_t>(datagram.bytes.size());
+  if (!is_answered) return;
+  const HeldDatagram::Sent& reply = line.from_hub().back();
+  require(has_tag(datagram.bytes, datagram.role()) && find_handshake_kind(datagram.bytes) == seal::Kind::request);
+  require(reply.to == address_of_node(datagram.node()));
+  owed[datagram.node()] -= static_cast<std::ptrdiff_t>(reply.bytes.size());
+  require(owed[datagram.node()] >= 0);
+}
+
+void deliver_to_node(HandshakeLine& line, const ListedDatagram& datagram) {
+  const std::uint64_t handshakes = line.node().seal_counts().handshakes;
+  require(line.deliver(datagram) == 0);
+  if (line.node().seal_counts().handshakes == handshakes) return;
+  require(find_handshake_kind(datagram.bytes) == seal::Kind::answer && has_tag(datagram.bytes, KeyRole::haptics));
+}
+
+}  // namespace
+}  // namespace hapton::fuzz
+
+FUZZ_TARGET(request) {
+  using namespace hapton;
+  fuzz::require(fuzz::FixedRandom::install());
+  fuzz::HandshakeLine line;
+  std::map<std::uint8_t, std::ptrdiff_t> owed;
+  bool holds = true;
+  const auto datagrams = fuzz::split_datagrams(bytes);
+  for (const fuzz::ListedDatagram& datagram : datagrams) {
+    if (datagram.bytes.empty() || datagram.bytes.size() > kMaxDatagramBytes) {
+      holds = false;
+      continue;
+    }
+    holds = fuzz::has_tag(datagram.bytes, KeyRole::haptics) && holds;
+    datagram.is_to_node() ? fuzz::deliver_to_node(line, datagram) : fuzz::deliver_to_hub(line, datagram, owed);
+  }
+  if (holds && !datagrams.empty()) fuzz::note_passage();
+}
+
+FUZZ_MUTATOR(request, hapton::fuzz::mutate_handshakes);
+FUZZ_CROSSOVER(request, hapton::fuzz::cross_handshakes);
