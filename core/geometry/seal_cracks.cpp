@@ -17,11 +17,21 @@ namespace {
 
 constexpr int kMostTries = 16;
 constexpr std::size_t kMostWork = 5000;  // a boundary edge: what surfaces take is below a fiftieth of that
+// How often all is joined anew, so that a large crowd does not take minutes: surfaces take one or two, crowds dozens. A small boundary may
+// take more: so many vertices in all.
+constexpr std::size_t kMostJoins = 6;
+constexpr std::size_t kMostJoinedVertices = 200'000;
 
 struct WorkBudget {
   std::size_t left = 0;
+  std::size_t joins_left = 0;
   bool is_spent = false;
 };
+
+WorkBudget make_budget(const std::vector<std::uint8_t>& at_boundary) {
+  const auto vertices = static_cast<std::size_t>(std::count(at_boundary.begin(), at_boundary.end(), 1));
+  return {.left = kMostWork * vertices, .joins_left = std::max(kMostJoins, kMostJoinedVertices / std::max<std::size_t>(vertices, 1))};
+}
 
 // Joins what can be joined, until nothing more can, so that sealing again finds nothing. Where that would go too far on the way there, what
 // led there is not begun: a notch, say, whose sides are close at its tip would be zipped up from there, vertex by vertex. It is left
@@ -35,11 +45,12 @@ void join(const TriangleMesh& mesh, double share, JoinedParts& untouched, WorkBu
     const std::size_t before = untouched.size();
     TriangleMesh joined_mesh = mesh;
     SeamJoiner joiner(joined_mesh, at_boundary, tolerance, untouched);
-    if (!joiner.run(budget.left)) {
+    if (budget.joins_left == 0 || !joiner.run(budget.left)) {
       budget.is_spent = true;
       return;
     }
     budget.left -= joiner.work();
+    --budget.joins_left;
     if (untouched.size() > before && tries < kMostTries) continue;
     use(joiner, joined_mesh);
     return;
@@ -106,8 +117,7 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
     std::iota(source->begin(), source->end(), 0U);
   }
   JoinedParts untouched;
-  const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
-  WorkBudget budget{.left = kMostWork * static_cast<std::size_t>(std::count(at_boundary.begin(), at_boundary.end(), 1))};
+  WorkBudget budget = make_budget(find_boundary_vertices(mesh));
   bool is_settled = false;
   for (int tries = 1; !is_settled; ++tries) {
     is_settled = true;

@@ -46,7 +46,8 @@ constexpr double kSealedShare = 1e-4;
 //
 // Sealing again changes nothing. Independent of scale and place, but for rounding. Time: n log n in the boundary, linear in the mesh;
 // where thousands of boundary vertices and edges lie within one tolerance, only the nearest 32 vertices and 256 edges of each are looked
-// at, and where that is too much for all of them together, the mesh is returned as it came (has_given_up). Pre: vertices equal to the bit
+// at, and where that is too much for all of them together, or what is to be left alone keeps growing, the mesh is returned as it came
+// (has_given_up). Pre: vertices equal to the bit
 // are one already (or may become so), coordinates finite. RT: set-up only. source[i]: the triangle of the given mesh that triangle i was,
 // or is a part of.
 TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share = kSealedShare, std::vector<std::uint32_t>* source = nullptr);
