@@ -13,6 +13,7 @@ using namespace seal;
 
 constexpr std::int64_t kStartNs = 1000 * kNanosecondsPerSecond;
 constexpr KeyRole kNodeRole = KeyRole::haptics;
+constexpr std::size_t kMostHandshakes = 8;  // of a changed input: each takes 0.2 ms and more
 
 LinkKey make_master() {
   LinkKey::Bytes bytes;
@@ -273,14 +274,18 @@ Bytes mutate_handshakes(std::span<const std::uint8_t> input, Mutation& mutation)
     default:
       change_handshake(datagrams, place, mutation);
   }
+  if (datagrams.size() > kMostHandshakes) datagrams.resize(kMostHandshakes);
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
-    if (datagrams[i].bytes.empty()) datagrams[i].bytes = make_honest(datagrams, i, mutation);
+    if (datagrams[i].bytes.empty() || (!has_tag(datagrams[i].bytes, kNodeRole) && mutation.one_in(2)))
+      datagrams[i].bytes = make_honest(datagrams, i, mutation);
   }
   return join_datagrams(datagrams);
 }
 
 Bytes cross_handshakes(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, Mutation& mutation) {
-  return join_datagrams(mutation.cross(split_datagrams(a), split_datagrams(b)));
+  std::vector<ListedDatagram> both = mutation.cross(split_datagrams(a), split_datagrams(b));
+  if (both.size() > kMostHandshakes) both.resize(kMostHandshakes);
+  return join_datagrams(both);
 }
 
 }  // namespace hapton::fuzz

@@ -2,6 +2,8 @@
 
 #include <string_view>
 
+#include "core/geometry/seal_cracks.h"
+#include "scene/mesh_report.h"
 #include "scene/raw_mesh.h"
 #include "scene/weld.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -15,6 +17,16 @@ inline void require_sound(const TriangleMesh& mesh) {
   for (const Triangle& triangle : mesh.triangles) {
     for (const std::uint32_t corner : triangle) require(corner < mesh.vertices.size());
   }
+}
+
+// What is done to a mesh that was read: its flaws are counted, in half a line, and its cracks sealed.
+inline void require_touchable(const TriangleMesh& mesh) {
+  require(to_text(find_flaws(mesh)).find('\n') == std::string::npos);
+  SealReport report;
+  const TriangleMesh sealed = seal_cracks(mesh, report);
+  require_sound(sealed);
+  require(report.boundary_edges_left <= report.boundary_edges);
+  require(report.describe().find('\n') == std::string::npos);
 }
 
 // What every reader promises: one line that says what is wrong, or a mesh with every coordinate finite and every index in range.
@@ -34,6 +46,7 @@ inline void require_sound(Result<RawMesh> raw) {
   if (raw->mesh.triangles.empty()) return;
   weld_vertices(raw->mesh);
   require_sound(raw->mesh);
+  require_touchable(raw->mesh);
 }
 
 // No file lies there, so that a mesh can name no other.

@@ -111,6 +111,7 @@ Bytes seal_data(const OpenedData& data, const ListedDatagram& as) {
 
 Bytes mutate_sealed(std::span<const std::uint8_t> input, Mutation& mutation) {
   std::vector<Item> items = open_all(input);
+  if (mutation.one_in(2)) std::erase_if(items, [](const Item& item) { return !item.data; });
   if (items.empty()) items.push_back({{}, OpenedData{.connection = connection_of(0), .counter = 1, .payload = {0x08}}});
   Item& item = items[mutation.below(items.size())];
   if (!item.data) item.data = OpenedData{.connection = connection_of(item.datagram.node()), .counter = 1, .payload = item.datagram.bytes};
