@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace hapton {
@@ -55,7 +54,7 @@ std::string to_text(const MeshReport& report) {
   const Vec3 size = t.highest - t.lowest;
   std::string text;
   const auto line = [&]<class... Args>(std::string_view name, fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text), "{:<22}{}\n", name, fmt::format(format, std::forward<Args>(args)...));
+    text += fmt::format("{:<22}{}\n", name, fmt::format(format, std::forward<Args>(args)...));
   };
   line("file", "{}", report.path);
   line("format", "{}, numbers read as {}", report.file.format, name_of(report.file.unit));
