@@ -94,7 +94,8 @@ class Sessions {
     if (!client_.receive(message, clock_.now_ns())) return;
     fuzz::require(client_.state() == JoinState::joined && message.header.session == client_.session());
     if (const auto* state = std::get_if<DeviceState>(&message.message)) {
-      fuzz::require(state->p_WD.allFinite() && state->p_WP.allFinite() && std::abs(state->q_WT.norm() - 1.0) < 1e-9);
+      fuzz::require(state->p_WD.allFinite() && state->p_WP.allFinite() &&
+                    std::abs(state->q_WT.norm() - 1.0) <= 1e-3);  // what the codec lets through
     }
   }
 
