@@ -64,7 +64,7 @@ std::string_view main_cause(const ServoStats& stats) {
 }  // namespace
 
 IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
-    : servo_(servo), clock_(clock), options_(options), prefix_(name_prefix(options)), watch_(options.spin_share, read_realtime_share()) {}
+    : servo_(servo), clock_(clock), options_(options), prefix_(name_prefix(options)), device_(servo.device_loop(), clock), watch_(options.spin_share, read_realtime_share()) {}
 
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();
@@ -89,6 +89,8 @@ bool IoSession::is_over(const StopSignal& stop) const {
 }
 
 Result<void> IoSession::run(const StopSignal& stop) {
+  servo_.use_device_thread();
+  if (auto begun = device_.start(options_.realtime); !begun) return begun;
   std::thread servo([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
@@ -96,6 +98,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   Result<void> reported = started_ ? look_after(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
   servo.join();
+  device_.stop();
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();
@@ -112,6 +115,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
 Result<void> IoSession::look_after(const StopSignal& stop) {
   Result<void> reported;
   log_info("{}{}", prefix_, realtime_lines_.front());
+  if (device_.realtime_lines().front() != realtime_lines_.front()) log_info("{}device loop, {}", prefix_, device_.realtime_lines().front());
   for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}{}", prefix_, realtime_lines_[n]);
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kLookEvery);
@@ -128,8 +132,14 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
 void IoSession::watch_scheduling(bool now) {
   if (!now) return;
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
-  const auto usage = read_thread_usage(servo_thread_);
-  if (!usage) return;
+  // Both together: the kernel counts real-time threads by CPU, and they may share one.
+  auto usage = read_thread_usage(servo_thread_);
+  const auto device = read_thread_usage(device_.id());
+  if (!usage || !device) return;
+  usage->run_s += device->run_s;
+  usage->waited_s += device->waited_s;
+  usage->voluntary_switches += device->voluntary_switches;
+  usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
   servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
   if (!was_near && watch_.figures().near_throttling > 0) {

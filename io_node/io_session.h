@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "io_node/device_thread.h"
 #include "io_node/io_options.h"
 #include "io_node/report_desk.h"
 #include "io_node/scheduling_watch.h"
@@ -63,6 +64,7 @@ class IoSession {
   std::atomic<bool> has_ended_{false};
   std::int64_t end_ns_ = 0;
   pid_t servo_thread_ = 0;
+  DeviceThread device_;
   SchedulingWatch watch_;
   std::int64_t next_watch_ns_ = 0;
 };

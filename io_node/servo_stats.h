@@ -54,7 +54,9 @@ struct ServoStats {
   std::uint64_t bad_settings = 0;
   double frame_rate_hz = 0.0;           // as the vision node heard last says
   double max_force_n = 0.0;             // written to the device
-  std::int64_t longest_release_ns = 0;  // last force accepted -> zero on the device, of all silences
+  std::int64_t longest_release_ns = 0;  // sample of the last force accepted -> zero on the device, of all silences
+  std::uint64_t cuts = 0;               // times the device side cut the device, as the network side was stuck in the middle of a write
+  std::uint64_t cycles_untold = 0;      // of the device side that the network side was too far behind to be told of
 
   SampleLedger::Counts ledger;
   GovernorFigures governor;

@@ -37,7 +37,7 @@ class Endpoint {
   // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
-  // Optional: sets the timer for later receives with exactly this deadline, so that they need not. Where setting a timer is dear (a
+  // Optional: sets a timer for later receives with exactly this deadline, so that they need not; the newest two of these are kept. Where setting a timer is dear (a
   // virtual machine: 5 us), a loop calls this before it takes the time that it measures.
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 

@@ -80,29 +80,36 @@ class UdpEndpoint final : public Endpoint {
     nothing,
   };
 
+  // Set for a deadline, for the waits until then.
+  struct Timer {
+    int file = -1;
+    std::int64_t deadline_ns = kNothingPrepared;
+  };
+
   std::optional<udp::endpoint> remote(const Address& to) const noexcept;
+  const Timer* find_timer(std::int64_t deadline_ns) const noexcept;
   bool wait_readable(std::int64_t deadline_ns) noexcept;
-  bool wait_readable_prepared() noexcept;
+  bool wait_readable_prepared(const Timer& timer) noexcept;
   Attempt try_receive(std::span<std::byte> into, int flags, Received& received) noexcept;
 
   asio::io_context context_;
   udp::socket socket_;
   Address local_;
   bool is_v4_ = true;
-  int timer_ = -1;
-  std::int64_t prepared_ns_ = kNothingPrepared;
+  std::array<Timer, 2> timers_;
+  std::size_t next_timer_ = 0;
 };
 
 UdpEndpoint::~UdpEndpoint() {
-  if (timer_ >= 0) {
-    close(timer_);
+  for (const Timer& timer : timers_) {
+    if (timer.file >= 0) close(timer.file);
   }
 }
 
 error_code UdpEndpoint::open(const udp::endpoint& local) {
-  timer_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-  if (timer_ < 0) {
-    return {errno, boost::system::system_category()};
+  for (Timer& timer : timers_) {
+    timer.file = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+    if (timer.file < 0) return {errno, boost::system::system_category()};
   }
   error_code error;
   is_v4_ = local.address().is_v4();
@@ -163,22 +170,27 @@ void UdpEndpoint::prepare_wait(std::int64_t deadline_ns) noexcept {
     return;
   }
   const itimerspec once = {.it_interval = {}, .it_value = {.tv_sec = deadline_ns / kSecondNs, .tv_nsec = deadline_ns % kSecondNs}};
+  Timer& timer = timers_[next_timer_];
+  next_timer_ = (next_timer_ + 1) % timers_.size();
   // On failure receive sets its own timer, as it does for a deadline that was not prepared.
-  prepared_ns_ = timerfd_settime(timer_, TFD_TIMER_ABSTIME, &once, nullptr) == 0 ? deadline_ns : kNothingPrepared;
+  timer.deadline_ns = timerfd_settime(timer.file, TFD_TIMER_ABSTIME, &once, nullptr) == 0 ? deadline_ns : kNothingPrepared;
 }
 
-bool UdpEndpoint::wait_readable_prepared() noexcept {
+const UdpEndpoint::Timer* UdpEndpoint::find_timer(std::int64_t deadline_ns) const noexcept {
+  const auto found = std::find_if(timers_.begin(), timers_.end(), [&](const Timer& timer) { return timer.deadline_ns == deadline_ns; });
+  return found == timers_.end() ? nullptr : &*found;
+}
+
+bool UdpEndpoint::wait_readable_prepared(const Timer& timer) noexcept {
   std::array<pollfd, 2> either = {
-      {{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0}, {.fd = timer_, .events = POLLIN, .revents = 0}}};
+      {{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0}, {.fd = timer.file, .events = POLLIN, .revents = 0}}};
   while (ppoll(either.data(), either.size(), nullptr, nullptr) <= 0) {
   }
   return either[0].revents != 0;
 }
 
 bool UdpEndpoint::wait_readable(std::int64_t deadline_ns) noexcept {
-  if (deadline_ns == prepared_ns_) {
-    return wait_readable_prepared();
-  }
+  if (const Timer* timer = find_timer(deadline_ns); timer != nullptr) return wait_readable_prepared(*timer);
   pollfd readable = {.fd = socket_.native_handle(), .events = POLLIN, .revents = 0};
   while (true) {
     const std::int64_t left_ns = deadline_ns - monotonic_ns();
@@ -217,7 +229,7 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   // call; by ppoll when it is near; not at all when it has passed.
   std::int64_t now_ns = monotonic_ns();
   for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
-    const bool is_far = now_ns + kFarNs < deadline_ns && deadline_ns != prepared_ns_;
+    const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
     const bool is_past = deadline_ns <= now_ns || (!is_far && !wait_readable(deadline_ns));
     Received received;
     const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);

@@ -69,6 +69,12 @@ class Device {
   // Puts a wrench (N, N m, frame W) on the motors from now_ns on, until the next write. Must be finite and within the limits.
   virtual void write(const Wrench& wrench, std::int64_t now_ns) noexcept = 0;
 
+  // No force on the motors from now on, whatever write says, until restore; it needs nothing but the device, so it works while another
+  // thread is within write. restore is the owner's. False: the device cannot do that.
+  // RT: yes, wait-free. Threads: cut any, at any time.
+  virtual bool cut() noexcept { return false; }
+  virtual void restore() noexcept {}
+
   virtual DeviceStatus status() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept { return {}; }
 

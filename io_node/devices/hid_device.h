@@ -36,6 +36,12 @@ class HidDevice final : public Device, private HidListener {
   const DeviceLimits& limits() const noexcept override { return backend_->limits(); }
   DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override {
+    exchange_.cut();
+    ::sem_post(&wishes_);
+    return true;
+  }
+  void restore() noexcept override { exchange_.restore(); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 
 #include "io_node/devices/device.h"
 #include "io_node/devices/hand_script.h"
@@ -29,6 +30,11 @@ class SimulatedPhantom final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override {
+    is_cut_.store(true, std::memory_order_release);
+    return true;
+  }
+  void restore() noexcept override { is_cut_.store(false, std::memory_order_release); }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
 
@@ -44,7 +50,9 @@ class SimulatedPhantom final : public Device {
   StylusDynamics dynamics_;
   HandScript script_;
   std::array<AxisState, 3> axes_;
-  Vec3 force_n_ = Vec3::Zero();
+  Vec3 written_n_ = Vec3::Zero();
+  Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
+  std::atomic<bool> is_cut_{false};
   Vec3 hand_m_;  // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
