@@ -101,6 +101,7 @@ bool DeviceLoop::run_cycle() noexcept {
   grant_requests();
   tick_ns_ += period_ns();
   cycle_.next_tick_ns = tick_ns_;
+  cycle_.next_wake_ns = wake_ns();
   const std::size_t end = cycles_end_.load(std::memory_order_relaxed);
   if (end - cycles_begin_.load(std::memory_order_acquire) < kCyclesKept) {
     cycles_[end % kCyclesKept] = cycle_;
@@ -222,6 +223,7 @@ bool DeviceLoop::hold() noexcept {
     cut_if_stale();
     return false;
   }
+  status_.store(device_.status(), std::memory_order_release);
   grant_requests();
   hold_force();
   show();

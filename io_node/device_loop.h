@@ -28,6 +28,7 @@ struct DeviceCycle {
   DeviceSample sample;
   std::int64_t tick_ns = 0;
   std::int64_t next_tick_ns = 0;
+  std::int64_t next_wake_ns = 0;  // when its thread ends its sleep for that tick
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles left out before it
   MissCause cause = MissCause::none;

@@ -45,7 +45,7 @@ std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / rate_
 
 void Servo::start() noexcept {
   if (!has_device_thread_) loop_.start();
-  cycle_.next_tick_ns = stats_.start_ns = clock_.now_ns() + period_ns();
+  cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns = clock_.now_ns() + period_ns();
   next_view_repeat_ns_ = figures_since_ns_ = status_since_ns_ = stats_.start_ns;
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
@@ -67,7 +67,7 @@ void Servo::step() noexcept {
   }
   if (!has_device_thread_) return;
   // Here, where nobody waits: setting a timer is dear.
-  peers_.prepare_wait(cycle_.next_tick_ns);
+  peers_.prepare_wait(cycle_.next_wake_ns);
   peers_.prepare_wait(cycle_.next_tick_ns + period / 2);
 }
 
@@ -92,9 +92,11 @@ bool Servo::await_cycle() noexcept {
     drain();
     return true;
   }
+  // The same moment at which the device side wakes: one interrupt ends both sleeps, before the tick and not in the midst of its sample.
+  const std::int64_t wake_ns = cycle_.next_wake_ns;
   const std::int64_t now_ns = clock_.now_ns();
-  receive_until(std::max(cycle_.next_tick_ns, now_ns + kLongestSpinNs));
-  const std::int64_t end_ns = clock_.now_ns() + kLongestSpinNs;
+  receive_until(now_ns < wake_ns ? wake_ns : now_ns + kLongestSpinNs);
+  const std::int64_t end_ns = std::max(cycle_.next_tick_ns, clock_.now_ns()) + kLongestSpinNs;
   while (!loop_.has_cycle() && clock_.now_ns() < end_ns) relax();
   return loop_.has_cycle();
 }
@@ -439,13 +441,13 @@ void Servo::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
   loop_.end();
   is_finished_ = true;
-  if (tap_ != nullptr && loop_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
   const std::int64_t end_ns = clock_.now_ns() + kSilenceLimitNs + 2 * kStepNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     if (!has_device_thread_) loop_.hold();
     receive_until(now_ns + kStepNs);
   }
   if (!has_device_thread_) loop_.finish();
+  if (tap_ != nullptr && loop_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
   note_written();
   ledger_.close(haptics_alive(cycle_.sample.time_ns));
 }
