@@ -9,6 +9,7 @@
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
 #include "io_node/vrpn/vrpn_server.h"
+#include "link/budgeted_endpoint.h"
 #include "link/link_key.h"
 #include "link/metered_endpoint.h"
 #include "link/random_id.h"
@@ -119,13 +120,15 @@ struct DeviceHub::Parts {
         echo(std::move(bare_echo)),
         metrics(std::move(served)),
         metered(*endpoint, steady),
-        sealed(metered, steady, key),
+        budget(metered, clock),
+        sealed(budget, steady, key),
         recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
         peers(sealed, steady, session_id, options.rate_hz),
         servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),
         ways(metered),
         session(*servo, steady, options) {
     servo->set_way_meter(&ways);
+    servo->set_budget(&budget);
     servo->set_report_desk(&desk);
     session.set_report_desk(&desk);
     session.set_metrics(metrics.get());
@@ -148,6 +151,8 @@ struct DeviceHub::Parts {
   Echo echo;
   std::unique_ptr<MetricsEndpoint> metrics;
   MeteredEndpoint metered;
+  SteadyClock clock;
+  BudgetedEndpoint budget;
   SealedHub sealed;
   const std::uint64_t session_id = make_random_id();
   SessionRecorder recorder;
@@ -168,7 +173,7 @@ Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, con
   if (!address) return tl::unexpected(address.error());
   const auto key = find_link_key(options.key_file, *address);
   if (!key) return tl::unexpected(key.error());
-  auto endpoint = open_udp_endpoint(options.bind);
+  auto endpoint = open_udp_endpoint(options.bind, true);
   if (!endpoint) return tl::unexpected(endpoint.error());
   auto echo = open_echo(options, clock);
   if (!echo) return tl::unexpected(echo.error());

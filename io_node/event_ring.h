@@ -21,6 +21,7 @@ struct ServoEvent {
     method_asked,
     wrong_key,
     wrong_version,
+    flood,
     latched,
     reset,
     reset_refused,
@@ -31,7 +32,7 @@ struct ServoEvent {
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;                   // of rate_changed
+  double rate_hz = 0.0;                   // of rate_changed; datagrams a second of flood
   std::array<char, 16> method = {};       // of method_asked
   SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_refused
 };

@@ -37,6 +37,9 @@ std::string describe(const ServoEvent& event) {
       return "someone asks to join with another key or none; if it is a node of yours, start it with the same --key FILE";
     case ServoEvent::Kind::wrong_version:
       return "someone speaks another protocol version; if it is a node of yours, build all from the same sources";
+    case ServoEvent::Kind::flood:
+      return fmt::format("flood of {:.0f} datagrams a second, from {} among others; kept out in the kernel, nodes that join may take longer",
+                         event.rate_hz, to_string(event.address));
     case ServoEvent::Kind::latched:
       return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
     case ServoEvent::Kind::reset:

@@ -51,6 +51,7 @@ void Servo::start() noexcept {
 }
 
 void Servo::step() noexcept {
+  renew_budget();
   if (!has_device_thread_) run_device_cycle();
   if (has_device_thread_ && !await_cycle()) return;
   take_cycles();
@@ -69,6 +70,11 @@ void Servo::step() noexcept {
   // Here, where nobody waits: setting a timer is dear.
   peers_.prepare_wait(cycle_.next_wake_ns);
   peers_.prepare_wait(cycle_.next_tick_ns + period / 2);
+}
+
+void Servo::renew_budget() noexcept {
+  if (budget_ == nullptr) return;
+  budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns() / kNanosecondsPerMillisecond, std::int64_t{32})));
 }
 
 // The device side in this thread. Sleeps in the socket until shortly before the tick, then the device side spins: no sleep ends to the
@@ -431,6 +437,12 @@ void Servo::refresh_figures(std::int64_t now_ns) noexcept {
 void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
   if (now_ns < next_strangers_ns_) return;
   const SealCounts seal = peers_.seal_counts();
+  const SocketCounts socket = budget_ != nullptr ? budget_->socket_counts() : SocketCounts();
+  if (socket.floods != floods_told_) {
+    events_.push({ServoEvent::Kind::flood, NodeRole::tool, socket.last_stranger, socket.flood_per_s, {}, {}});
+    next_strangers_ns_ = now_ns + kStrangersNs;
+    floods_told_ = socket.floods;
+  }
   if (seal.wrong_key != told_.wrong_key) tell(ServoEvent::Kind::wrong_key, NodeRole::tool, {});
   if (seal.wrong_version != told_.wrong_version) tell(ServoEvent::Kind::wrong_version, NodeRole::tool, {});
   if (seal.wrong_key != told_.wrong_key || seal.wrong_version != told_.wrong_version) next_strangers_ns_ = now_ns + kStrangersNs;
@@ -474,6 +486,10 @@ const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {
   stats_.ledger = ledger_.counts();
   stats_.hub = peers_.counts();
   stats_.seal = peers_.seal_counts();
+  if (budget_ != nullptr) {
+    stats_.socket = budget_->socket_counts();
+    stats_.budget_spent = budget_->spent();
+  }
   stats_.events_dropped = events_.dropped();
   if (ways_ != nullptr) stats_.ways = ways_->collect(clock_.now_ns());
   for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {

@@ -15,6 +15,7 @@
 #include "io_node/servo_tap.h"
 #include "io_node/vision_pace.h"
 #include "io_node/way_meter.h"
+#include "link/budgeted_endpoint.h"
 #include "link/hub_peers.h"
 #include "runtime/clock.h"
 #include "runtime/mailbox.h"
@@ -39,6 +40,8 @@ class Servo {
   static constexpr double kHighestRateHz = 10'000.0;
   // How long a cycle of the device side is waited for, spinning: it is due, and made on another CPU or displaces this thread.
   static constexpr std::int64_t kLongestSpinNs = 50'000;
+  // Datagrams looked at in a millisecond, at most: 1 us each, so that three tenths of the time go on them; twenty times what 16 nodes send.
+  static constexpr std::int64_t kDatagramsPerMs = 300;
 
   struct Options {
     double rate_hz = 1000.0;
@@ -55,6 +58,8 @@ class Servo {
   // Set up before start: who measures the ways, and who hands out reports. Pre: they outlive the servo.
   void set_way_meter(WayMeter* ways) noexcept { ways_ = ways; }
   void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
+  // ... what bounds the datagrams of a cycle.
+  void set_budget(BudgetedEndpoint* budget) noexcept { budget_ = budget; }
   // ... and that the device side has a thread of its own.
   void use_device_thread() noexcept { has_device_thread_ = true; }
   DeviceLoop& device_loop() noexcept { return loop_; }
@@ -86,6 +91,7 @@ class Servo {
   EventRing& events() noexcept { return events_; }
 
  private:
+  void renew_budget() noexcept;
   void run_device_cycle() noexcept;
   bool await_cycle() noexcept;
   void take_cycles() noexcept;
@@ -132,6 +138,7 @@ class Servo {
   EchoProbe* echo_;
   WayMeter* ways_ = nullptr;
   ReportDesk* desk_ = nullptr;
+  BudgetedEndpoint* budget_ = nullptr;
   ServoTap* tap_;
   SampleLedger ledger_;
   ServoStats stats_;
@@ -152,6 +159,7 @@ class Servo {
   std::int64_t next_figures_ns_ = 0;
   std::int64_t next_strangers_ns_ = 0;
   SealCounts told_;  // of strangers
+  std::uint64_t floods_told_ = 0;
   std::int64_t figures_since_ns_ = 0;
   std::uint64_t figures_samples_ = 0;
 

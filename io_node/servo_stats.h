@@ -62,6 +62,8 @@ struct ServoStats {
   GovernorFigures governor;
   HubCounts hub;
   SealCounts seal;
+  SocketCounts socket;
+  std::uint64_t budget_spent = 0;  // times the budget of datagrams was spent before the cycle was over
   EchoProbe::Counts echo;
   std::uint64_t events_dropped = 0;
   WayStats ways;

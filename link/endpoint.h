@@ -25,6 +25,16 @@ struct Received {
   Address from;
 };
 
+// What a socket met besides datagrams for its owner.
+struct SocketCounts {
+  std::uint64_t oversized = 0;  // longer than kMaxDatagramBytes, or empty
+  std::uint64_t strangers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
+  std::uint64_t dropped = 0;    // by the kernel: kept out during a flood, or no room
+  std::uint64_t floods = 0;     // that began
+  double flood_per_s = 0.0;     // datagrams a second, of the newest flood
+  Address last_stranger;
+};
+
 // A way to exchange datagrams. Real ones over UDP, in-memory ones for tests.
 // RT: send and receive yes (one bounded system call each, no heap, lock, log or throw).
 class Endpoint {
@@ -45,6 +55,8 @@ class Endpoint {
 
   // What a sealed endpoint has passed and refused; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
+  // What a socket has met; all zero for others.
+  virtual SocketCounts socket_counts() const noexcept { return {}; }
 };
 
 }  // namespace hapton

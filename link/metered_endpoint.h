@@ -41,6 +41,7 @@ class MeteredEndpoint final : public Endpoint {
 
   void prepare_wait(std::int64_t deadline_ns) noexcept override { inner_.prepare_wait(deadline_ns); }
   Address local_address() const override { return inner_.local_address(); }
+  SocketCounts socket_counts() const noexcept override { return inner_.socket_counts(); }
 
   const Counts& counts() const noexcept { return counts_; }
   // When the newest datagram was handed to the system, and when the newest one was taken from it.

@@ -1,5 +1,6 @@
 #include "link/udp_endpoint.h"
 
+#include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -15,6 +16,8 @@
 #include <ctime>
 #include <limits>
 #include <optional>
+
+#include "link/flood_filter.h"
 
 namespace hapton {
 namespace {
@@ -63,7 +66,7 @@ std::int64_t monotonic_ns() {
 
 class UdpEndpoint final : public Endpoint {
  public:
-  UdpEndpoint() : socket_(context_) {}
+  explicit UdpEndpoint(bool filters_floods) : socket_(context_), filters_floods_(filters_floods) {}
   ~UdpEndpoint() override;
 
   error_code open(const udp::endpoint& local);
@@ -72,6 +75,7 @@ class UdpEndpoint final : public Endpoint {
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
+  SocketCounts socket_counts() const noexcept override { return filter_.counts(); }
 
  private:
   enum class Attempt : std::uint8_t {
@@ -90,6 +94,8 @@ class UdpEndpoint final : public Endpoint {
   const Timer* find_timer(std::int64_t deadline_ns) const noexcept;
   bool wait_readable(std::int64_t deadline_ns) noexcept;
   bool wait_readable_prepared(const Timer& timer) noexcept;
+  void judge_flood(std::int64_t now_ns) noexcept;
+  std::uint32_t read_dropped() const noexcept;
   Attempt try_receive(std::span<std::byte> into, int flags, Received& received) noexcept;
 
   asio::io_context context_;
@@ -98,6 +104,8 @@ class UdpEndpoint final : public Endpoint {
   bool is_v4_ = true;
   std::array<Timer, 2> timers_;
   std::size_t next_timer_ = 0;
+  bool filters_floods_;
+  FloodFilter filter_;
 };
 
 UdpEndpoint::~UdpEndpoint() {
@@ -156,6 +164,7 @@ bool UdpEndpoint::send(const Address& to, std::span<const std::byte> datagram) n
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (sendto(socket_.native_handle(), datagram.data(), datagram.size(), MSG_DONTWAIT, endpoint->data(),
                static_cast<socklen_t>(endpoint->size())) >= 0) {
+      if (filters_floods_) filter_.note_sent(to, datagram, monotonic_ns());
       return true;
     }
     if (errno != ECONNREFUSED) {
@@ -216,18 +225,40 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
   if (bytes < 0) {
     return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
+  const Address sender = address_of(from);
   // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
-  if (bytes == 0 || static_cast<std::size_t>(bytes) > into.size()) {
-    return Attempt::passed_over;
-  }
-  received = {.bytes = static_cast<std::size_t>(bytes), .from = address_of(from)};
+  const bool is_oversized = bytes == 0 || static_cast<std::size_t>(bytes) > into.size();
+  filter_.note_received(sender, into.first(std::min(static_cast<std::size_t>(bytes), into.size())), is_oversized);
+  if (is_oversized) return Attempt::passed_over;
+  received = {.bytes = static_cast<std::size_t>(bytes), .from = sender};
   return Attempt::received;
+}
+
+std::uint32_t UdpEndpoint::read_dropped() const noexcept {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> info = {};
+  socklen_t size = sizeof info;
+  const int file = const_cast<udp::socket&>(socket_).native_handle();
+  return getsockopt(file, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0 ? info[SK_MEMINFO_DROPS] : 0;
+}
+
+void UdpEndpoint::judge_flood(std::int64_t now_ns) noexcept {
+  const FloodFilter::Action action = filter_.judge(read_dropped(), now_ns);
+  if (action == FloodFilter::Action::install) {
+    const auto program = filter_.program();
+    const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
+    // Refused (no memory): the budget of the reader still bounds what a flood costs.
+    (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached);
+  } else if (action == FloodFilter::Action::remove) {
+    const int unused = 0;
+    (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_DETACH_FILTER, &unused, sizeof unused);
+  }
 }
 
 Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
   // Three ways to wait, the cheapest that will do: within recvfrom while the deadline is far, which sets no precise timer and is one system
   // call; by ppoll when it is near; not at all when it has passed.
   std::int64_t now_ns = monotonic_ns();
+  if (filters_floods_ && filter_.is_due(now_ns)) judge_flood(now_ns);
   for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
     const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
     const bool is_past = deadline_ns <= now_ns || (!is_far && !wait_readable(deadline_ns));
@@ -320,14 +351,14 @@ std::string to_string(const Address& address) {
   return fmt::format("[{}]:{}", asio::ip::address_v6(address.ip).to_string(), address.port);
 }
 
-Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_address) {
+Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_address, bool filters_floods) {
   const Result<Address> local = parse_address(bind_address);
   if (!local) {
     return tl::unexpected(local.error());
   }
   const udp::endpoint wanted =
       is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
-  auto endpoint = std::make_unique<UdpEndpoint>();
+  auto endpoint = std::make_unique<UdpEndpoint>(filters_floods);
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*local));
