@@ -9,6 +9,7 @@
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
 #include "io_node/vrpn/vrpn_server.h"
+#include "io_node/watchdog/watchdog_process.h"
 #include "link/budgeted_endpoint.h"
 #include "link/link_key.h"
 #include "link/metered_endpoint.h"
@@ -160,6 +161,8 @@ struct DeviceHub::Parts {
   std::unique_ptr<Servo> servo;
   WayMeter ways;
   ReportDesk desk;
+  GuardMemory guard;
+  WatchdogProcess watchdog;
   IoSession session;
 };
 
@@ -195,7 +198,25 @@ std::string DeviceHub::describe() const {
                      parts_->device->name(), options.rate_hz, parts_->servo->limits().max_force_n, options.device.seed);
 }
 
+// What it takes that another process lets go for this one. Without it this process still does.
+Result<void> DeviceHub::start_watchdog() {
+  const IoOptions& options = parts_->options;
+  if (options.watchdog == RealtimeMode::off) return {};
+  Result<void> started = parts_->guard.make();
+  if (started) {
+    parts_->device->use_guard(parts_->guard.page());
+    parts_->servo->device_loop().set_guard(&parts_->guard.page());
+    const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
+    started = parts_->watchdog.start(parts_->guard, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
+  }
+  if (started) parts_->session.set_watchdog(&parts_->watchdog);
+  if (started || options.watchdog == RealtimeMode::require) return started;
+  log_warning("{}{}", name_prefix(options), started.error().what);
+  return {};
+}
+
 Result<void> DeviceHub::run(const StopSignal& stop) {
+  if (auto watched = start_watchdog(); !watched) return watched;
   if (const auto started = parts_->recorder.start(); !started) return started;
   const auto ended = parts_->session.run(stop);
   const auto recorded = parts_->recorder.stop();

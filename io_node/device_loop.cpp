@@ -94,10 +94,7 @@ bool DeviceLoop::run_cycle() noexcept {
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
   if (!has_fresh_force) hold_force();
-  if (is_cut_ && written_.force_n == Vec3::Zero()) {
-    device_.restore();
-    is_cut_ = false;
-  }
+  restore_if_cut();
   grant_requests();
   tick_ns_ += period_ns();
   cycle_.next_tick_ns = tick_ns_;
@@ -112,7 +109,24 @@ bool DeviceLoop::run_cycle() noexcept {
   show();
   give_back();
   serve();
+  const std::int64_t done_ns = clock_.now_ns();
+  heartbeat_ns_.store(done_ns, std::memory_order_release);
+  if (guard_ != nullptr) guard_->heartbeat_ns.store(done_ns, std::memory_order_release);
   return true;
+}
+
+// Only once nothing is left of the force: it then comes back with the governor's ramp, not with a jump.
+void DeviceLoop::restore_if_cut() noexcept {
+  const bool is_cut_outside = guard_ != nullptr && guard_->is_cut.load(std::memory_order_acquire) != 0;
+  if ((!is_cut_ && !is_cut_outside) || force_sample_ns() != 0) return;
+  device_.restore();
+  is_cut_ = false;
+  if (is_cut_outside) guard_->is_cut.store(0, std::memory_order_release);
+}
+
+void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
+  force_sample_ns_.store(sample_ns, std::memory_order_release);
+  if (guard_ != nullptr) guard_->force_sample_ns.store(sample_ns, std::memory_order_release);
 }
 
 // Without the claim the force cannot be written; what it takes to cut it is the device's own and atomic.
@@ -147,12 +161,15 @@ void DeviceLoop::hold_force() noexcept {
 
 void DeviceLoop::write(const Wrench& wrench) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
-  device_.write(wrench, begin_ns);
-  device_ns_ += clock_.now_ns() - begin_ns;
   const bool is_zero = wrench.force_n == Vec3::Zero();
+  // A force is told of before it is there, zero once it is: whoever is stopped in between errs on the safe side.
+  const bool is_off = is_zero && wrench.torque_nm == Vec3::Zero();
+  if (!is_off) set_force_sample(answered_ns_);
+  device_.write(wrench, begin_ns);
+  if (is_off) set_force_sample(0);
+  device_ns_ += clock_.now_ns() - begin_ns;
   const bool is_let_go = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.is_silent();
   if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - answered_ns_);
-  force_sample_ns_.store(is_zero && wrench.torque_nm == Vec3::Zero() ? 0 : answered_ns_, std::memory_order_release);
   written_ = wrench;
   stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
 }

@@ -99,6 +99,9 @@ class DeviceLoop {
   // Pre: both outlive this.
   DeviceLoop(Device& device, const Clock& clock, const Options& options);
 
+  // Set up before start: where the watchdog process sees that this side lives. Pre: outlives this.
+  void set_guard(GuardPage* guard) noexcept { guard_ = guard; }
+
   // --- the cycle's thread
 
   // Sets the first tick one period from now.
@@ -146,6 +149,8 @@ class DeviceLoop {
   const DeviceLimits& limits() const noexcept { return governor_.limits(); }
 
   // --- anyone
+  // The end of the newest cycle.
+  std::int64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(std::memory_order_acquire); }
   AdaptiveSpin& spin() noexcept { return spin_; }
   // Of the force on the motors, the time of the sample that it answers; 0: no force is out.
   std::int64_t force_sample_ns() const noexcept { return force_sample_ns_.load(std::memory_order_acquire); }
@@ -179,10 +184,13 @@ class DeviceLoop {
   void hold_force() noexcept;
   void write(const Wrench& wrench) noexcept;
   void show() noexcept;
+  void set_force_sample(std::int64_t sample_ns) noexcept;
+  void restore_if_cut() noexcept;
 
   Device& device_;
   const Clock& clock_;
   OverrunPolicy policy_;
+  GuardPage* guard_ = nullptr;
   SafetyGovernor governor_;
   DeviceLoopStats stats_;
   AdaptiveSpin spin_;
@@ -212,6 +220,7 @@ class DeviceLoop {
   std::atomic<std::uint64_t> posted_{0};
   std::atomic<std::uint64_t> served_{0};
   std::atomic<std::int64_t> force_sample_ns_{0};
+  std::atomic<std::int64_t> heartbeat_ns_{0};
   std::atomic<DeviceStatus> status_{DeviceStatus::ready};
   std::atomic<bool> has_overrun_{false};
   Mailbox<Command> commands_;

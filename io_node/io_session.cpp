@@ -124,6 +124,7 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
+    tell_service();
     note_wishes(stop);
     if (!servo_.take_snapshot()) continue;
     if (const auto granted = grant_wishes(servo_.snapshot()); !granted && reported) reported = granted;
@@ -135,6 +136,7 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
 void IoSession::watch_scheduling(bool now) {
   if (!now) return;
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
+  look_after_watchdog();
   // Both together: the kernel counts real-time threads by CPU, and they may share one.
   auto usage = read_thread_usage(servo_thread_);
   const auto device = read_thread_usage(device_.id());
@@ -149,6 +151,26 @@ void IoSession::watch_scheduling(bool now) {
     log_warning("{}the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);
   }
+}
+
+void IoSession::look_after_watchdog() {
+  if (watchdog_ == nullptr) return;
+  if (watchdog_->look_after(clock_.now_ns())) {
+    log_warning("{}the watchdog process had ended or stood still; started again: see why, for without it a frozen io_node is on its own", prefix_);
+  }
+  const std::uint64_t told = std::exchange(cuts_told_, watchdog_->cuts());
+  if (cuts_told_ != told) {
+    log_warning("{}the watchdog process took the force away: this program stood still or held a force too long; see hapton doctor", prefix_);
+  }
+}
+
+// The service manager hears of life only while the device side lives: that is what has to be started again when it hangs.
+void IoSession::tell_service() {
+  if (!service_.is_wanted() || clock_.now_ns() < next_sign_ns_) return;
+  if (next_sign_ns_ == 0) service_.send("READY=1");
+  next_sign_ns_ = clock_.now_ns() + kWatchEveryNs;
+  const bool lives = clock_.now_ns() - servo_.device_loop().heartbeat_ns() < kWatchEveryNs;
+  if (service_.watchdog_ns() > 0 && lives) service_.send("WATCHDOG=1");
 }
 
 void IoSession::note_wishes(const StopSignal& stop) {

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/math/types.h"
+#include "io_node/watchdog/guard_page.h"
 
 namespace hapton {
 
@@ -74,6 +75,9 @@ class Device {
   // RT: yes, wait-free. Threads: cut any, at any time.
   virtual bool cut() noexcept { return false; }
   virtual void restore() noexcept {}
+
+  // Set-up only, by the owner: says in the page how another process takes the force away (watchdog/guard_page.h), and keeps that up to date.
+  virtual void use_guard(GuardPage& /*page*/) noexcept {}
 
   virtual DeviceStatus status() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept { return {}; }

@@ -51,6 +51,7 @@ class ForceDimensionDevice final : public Device {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override {
     return {model_, serial_, {}, exchange_.reading().is_calibrated, exchange_.reading().motor_temperature};

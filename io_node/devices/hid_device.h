@@ -42,6 +42,7 @@ class HidDevice final : public Device, private HidListener {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override;
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
@@ -60,6 +61,7 @@ class HidDevice final : public Device, private HidListener {
   void await_wish() noexcept;
   void write_newest() noexcept;
   void let_go() noexcept;
+  void show_guard(const std::string& path) noexcept;
 
   std::unique_ptr<HidBackend> backend_;
   std::optional<RealtimeSettings> realtime_;
@@ -70,6 +72,7 @@ class HidDevice final : public Device, private HidListener {
   DeviceExchange::Reading reading_;
   bool has_news_ = false;
   DeviceStatus told_ = DeviceStatus::ready;  // to people
+  GuardPage* guard_ = nullptr;
   int refused_ = 0;                          // of the writer
   sem_t wishes_;                             // posted by the servo: a wrench is there
   std::atomic<bool> has_heard_{false};

@@ -78,6 +78,7 @@ class OpenHapticsDevice final : public Device {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
