@@ -60,7 +60,7 @@ void FloodFilter::note_received(const Address& from, std::span<const std::byte> 
 }
 
 FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_ns) noexcept {
-  const std::uint32_t newly_dropped = dropped - dropped_;
+  const std::uint32_t newly_dropped = window_ns_ == 0 ? 0 : dropped - dropped_;
   dropped_ = dropped;
   counts_.dropped += newly_dropped;
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - window_ns_, 1));
