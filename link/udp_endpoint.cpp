@@ -358,13 +358,22 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   }
   const udp::endpoint wanted =
       is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
-  auto endpoint = std::make_unique<UdpEndpoint>(filters_floods);
+  std::unique_ptr<UdpEndpoint> endpoint;
+  try {
+    endpoint = std::make_unique<UdpEndpoint>(filters_floods);
+  } catch (const boost::system::system_error& thrown) {
+    return fail("cannot listen on UDP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*local), thrown.what());
+  }
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*local));
   }
   if (error == boost::system::errc::address_not_available) {
     return fail("cannot listen on UDP {}: this host has no such address; use one of its own, or 0.0.0.0 for all", to_string(*local));
+  }
+  if (error == boost::system::errc::too_many_files_open) {
+    return fail("cannot listen on UDP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*local),
+                error.message());
   }
   if (error) {
     return fail("cannot listen on UDP {}: {}", to_string(*local), error.message());

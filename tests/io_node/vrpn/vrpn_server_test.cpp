@@ -2,7 +2,11 @@
 #include "io_node/vrpn/vrpn_server.h"
 
 #include <gmock/gmock.h>
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -198,6 +202,30 @@ TEST_F(VrpnServer, has_places_for_sixteen_and_lets_the_rest_go) {
     return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_heard(kPosition); }) == 24;
   }));
   EXPECT_EQ(count([](const Program& p) { return p.has_heard(kPosition); }), 16);
+}
+
+// Each took a place for the whole patience, and sixteen of them all places.
+TEST_F(VrpnServer, those_who_say_nothing_keep_nobody_out) {
+  open();
+  std::vector<int> silent;
+  for (int n = 0; n < 16; ++n) {
+    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to = {};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(at().port);
+    ASSERT_EQ(::connect(client, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    silent.push_back(client);
+  }
+  ::usleep(50'000);
+  Program program;
+  program.connect(at());
+  EXPECT_TRUE(feed_until(program, [&] {
+    program.look();
+    return program.has_heard(kPosition) || program.is_closed();
+  }));
+  EXPECT_TRUE(program.has_heard(kPosition));
+  for (const int client : silent) ::close(client);
 }
 
 TEST_F(VrpnServer, cuts_off_who_reads_nothing_and_serves_the_next) {
