@@ -81,7 +81,7 @@ bool DeviceLoop::claim() noexcept {
 bool DeviceLoop::run_cycle() noexcept {
   if (!claim()) {
     ++stats_.waits;
-    cut_if_stale();
+    (void)cut_if_older(kSilenceLimitNs);
     return false;
   }
   device_ns_ = 0;
@@ -93,7 +93,10 @@ bool DeviceLoop::run_cycle() noexcept {
   // A force that came since the last tick has used the slew of this one; one from before a stall has not.
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
-  if (!has_fresh_force) hold_force();
+  // Whoever cut the device, the force that is still out sinks before it is given back.
+  const bool sinks = is_cut() && force_sample_ns() != 0;
+  if (sinks) governor_.interrupt();
+  if (!has_fresh_force || sinks) hold_force();
   restore_if_cut();
   grant_requests();
   tick_ns_ += period_ns();
@@ -115,13 +118,17 @@ bool DeviceLoop::run_cycle() noexcept {
   return true;
 }
 
+// By whomever: the cycle, a watch within this process, or the watchdog process.
+bool DeviceLoop::is_cut() const noexcept {
+  return is_cut_within_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load(std::memory_order_acquire) != 0);
+}
+
 // Only once nothing is left of the force: it then comes back with the governor's ramp, not with a jump.
 void DeviceLoop::restore_if_cut() noexcept {
-  const bool is_cut_outside = guard_ != nullptr && guard_->is_cut.load(std::memory_order_acquire) != 0;
-  if ((!is_cut_ && !is_cut_outside) || force_sample_ns() != 0) return;
+  if (!is_cut() || force_sample_ns() != 0) return;
   device_.restore();
-  is_cut_ = false;
-  if (is_cut_outside) guard_->is_cut.store(0, std::memory_order_release);
+  is_cut_within_.store(false, std::memory_order_release);
+  if (guard_ != nullptr) guard_->is_cut.store(0, std::memory_order_release);
 }
 
 void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
@@ -130,12 +137,12 @@ void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
 }
 
 // Without the claim the force cannot be written; what it takes to cut it is the device's own and atomic.
-void DeviceLoop::cut_if_stale() noexcept {
+bool DeviceLoop::cut_if_older(std::int64_t limit_ns) noexcept {
   const std::int64_t sample_ns = force_sample_ns();
-  if (is_cut_ || sample_ns == 0 || clock_.now_ns() - sample_ns < kSilenceLimitNs) return;
+  if (sample_ns == 0 || clock_.now_ns() - sample_ns < limit_ns) return false;
   device_.cut();
-  is_cut_ = true;
-  ++stats_.cuts;
+  if (!is_cut_within_.exchange(true)) cuts_.fetch_add(1, std::memory_order_relaxed);
+  return true;
 }
 
 void DeviceLoop::sample_device() noexcept {
@@ -191,6 +198,7 @@ void DeviceLoop::grant_requests() noexcept {
 
 const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
   stats_.status = device_.status();
+  stats_.cuts = cuts_.load(std::memory_order_relaxed);
   stats_.condition = device_.condition();
   // The silence at the end is our own doing.
   if (!is_finished_) stats_.governor = governor_.figures();
@@ -237,7 +245,7 @@ void DeviceLoop::show() noexcept {
 
 bool DeviceLoop::hold() noexcept {
   if (!claim()) {
-    cut_if_stale();
+    (void)cut_if_older(kSilenceLimitNs);
     return false;
   }
   status_.store(device_.status(), std::memory_order_release);
@@ -250,7 +258,7 @@ bool DeviceLoop::hold() noexcept {
 
 bool DeviceLoop::finish() noexcept {
   if (!claim()) {
-    cut_if_stale();
+    (void)cut_if_older(kSilenceLimitNs);
     return false;
   }
   write({});

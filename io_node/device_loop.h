@@ -62,7 +62,7 @@ struct DeviceLoopStats {
   std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, of all silences
   std::uint64_t commands = 0;           // force commands governed
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
-  std::uint64_t cuts = 0;               // times the device was cut because that took too long
+  std::uint64_t cuts = 0;               // times the device was cut, because that took too long or this loop stood still
   std::uint64_t cycles_untold = 0;      // the network side was too far behind to be told of them
   GovernorFigures governor;
   DeviceStatus status = DeviceStatus::ready;
@@ -71,16 +71,17 @@ struct DeviceLoopStats {
 
 // The hand's side of io_node: it owns the device and its safety governor and is the clock of the whole system. A cycle, begun at each tick
 // of absolute time: let go what is too old, read the device, tell the governor, hold or let sink the force that is out. It knows no
-// datagram, key, parser or socket, allocates nothing and waits for nobody. Forces come by a mailbox, the newest wins; the cycle needs none of
-// them to bring the motors to zero in time.
+// datagram, key, parser or socket, allocates nothing and waits for nobody. Forces come by a mailbox, the newest wins; the cycle needs none
+// of them to bring the motors to zero in time.
 //
-// A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 0093). So the thread
-// that posts a force also governs and writes it, if the device side is not in the middle of its cycle; else the cycle does so at its end. Who
-// works on device and governor holds the claim, a flag that is tried and never waited for. A cycle that finds it taken (the network side
-// was displaced in the middle of its microsecond) tries again shortly, and cuts the device (Device::cut) when the force grows too old
-// meanwhile: that needs no claim.
+// A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 0093). So the
+// thread that posts a force also governs and writes it, if the device side is not in the middle of its cycle; else the cycle does so at its
+// end. Who works on device and governor holds the claim, a flag that is tried and never waited for. A cycle that finds it taken (the
+// network side was displaced in the middle of its microsecond) tries again shortly, and cuts the device (Device::cut) when the force grows
+// too old meanwhile: that needs no claim. So does anyone else who watches it (cut_if_older), should this cycle not come.
 //
-// Units: ns of the clock. RT: all but making one. Threads: one for the cycle (start to finish), one for the network side; they may be the same.
+// Units: ns of the clock. RT: all but making one. Threads: one for the cycle (start to finish), one for the network side; they may be the
+// same.
 class DeviceLoop {
  public:
   static constexpr std::int64_t kMostCaughtUp = 10;
@@ -127,9 +128,7 @@ class DeviceLoop {
 
   // The next cycle that was not told yet, in their order; false: there is none.
   bool take_cycle(DeviceCycle& cycle) noexcept;
-  bool has_cycle() const noexcept {
-    return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire);
-  }
+  bool has_cycle() const noexcept { return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire); }
   // The newest state of the device side; stays as it is until the next call.
   const DeviceSide& look() noexcept {
     sides_.take();
@@ -149,6 +148,9 @@ class DeviceLoop {
   const DeviceLimits& limits() const noexcept { return governor_.limits(); }
 
   // --- anyone
+  // Cuts the device (Device::cut) when the force on it answers a sample as old as that: for who watches this loop from a thread of another
+  // kind, which runs when this one cannot. The force comes back with a ramp. True: it was, and is cut now. RT: yes, wait-free.
+  bool cut_if_older(std::int64_t limit_ns) noexcept;
   // The end of the newest cycle.
   std::int64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(std::memory_order_acquire); }
   AdaptiveSpin& spin() noexcept { return spin_; }
@@ -178,13 +180,13 @@ class DeviceLoop {
   void govern(const Command& command) noexcept;
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
-  void cut_if_stale() noexcept;
   void grant_requests() noexcept;
   void sample_device() noexcept;
   void hold_force() noexcept;
   void write(const Wrench& wrench) noexcept;
   void show() noexcept;
   void set_force_sample(std::int64_t sample_ns) noexcept;
+  bool is_cut() const noexcept;
   void restore_if_cut() noexcept;
 
   Device& device_;
@@ -199,7 +201,6 @@ class DeviceLoop {
   std::int64_t tick_ns_ = 0;
   std::int64_t overslept_ns_ = 0;  // by the wait since then that ended latest
   bool is_behind_ = false;         // the loop came to wait for this tick when it had passed
-  bool is_cut_ = false;
   bool is_finished_ = false;
   DeviceCycle cycle_;
   std::int64_t next_look_ns_ = 0;  // at the motors' temperature
@@ -210,9 +211,9 @@ class DeviceLoop {
   // Whoever holds the claim.
   std::int64_t device_ns_ = 0;  // spent on the device since the last tick
   Wrench written_;
-  std::int64_t answered_ns_ = 0;    // the sample of the last force that the governor accepted
-  std::int64_t governed_ns_ = -1;   // the last force since the last cycle; below 0: none
-  std::uint64_t number_ = 0;        // of the last command, when it was ready and written
+  std::int64_t answered_ns_ = 0;   // the sample of the last force that the governor accepted
+  std::int64_t governed_ns_ = -1;  // the last force since the last cycle; below 0: none
+  std::uint64_t number_ = 0;       // of the last command, when it was ready and written
   std::int64_t ready_ns_ = 0;
   std::int64_t written_ns_ = 0;
 
@@ -223,6 +224,8 @@ class DeviceLoop {
   std::atomic<std::int64_t> heartbeat_ns_{0};
   std::atomic<DeviceStatus> status_{DeviceStatus::ready};
   std::atomic<bool> has_overrun_{false};
+  std::atomic<bool> is_cut_within_{false};
+  std::atomic<std::uint64_t> cuts_{0};
   Mailbox<Command> commands_;
   Mailbox<DeviceSide> sides_;
   Mailbox<DeviceLoopStats> stats_copies_;

@@ -1,5 +1,7 @@
 #include "io_node/device_thread.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <chrono>
 
@@ -30,6 +32,7 @@ void DeviceThread::stop() {
 
 void DeviceThread::run(const RealtimeSettings& settings) {
   id_ = current_thread_id();
+  ::pthread_setname_np(::pthread_self(), "hapton-device");
   if (const auto realtime = enter_realtime(settings); realtime) {
     realtime_lines_ = realtime->to_lines();
   } else {
@@ -57,7 +60,11 @@ void DeviceThread::await_tick() noexcept {
   const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
   loop_.note_behind(is_behind);
   timer_.wait();
-  if (!is_behind) loop_.note_wake_up(clock_.now_ns() - wake_ns);
+  const std::int64_t now_ns = clock_.now_ns();
+  // A timer that has expired, or could not be set, lets nobody sleep.
+  if (is_behind) return SteadyClock().sleep_until_ns(now_ns + kMomentNs);
+  if (now_ns < wake_ns) SteadyClock().sleep_until_ns(wake_ns);
+  loop_.note_wake_up(clock_.now_ns() - wake_ns);
 }
 
 }  // namespace hapton

@@ -1,5 +1,7 @@
 #include "io_node/io_session.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <chrono>
 #include <limits>
@@ -38,8 +40,9 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::wrong_version:
       return "someone speaks another protocol version; if it is a node of yours, build all from the same sources";
     case ServoEvent::Kind::flood:
-      return fmt::format("flood of {:.0f} datagrams a second, from {} among others; kept out in the kernel, nodes that join may take longer",
-                         event.rate_hz, to_string(event.address));
+      return fmt::format(
+          "flood of {:.0f} datagrams a second, from {} among others; kept out in the kernel, nodes that join may take longer",
+          event.rate_hz, to_string(event.address));
     case ServoEvent::Kind::latched:
       return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
     case ServoEvent::Kind::reset:
@@ -67,10 +70,17 @@ std::string_view main_cause(const ServoStats& stats) {
 }  // namespace
 
 IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
-    : servo_(servo), clock_(clock), options_(options), prefix_(name_prefix(options)), device_(servo.device_loop(), clock), watch_(options.spin_share, read_realtime_share()) {}
+    : servo_(servo),
+      clock_(clock),
+      options_(options),
+      prefix_(name_prefix(options)),
+      device_(servo.device_loop(), clock),
+      release_watch_(servo.device_loop(), clock),
+      watch_(options.spin_share, read_realtime_share()) {}
 
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();
+  ::pthread_setname_np(::pthread_self(), "hapton-network");
   const auto realtime = enter_realtime(options_.realtime);
   if (realtime) {
     realtime_ = realtime->to_text();
@@ -94,6 +104,7 @@ bool IoSession::is_over(const StopSignal& stop) const {
 Result<void> IoSession::run(const StopSignal& stop) {
   servo_.use_device_thread();
   if (auto begun = device_.start(options_.realtime); !begun) return begun;
+  release_watch_.start(options_.realtime.mode != RealtimeMode::off);
   std::thread servo([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
@@ -102,6 +113,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   ends_.store(true, std::memory_order_relaxed);
   servo.join();
   device_.stop();
+  release_watch_.stop();
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();
@@ -156,11 +168,13 @@ void IoSession::watch_scheduling(bool now) {
 void IoSession::look_after_watchdog() {
   if (watchdog_ == nullptr) return;
   if (watchdog_->look_after(clock_.now_ns())) {
-    log_warning("{}the watchdog process had ended or stood still; started again: see why, for without it a frozen io_node is on its own", prefix_);
+    log_warning("{}the watchdog process had ended or stood still; started again: see why, for without it a frozen io_node is on its own",
+                prefix_);
   }
   const std::uint64_t told = std::exchange(cuts_told_, watchdog_->cuts());
   if (cuts_told_ != told) {
-    log_warning("{}the watchdog process took the force away: this program stood still or held a force too long; see hapton doctor", prefix_);
+    log_warning("{}the watchdog process took the force away: this program stood still or held a force too long; see hapton doctor",
+                prefix_);
   }
 }
 

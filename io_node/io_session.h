@@ -7,6 +7,7 @@
 #include "core/base/result.h"
 #include "io_node/device_thread.h"
 #include "io_node/io_options.h"
+#include "io_node/release_watch.h"
 #include "io_node/report_desk.h"
 #include "io_node/scheduling_watch.h"
 #include "io_node/servo.h"
@@ -75,6 +76,7 @@ class IoSession {
   std::int64_t end_ns_ = 0;
   pid_t servo_thread_ = 0;
   DeviceThread device_;
+  ReleaseWatch release_watch_;
   SchedulingWatch watch_;
   std::int64_t next_watch_ns_ = 0;
 };

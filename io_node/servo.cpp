@@ -20,6 +20,9 @@ void relax() noexcept {
 #endif
 }
 
+// Cycles in a row that found the next one there already: then this thread sleeps for a moment all the same. One that never does is ended by
+// LimitRTTIME, and throttled.
+constexpr std::uint32_t kMostBehind = 8;
 constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
 
 }  // namespace
@@ -96,8 +99,10 @@ void Servo::run_device_cycle() noexcept {
 bool Servo::await_cycle() noexcept {
   if (loop_.has_cycle()) {
     drain();
+    if (++cycles_behind_ % kMostBehind == 0 && budget_ != nullptr) budget_->rest();
     return true;
   }
+  cycles_behind_ = 0;
   // The same moment at which the device side wakes: one interrupt ends both sleeps, before the tick and not in the midst of its sample.
   const std::int64_t wake_ns = cycle_.next_wake_ns;
   const std::int64_t now_ns = clock_.now_ns();

@@ -29,11 +29,10 @@ namespace hapton {
 //   wait on the hub's socket; the instant the force for this sample is there it is posted: governed and written
 //   then what is left to do: the probe to the vision nodes, a repeat of the view, figures, halfway a bare echo
 //
-// The newest force wins: one that answers an older sample than the last is counted and dropped. However long this side takes, the device side
-// goes on and lets the force go in time.
-// Where the device side has no thread of its own (tests on simulated time), step runs its cycles as well: from one tick to the next.
-// RT: step and finish yes; making one is set-up only. Threads: one, but for ask_for_snapshot, snapshot and events (one other), and for
-// device_loop, see there.
+// The newest force wins: one that answers an older sample than the last is counted and dropped. However long this side takes, the device
+// side goes on and lets the force go in time. Where the device side has no thread of its own (tests on simulated time), step runs its
+// cycles as well: from one tick to the next. RT: step and finish yes; making one is set-up only. Threads: one, but for ask_for_snapshot,
+// snapshot and events (one other), and for device_loop, see there.
 class Servo {
  public:
   static constexpr double kLowestRateHz = 250.0;
@@ -146,9 +145,10 @@ class Servo {
 
   bool has_device_thread_ = false;
   double rate_hz_;
-  DeviceCycle cycle_;  // the newest
+  DeviceCycle cycle_;                   // the newest
   std::optional<ForceCommand> posted_;  // a force that is not known to be written yet, and its number
   std::uint64_t posted_number_ = 0;
+  std::uint32_t cycles_behind_ = 0;
   bool is_snapshot_due_ = false;
   SafetyFault fault_told_ = SafetyFault::none;
   GovernorCounters governor_told_;

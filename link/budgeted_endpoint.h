@@ -21,6 +21,8 @@ class BudgetedEndpoint final : public Endpoint {
   BudgetedEndpoint(Endpoint& inner, Clock& clock) : inner_(inner), clock_(clock) {}
 
   void renew(std::uint32_t datagrams) noexcept { left_ = datagrams; }
+  // For a loop that had no reason to wait for too long.
+  void rest() noexcept { clock_.sleep_until_ns(clock_.now_ns() + kShortestSleepNs); }
   // Times that someone wanted more.
   std::uint64_t spent() const noexcept { return spent_; }
 

@@ -47,11 +47,15 @@ class Endpoint {
   // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
-  // Optional: sets a timer for later receives with exactly this deadline, so that they need not; the newest two of these are kept. Where setting a timer is dear (a
-  // virtual machine: 5 us), a loop calls this before it takes the time that it measures.
+  // Optional: sets a timer for later receives with exactly this deadline, so that they need not; the newest two of these are kept. Where
+  // setting a timer is dear (a virtual machine: 5 us), a loop calls this before it takes the time that it measures.
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 
   virtual Address local_address() const = 0;
+
+  // Optional, set-up only: from now on only what comes from there is received; all else is dropped where it costs least. False: this one
+  // does not do that.
+  virtual bool accept_only(const Address& /*peer*/) noexcept { return false; }
 
   // What a sealed endpoint has passed and refused; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }

@@ -27,33 +27,41 @@ bool is_v4(const Address& address) {
 }
 
 bool is_kind(std::span<const std::byte> datagram, seal::Kind kind) {
-  return datagram.size() >= seal::kLeadBytes && datagram[2] == static_cast<std::byte>(kind);
+  return datagram.size() >= seal::kCounterAt && datagram[2] == static_cast<std::byte>(kind);
+}
+
+// The session's number lies at one place in data and in answers.
+std::uint32_t session_of(std::span<const std::byte> datagram) {
+  std::uint32_t session = 0;
+  for (const std::byte byte : datagram.subspan(seal::kConnectionAt, 4)) session = session << 8 | static_cast<std::uint32_t>(byte);
+  return session;
 }
 
 }  // namespace
 
 void FloodFilter::note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
   if (!is_kind(datagram, seal::Kind::data) && !is_kind(datagram, seal::Kind::answer)) return;
+  const std::uint32_t session = session_of(datagram);
   Known* place = &known_[last_known_];
-  if (place->address != to) {
-    const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& known) { return known.address == to; });
-    place = found != known_.end() ? &*found : &*std::min_element(known_.begin(), known_.end(), [](const Known& a, const Known& b) {
-      return a.time_ns < b.time_ns;
-    });
+  if (!place->is(to, session)) {
+    const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& known) { return known.is(to, session); });
+    place = found != known_.end()
+                ? &*found
+                : &*std::min_element(known_.begin(), known_.end(), [](const Known& a, const Known& b) { return a.time_ns < b.time_ns; });
   }
-  if (place->address != to || now_ns - place->time_ns > kKnownNs) ++known_changes_;
-  *place = {to, now_ns};
+  if (!place->is(to, session) || now_ns - place->time_ns > kKnownNs) ++known_changes_;
+  *place = {to, session, now_ns};
   last_known_ = static_cast<std::size_t>(place - known_.data());
 }
 
-bool FloodFilter::is_known(const Address& from) const noexcept {
-  if (known_[last_known_].address == from) return true;
-  return std::any_of(known_.begin(), known_.end(), [&](const Known& known) { return known.address == from; });
+bool FloodFilter::is_known(const Address& from, std::uint32_t session) const noexcept {
+  if (known_[last_known_].is(from, session)) return true;
+  return std::any_of(known_.begin(), known_.end(), [&](const Known& known) { return known.is(from, session); });
 }
 
 void FloodFilter::note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept {
   counts_.oversized += is_oversized ? 1 : 0;
-  if (!is_oversized && is_kind(datagram, seal::Kind::data) && is_known(from)) return;
+  if (!is_oversized && is_kind(datagram, seal::Kind::data) && is_known(from, session_of(datagram))) return;
   ++strangers_;
   ++counts_.strangers;
   counts_.last_stranger = from;
@@ -82,7 +90,8 @@ FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_n
     return Action::remove;
   }
   counts_.floods += is_shut_ ? 0 : 1;
-  const bool is_same = is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
+  const bool is_same =
+      is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
   is_shut_ = true;
   if (is_same) return Action::none;
   built_changes_ = known_changes_;
@@ -95,33 +104,38 @@ void FloodFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_tru
   if (program_size_ < program_.size()) program_[program_size_++] = {code, jump_true, jump_false, k};
 }
 
-// Passes what comes from there; what does not goes on behind it.
-void FloodFilter::add_known(const Address& address) noexcept {
-  const bool v4 = is_v4(address);
+// Passes what comes from there in that session; what does not goes on behind it.
+void FloodFilter::add_known(const Known& known) noexcept {
+  const bool v4 = is_v4(known.address);
   const std::uint8_t words = v4 ? 1 : 4;
   const std::uint32_t source = kNetwork + (v4 ? 12 : 8);
-  // Behind the port: version 3, two for each word, 1 to pass.
-  const auto left = [&](std::uint8_t done) { return static_cast<std::uint8_t>(3 + 2 * words + 1 - done); };
+  // Behind the port: version 3, two for each word, session 2, 1 to pass.
+  const auto left = [&](std::uint8_t done) { return static_cast<std::uint8_t>(3 + 2 * words + 2 + 1 - done); };
   add(BPF_LD | BPF_H | BPF_ABS, 0);
-  add(BPF_JMP | BPF_JEQ | BPF_K, address.port, 0, left(0));
+  add(BPF_JMP | BPF_JEQ | BPF_K, known.address.port, 0, left(0));
   add(BPF_LD | BPF_B | BPF_ABS, kNetwork);
   add(BPF_ALU | BPF_AND | BPF_K, 0xF0);
   add(BPF_JMP | BPF_JEQ | BPF_K, v4 ? 0x40 : 0x60, 0, left(3));
+  std::uint8_t done = 3;
   for (std::uint8_t word = 0; word < words; ++word) {
+    done = static_cast<std::uint8_t>(done + 2);
     add(BPF_LD | BPF_W | BPF_ABS, source + 4U * word);
-    add(BPF_JMP | BPF_JEQ | BPF_K, word_at(address, v4 ? 12 : 4U * word), 0, left(static_cast<std::uint8_t>(3 + 2 * (word + 1))));
+    add(BPF_JMP | BPF_JEQ | BPF_K, word_at(known.address, v4 ? 12 : 4U * word), 0, left(done));
   }
+  add(BPF_LD | BPF_W | BPF_ABS, kUdpHeaderBytes + static_cast<std::uint32_t>(seal::kConnectionAt));
+  add(BPF_JMP | BPF_JEQ | BPF_K, known.session, 0, 1);
   add(BPF_RET | BPF_K, kAll);
 }
 
 void FloodFilter::build(double passed_share) noexcept {
   program_size_ = 0;
-  // Data of our version and of a length that fits goes on to the known addresses, all else to chance.
-  const std::uint32_t lead = 0x08000000U | (static_cast<std::uint32_t>(kProtocolVersion) << 16) | (static_cast<std::uint32_t>(seal::Kind::data) << 8);
-  std::array<const Address*, kKnown> passing = {};
+  // Data of our version and of a length that fits goes on to the known addresses and sessions, all else to chance.
+  const std::uint32_t lead =
+      0x08000000U | (static_cast<std::uint32_t>(kProtocolVersion) << 16) | (static_cast<std::uint32_t>(seal::Kind::data) << 8);
+  std::array<const Known*, kKnown> passing = {};
   std::size_t count = 0;
   for (const Known& known : known_) {
-    if (known.time_ns > 0 && window_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known.address;
+    if (known.time_ns > 0 && window_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
   }
   // Jumps of a filter reach 255 instructions; an unconditional one reaches all of it.
   add(BPF_LD | BPF_W | BPF_LEN, 0);

@@ -13,22 +13,22 @@
 namespace hapton {
 
 // When a hub's socket is flooded by unknown peers, and which program in the kernel then keeps them out before they cost this process a
-// system call each. Known are the addresses that were sent an answer to their handshake, or data, within kKnownNs; data from them passes, all
-// else passes at random, so rarely that about kPassedPerS get through: nodes still join, and what is refused is still seen and counted, as
-// a sample. Without a flood nothing is filtered. The filter looks at source, version, kind and length; whether a datagram is authentic is the
-// sealing's to say.
-// Units: ns of the caller's clock, datagrams. RT: yes, no heap; installing the program is the caller's. Threads: one.
+// system call each. Known are the addresses that were sent an answer to their handshake, or data, within kKnownNs, and the session in
+// which; data from them in that session passes, all else passes at random, so rarely that about kPassedPerS get through: nodes still join,
+// and what is refused is still seen and counted, as a sample. Without a flood nothing is filtered. The filter looks at source, version,
+// kind, session and length; whether a datagram is authentic is the sealing's to say. Units: ns of the caller's clock, datagrams. RT: yes,
+// no heap; installing the program is the caller's. Threads: one.
 class FloodFilter {
  public:
   static constexpr std::size_t kKnown = 32;
   static constexpr std::int64_t kKnownNs = 5'000'000'000;
-  // Judged so often; more strangers than this in that time are a flood (10,000 a second), and it is over when there were fewer than a tenth of
-  // it for kQuietNs.
+  // Judged so often; more strangers than this in that time are a flood (10,000 a second), and it is over when there were fewer than a tenth
+  // of it for kQuietNs.
   static constexpr std::int64_t kWindowNs = 5'000'000;
   static constexpr std::uint64_t kFlood = 50;
   static constexpr std::int64_t kQuietNs = 2'000'000'000;
   static constexpr double kPassedPerS = 5000.0;
-  static constexpr std::size_t kMostInstructions = 512;
+  static constexpr std::size_t kMostInstructions = 640;
 
   // What the socket is to be told.
   enum class Action : std::uint8_t { none, install, remove };
@@ -49,13 +49,15 @@ class FloodFilter {
  private:
   struct Known {
     Address address;
+    std::uint32_t session = 0;  // its number's bytes as a filter loads them
     std::int64_t time_ns = 0;
+    bool is(const Address& at, std::uint32_t in) const noexcept { return session == in && address == at; }
   };
 
-  bool is_known(const Address& from) const noexcept;
+  bool is_known(const Address& from, std::uint32_t session) const noexcept;
   void build(double passed_share) noexcept;
   void add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_true = 0, std::uint8_t jump_false = 0) noexcept;
-  void add_known(const Address& address) noexcept;
+  void add_known(const Known& known) noexcept;
 
   std::array<Known, kKnown> known_ = {};
   std::size_t last_known_ = 0;  // sent to last

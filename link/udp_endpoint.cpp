@@ -18,6 +18,7 @@
 #include <optional>
 
 #include "link/flood_filter.h"
+#include "link/source_filter.h"
 
 namespace hapton {
 namespace {
@@ -75,6 +76,7 @@ class UdpEndpoint final : public Endpoint {
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
+  bool accept_only(const Address& peer) noexcept override;
   SocketCounts socket_counts() const noexcept override { return filter_.counts(); }
 
  private:
@@ -254,6 +256,13 @@ void UdpEndpoint::judge_flood(std::int64_t now_ns) noexcept {
   }
 }
 
+bool UdpEndpoint::accept_only(const Address& peer) noexcept {
+  SourceFilter filter(peer);
+  const auto program = filter.program();
+  const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
+  return setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached) == 0;
+}
+
 Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
   // Three ways to wait, the cheapest that will do: within recvfrom while the deadline is far, which sets no precise timer and is one system
   // call; by ppoll when it is near; not at all when it has passed.
@@ -362,7 +371,8 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   try {
     endpoint = std::make_unique<UdpEndpoint>(filters_floods);
   } catch (const boost::system::system_error& thrown) {
-    return fail("cannot listen on UDP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*local), thrown.what());
+    return fail("cannot listen on UDP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*local),
+                thrown.what());
   }
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {

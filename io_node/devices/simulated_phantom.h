@@ -32,9 +32,13 @@ class SimulatedPhantom final : public Device {
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   bool cut() noexcept override {
     is_cut_.store(true, std::memory_order_release);
+    if (guard_ != nullptr) guard_->is_cut_within.store(1, std::memory_order_release);
     return true;
   }
-  void restore() noexcept override { is_cut_.store(false, std::memory_order_release); }
+  void restore() noexcept override {
+    is_cut_.store(false, std::memory_order_release);
+    if (guard_ != nullptr) guard_->is_cut_within.store(0, std::memory_order_release);
+  }
   void use_guard(GuardPage& page) noexcept override {
     page.set_means(CutMeans::simulated);
     guard_ = &page;

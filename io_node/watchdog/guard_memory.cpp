@@ -25,7 +25,8 @@ GuardMemory::~GuardMemory() {
 
 Result<void> GuardMemory::make() {
   file_ = ::memfd_create("hapton-guard", MFD_CLOEXEC);
-  if (file_ < 0) return fail("no memory to share with the watchdog: {}; allow the process more open files (ulimit -n)", std::strerror(errno));
+  if (file_ < 0)
+    return fail("no memory to share with the watchdog: {}; allow the process more open files (ulimit -n)", std::strerror(errno));
   void* const memory = ::ftruncate(file_, sizeof(GuardPage)) == 0 ? map(file_) : nullptr;
   if (memory == nullptr) return fail("no memory to share with the watchdog: {}", std::strerror(errno));
   page_ = new (memory) GuardPage;
@@ -39,7 +40,8 @@ Result<void> GuardMemory::open(int file) {
   void* const memory = is_big_enough ? map(file) : nullptr;
   if (memory == nullptr) return fail("descriptor {} is no memory shared by io_node; this program is started by io_node", file);
   page_ = static_cast<GuardPage*>(memory);
-  if (page_->magic.load() != GuardPage::kMagic) return fail("descriptor {} is not the memory of this version's io_node; install both anew", file);
+  if (page_->magic.load() != GuardPage::kMagic)
+    return fail("descriptor {} is not the memory of this version's io_node; install both anew", file);
   return {};
 }
 

@@ -17,25 +17,26 @@ enum class CutMeans : std::uint32_t {
   simulated,  // motors that are numbers in this page
 };
 
-// What io_node's device side and the watchdog process share: a page of memory. One writer for each field; the other side looks at it when it
-// will and never waits.
-// Units: ns of CLOCK_MONOTONIC, which is one clock for the whole machine. RT: all yes, wait-free.
+// What io_node's device side and the watchdog process share: a page of memory. One writer for each field; the other side looks at it when
+// it will and never waits. Units: ns of CLOCK_MONOTONIC, which is one clock for the whole machine. RT: all yes, wait-free.
 struct GuardPage {
-  static constexpr std::uint64_t kMagic = 0x31647261'75477048;
+  static constexpr std::uint64_t kMagic = 0x32647261'75477048;
   static constexpr std::size_t kMostPath = 64;
   static constexpr std::size_t kMostReport = 128;
 
   std::atomic<std::uint64_t> magic{kMagic};
 
   // io_node, device side.
-  std::atomic<std::int64_t> heartbeat_ns{0};     // the newest cycle; 0: none yet
-  std::atomic<std::int64_t> force_sample_ns{0};  // of the force on the motors, the time of the sample that it answers; 0: no force
+  std::atomic<std::int64_t> heartbeat_ns{0};      // the newest cycle; 0: none yet
+  std::atomic<std::int64_t> force_sample_ns{0};   // of the force on the motors, the time of the sample that it answers; 0: no force
   std::array<std::atomic<double>, 3> motors_n{};  // of simulated motors: what was written
+
+  std::atomic<std::uint32_t> is_cut_within{0};  // ... and whether io_node has cut them itself
 
   // io_node, whoever opens the device. generation is odd while it is written.
   std::atomic<std::uint32_t> generation{0};
   std::atomic<CutMeans> means{CutMeans::none};
-  std::array<std::atomic<char>, kMostPath> path{};            // of the HID device, ends with 0
+  std::array<std::atomic<char>, kMostPath> path{};              // of the HID device, ends with 0
   std::array<std::atomic<std::uint8_t>, kMostReport> report{};  // that turns it off
   std::atomic<std::uint32_t> report_size{0};
 
@@ -51,7 +52,8 @@ struct GuardPage {
   void set_hid(std::string_view device_path, std::span<const std::uint8_t> off_report) noexcept {
     generation.fetch_add(1, std::memory_order_acq_rel);
     const bool fits = device_path.size() < kMostPath && off_report.size() <= kMostReport;
-    for (std::size_t n = 0; fits && n < kMostPath; ++n) path[n].store(n < device_path.size() ? device_path[n] : '\0', std::memory_order_relaxed);
+    for (std::size_t n = 0; fits && n < kMostPath; ++n)
+      path[n].store(n < device_path.size() ? device_path[n] : '\0', std::memory_order_relaxed);
     for (std::size_t n = 0; fits && n < off_report.size(); ++n) report[n].store(off_report[n], std::memory_order_relaxed);
     report_size.store(fits ? static_cast<std::uint32_t>(off_report.size()) : 0, std::memory_order_relaxed);
     means.store(fits ? CutMeans::hid : CutMeans::none, std::memory_order_relaxed);

@@ -1,5 +1,7 @@
-// hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and takes the force away
-// when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration.
+// hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and takes the force
+// away when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. Two threads look: one
+// with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is refused, an ordinary one, which runs when
+// the kernel throttles the first or another real-time program has run wild.
 #include <fmt/core.h>
 #include <poll.h>
 #include <signal.h>
@@ -10,10 +12,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
+#include <thread>
 
 #include "io_node/watchdog/guard_memory.h"
 #include "io_node/watchdog/outer_watchdog.h"
 #include "runtime/clock.h"
+#include "runtime/deadline_thread.h"
 #include "runtime/realtime.h"
 
 namespace {
@@ -23,6 +27,9 @@ using namespace hapton;
 // Where io_node puts the memory that is shared.
 constexpr int kGuardFile = 3;
 constexpr int kTimesAtTheEnd = 3;
+// Of SCHED_DEADLINE, within each look.
+constexpr std::int64_t kRuntimeNs = 100'000;
+constexpr std::int64_t kDeadlineNs = 500'000;
 
 bool is_gone(int process_file) {
   pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
@@ -37,7 +44,7 @@ void rest(int process_file) {
 }
 
 void note_cut(GuardPage& page, const OuterWatchdog& watchdog) {
-  page.is_cut.store(1);
+  if (page.is_cut.exchange(1) != 0) return;
   page.cuts.fetch_add(1);
   if (watchdog.force_age_ns() > page.longest_force_ns.load()) page.longest_force_ns.store(watchdog.force_age_ns());
 }
@@ -47,7 +54,7 @@ void tell(std::string_view what, const OuterWatchdog& watchdog, const ForceCutte
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
-int watch(GuardPage& page, int process, int process_file) {
+void watch(GuardPage& page, int process, int process_file, bool tells) {
   SteadyClock clock;
   OuterWatchdog watchdog;
   ForceCutter cutter(page, process);
@@ -57,24 +64,24 @@ int watch(GuardPage& page, int process, int process_file) {
     const OuterWatchdog::Verdict verdict = watchdog.look(page, has_ended, clock.now_ns());
     page.guard_beat_ns.store(clock.now_ns(), std::memory_order_release);
     if (verdict == OuterWatchdog::Verdict::fine) {
-      if (has_ended) return 0;
+      if (has_ended) return;
       is_told = false;
       cutter.prepare();
       rest(process_file);
       continue;
     }
     // Again with every look: what was frozen may have had a last force on its way.
-    if (page.is_cut.load() == 0) note_cut(page, watchdog);
+    note_cut(page, watchdog);
     cutter.cut();
     if (verdict == OuterWatchdog::Verdict::gone) {
       for (int n = 1; n < kTimesAtTheEnd; ++n) {
         clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kLookEveryNs);
         cutter.cut();
       }
-      tell("has ended", watchdog, cutter);
-      return 0;
+      if (tells) tell("has ended", watchdog, cutter);
+      return;
     }
-    if (!is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "stands still" : "holds a force", watchdog, cutter);
+    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "stands still" : "holds a force", watchdog, cutter);
     is_told = true;
     rest(process_file);
   }
@@ -87,19 +94,29 @@ int main(int argc, char** argv) {
   const int process = argc > 1 ? std::atoi(argv[1]) : 0;
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
-    fmt::print("hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: takes the force of io_node's device away when\n"
-               "io_node is frozen or killed (docs/safety-case.md).\n", kGuardFile);
+    fmt::print(
+        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: takes the force of io_node's "
+        "device away when\n"
+        "io_node is frozen or killed (docs/safety-case.md).\n",
+        kGuardFile);
     return 0;
   }
   GuardMemory memory;
   if (const auto opened = memory.open(kGuardFile); !opened || process <= 0) {
-    fmt::print(stderr, "hapton_watchdog: {}\n", opened ? "tell it io_node's process; this program is started by io_node" : opened.error().what);
+    fmt::print(stderr, "hapton_watchdog: {}\n",
+               opened ? "tell it io_node's process; this program is started by io_node" : opened.error().what);
     return 2;
   }
   // It outlives io_node by a moment: what ends io_node's unit or terminal must not end it first.
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) ::signal(signal, SIG_IGN);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
   const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (process_file < 0 || ::getppid() != process) return 0;  // it has ended already, without a force
+  std::thread beside([&] {
+    if (priority > 0) (void)enter_deadline(kRuntimeNs, kDeadlineNs, OuterWatchdog::kLookEveryNs);
+    watch(memory.page(), process, process_file, false);
+  });
   (void)enter_realtime({.mode = priority > 0 ? RealtimeMode::attempt : RealtimeMode::off, .priority = priority, .low_dma_latency = false});
-  return watch(memory.page(), process, process_file);
+  watch(memory.page(), process, process_file, true);
+  beside.join();
+  return 0;
 }

@@ -10,24 +10,19 @@
 namespace hapton {
 
 OuterWatchdog::Verdict OuterWatchdog::look(const GuardPage& page, bool is_gone, std::int64_t now_ns) noexcept {
-  const bool was_away = looked_ns_ != 0 && now_ns - looked_ns_ > 4 * kLookEveryNs;
-  looked_ns_ = now_ns;
   const std::int64_t heartbeat_ns = page.heartbeat_ns.load(std::memory_order_acquire);
   const std::int64_t sample_ns = page.force_sample_ns.load(std::memory_order_acquire);
   silence_ns_ = heartbeat_ns != 0 ? std::max(now_ns - heartbeat_ns, std::int64_t{0}) : 0;
   force_age_ns_ = sample_ns != 0 ? std::max(now_ns - sample_ns, std::int64_t{0}) : 0;
-  if (sample_ns == 0) {
-    bad_looks_ = 0;
-    return Verdict::fine;
-  }
-  if (is_gone) return Verdict::gone;
+  if (sample_ns != 0 && is_gone) return Verdict::gone;
   const bool is_frozen = silence_ns_ >= kHeartbeatLimitNs;
-  const bool is_stale = force_age_ns_ >= kForceLimitNs;
-  if (was_away || (!is_frozen && !is_stale)) {
-    bad_looks_ = 0;
+  const bool is_bad = sample_ns != 0 && (is_frozen || force_age_ns_ >= kForceLimitNs);
+  if (!is_bad) {
+    bad_since_ns_ = 0;
     return Verdict::fine;
   }
-  if (++bad_looks_ < kLooks) return Verdict::fine;
+  if (bad_since_ns_ == 0) bad_since_ns_ = now_ns;
+  if (now_ns - bad_since_ns_ < kGraceNs) return Verdict::fine;
   return is_frozen ? Verdict::frozen : Verdict::stale;
 }
 
@@ -75,7 +70,8 @@ std::string ForceCutter::describe() const {
     case CutMeans::none:
       return "its device cannot be told from here";
     case CutMeans::hid:
-      return device_ >= 0 ? "told its device to be off" : "its device could not be opened from here: give this user the right to (udev rule)";
+      return device_ >= 0 ? "told its device to be off"
+                          : "its device could not be opened from here: give this user the right to (udev rule)";
     case CutMeans::kill:
       return "killed it, so that the vendor's driver lets go";
     case CutMeans::simulated:

@@ -14,15 +14,15 @@ namespace hapton {
 //   force       a force answers a sample older than kForceLimitNs although the device side is alive: its governor should have taken it away
 //   gone        the process has ended with a force out
 //
-// A machine that stood still as a whole is no fault of io_node: after a gap in its own looks the watchdog gives it kLooks looks to go on.
-// RT: yes. Threads: one.
+// A machine that stood still as a whole is no fault of io_node: what looks bad is given kGraceNs to go on, from the first look that finds
+// it so. However rare the looks are, the second one after that time trips. RT: yes. Threads: one.
 class OuterWatchdog {
  public:
   // io_node lets go by itself after 20 ms; this is for when it does not.
   static constexpr std::int64_t kHeartbeatLimitNs = 21'000'000;
   static constexpr std::int64_t kForceLimitNs = 30'000'000;
   static constexpr std::int64_t kLookEveryNs = 2'000'000;
-  static constexpr int kLooks = 3;
+  static constexpr std::int64_t kGraceNs = 4'000'000;
 
   enum class Verdict : std::uint8_t { fine, frozen, stale, gone };
 
@@ -34,10 +34,9 @@ class OuterWatchdog {
   std::int64_t silence_ns() const noexcept { return silence_ns_; }
 
  private:
-  std::int64_t looked_ns_ = 0;
   std::int64_t force_age_ns_ = 0;
   std::int64_t silence_ns_ = 0;
-  int bad_looks_ = 0;
+  std::int64_t bad_since_ns_ = 0;  // the first of the looks in a row that found it bad; 0: the last did not
 };
 
 // Takes the force of one device away, by the means that its page names; again and again, as long as it is asked to.

@@ -50,7 +50,8 @@ Result<void> WatchdogProcess::spawn() {
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
   if (error != 0) {
-    return fail("the watchdog {} cannot be started: {}; install it beside io_node, or start with --watchdog off", program, std::strerror(error));
+    return fail("the watchdog {} cannot be started: {}; install it beside io_node, or start with --watchdog off", program,
+                std::strerror(error));
   }
   process_ = child;
   started_ns_ = SteadyClock().now_ns();

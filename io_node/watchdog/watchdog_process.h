@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// The watchdog as a child process of this one: started, looked after, started again when it has died. It ends by itself when this process does.
-// RT: no. Threads: one.
+// The watchdog as a child process of this one: started, looked after, started again when it has died. It ends by itself when this process
+// does. RT: no. Threads: one.
 class WatchdogProcess {
  public:
   static constexpr std::int64_t kSilenceNs = 1'000'000'000;

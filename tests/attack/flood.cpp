@@ -2,6 +2,7 @@
 // deploy/attack and for trying out a network; it floods loopback and private addresses only.
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <netinet/ip.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -32,6 +33,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::string listen;   // captures what a node sends through here
   std::string capture;  // file of captured datagrams
+  std::string spoof;    // the address that they seem to come from
 };
 
 using Datagram = std::vector<std::uint8_t>;
@@ -108,7 +110,8 @@ std::vector<Datagram> make_load(const Options& options) {
   return load;
 }
 
-// Several datagrams of one size in a system call: the kernel cuts them apart at the receiver (UDP_SEGMENT), at a tenth of the sender's price.
+// Several datagrams of one size in a system call: the kernel cuts them apart at the receiver (UDP_SEGMENT), at a tenth of the sender's
+// price.
 struct Burst {
   Datagram bytes;
   std::uint16_t size = 0;
@@ -145,6 +148,68 @@ bool send_burst(int socket, const sockaddr_in& to, Burst& burst) {
   header->cmsg_len = CMSG_LEN(sizeof burst.size);
   std::memcpy(CMSG_DATA(header), &burst.size, sizeof burst.size);
   return ::sendmsg(socket, &message, MSG_DONTWAIT) >= 0;
+}
+
+// Whole IP packets, as if from another's address. An IPv4 datagram may do without a checksum.
+std::vector<Datagram> make_packets(const std::vector<Datagram>& load, const sockaddr_in& from, const sockaddr_in& to) {
+  std::vector<Datagram> packets;
+  for (const Datagram& datagram : load) {
+    ip network = {};
+    network.ip_hl = sizeof network / 4;
+    network.ip_v = 4;
+    network.ip_ttl = 64;
+    network.ip_p = IPPROTO_UDP;
+    network.ip_src = from.sin_addr;
+    network.ip_dst = to.sin_addr;
+    udphdr transport = {};
+    transport.source = from.sin_port;
+    transport.dest = to.sin_port;
+    transport.len = htons(static_cast<std::uint16_t>(sizeof transport + datagram.size()));
+    Datagram packet(sizeof network + sizeof transport + datagram.size());
+    std::memcpy(packet.data(), &network, sizeof network);
+    std::memcpy(packet.data() + sizeof network, &transport, sizeof transport);
+    std::memcpy(packet.data() + sizeof network + sizeof transport, datagram.data(), datagram.size());
+    packets.push_back(std::move(packet));
+  }
+  return packets;
+}
+
+int flood_as_another(const Options& options, const Address& hub, const std::vector<Datagram>& load) {
+  const auto from = parse_address(options.spoof);
+  const int socket = ::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_RAW);
+  if (!from || socket < 0) {
+    std::fprintf(stderr, "hapton_flood: this user may not send in another's name\n");
+    return 77;
+  }
+  const sockaddr_in to = v4_of(hub);
+  std::vector<Datagram> packets = make_packets(load, v4_of(*from), to);
+  constexpr std::size_t kTogether = 32;
+  std::array<iovec, kTogether> parts = {};
+  std::array<mmsghdr, kTogether> messages = {};
+  for (std::size_t n = 0; n < kTogether; ++n) {
+    Datagram& packet = packets[n % packets.size()];
+    parts[n] = {packet.data(), packet.size()};
+    messages[n].msg_hdr.msg_name = const_cast<sockaddr_in*>(&to);
+    messages[n].msg_hdr.msg_namelen = sizeof to;
+    messages[n].msg_hdr.msg_iov = &parts[n];
+    messages[n].msg_hdr.msg_iovlen = 1;
+  }
+  SteadyClock clock;
+  const std::int64_t begin_ns = clock.now_ns();
+  const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * options.seconds);
+  std::uint64_t sent = 0;
+  for (std::int64_t now_ns = begin_ns; now_ns < end_ns; now_ns = clock.now_ns()) {
+    if (1e-9 * static_cast<double>(now_ns - begin_ns) * options.rate_per_s < static_cast<double>(sent)) {
+      clock.sleep_until_ns(now_ns + 50'000);
+      continue;
+    }
+    const int count = ::sendmmsg(socket, messages.data(), kTogether, MSG_DONTWAIT);
+    sent += count > 0 ? static_cast<std::uint64_t>(count) : 0;
+  }
+  ::close(socket);
+  std::printf("{\"sent_per_s\": %.0f, \"sent\": %llu}\n", static_cast<double>(sent) / options.seconds,
+              static_cast<unsigned long long>(sent));
+  return 0;
 }
 
 int flood(const Options& options, const Address& hub, const std::vector<Datagram>& load) {
@@ -194,6 +259,7 @@ int main(int argc, char** argv) {
   app.add_option("--sources", options.sources, "From so many ports")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--seed", options.seed, "Of the junk")->capture_default_str();
   app.add_option("--capture", options.capture, "File of captured datagrams: to replay (handshake, data), or with --listen to write");
+  app.add_option("--spoof", options.spoof, "Sends as if from this address (root only)");
   app.add_option("--listen", options.listen, "Captures: a node whose hub is this address is passed on to --to");
   CLI11_PARSE(app, argc, argv);
   const auto hub = parse_address(options.to);
@@ -207,5 +273,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "hapton_flood: %s holds no captured %s; make one with --listen\n", options.capture.c_str(), options.kind.c_str());
     return 2;
   }
-  return flood(options, *hub, load);
+  return options.spoof.empty() ? flood(options, *hub, load) : flood_as_another(options, *hub, load);
 }

@@ -70,6 +70,10 @@ TEST(FloodFilter, keeps_strangers_out_in_the_kernel_and_lets_data_of_known_nodes
   EXPECT_LT(wire.passed(*wire.stranger, Bytes(50, std::byte{1}), 2000), 1000) << "junk";
   EXPECT_LT(wire.passed(*wire.node, sealed(seal::Kind::request), 2000), 1000) << "a handshake, from a known address too";
   EXPECT_LT(wire.passed(*wire.node, sealed(seal::Kind::data, seal::kOverheadBytes - 1), 2000), 1000) << "too short";
+  Bytes other_session = data;
+  other_session[seal::kConnectionAt + 3] ^= std::byte{1};
+  EXPECT_LT(wire.passed(*wire.node, other_session, 2000), 1000) << "a known address in another session: its sender may be forged";
+  EXPECT_EQ(wire.passed(*wire.node, data, 500), 500);
   EXPECT_GT(wire.hub->socket_counts().dropped, 2000U);
 }
 

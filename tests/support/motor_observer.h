@@ -23,7 +23,7 @@ class MotorObserver {
     bool was_out = false;          // a force was on the motors when it began
     double after_event_ms = -1.0;  // the signal -> nothing on the motors; below 0: never
     double after_sample_ms = -1.0;
-    double blind_ms = 0.0;  // the longest time that this observer itself did not look
+    double blind_ms = 0.0;  // the longest time that this observer itself did not look: so much longer it may have been
   };
   struct Watched {
     double oldest_force_ms = 0.0;  // the most that a force on the motors was behind its sample
@@ -48,7 +48,7 @@ class MotorObserver {
 
   GuardPage& page() const { return memory_.page(); }
   double force_n() const {
-    if (page().is_cut.load() != 0) return 0.0;
+    if (page().is_cut.load() != 0 || page().is_cut_within.load() != 0) return 0.0;
     return std::hypot(page().motors_n[0].load(), page().motors_n[1].load(), page().motors_n[2].load());
   }
 
@@ -62,25 +62,26 @@ class MotorObserver {
     return false;
   }
 
-  // Sends the signal, then looks until nothing is on the motors, for half a second at most.
-  Release release_after(int signal) {
+  // Lets it happen, then looks until nothing is on the motors, for that long at most.
+  Release release_after(const std::function<void()>& event, double at_most_s = 0.5) {
     Release release;
     release.was_out = force_n() > 0.0;
     std::int64_t sample_ns = page().force_sample_ns.load();
-    ::kill(process_, signal);
+    event();
     const std::int64_t begin_ns = clock_.now_ns();
     std::int64_t looked_ns = begin_ns;
-    while (looked_ns - begin_ns < 500'000'000) {
+    while (looked_ns - begin_ns < static_cast<std::int64_t>(1e9 * at_most_s)) {
       if (const std::int64_t newest_ns = page().force_sample_ns.load(); newest_ns != 0) sample_ns = newest_ns;
       const bool is_off = force_n() == 0.0;
       const std::int64_t now_ns = clock_.now_ns();
       release.blind_ms = std::max(release.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
-      looked_ns = now_ns;
       if (is_off) {
-        release.after_event_ms = 1e-6 * static_cast<double>(now_ns - begin_ns);
-        release.after_sample_ms = 1e-6 * static_cast<double>(now_ns - sample_ns);
+        // It was out at the look before for certain.
+        release.after_event_ms = 1e-6 * static_cast<double>(looked_ns - begin_ns);
+        release.after_sample_ms = 1e-6 * static_cast<double>(looked_ns - sample_ns);
         break;
       }
+      looked_ns = now_ns;
       clock_.sleep_until_ns(now_ns + 100'000);
     }
     return release;
@@ -96,9 +97,10 @@ class MotorObserver {
     std::uint64_t looks = 0;
     std::uint64_t forces = 0;
     while (looked_ns < end_ns) {
+      // The time first: what is seen after it was there then, however long this thread is displaced in between.
+      const std::int64_t now_ns = clock_.now_ns();
       const std::int64_t sample_ns = page().force_sample_ns.load();
       const double now_n = force_n();
-      const std::int64_t now_ns = clock_.now_ns();
       watched.blind_ms = std::max(watched.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
       looked_ns = now_ns;
       ++looks;

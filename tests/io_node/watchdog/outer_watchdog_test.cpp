@@ -89,6 +89,20 @@ TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
   EXPECT_EQ(live(10), Verdict::fine);
 }
 
+// Kept from its CPU itself, the watchdog looks rarely: that must not make it blind.
+TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
+  live(100);
+  for (const std::int64_t every_ns : {5 * kMs, 9 * kMs, 40 * kMs, 400 * kMs}) {
+    live(100);
+    Verdict verdict = Verdict::fine;
+    now_ns += 25 * kMs;
+    verdict = watchdog.look(page, false, now_ns);
+    EXPECT_EQ(verdict, Verdict::fine);
+    now_ns += every_ns;
+    EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::frozen) << every_ns;
+  }
+}
+
 TEST_F(Watched, OneBadLookIsNotEnough) {
   live(100);
   page.heartbeat_ns = now_ns - 25 * kMs;
