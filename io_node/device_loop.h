@@ -74,7 +74,7 @@ struct DeviceLoopStats {
 // datagram, key, parser or socket, allocates nothing and waits for nobody. Forces come by a mailbox, the newest wins; the cycle needs none
 // of them to bring the motors to zero in time.
 //
-// A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 0093). So the
+// A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 94). So the
 // thread that posts a force also governs and writes it, if the device side is not in the middle of its cycle; else the cycle does so at its
 // end. Who works on device and governor holds the claim, a flag that is tried and never waited for. A cycle that finds it taken (the
 // network side was displaced in the middle of its microsecond) tries again shortly, and cuts the device (Device::cut) when the force grows

@@ -9,7 +9,7 @@ namespace hapton {
 void ReleaseWatch::start(bool is_realtime) {
   thread_ = std::thread([this, is_realtime] {
     ::pthread_setname_np(::pthread_self(), "hapton-release");
-    if (is_realtime) (void)enter_deadline(kRuntimeNs, kDeadlineNs, kPeriodNs);
+    if (is_realtime) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     SteadyClock clock;
     while (!ends_.load(std::memory_order_acquire)) clock.sleep_until_ns(look());
   });

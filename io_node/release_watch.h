@@ -20,9 +20,8 @@ class ReleaseWatch {
   // While no force is out: a force that comes may have been long on its way.
   static constexpr std::int64_t kIdleNs = 5 * kNanosecondsPerMillisecond;
   // Of SCHED_DEADLINE: a look takes 2 us, a cut within a library more.
-  static constexpr std::int64_t kRuntimeNs = 100'000;
-  static constexpr std::int64_t kDeadlineNs = 500'000;
-  static constexpr std::int64_t kPeriodNs = 2 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kRuntimeNs = 50'000;
+  static constexpr std::int64_t kPeriodNs = 500'000;
 
   // Pre: both outlive this.
   ReleaseWatch(DeviceLoop& loop, const Clock& clock) : loop_(loop), clock_(clock) {}

@@ -55,7 +55,10 @@ Response respond(const http::request<http::empty_body>& request, std::string tex
   const bool is_there = request.target() == "/metrics" || request.target() == "/";
   const auto host = request.find(http::field::host);
   const bool is_ours = host == request.end() || is_host_ours(std::string_view(host->value().data(), host->value().size()));
-  const http::status status = !is_ours ? http::status::forbidden : !is_get ? http::status::method_not_allowed : is_there ? http::status::ok : http::status::not_found;
+  const http::status status = !is_ours   ? http::status::forbidden
+                              : !is_get  ? http::status::method_not_allowed
+                              : is_there ? http::status::ok
+                                         : http::status::not_found;
   Response response(status, 11);
   response.set(http::field::content_type, status == http::status::ok ? "text/plain; version=0.0.4" : "text/plain");
   response.body() = status == http::status::ok ? std::move(text) : is_ours ? "GET /metrics is what there is\n" : "ask for localhost\n";
@@ -159,7 +162,8 @@ Result<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::open(std::string_view 
   try {
     state = std::make_unique<State>();
   } catch (const boost::system::system_error& error) {
-    return fail("cannot serve metrics at TCP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*at), error.what());
+    return fail("cannot serve metrics at TCP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*at),
+                error.what());
   }
   const tcp::endpoint endpoint(to_asio(*at), at->port);
   error_code error;

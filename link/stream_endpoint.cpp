@@ -189,7 +189,8 @@ SocketStreams::Connection* SocketStreams::find(Id id) {
 }
 
 std::size_t SocketStreams::count_open() const {
-  return static_cast<std::size_t>(std::count_if(connections_.begin(), connections_.end(), [](const Connection& c) { return !c.is_closing; }));
+  return static_cast<std::size_t>(
+      std::count_if(connections_.begin(), connections_.end(), [](const Connection& c) { return !c.is_closing; }));
 }
 
 void SocketStreams::wake() noexcept {

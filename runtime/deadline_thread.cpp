@@ -23,11 +23,10 @@ struct Attributes {
 
 }  // namespace
 
-bool enter_deadline(std::int64_t runtime_ns, std::int64_t deadline_ns, std::int64_t period_ns) noexcept {
+bool enter_deadline(std::int64_t runtime_ns, std::int64_t period_ns) noexcept {
   Attributes wanted;
   wanted.runtime_ns = static_cast<std::uint64_t>(runtime_ns);
-  wanted.deadline_ns = static_cast<std::uint64_t>(deadline_ns);
-  wanted.period_ns = static_cast<std::uint64_t>(period_ns);
+  wanted.deadline_ns = wanted.period_ns = static_cast<std::uint64_t>(period_ns);
   return ::syscall(SYS_sched_setattr, 0, &wanted, 0) == 0;
 }
 

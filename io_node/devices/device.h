@@ -76,7 +76,8 @@ class Device {
   virtual bool cut() noexcept { return false; }
   virtual void restore() noexcept {}
 
-  // Set-up only, by the owner: says in the page how another process takes the force away (watchdog/guard_page.h), and keeps that up to date.
+  // Set-up only, by the owner: says in the page how another process takes the force away (watchdog/guard_page.h), and keeps that up to
+  // date.
   virtual void use_guard(GuardPage& /*page*/) noexcept {}
 
   virtual DeviceStatus status() const noexcept = 0;

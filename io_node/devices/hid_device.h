@@ -73,8 +73,8 @@ class HidDevice final : public Device, private HidListener {
   bool has_news_ = false;
   DeviceStatus told_ = DeviceStatus::ready;  // to people
   GuardPage* guard_ = nullptr;
-  int refused_ = 0;                          // of the writer
-  sem_t wishes_;                             // posted by the servo: a wrench is there
+  int refused_ = 0;  // of the writer
+  sem_t wishes_;     // posted by the servo: a wrench is there
   std::atomic<bool> has_heard_{false};
   std::atomic<bool> ends_{false};
   HidPort port_;

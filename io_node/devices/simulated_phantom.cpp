@@ -77,7 +77,8 @@ DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
 void SimulatedPhantom::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   advance_to(now_ns);
   written_n_ = wrench.force_n;
-  for (std::size_t axis = 0; guard_ != nullptr && axis < 3; ++axis) guard_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
+  for (std::size_t axis = 0; guard_ != nullptr && axis < 3; ++axis)
+    guard_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
 }
 
 }  // namespace hapton

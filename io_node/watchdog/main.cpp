@@ -27,9 +27,9 @@ using namespace hapton;
 // Where io_node puts the memory that is shared.
 constexpr int kGuardFile = 3;
 constexpr int kTimesAtTheEnd = 3;
-// Of SCHED_DEADLINE, within each look.
+// Of SCHED_DEADLINE.
 constexpr std::int64_t kRuntimeNs = 100'000;
-constexpr std::int64_t kDeadlineNs = 500'000;
+constexpr std::int64_t kPeriodNs = 1'000'000;
 
 bool is_gone(int process_file) {
   pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
   const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (process_file < 0 || ::getppid() != process) return 0;  // it has ended already, without a force
   std::thread beside([&] {
-    if (priority > 0) (void)enter_deadline(kRuntimeNs, kDeadlineNs, OuterWatchdog::kLookEveryNs);
+    if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     watch(memory.page(), process, process_file, false);
   });
   (void)enter_realtime({.mode = priority > 0 ? RealtimeMode::attempt : RealtimeMode::off, .priority = priority, .low_dma_latency = false});

@@ -31,7 +31,7 @@ void sleep_s(double seconds) {
 void observe(const std::function<void()>& what, bool in_realtime = true) {
   std::thread thread([&] {
     // Before all that is observed, where that is granted: not even a real-time program run wild keeps it from looking.
-    if (in_realtime && !enter_deadline(100'000, 200'000, 200'000))
+    if (in_realtime && !enter_deadline(100'000, 200'000))
       (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .lock_memory = false, .low_dma_latency = false});
     what();
   });

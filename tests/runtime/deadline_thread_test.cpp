@@ -15,7 +15,7 @@ constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
   std::thread([] {
     const int before = ::sched_getscheduler(0);
-    const bool is_granted = enter_deadline(kMs / 10, kMs, 2 * kMs);
+    const bool is_granted = enter_deadline(kMs / 10, kMs);
     EXPECT_EQ(::sched_getscheduler(0) & 0xFF, is_granted ? 6 : before);
     // It sleeps and wakes as any.
     SteadyClock clock;
@@ -27,7 +27,7 @@ TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
 }
 
 TEST(DeadlineThread, WhatMakesNoSenseIsRefused) {
-  std::thread([] { EXPECT_FALSE(enter_deadline(2 * kMs, kMs, kMs)); }).join();
+  std::thread([] { EXPECT_FALSE(enter_deadline(2 * kMs, kMs)); }).join();
 }
 
 }  // namespace

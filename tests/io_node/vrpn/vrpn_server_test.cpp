@@ -1,8 +1,8 @@
 // The server over loopback, seen by a program that speaks VRPN by either entry.
 #include "io_node/vrpn/vrpn_server.h"
 
-#include <gmock/gmock.h>
 #include <arpa/inet.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
