@@ -190,15 +190,25 @@ TEST_F(VrpnServer, lets_go_of_who_speaks_something_else) {
 TEST_F(VrpnServer, has_places_for_sixteen_and_lets_the_rest_go) {
   open();
   std::vector<std::unique_ptr<Program>> programs;
+  const auto look = [&] {
+    for (const auto& program : programs) program->look();
+  };
   for (int n = 0; n < 24; ++n) {
     programs.push_back(std::make_unique<Program>());
     programs.back()->connect(at());
+    // Who has said nothing yet would make room for the next.
+    if (n == 15) {
+      ASSERT_TRUE(feed_until(*programs.front(), [&] {
+        look();
+        return std::all_of(programs.begin(), programs.end(), [](const auto& p) { return p->has_heard(kPosition); });
+      }));
+    }
   }
   const auto count = [&](auto&& holds) {
     return std::count_if(programs.begin(), programs.end(), [&](const auto& p) { return holds(*p); });
   };
   ASSERT_TRUE(feed_until(*programs.front(), [&] {
-    for (const auto& program : programs) program->look();
+    look();
     return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_heard(kPosition); }) == 24;
   }));
   EXPECT_EQ(count([](const Program& p) { return p.has_heard(kPosition); }), 16);
