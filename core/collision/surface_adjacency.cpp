@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -18,12 +19,14 @@ Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The height of a triangle over its longest edge.
-double least_height(const Corners& c) {
+// The height of a triangle over its longest edge is at least kLeastHeight. Far above that the rounding of a plain cross product is nothing.
+bool is_high(const Corners& c) {
   const Vec3 ab = c[1] - c[0];
   const Vec3 ac = c[2] - c[0];
   const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (c[2] - c[1]).squaredNorm()});
-  return longest > 0.0 ? std::sqrt(accurate_cross(ab, ac).squaredNorm() / longest) : 0.0;
+  constexpr double kLeast = SurfaceAdjacency::kLeastHeight;
+  if (ab.cross(ac).squaredNorm() > 16.0 * kLeast * kLeast * longest) return true;
+  return longest > 0.0 && accurate_cross(ab, ac).squaredNorm() >= kLeast * kLeast * longest;
 }
 
 // All points of b on one side of the plane through `at`, farther than `margin` away. The normal need not be unit.
@@ -145,43 +148,50 @@ SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Tri
   pair_edges(vertex_count, triangles);
 }
 
-// Half edges are gathered by their lower vertex; there the few with the same upper vertex are found.
+// Half edges are listed by their lower vertex; there the few with the same upper vertex are found. A list runs through the place of each
+// half edge's neighbour, until that is known.
 void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
-  struct HalfEdgeAt {
-    std::uint32_t high;
-    std::uint32_t code;  // (triangle << 3) | (edge << 1) | runs upwards
-  };
-  std::vector<std::uint32_t> first(vertex_count + 2, 0);
-  const auto for_each_edge = [&](auto&& visit) {
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      const Triangle& corner = triangles[t];
-      if (repeats_vertex(corner)) continue;
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t from = corner[k];
-        const std::uint32_t to = corner[k == 2 ? 0 : k + 1];
-        visit(std::min(from, to), HalfEdgeAt{std::max(from, to), t << 3 | k << 1 | (from < to ? 1U : 0U)});
-      }
-    }
-  };
-  for_each_edge([&](std::uint32_t low, const HalfEdgeAt&) { ++first[low + 2]; });
-  for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
-  std::vector<HalfEdgeAt> edges(first.back());
-  for_each_edge([&](std::uint32_t low, const HalfEdgeAt& edge) { edges[first[low + 1]++] = edge; });
   const auto place = [&](std::uint32_t code) -> std::uint32_t& { return across_[3 * std::size_t{code >> 3} + (code >> 1 & 3U)]; };
+  std::vector<std::uint32_t> last(vertex_count, kNone);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Triangle& corner = triangles[t];
+    if (repeats_vertex(corner)) continue;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = corner[k];
+      const std::uint32_t to = corner[k == 2 ? 0 : k + 1];
+      const std::uint32_t code = t << 3 | k << 1 | (from < to ? 1U : 0U);
+      place(code) = std::exchange(last[std::min(from, to)], code);
+    }
+  }
+  std::vector<std::uint32_t> high;  // of each half edge of a list, with room for whole eights
+  std::vector<std::uint32_t> codes;
   for (std::size_t v = 0; v < vertex_count; ++v) {
-    const std::span<HalfEdgeAt> bucket(edges.data() + first[v], first[v + 1] - first[v]);
-    for (std::size_t i = 0; i < bucket.size(); ++i) {
-      std::size_t others = 0;
+    std::size_t count = 0;
+    for (std::uint32_t code = last[v]; code != kNone; ++count) {
+      if (count + 8 > high.size()) {
+        high.resize(2 * count + 16);
+        codes.resize(high.size());
+      }
+      const std::uint32_t k = code >> 1 & 3U;
+      high[count] = triangles[code >> 3][(code & 1U) == 0 ? k : k == 2 ? 0 : k + 1];
+      codes[count] = code;
+      code = std::exchange(place(code), kNone);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const __m256i own = _mm256_set1_epi32(static_cast<int>(high[i]));
+      int others = -1;
       std::size_t other = i;
-      for (std::size_t j = 0; j < bucket.size(); ++j) {
-        if (j == i || bucket[j].high != bucket[i].high) continue;
-        ++others;
-        other = j;
+      for (std::size_t j = 0; j < count; j += 8) {
+        const __m256i same = _mm256_cmpeq_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(&high[j])), own);
+        auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same)));
+        mask &= count - j < 8 ? (1U << (count - j)) - 1U : 0xFFU;
+        others += std::popcount(mask);
+        if (i - j < 8) mask &= ~(1U << (i - j));
+        other = mask != 0 ? j + static_cast<std::size_t>(std::countr_zero(mask)) : other;
       }
       if (others > 1) continue;
-      const std::uint32_t code = bucket[other].code & ~1U;
-      const bool flips = others == 0 || (bucket[i].code & 1U) == (bucket[other].code & 1U);
-      place(bucket[i].code) = code | (flips ? 1U : 0U);
+      const bool flips = others == 0 || ((codes[i] ^ codes[other]) & 1U) == 0;
+      place(codes[i]) = (codes[other] & ~1U) | (flips ? 1U : 0U);
     }
   }
 }
@@ -216,11 +226,12 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
 std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices,
                                                                     std::span<const Triangle> triangles) const {
   struct Round {
-    Vec3 axis = Vec3::Zero();
-    std::uint16_t valence = 0;
-    std::uint16_t turns = 0;
+    Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any would do, as long as it is the same for all
+    std::uint8_t valence = 0;
+    std::uint8_t turns = 0;
     bool is_even = true;
   };
+  static_assert(kMostValence < 255);
   std::vector<Round> rounds(vertices.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
@@ -231,8 +242,8 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
       Round& round = rounds[corner[k]];
       const Across next = across(t, k);
       const bool runs_on = next.exists && !next.flips && !repeats;
-      round.axis += normal;
-      round.valence = static_cast<std::uint16_t>(std::min(round.valence + 1, kMostValence + 1));
+      round.axis += normal.cast<float>();
+      round.valence = static_cast<std::uint8_t>(std::min(round.valence + 1, kMostValence + 1));
       round.is_even = round.is_even && runs_on;
       if (!runs_on) rounds[corner[(k + 1) % 3]].is_even = false;
     }
@@ -245,7 +256,7 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
     const double least_lean = 0.25 * normal.squaredNorm();
     for (int k = 0; k < 3; ++k) {
       Round& round = rounds[corner[k]];
-      const Vec3& axis = round.axis;
+      const Vec3 axis = round.axis.cast<double>();
       const int before = (k + 2) % 3;
       constexpr double kLeast = 8.0 * kLeastAngle;
       const double along = axis.dot(normal);
@@ -294,7 +305,7 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
     const Triangle& corner = triangles[t];
     bool ok = !repeats_vertex(corner);
     for (int k = 0; k < 3 && ok; ++k) ok = across(t, k).exists && fans[corner[k]] != Fan::broken;
-    walkable_[t] = ok && least_height(corners_of(vertices, corner)) >= kLeastHeight;
+    walkable_[t] = ok && is_high(corners_of(vertices, corner));
   }
   // Triangles with a common vertex that has an even fan need no test: that fan holds both.
   std::array<std::uint32_t, WideBvh::kWidth> item;
