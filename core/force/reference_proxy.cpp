@@ -24,10 +24,12 @@ constexpr double kLongestMotion = 4.0;          // a device far away must not co
 constexpr double kLeastRoll = 1e-10;            // rad
 constexpr double kLongestRoll = std::numbers::pi / 3.0;
 constexpr double kLongestTip = std::numbers::pi / 6.0;
-constexpr double kBorder = 1e-3;    // of the rest distance: a face's contact this near to its border may stand on the edge
-constexpr double kOpenFace = 16.0;  // rest distances from its border a point on a face has nothing else to be held by
+constexpr double kBorder = 1e-3;         // of the rest distance: a face's contact this near to its border may stand on the edge
+constexpr double kOpenFace = 16.0;       // rest distances from its border a point on a face has nothing else to be held by
+constexpr double kAtVertex = 32.0;       // rest distances: as near to a vertex a point is there
+constexpr double kLeastSlope = 0x1p-30;  // of the distance to the device: less does not lead from a vertex
 constexpr int kIdleMotions = 8;
-constexpr int kMostMotions = 4000;
+constexpr int kMostMotions = 16000;
 constexpr int kMostEscapes = 64;
 constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
 constexpr double kLocal = 0x1p-7;    // half the side of the cube whose faces are listed: some hundred of a million
@@ -53,6 +55,8 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   boxes_.reserve(most_faces);
   local_.reserve(most_faces);
   contacts_before_.reserve(kMostContacts);
+  vertex_contacts_.reserve(kMostContacts);
+  stays_.reserve(most_faces);
   near_.reserve(kMostNear);
   directions_.reserve(kMostDirections);
   half_spaces_.reserve(kMostContacts);
@@ -176,7 +180,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
       if (tip_over(device, pull)) continue;
       break;
     }
-    if (roll(device, pull)) continue;
+    if (roll(device, pull) || leave_vertex(device, pull)) continue;
     advance(motion);
   }
   update_contacts();
@@ -195,7 +199,15 @@ bool ReferenceProxy::escape(const Vec3& device) noexcept {
   const Vec3 pull = device - start;
   const double least_gain = kEscapeGain * rest_;
   contacts_before_ = state_.contacts;
+  const auto has_gained = [&] { return (device - state_.place).norm() < pull.norm() - least_gain; };
+  update_contacts();
+  if (leave_vertex(device, project_pull(pull))) {
+    descend(device);
+    if (has_gained()) return true;
+    state_.place = start;
+  }
   for (const double height : {8.0 * rest_, 256.0 * rest_}) {
+    if (keeps_to_surface() && height > 8.0 * rest_) continue;
     collect_near(start, 2.0 * height);
     if (!lift(start, height)) continue;
     const Vec3 lifted = state_.place;
@@ -205,7 +217,7 @@ bool ReferenceProxy::escape(const Vec3& device) noexcept {
       advance(direction);
       if ((state_.place - start).norm() < 8.0 * height) continue;
       descend(device);
-      if ((device - state_.place).norm() < pull.norm() - least_gain) return true;
+      if (has_gained()) return true;
     }
     state_.place = start;
   }
@@ -301,11 +313,12 @@ void ReferenceProxy::update_contacts() noexcept {
   }
   std::erase_if(state_.contacts,
                 [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
-  if (has_friction()) forget_borders_of_faces();
+  forget_borders_of_faces();
 }
 
-// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion.
-// Friction would stop there.
+// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion. By the
+// edge between two triangles of one plane it would hold a proxy whose device draws it along the plane by less than its normal leans; and
+// friction would stop there.
 void ReferenceProxy::forget_borders_of_faces() noexcept {
   const auto is_of_face = [&](const Contact& contact) {
     if (contact.near.feature == TriangleFeature::kFace) return false;
@@ -377,22 +390,113 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   return motion * ((way - least) / way);
 }
 
-// Under friction the way counts, not only where it ends: it must not lead off the surface beyond the face that holds the proxy.
-Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) const noexcept {
+// Where the proxy jumps, the way counts, not only where it ends: it must not lead off the surface beyond what holds the proxy.
+Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
-  if (!has_friction() || pull.strongest == nullptr || !(length > rest_)) return motion;
+  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > rest_)) return motion;
   double until = 1.0;
-  if (pull.strongest->near.feature == TriangleFeature::kFace) {
-    const PreparedTriangle& shape = pull.strongest->face.shape;
+  for (int i = 0; i < pull.motion.count; ++i) until = std::min(until, share_on_feature(state_.contacts[pull.motion.active[i]], motion));
+  return std::min(1.0, until + rest_ / length) * motion;
+}
+
+// The share of a motion that stays by what the contact touches.
+double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& motion) noexcept {
+  const PreparedTriangle& shape = contact.face.shape;
+  if (contact.near.feature == TriangleFeature::kFace) return share_on_plane(contact, motion);
+  if (!is_edge(contact.near.feature)) return 0.0;
+  const Vec3 direction = edge_of(contact).normalized();
+  const double along = direction.dot(motion);
+  const double sideways = (motion - along * direction).norm();
+  const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0) + (along > 0.0)) % 3];
+  const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.place) / along) : 1.0;
+  return sideways * until > rest_ ? rest_ / sideways : until;
+}
+
+// The share of a motion over the faces near of one plane.
+double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion) noexcept {
+  const auto stay_over = [&](const PreparedTriangle& shape) {
+    Stay stay{0.0, 1.0};
     for (int k = 0; k < 3; ++k) {
       const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
-      const double outward = -shape.inward[k].dot(motion);
-      if (outward > 0.0) until = std::min(until, std::max(inside, 0.0) / outward);
+      const double rate = shape.inward[k].dot(motion);
+      if (rate < 0.0) stay.until = std::min(stay.until, std::max(inside, 0.0) / -rate);
+      if (inside < 0.0) stay.from = rate > 0.0 ? std::max(stay.from, -inside / rate) : 2.0;
     }
-  } else {
-    until = 0.0;
+    return stay;
+  };
+  stays_.clear();
+  list_local_faces();
+  for (const std::uint32_t i : local_) {
+    const PreparedTriangle& shape = faces_[i].shape;
+    if (!shape.has_face || std::abs(shape.normal.dot(contact.near.direction)) < 1.0 - kSamePlane) continue;
+    if (std::abs(std::abs(shape.normal.dot(state_.place - shape.corner[shape.base])) - contact.near.distance) > kSkin) continue;
+    const Stay stay = stay_over(shape);
+    if (stay.from < stay.until) stays_.push_back(stay);
   }
-  return std::min(1.0, until + rest_ / length) * motion;
+  std::sort(stays_.begin(), stays_.end(), [](const Stay& a, const Stay& b) { return a.from < b.from; });
+  double until = stay_over(contact.face.shape).until;
+  const double gap = rest_ / motion.norm();
+  for (const Stay& stay : stays_) {
+    if (stay.from > until + gap) break;
+    until = std::max(until, stay.until);
+  }
+  return until;
+}
+
+// A point leaves a vertex the steepest way, of all faces and edges round it. A sphere would roll on to what it happens to meet first.
+bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept {
+  if (rest_ != kPointRadius || has_friction() || !rules_.keeps_to_surface || pull.strongest == nullptr) return false;
+  const Vec3 start = state_.place;
+  const Vec3* vertex = nullptr;
+  for (const Vec3& corner : pull.strongest->face.shape.corner) {
+    if ((corner - start).norm() <= kAtVertex * rest_) vertex = &corner;
+  }
+  if (vertex == nullptr) return false;
+  const Vec3 way = find_steepest(*vertex, device - *vertex);
+  const double slope = way.norm();
+  if (!(slope > kLeastSlope * (device - *vertex).norm())) return false;
+  const double length = pull.motion.point.norm();
+  if (length > kStill && way.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
+  vertex_contacts_ = state_.contacts;
+  const double height = 8.0 * rest_;
+  // As far as it takes to come nearer in spite of the lift.
+  const double share = std::max(8.0, 4.0 * (device - *vertex).norm() / slope) * height / slope;
+  collect_near(start, 2.0 * kAtVertex * rest_);
+  if (share < 1.0 && lift(start, height)) {
+    state_.contacts.clear();
+    if (advance(*vertex - start) && advance(share * way) && (device - state_.place).norm() < (device - start).norm()) {
+      update_contacts();
+      return true;
+    }
+  }
+  state_.place = start;
+  state_.contacts = vertex_contacts_;
+  update_contacts();
+  return false;
+}
+
+// Along the face or edge at the vertex on which a point nearest to the device lies farthest away: to there. Zero: none.
+Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept {
+  Vec3 best = Vec3::Zero();
+  const auto offer = [&](const Vec3& way) {
+    if (way.squaredNorm() > best.squaredNorm()) best = way;
+  };
+  for (const Face& face : faces_) {
+    const PreparedTriangle& shape = face.shape;
+    for (int k = 0; k < 3; ++k) {
+      if (shape.corner[k] != vertex) continue;
+      const Vec3& next = shape.edge[k];
+      const Vec3 before = -shape.edge[(k + 2) % 3];
+      for (const Vec3* edge : {&next, &before}) {
+        const double along = edge->dot(to_device);
+        if (along > 0.0) offer((along / edge->squaredNorm()) * *edge);
+      }
+      if (!shape.has_face) continue;
+      const Vec3 way = to_device - shape.normal.dot(to_device) * shape.normal;
+      if (shape.inward[k].dot(way) > 0.0 && shape.inward[(k + 2) % 3].dot(way) > 0.0) offer(way);
+    }
+  }
+  return best;
 }
 
 // A sphere over a single edge or corner goes round it to the point nearest to the device, or sixty degrees on.
