@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/force/certain_rest.h"
+#include "core/force/close_up_rest.h"
 #include "core/force/reference_method.h"
 #include "core/force/smooth_method.h"
 #include "core/geometry/closest_point.h"
@@ -26,8 +27,9 @@ constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
 constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
 constexpr double kClearShare = 0.05;   // of what a proxy may hover by: above rounding, so the side is beyond doubt
-constexpr double kMouthShare = 1e-5;   // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
-constexpr double kRestHovers = 4.0;    // round a rest that may be proved to be one
+constexpr double kCloseUpShare = 0x1p-10;
+constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
+constexpr double kRestHovers = 4.0;   // round a rest that may be proved to be one
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -194,6 +196,11 @@ struct StressRun::Inside {
     return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
   }
 
+  // What holds the proxy may be lower than the reference lifts itself in the whole body: a point a thousand times smaller tells.
+  bool is_held_closely(const Vec3& p, const Vec3& device) const {
+    return probe_radius == 0.0 && rests_in_close_up(body.touched, settings.material, p, kCloseUpShare * extent, clear_start(p), device);
+  }
+
   // Asks the reference whether the proxy may stay at p.
   template <class Note>
   void judge_rest(const Vec3& p, const Vec3& device, const Note& note) const {
@@ -207,7 +214,7 @@ struct StressRun::Inside {
     // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
     const double depth = solid ? solid->compute_distance(device) : extent;
     if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device) ||
-        !gains_from_beside(p, device))
+        !gains_from_beside(p, device) || is_held_closely(p, device))
       return;
     note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
   }
