@@ -297,7 +297,32 @@ Vec3 SurfacePoint::lifted(double height) const noexcept {
       constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
   if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
   if (on_ == On::edge) return p_ + between(a().normal(), b().normal(), height);
+  if (on_ == On::vertex) return p_ + over_widest_face(height);
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
+}
+
+// At a vertex where no way leads off all faces at once: over the middle of the face from which the others are farthest. A ball about that
+// middle which none of them enters is cut by the face alone, so half of it is on the free side.
+Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
+  const auto edge_before = [&](int i) -> const Vec3& { return fan_[(i + fan_count_ - 1) % fan_count_].direction; };
+  const auto distance_to = [&](int i, const Vec3& p) {
+    if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
+    const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
+    return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
+  };
+  double widest = 1.0 / kSteepest;
+  Vec3 way = 0.5 * widest * a().normal();
+  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
+    const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
+    double clear = 1.0;
+    for (int k = 0; k < fan_count_; ++k) {
+      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_to(k, middle));
+    }
+    if (clear <= widest) continue;
+    widest = clear;
+    way = middle + 0.5 * clear * fan_[i].normal;
+  }
+  return (2.0 * height / widest) * way;
 }
 
 // The least way to `height` over two planes through zero.

@@ -150,6 +150,7 @@ class SurfacePoint {
  private:
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
   static constexpr double kSteepest = 4096.0;           // of a lift's height: how far it may lead
+  static constexpr int kMostTried = 16;                 // faces of a fan that a lift may lead over
   static constexpr int kMostNear = 64;                  // faces looked at for a lift
   static constexpr double kAllButFlat = 1.0 - 0x1p-21;  // the cosine of a milliradian
 
@@ -162,6 +163,7 @@ class SurfacePoint {
   Vec3 vertex_normal() const noexcept;
   bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
+  Vec3 over_widest_face(double height) const noexcept;
   bool is_near_edge(const Facet& facet, int k, double within) const noexcept;
   template <class Add>
   void add_near_planes(double height, Add&& add) const noexcept;
