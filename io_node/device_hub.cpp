@@ -122,7 +122,7 @@ struct DeviceHub::Parts {
         metrics(std::move(served)),
         metered(*endpoint, steady),
         budget(metered, clock),
-        sealed(budget, steady, key),
+        sealed(budget, steady, key, AgreementWorker::Where::own_thread),
         recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
         peers(sealed, steady, session_id, options.rate_hz),
         servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),

@@ -191,7 +191,13 @@ void DeviceLoop::grant_requests() noexcept {
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
   if (std::exchange(hands_granted_, requests.hands) != requests.hands) device_.lead_hand(requests.p_WH);
-  if (std::exchange(resets_granted_, requests.resets) != requests.resets) governor_.reset_faults();
+  const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
+  const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
+  if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
+    governor_.reset_faults();
+  } else if (is_reset_if_held) {
+    ++stats_.resets_denied;
+  }
   if (requests.ends && !std::exchange(is_finished_, true)) stats_.governor = governor_.figures();
   if (std::exchange(stats_granted_, requests.stats) != requests.stats) stats_copies_.publish(collect_stats());
 }
@@ -236,6 +242,7 @@ void DeviceLoop::show() noexcept {
   side.governor = governor_.figures();
   side.is_silent = governor_.is_silent();
   side.is_energy_gone = governor_.is_energy_gone();
+  side.is_switch_held = governor_.is_switch_held();
   side.has_overrun = has_overrun();
   side.command = number_;
   side.ready_ns = ready_ns_;
@@ -289,8 +296,8 @@ void DeviceLoop::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
   requests_box_.publish(requests_);
 }
 
-void DeviceLoop::reset_faults() noexcept {
-  ++requests_.resets;
+void DeviceLoop::reset_faults(ResetPresence presence) noexcept {
+  ++(presence == ResetPresence::known ? requests_.resets : requests_.resets_if_held);
   requests_box_.publish(requests_);
 }
 

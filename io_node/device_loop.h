@@ -22,6 +22,10 @@ namespace hapton {
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
+// How a person's presence is known to whoever asks for a reset of a latched fault (reset_right.h): already, or by the dead man's switch,
+// which must still be held when the reset takes effect.
+enum class ResetPresence : std::uint8_t { known, while_held };
+
 // One cycle of the device loop, told to the network side.
 struct DeviceCycle {
   std::uint64_t number = 0;  // of the sample, from 1
@@ -41,6 +45,7 @@ struct DeviceSide {
   GovernorFigures governor;
   bool is_silent = true;  // see SafetyGovernor::is_silent
   bool is_energy_gone = false;
+  bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
   bool has_overrun = false;
   std::uint64_t command = 0;  // number of the newest force command that was governed, and when it was ready and written
   std::int64_t ready_ns = 0;
@@ -62,6 +67,7 @@ struct DeviceLoopStats {
   std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, of all silences
   std::uint64_t commands = 0;           // force commands governed
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
+  std::uint64_t resets_denied = 0;      // the switch was let go before they took effect
   std::uint64_t cuts = 0;               // times the device was cut, because that took too long or this loop stood still
   std::uint64_t cycles_untold = 0;      // the network side was too far behind to be told of them
   GovernorFigures governor;
@@ -138,7 +144,7 @@ class DeviceLoop {
   std::uint64_t post(const WantedWrench& wanted) noexcept;
   // These take effect with the next cycle.
   void lead_hand(const std::optional<Vec3>& p_WH) noexcept;
-  void reset_faults() noexcept;
+  void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
   void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
   // Asks for a copy of what was measured; take_stats is true once when it is there.
@@ -168,7 +174,8 @@ class DeviceLoop {
     double rate_hz = 0.0;  // 0: as it is
     std::optional<Vec3> p_WH;
     std::uint32_t hands = 0;
-    std::uint32_t resets = 0;
+    std::uint32_t resets = 0;          // by someone known to be present
+    std::uint32_t resets_if_held = 0;  // ... if the switch is held
     std::uint32_t stats = 0;
     bool ends = false;
   };
@@ -206,6 +213,7 @@ class DeviceLoop {
   std::int64_t next_look_ns_ = 0;  // at the motors' temperature
   std::uint32_t hands_granted_ = 0;
   std::uint32_t resets_granted_ = 0;
+  std::uint32_t resets_if_held_granted_ = 0;
   std::uint32_t stats_granted_ = 0;
 
   // Whoever holds the claim.

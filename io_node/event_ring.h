@@ -21,20 +21,26 @@ struct ServoEvent {
     method_asked,
     wrong_key,
     wrong_version,
-    flood,
     latched,
     reset,
     reset_refused,
     away,
     calibrating,
-    back
+    back,
+    reset_without_right,   // a tool whose key is not an operator's asked for a reset
+    reset_without_person,  // ... an operator, and nobody is known to be at the device
+    flood,                 // more datagrams were refused than anyone of good will sends
+    role_violation,        // a node asked for a role, or sent what belongs to one, that its key does not allow
   };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;                   // of rate_changed; datagrams a second of flood
+  double rate_hz = 0.0;                   // of rate_changed; of flood: datagrams a second
   std::array<char, 16> method = {};       // of method_asked
   SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_refused
+  Refusal flood = Refusal::malformed;     // of flood: what it is of
+  bool is_from_several = false;           // of flood: from other addresses, too
+  bool is_kept_out = false;               // of flood: most of it in the kernel
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "io_node/safety/reset_right.h"
 #include "io_node/session_fault_of.h"
+#include "link/link_key.h"
 
 namespace hapton {
 namespace {
@@ -12,7 +14,6 @@ namespace {
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
 constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;      // a device is away for so long before it is told
-constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -196,7 +197,7 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) return on_view(*view);
   if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn, event.peer);
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
-  if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event.role);
+  if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event);
   if (std::holds_alternative<HapticsSetup>(datagram.message)) peers_.send_to_role(NodeRole::tool, datagram.message);
   if (const auto* ask = std::get_if<ReportAsk>(&datagram.message); ask != nullptr && desk_ != nullptr) desk_->ask(event.peer, *ask);
 }
@@ -270,7 +271,8 @@ void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
   loop_.lead_hand(hand.active ? std::optional(hand.p_WH) : std::nullopt);
 }
 
-void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
+void Servo::on_settings(const Settings& settings, const PeerEvent& event) noexcept {
+  const NodeRole role = event.role;
   if (settings.servo_rate_hz >= kLowestRateHz && settings.servo_rate_hz <= kHighestRateHz) {
     rate_hz_ = settings.servo_rate_hz;
     loop_.set_rate_hz(rate_hz_);
@@ -283,8 +285,23 @@ void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
     peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false, false, settings.method_ask});
     events_.push({ServoEvent::Kind::method_asked, role, {}, 0.0, settings.method, {}});
   }
-  if (settings.reset_faults && role == NodeRole::tool) loop_.reset_faults();
+  if (settings.reset_faults && role == NodeRole::tool) reset_faults(peers_.peer(event.peer));
   if (settings.report_now) report_wished_.store(true, std::memory_order_release);
+}
+
+void Servo::reset_faults(const Peer& asker) noexcept {
+  const DeviceSide& side = loop_.look();
+  if (side.governor.fault == SafetyFault::none) return;
+  const bool is_from_this_host = is_loopback(asker.address);
+  const ResetVerdict verdict = judge_reset(asker.key_role, is_from_this_host, side.is_switch_held);
+  if (verdict != ResetVerdict::granted) {
+    ++resets_denied_;
+    if (clock_.now_ns() < next_denial_ns_) return;
+    next_denial_ns_ = clock_.now_ns() + kNanosecondsPerSecond;
+    const bool lacks_right = verdict == ResetVerdict::no_right;
+    return tell(lacks_right ? ServoEvent::Kind::reset_without_right : ServoEvent::Kind::reset_without_person, asker.role, asker.address);
+  }
+  loop_.reset_faults(is_from_this_host ? ResetPresence::known : ResetPresence::while_held);
 }
 
 void Servo::on_joined(const PeerEvent& event) noexcept {
@@ -440,18 +457,14 @@ void Servo::refresh_figures(std::int64_t now_ns) noexcept {
 
 // Who lacks the key is told nothing; the person at the hub is, now and then.
 void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
-  if (now_ns < next_strangers_ns_) return;
-  const SealCounts seal = peers_.seal_counts();
-  const SocketCounts socket = budget_ != nullptr ? budget_->socket_counts() : SocketCounts();
-  if (socket.floods != floods_told_) {
-    events_.push({ServoEvent::Kind::flood, NodeRole::tool, socket.last_stranger, socket.flood_per_s, {}, {}});
-    next_strangers_ns_ = now_ns + kStrangersNs;
-    floods_told_ = socket.floods;
+  if (const auto flood = peers_.take_flood(now_ns)) {
+    ServoEvent event{ServoEvent::Kind::flood, NodeRole::tool, flood->from, flood->per_second, {}, {}};
+    event.flood = flood->refusal;
+    event.is_from_several = flood->is_from_several;
+    event.is_kept_out = flood->is_kept_out;
+    events_.push(event);
   }
-  if (seal.wrong_key != told_.wrong_key) tell(ServoEvent::Kind::wrong_key, NodeRole::tool, {});
-  if (seal.wrong_version != told_.wrong_version) tell(ServoEvent::Kind::wrong_version, NodeRole::tool, {});
-  if (seal.wrong_key != told_.wrong_key || seal.wrong_version != told_.wrong_version) next_strangers_ns_ = now_ns + kStrangersNs;
-  told_ = seal;
+  strangers_.look(peers_.seal_counts(), peers_.counts(), now_ns, [&](ServoEvent::Kind kind) { tell(kind, NodeRole::tool, {}); });
 }
 
 void Servo::finish() noexcept {
@@ -486,6 +499,7 @@ const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {
   stats_.governor = device.governor;
   stats_.device_status = device.status;
   stats_.device = device.condition;
+  stats_.resets_denied = resets_denied_ + device.resets_denied;
   stats_.cuts = device.cuts;
   stats_.cycles_untold = device.cycles_untold;
   stats_.ledger = ledger_.counts();

@@ -13,6 +13,7 @@
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
+#include "io_node/stranger_news.h"
 #include "io_node/vision_pace.h"
 #include "io_node/way_meter.h"
 #include "link/budgeted_endpoint.h"
@@ -116,7 +117,8 @@ class Servo {
   void on_view(const ViewTransform& view) noexcept;
   void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
-  void on_settings(const Settings& settings, NodeRole role) noexcept;
+  void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
+  void reset_faults(const Peer& asker) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void do_spare_work() noexcept;
@@ -157,9 +159,9 @@ class Servo {
   std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
-  std::int64_t next_strangers_ns_ = 0;
-  SealCounts told_;  // of strangers
-  std::uint64_t floods_told_ = 0;
+  StrangerNews strangers_;
+  std::int64_t next_denial_ns_ = 0;
+  std::uint64_t resets_denied_ = 0;  // here, for want of the right or of a person
   std::int64_t figures_since_ns_ = 0;
   std::uint64_t figures_samples_ = 0;
 

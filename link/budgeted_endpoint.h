@@ -41,6 +41,7 @@ class BudgetedEndpoint final : public Endpoint {
 
   void prepare_wait(std::int64_t deadline_ns) noexcept override { inner_.prepare_wait(deadline_ns); }
   Address local_address() const override { return inner_.local_address(); }
+  void expect(const Address& from, std::uint32_t connection) noexcept override { inner_.expect(from, connection); }
   SocketCounts socket_counts() const noexcept override { return inner_.socket_counts(); }
 
  private:

@@ -1,21 +1,17 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "link/address.h"
+#include "link/key_role.h"
+#include "link/refusal_watch.h"
 #include "link/seal_counts.h"
 
 namespace hapton {
-
-// Where a datagram goes to or came from: IPv4 or IPv6 address and port.
-struct Address {
-  std::array<std::uint8_t, 16> ip = {};  // IPv4 is held v4-mapped (::ffff:a.b.c.d)
-  std::uint16_t port = 0;
-  friend bool operator==(const Address&, const Address&) = default;
-};
 
 // One size for every datagram: below the smallest MTU we meet, with room for sealing.
 constexpr std::size_t kMaxDatagramBytes = 1200;
@@ -23,6 +19,7 @@ constexpr std::size_t kMaxDatagramBytes = 1200;
 struct Received {
   std::size_t bytes = 0;  // 0: nothing came before the deadline
   Address from;
+  KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
 };
 
 // What a socket met besides datagrams for its owner.
@@ -30,9 +27,11 @@ struct SocketCounts {
   std::uint64_t oversized = 0;  // longer than kMaxDatagramBytes, or empty
   std::uint64_t strangers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
   std::uint64_t dropped = 0;    // by the kernel: kept out during a flood, or no room
+  std::uint64_t kept_out = 0;   // of these, those during a flood
   std::uint64_t floods = 0;     // that began
   double flood_per_s = 0.0;     // datagrams a second, of the newest flood
   Address last_stranger;
+  Address last_oversized;
 };
 
 // A way to exchange datagrams. Real ones over UDP, in-memory ones for tests.
@@ -57,10 +56,16 @@ class Endpoint {
   // does not do that.
   virtual bool accept_only(const Address& /*peer*/) noexcept { return false; }
 
+  // Optional: data of this session (its connection number) is awaited from there, and is no stranger's. RT: yes.
+  virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
+
   // What a sealed endpoint has passed and refused; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
   // What a socket has met; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
+
+  // What is refused so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
+  virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 
 }  // namespace hapton

@@ -30,7 +30,7 @@ bool is_kind(std::span<const std::byte> datagram, seal::Kind kind) {
   return datagram.size() >= seal::kCounterAt && datagram[2] == static_cast<std::byte>(kind);
 }
 
-// The session's number lies at one place in data and in answers.
+// As a filter loads it.
 std::uint32_t session_of(std::span<const std::byte> datagram) {
   std::uint32_t session = 0;
   for (const std::byte byte : datagram.subspan(seal::kConnectionAt, 4)) session = session << 8 | static_cast<std::uint32_t>(byte);
@@ -39,18 +39,34 @@ std::uint32_t session_of(std::span<const std::byte> datagram) {
 
 }  // namespace
 
+void FloodFilter::note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept {
+  std::array<std::byte, seal::kCounterAt> header = {};
+  seal::store(connection, seal::bytes_of(std::span<std::byte>(header)) + seal::kConnectionAt);
+  remember({from, session_of(header), now_ns, false});
+}
+
 void FloodFilter::note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
-  if (!is_kind(datagram, seal::Kind::data) && !is_kind(datagram, seal::Kind::answer)) return;
-  const std::uint32_t session = session_of(datagram);
+  if (is_kind(datagram, seal::Kind::data)) remember({to, session_of(datagram), now_ns, true});
+}
+
+// Who agrees on sessions without end displaces others of that kind, and nobody who is sent data.
+void FloodFilter::remember(const Known& known) noexcept {
   Known* place = &known_[last_known_];
-  if (!place->is(to, session)) {
-    const auto found = std::find_if(known_.begin(), known_.end(), [&](const Known& known) { return known.is(to, session); });
-    place = found != known_.end()
-                ? &*found
-                : &*std::min_element(known_.begin(), known_.end(), [](const Known& a, const Known& b) { return a.time_ns < b.time_ns; });
+  if (!place->is(known.address, known.session)) {
+    const auto found =
+        std::find_if(known_.begin(), known_.end(), [&](const Known& other) { return other.is(known.address, known.session); });
+    const auto goes_first = [&](const Known& a, const Known& b) {
+      const bool is_a_kept = a.was_sent_data && known.time_ns - a.time_ns <= kKnownNs;
+      const bool is_b_kept = b.was_sent_data && known.time_ns - b.time_ns <= kKnownNs;
+      return is_a_kept != is_b_kept ? is_b_kept : a.time_ns < b.time_ns;
+    };
+    place = found != known_.end() ? &*found : &*std::min_element(known_.begin(), known_.end(), goes_first);
   }
-  if (!place->is(to, session) || now_ns - place->time_ns > kKnownNs) ++known_changes_;
-  *place = {to, session, now_ns};
+  const bool is_same = place->is(known.address, known.session);
+  if (!is_same || known.time_ns - place->time_ns > kKnownNs) ++known_changes_;
+  const bool was_sent_data = known.was_sent_data || (is_same && place->was_sent_data);
+  *place = known;
+  place->was_sent_data = was_sent_data;
   last_known_ = static_cast<std::size_t>(place - known_.data());
 }
 
@@ -62,15 +78,22 @@ bool FloodFilter::is_known(const Address& from, std::uint32_t session) const noe
 void FloodFilter::note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept {
   counts_.oversized += is_oversized ? 1 : 0;
   if (!is_oversized && is_kind(datagram, seal::Kind::data) && is_known(from, session_of(datagram))) return;
+  if (is_oversized) counts_.last_oversized = from;
   ++strangers_;
   ++counts_.strangers;
   counts_.last_stranger = from;
 }
 
 FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_ns) noexcept {
+  if (now_ns < due_ns_) {
+    may_hasten_ = false;
+    return install();
+  }
+  may_hasten_ = true;
   const std::uint32_t newly_dropped = window_ns_ == 0 ? 0 : dropped - dropped_;
   dropped_ = dropped;
   counts_.dropped += newly_dropped;
+  counts_.kept_out += is_shut_ ? newly_dropped : 0;
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - window_ns_, 1));
   const double rate_per_s = static_cast<double>(strangers_ + newly_dropped) / passed_s;
   const bool is_loud = strangers_ + newly_dropped >= kFlood;
@@ -93,7 +116,10 @@ FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_n
   const bool is_same =
       is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
   is_shut_ = true;
-  if (is_same) return Action::none;
+  return is_same ? Action::none : install();
+}
+
+FloodFilter::Action FloodFilter::install() noexcept {
   built_changes_ = known_changes_;
   built_rate_per_s_ = rate_per_s_;
   build(std::min(1.0, kPassedPerS / std::max(rate_per_s_, 1.0)));

@@ -13,8 +13,8 @@
 namespace hapton {
 
 // When a hub's socket is flooded by unknown peers, and which program in the kernel then keeps them out before they cost this process a
-// system call each. Known are the addresses that were sent an answer to their handshake, or data, within kKnownNs, and the session in
-// which; data from them in that session passes, all else passes at random, so rarely that about kPassedPerS get through: nodes still join,
+// system call each. Known are the addresses that a session was agreed on with, or that were sent data, within kKnownNs, and that session;
+// data from them in that session passes, all else passes at random, so rarely that about kPassedPerS get through: nodes still join,
 // and what is refused is still seen and counted, as a sample. Without a flood nothing is filtered. The filter looks at source, version,
 // kind, session and length; whether a datagram is authentic is the sealing's to say. Units: ns of the caller's clock, datagrams. RT: yes,
 // no heap; installing the program is the caller's. Threads: one.
@@ -33,11 +33,13 @@ class FloodFilter {
   // What the socket is to be told.
   enum class Action : std::uint8_t { none, install, remove };
 
+  // Data of this session will come from there: what an answer to a handshake says is sealed.
+  void note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept;
   void note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
   // A datagram came; an oversized one with the part of it that was read.
   void note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept;
 
-  bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_; }
+  bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_ || has_news(); }
   bool is_shut() const noexcept { return is_shut_; }
   // dropped: what the kernel has dropped at this socket so far, by the filter or for want of room; modulo 2^32.
   Action judge(std::uint32_t dropped, std::int64_t now_ns) noexcept;
@@ -51,9 +53,14 @@ class FloodFilter {
     Address address;
     std::uint32_t session = 0;  // its number's bytes as a filter loads them
     std::int64_t time_ns = 0;
+    bool was_sent_data = false;
     bool is(const Address& at, std::uint32_t in) const noexcept { return session == in && address == at; }
   };
 
+  // Someone has become known whom the program does not let in yet.
+  bool has_news() const noexcept { return is_shut_ && may_hasten_ && built_changes_ != known_changes_; }
+  void remember(const Known& known) noexcept;
+  Action install() noexcept;
   bool is_known(const Address& from, std::uint32_t session) const noexcept;
   void build(double passed_share) noexcept;
   void add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_true = 0, std::uint8_t jump_false = 0) noexcept;
@@ -72,6 +79,7 @@ class FloodFilter {
   double rate_per_s_ = 0.0;
   double built_rate_per_s_ = 0.0;
   bool is_shut_ = false;
+  bool may_hasten_ = false;  // once a window: what is agreed on within it is let in at once
   std::array<sock_filter, kMostInstructions> program_ = {};
   std::size_t program_size_ = 0;
 };

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "link/asio_guard.h"
 #include "link/link_key.h"
 #include "link/udp_endpoint.h"
 
@@ -158,13 +159,9 @@ Result<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::open(std::string_view 
   if (!is_loopback(*at)) {
     return fail("metrics are served to this machine only, not at {}; give a loopback address, for example 127.0.0.1:9464", bind_address);
   }
-  std::unique_ptr<State> state;
-  try {
-    state = std::make_unique<State>();
-  } catch (const boost::system::system_error& error) {
-    return fail("cannot serve metrics at TCP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*at),
-                error.what());
-  }
+  auto made = make_with_context<State>();
+  if (!made) return fail("cannot serve metrics at TCP {}: {}", to_string(*at), made.error().what);
+  std::unique_ptr<State> state = std::move(*made);
   const tcp::endpoint endpoint(to_asio(*at), at->port);
   error_code error;
   state->acceptor.open(endpoint.protocol(), error);

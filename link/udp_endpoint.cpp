@@ -17,6 +17,7 @@
 #include <limits>
 #include <optional>
 
+#include "link/asio_guard.h"
 #include "link/flood_filter.h"
 #include "link/source_filter.h"
 
@@ -77,6 +78,9 @@ class UdpEndpoint final : public Endpoint {
   void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
   bool accept_only(const Address& peer) noexcept override;
+  void expect(const Address& from, std::uint32_t connection) noexcept override {
+    if (filters_floods_) filter_.note_expected(from, connection, monotonic_ns());
+  }
   SocketCounts socket_counts() const noexcept override { return filter_.counts(); }
 
  private:
@@ -367,13 +371,9 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   }
   const udp::endpoint wanted =
       is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
-  std::unique_ptr<UdpEndpoint> endpoint;
-  try {
-    endpoint = std::make_unique<UdpEndpoint>(filters_floods);
-  } catch (const boost::system::system_error& thrown) {
-    return fail("cannot listen on UDP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*local),
-                thrown.what());
-  }
+  auto made = make_with_context<UdpEndpoint>(filters_floods);
+  if (!made) return fail("cannot listen on UDP {}: {}", to_string(*local), made.error().what);
+  std::unique_ptr<UdpEndpoint>& endpoint = *made;
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*local));
@@ -388,7 +388,7 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   if (error) {
     return fail("cannot listen on UDP {}: {}", to_string(*local), error.message());
   }
-  return endpoint;
+  return std::move(endpoint);
 }
 
 }  // namespace hapton

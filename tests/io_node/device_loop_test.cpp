@@ -28,7 +28,7 @@ class StillDevice final : public Device {
   }
   std::string_view name() const noexcept override { return "still"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
-  DeviceSample read(std::int64_t now_ns) noexcept override { return {now_ns, Vec3(0.01, 0.02, 0.03), Quat::Identity(), 0, true}; }
+  DeviceSample read(std::int64_t now_ns) noexcept override { return {now_ns, place, Quat::Identity(), buttons, true}; }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
     if (within_write) within_write();
     written.emplace_back(wrench.force_n, now_ns);
@@ -42,6 +42,8 @@ class StillDevice final : public Device {
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
 
   double force_n() const { return is_cut || written.empty() ? 0.0 : written.back().first.norm(); }
+  Vec3 place = Vec3(0.01, 0.02, 0.03);
+  std::uint32_t buttons = 0;
   std::vector<std::pair<Vec3, std::int64_t>> written;
   std::function<void()> within_write;
   bool is_cut = false;
@@ -72,6 +74,48 @@ struct DeviceLoops : testing::Test {
   DeviceLoop loop{device, clock, {}};
   DeviceCycle newest;
 };
+
+// Who holds the dead man's switch may have let it go between the request and the cycle that grants it.
+TEST_F(DeviceLoops, a_reset_that_needs_the_switch_takes_effect_only_while_it_is_held) {
+  DeviceLoop held(device, clock, {.hold_button = 1});
+  const auto run = [&](int cycles) {
+    for (int n = 0; n < cycles; ++n) {
+      clock.sleep_until_ns(held.tick_ns());
+      held.begin_cycle();
+      ASSERT_TRUE(held.run_cycle());
+      for (DeviceCycle told; held.take_cycle(told);) newest = told;
+    }
+  };
+  device.buttons = 1U << 1;
+  run(100);
+  EXPECT_TRUE(held.look().is_switch_held);
+  const auto latch = [&] {
+    device.place.x() = -device.place.x();
+    run(20);
+    ASSERT_NE(held.look().governor.fault, SafetyFault::none);
+  };
+  device.place.x() = 0.08;
+  run(1000);
+  (void)held.look();
+  latch();
+  device.buttons = 0;
+  held.reset_faults(ResetPresence::while_held);  // asked for while the newest cycle still had it held
+  EXPECT_TRUE(held.look().is_switch_held);
+  run(5);
+  EXPECT_NE(held.look().governor.fault, SafetyFault::none);
+  EXPECT_FALSE(held.look().is_switch_held);
+  EXPECT_EQ(held.collect_stats().resets_denied, 1U);
+  held.reset_faults(ResetPresence::known);
+  run(5);
+  EXPECT_EQ(held.look().governor.fault, SafetyFault::none) << "who is known to be here needs no switch";
+  device.buttons = 1U << 1;
+  run(1000);
+  latch();
+  held.reset_faults(ResetPresence::while_held);
+  run(5);
+  EXPECT_EQ(held.look().governor.fault, SafetyFault::none);
+  EXPECT_EQ(held.collect_stats().resets_denied, 1U);
+}
 
 TEST_F(DeviceLoops, a_posted_force_is_governed_and_written_at_once) {
   press();

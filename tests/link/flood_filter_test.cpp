@@ -18,11 +18,13 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+constexpr std::uint32_t kConnection = 0x11223344;
 using Bytes = std::vector<std::byte>;
 
 Bytes sealed(seal::Kind kind, std::size_t size = 100) {
   Bytes bytes(size, std::byte{0x5A});
-  seal::write_lead(kind, reinterpret_cast<std::uint8_t*>(bytes.data()));
+  seal::write_lead(kind, seal::bytes_of(std::span<std::byte>(bytes)));
+  if (kind == seal::Kind::data) seal::store(kConnection, seal::bytes_of(std::span<std::byte>(bytes)) + seal::kConnectionAt);
   return bytes;
 }
 
@@ -60,7 +62,7 @@ struct Wire {
 TEST(FloodFilter, keeps_strangers_out_in_the_kernel_and_lets_data_of_known_nodes_pass) {
   Wire wire;
   const Bytes data = sealed(seal::Kind::data);
-  wire.hub->send(wire.node->local_address(), sealed(seal::Kind::answer));
+  wire.hub->expect(wire.node->local_address(), kConnection);
   EXPECT_EQ(wire.passed(*wire.node, data, 100), 100);
   EXPECT_EQ(wire.passed(*wire.stranger, data, 20), 20) << "without a flood nothing is kept out";
   wire.flood(*wire.stranger);
@@ -82,7 +84,7 @@ TEST(FloodFilter, knows_nodes_by_ipv6_as_well) {
   Wire wire("[::1]:0");
   wire.node = std::move(*open_udp_endpoint("[::1]:0"));
   wire.stranger = std::move(*open_udp_endpoint("[::1]:0"));
-  wire.hub->send(wire.node->local_address(), sealed(seal::Kind::answer));
+  wire.hub->expect(wire.node->local_address(), kConnection);
   wire.flood(*wire.stranger);
   EXPECT_EQ(wire.passed(*wire.node, sealed(seal::Kind::data), 500), 500);
   EXPECT_LT(wire.passed(*wire.stranger, sealed(seal::Kind::data), 2000), 1000);
@@ -112,6 +114,7 @@ struct Judged : testing::Test {
     dropped += dropped_more;
     return filter.judge(dropped, now_ns);
   }
+  static Address node_at(std::uint16_t port) { return {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 1}, port}; }
   FloodFilter filter;
   Bytes junk = Bytes(9);
   Address stranger{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 9}, 9};
@@ -147,9 +150,39 @@ TEST_F(Judged, a_node_that_joins_during_a_flood_gets_a_new_program) {
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);
   const std::size_t before = filter.program().size();
-  filter.note_sent({{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 1}, 77}, sealed(seal::Kind::answer), now_ns);
-  ASSERT_EQ(window(500), FloodFilter::Action::install);
+  EXPECT_FALSE(filter.is_due(now_ns));
+  filter.note_expected(node_at(77), kConnection, now_ns);
+  ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the answer";
+  ASSERT_EQ(filter.judge(dropped, now_ns), FloodFilter::Action::install);
   EXPECT_GT(filter.program().size(), before);
+  // Not for everyone, or who agrees without end has a program made each time.
+  filter.note_expected(node_at(78), kConnection, now_ns);
+  EXPECT_FALSE(filter.is_due(now_ns));
+  EXPECT_EQ(window(500), FloodFilter::Action::install);
+}
+
+TEST_F(Judged, what_is_agreed_on_without_end_displaces_nobody_who_is_sent_data) {
+  const Bytes data = sealed(seal::Kind::data);
+  filter.note_sent(node_at(77), data, now_ns);
+  for (std::uint16_t n = 0; n < 1000; ++n) {
+    now_ns += kMs;
+    filter.note_expected(stranger, n, now_ns);
+  }
+  filter.note_received(node_at(77), data, false);
+  EXPECT_EQ(filter.counts().strangers, 0U) << "it was sent data a second ago";
+  now_ns += FloodFilter::kKnownNs;
+  for (std::uint16_t n = 0; n < 1000; ++n) filter.note_expected(stranger, 5000 + n, now_ns + n);
+  filter.note_received(node_at(77), data, false);
+  EXPECT_EQ(filter.counts().strangers, 1U) << "that is too long ago";
+}
+
+TEST_F(Judged, what_the_kernel_keeps_out_in_a_flood_is_told_apart_from_what_it_has_no_room_for) {
+  window(0);
+  EXPECT_EQ(window(0, 500), FloodFilter::Action::install);
+  EXPECT_EQ(filter.counts().kept_out, 0U);
+  window(20, 480);
+  EXPECT_EQ(filter.counts().kept_out, 480U);
+  EXPECT_EQ(filter.counts().dropped, 980U);
 }
 
 TEST_F(Judged, the_most_nodes_fit_into_a_program_and_an_attacker_cannot_crowd_them_out) {

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <vector>
 
+#include "link/metered_endpoint.h"
 #include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
 
@@ -194,6 +195,10 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   const Received received = b->receive(small, clock_.now_ns() + 1000 * kMs);
   EXPECT_EQ(received.bytes, 4U);
   EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
+  EXPECT_EQ(b->socket_counts().oversized, 2U);
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).socket_counts().oversized, 2U);
+  EXPECT_EQ(b->socket_counts().last_oversized, a->local_address());
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).socket_counts().last_oversized, a->local_address());
   EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
 }
 
