@@ -274,7 +274,9 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   if (filters_floods_ && filter_.is_due(now_ns)) judge_flood(now_ns);
   for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
     const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
-    const bool is_past = deadline_ns <= now_ns || (!is_far && !wait_readable(deadline_ns));
+    const bool is_past = deadline_ns <= now_ns;
+    // Whoever waited and found nothing has been told so by the system: it need not be asked again.
+    if (!is_past && !is_far && !wait_readable(deadline_ns)) return {};
     Received received;
     const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);
     if (attempt == Attempt::received || (attempt == Attempt::nothing && is_past)) {
