@@ -270,6 +270,16 @@ TEST(SurfaceFriction, ItSticksAgainAtRestOnly) {
   }
 }
 
+TEST(SurfaceFriction, HeldFromTheStartItSlidesOnUnlessAtRest) {
+  for (const double of_cone : {0.99, 1.01 * FrictionMotion::kRest, 0.99 * FrictionMotion::kRest, 0.0}) {
+    Slider slider(make_plane(), 0.6, 0.3);
+    ASSERT_TRUE(slider.land(0, Vec3::Zero(), true));
+    ASSERT_EQ(slider.descend(Vec3(0.03 * of_cone, 0.0, -0.1)), SurfaceNext::settled);
+    EXPECT_EQ(slider.point(), Vec3::Zero());
+    EXPECT_EQ(slider.friction.slides(), of_cone > FrictionMotion::kRest);
+  }
+}
+
 // The device comes up through the face: before, the cone has shrunk to nothing, so the point is where it comes through.
 TEST(SurfaceFriction, ItIsReleasedWhereTheDeviceComesThrough) {
   for (const bool slides : {false, true}) {

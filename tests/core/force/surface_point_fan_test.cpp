@@ -7,6 +7,7 @@
 
 #include "core/force/surface_point.h"
 #include "core/geometry/mesh_shapes.h"
+#include "core/math/side_sign.h"
 #include "tests/support/surface_stage.h"
 
 // SurfacePoint at a vertex: its fan, the ways that lead on from there, and which side of it is free.
@@ -134,6 +135,26 @@ TEST(SurfacePointFan, BeforeTheFanOfACubesCornerIsOutsideTheCube) {
       }
     }
     EXPECT_GT(before, 100);
+  }
+}
+
+// What lies exactly on the surface is taken to be shifted (side_sign.h): on an edge either of two faces decides, at the corner any of
+// three.
+TEST(SurfacePointFan, OnAnEdgeOfACubeBeforeItsFanIsWhereTheShiftLeads) {
+  const TriangleMesh mesh = make_box(Vec3::Constant(1.0));
+  SurfaceStage stage(mesh);
+  for (const bool back : {false, true}) {
+    for (const Vec3& corner : mesh.vertices) {
+      ASSERT_TRUE(stage.stand_at_vertex(stage.geometry.to_local(corner), back));
+      for (int axis = 0; axis < 3; ++axis) {
+        for (const double along : {0.25, 0.0}) {
+          Vec3 p = corner;
+          p[axis] *= 1.0 - along;
+          const bool is_outside = (p + 1e-9 * kShift).cwiseAbs().maxCoeff() > 0.5;
+          EXPECT_EQ(stage.point.is_before_fan(stage.geometry.to_local(p)), is_outside != back) << p.transpose();
+        }
+      }
+    }
   }
 }
 

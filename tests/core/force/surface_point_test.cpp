@@ -362,6 +362,9 @@ TEST(SurfacePoint, LiftedOffAFaceItClearsTheWallBeyondAConcaveEdgeNear) {
     const Vec3 lifted = stage.point.lifted(kHeight) - stage.local(0, 0, 0);
     EXPECT_GE(lifted.z(), kHeight * (1.0 - 1e-9)) << off;
     EXPECT_GE(wall.dot(lifted), kHeight * (1.0 - 1e-9)) << off;
+    // No higher than it must be: straight up where that clears the wall, else as high over it.
+    const bool clears = off * std::sin(2.5) + kHeight * std::cos(2.5) >= kHeight;
+    EXPECT_NEAR(clears ? lifted.y() + off : wall.dot(lifted) - kHeight, 0.0, 1e-14) << off;
   }
 }
 
