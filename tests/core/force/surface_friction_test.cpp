@@ -367,5 +367,38 @@ TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
   EXPECT_TRUE(slider.friction.slides());
 }
 
+// Straight below a concave vertex or edge, the pull is out of the cones that open downwards, on the far side of the walls: it must come
+// through the inside of a cone before it slips up a wall.
+TEST(SurfaceFriction, ItSlipsUpAWallThatThePullFirstPointsDown) {
+  std::mt19937_64 random = make_random(17);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  int slipped = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const double mu = 0.45 + 0.35 * share(random);
+    Slider slider(make_pit(1.0, 0.5), mu, 0.5 * mu);
+    SurfacePoint& point = slider.stage.point;
+    const Vec3 bottom = slider.stage.local(0, 0, 0);
+    ASSERT_TRUE(slider.stage.stand_at_vertex(bottom));
+    slider.friction.begin(point.material(), false);
+    const Vec3 from = bottom + Vec3(0.02 * share(random), 0.02 * share(random), -0.1);
+    const Vec3 to = from + Vec3(0.3 * share(random), 0.3 * share(random), 0.03 * share(random));
+    ASSERT_EQ(slider.descend(from), SurfaceNext::settled);
+    ASSERT_EQ(point.on(), SurfacePoint::On::vertex);
+    const auto out_of_cone = [&](double t) {
+      const Vec3 pull = from + t * (to - from) - bottom;
+      const SurfacePoint::Way way = point.find_steepest(pull, 0.0);
+      return way.facet == nullptr ? -1.0 : way.length - mu * std::sqrt(pull.squaredNorm() - way.length * way.length);
+    };
+    if (!(out_of_cone(1.0) > 0.0)) continue;
+    ++slipped;
+    const double slip = find_slip(out_of_cone);
+    double time = 0.0;
+    ASSERT_EQ(slider.friction.follow(point, from, to, time), SurfaceNext::descend) << trial;
+    EXPECT_NEAR(time, slip, 1e-9) << trial;
+    EXPECT_EQ(point.point(), bottom);
+  }
+  EXPECT_GT(slipped, 50);
+}
+
 }  // namespace
 }  // namespace hapton
