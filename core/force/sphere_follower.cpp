@@ -1,0 +1,462 @@
+#include "core/force/sphere_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/collision/swept_sphere.h"
+#include "core/force/contact_qp.h"
+
+#ifdef SPHERE_TRACE
+#include <cstdio>
+bool trace_on = false;
+int trace_left = 0;
+#endif
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
+
+}  // namespace
+
+bool SphereFollower::can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept {
+  return one_sided_[geometry_.mesh_of(triangle)] == 0 || shape.normal().dot(p - shape.corner(0)) > 0.0;
+}
+
+// No triangle near is nearer than it may be. Those that only others cannot tell from a hit are let pass by `short_by`.
+bool SphereFollower::is_clear(double short_by) noexcept {
+  bool clear = true;
+  near_.visit_near(centre_, centre_, keep_.offset - short_by, [&](int slot) {
+    if (!clear) return;
+    ++work_;
+    const ContactTriangle& shape = near_.shape(slot);
+    clear = shape.separation(centre_).distance >= keep_.offset - short_by || !can_touch(near_.triangle(slot), shape, centre_);
+  });
+  return clear;
+}
+
+bool SphereFollower::take(const Vec3& centre, bool is_free, double short_by) noexcept {
+  holds_ = false;
+  centre_ = centre;
+  count_ = 0;
+  touching_ = 0;
+  is_descending_ = true;
+  has_lost_minimum_ = false;
+  hint_ = Vec3::Zero();
+  if (!near_.covers(centre_, keep_.offset + 2.0 * keep_.tolerance) && !gather(Vec3::Zero())) return false;
+  if (!is_clear(short_by + keep_.slop)) return false;
+  holds_ = true;
+  if (is_free) return true;
+  // Lifted to the offset over all that it touches.
+  constexpr int kMostLifts = 3;
+  for (int i = 0; i < kMostLifts; ++i) {
+    std::array<ContactPlane, kMostContacts> planes;
+    touching_ = 0;
+    near_.visit_near(centre_, centre_, keep_.offset + keep_.tolerance, [&](int slot) {
+      const ContactTriangle& shape = near_.shape(slot);
+      const Separation at = shape.separation(centre_);
+      const double gap = at.distance - keep_.offset;
+      if (gap > keep_.tolerance || touching_ == kMostContacts || !can_touch(near_.triangle(slot), shape, centre_)) return;
+      const bool is_known = std::any_of(contacts_.begin(), contacts_.begin() + touching_,
+                                        [&](const OffsetContact& other) { return other.is_part_of(shape); });
+      if (is_known && gap > -keep_.slop) return;
+      planes[touching_] = {at.normal, -gap};
+      contacts_[touching_++] = OffsetContact::nearest(near_.triangle(slot), shape, centre_);
+    });
+    const ConstrainedMotion lift =
+        constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_)));
+    if (!lift.solved || lift.motion.norm() > 64.0 * short_by) return holds_ = false;
+    if (lift.motion.norm() <= keep_.tolerance) break;
+    centre_ += lift.motion;
+  }
+  return holds_ = is_clear(keep_.slop);
+}
+
+void SphereFollower::take_free(const Vec3& centre) noexcept {
+  centre_ = centre;
+  count_ = 0;
+  touching_ = 0;
+  holds_ = true;
+}
+
+SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
+  constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
+  work_ = 0;
+  idle_ = 0;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  const Vec3 start = centre_;
+  if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
+  Next next = Next::again;
+  while (next == Next::again && work_ <= kMostWork && idle_ <= kMostIdle) {
+    ++events_;
+    ++work_;
+    next = touching_ == 0    ? fly(from, to, time)
+           : is_descending_ ? descend(on_way(from, to, time), to - from)
+                            : slide(from, to, time);
+#ifdef SPHERE_TRACE
+    if (trace_on && trace_left-- > 0) {
+      const Vec3 d = on_way(from, to, time);
+      std::printf("  t %.15g |c-d| %.15g free %d desc %d lost %d count %d touching %d idle %d:", time, (centre_ - d).norm(), touching_ == 0, is_descending_, has_lost_minimum_, count_, touching_, idle_);
+      for (int i = 0; i < touching_; ++i) std::printf(" [%d t%u i%d g %.2g]", static_cast<int>(contacts_[i].part), contacts_[i].triangle, contacts_[i].index, contacts_[i].stand(centre_).distance - keep_.offset);
+      std::printf("\n");
+    }
+#endif
+  }
+  looked_at_ += static_cast<std::uint64_t>(work_);
+  if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
+  if (touching_ != 0 && !is_clear(2.0 * keep_.slop)) {
+    centre_ = start;
+    touching_ = 0;
+    time = 0.0;
+    return Outcome::unclear;
+  }
+  note_multipliers(to);
+  if (next == Next::settled) return Outcome::settled;
+  is_descending_ = true;
+  return Outcome::exhausted;
+}
+
+// To the device, straight, and on with it.
+SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
+  ++flights_;
+  const Vec3 device = on_way(from, to, time);
+  double until = 1.0;
+  if (centre_ != device) {
+    const Next next = fly_to(device, until);
+    if (next != Next::settled || time >= 1.0) return next;
+    return Next::again;
+  }
+  const Next next = fly_to(to, until);
+  if (next != Next::settled) time = std::min(1.0, time + until * (1.0 - time));
+  return next;
+}
+
+// Settled: there. Again: something was met on the way.
+SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
+  constexpr double kDeepest = 0x1p-28;  // a centre nearer by more to what stops it was never put in contact
+  const Clearance clearance{keep_.offset, keep_.slop, keep_.tolerance};
+  const Vec3 from = centre_;
+  const Vec3 motion = to - from;
+  std::uint32_t first = 0;
+  double time = kNever;
+  geometry_.visit_along(from, to, keep_.offset + keep_.tolerance, [&](std::uint32_t id, double before) {
+    ++work_;
+    const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
+    if (!(t < time) || t > 1.0) return before;
+    const ObjectGeometry::Corners corners = geometry_.corners(id);
+    if (one_sided_[geometry_.mesh_of(id)] != 0 && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from)) return before;
+    first = id;
+    time = t;
+    return std::min(before, t);
+  });
+  if (time > 1.0) {
+    centre_ = to;
+    return Next::settled;
+  }
+  centre_ = from + time * motion;
+  until = time;
+  ++idle_;
+  if (time * motion.norm() > kStill) idle_ = 0;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  const ObjectGeometry::Corners corners = geometry_.corners(first);
+  const ContactTriangle shape(corners.a, corners.b, corners.c);
+  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return Next::unclear;
+  hint_ = motion;
+  is_descending_ = true;
+  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::unclear;
+}
+
+bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
+  int at = touching_;
+  for (int i = 0; i < touching_; ++i) {
+    if (contacts_[i].triangle == contact.triangle) at = i;
+  }
+  if (at == kMostContacts) return false;
+  contacts_[at] = contact;
+  if (at == touching_) ++touching_;
+  return true;
+}
+
+void SphereFollower::remove_contact(int i) noexcept {
+  for (int k = i + 1; k < touching_; ++k) contacts_[k - 1] = contacts_[k];
+  --touching_;
+  count_ = std::min(count_, touching_);
+}
+
+// What was met before and does not hold is met again if it is in the way.
+void SphereFollower::note_move(const Vec3& from) noexcept {
+  ++idle_;
+  if ((centre_ - from).norm() > kStill) touching_ = count_;
+}
+
+// It gets on where it comes nearer to the device than it was while the device was there, or the device moves.
+void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
+  const double distance = (device - centre_).norm();
+  if (has_moved || distance < least_distance_ - kLeastGain) idle_ = 0;
+  if (has_moved || distance < least_distance_) least_distance_ = distance;
+}
+
+// Which of what it touches hold the centre against the pull, brought to the front, and the way that they leave. What balances is decided by
+// where the device goes.
+bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept {
+  const double length = motion.norm();
+  const Vec3 wish = length > 0.0 ? Vec3(pull + motion * (kNudge / length)) : pull;
+  if (touching_ == 1) {
+    const Vec3 normal = contacts_[0].stand(centre_).normal;
+    const double height = normal.dot(wish);
+    count_ = height < 0.0 ? 1 : 0;
+    way = wish - height * normal;
+    return true;
+  }
+  std::array<ContactPlane, kMostContacts> planes;
+  for (int i = 0; i < touching_; ++i) planes[i] = {contacts_[i].stand(centre_).normal, 0.0};
+  const ConstrainedMotion held = constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_)));
+  if (!held.solved) return false;
+  way = held.motion;
+  count_ = held.active_count;
+  std::array<int, 3> at = held.active;
+  for (int i = 0; i < count_; ++i) {
+    if (at[i] == i) continue;
+    std::swap(contacts_[i], contacts_[at[i]]);
+    for (int j = i + 1; j < count_; ++j) {
+      if (at[j] == i) at[j] = at[i];  // it was moved to make room
+    }
+  }
+  return true;
+}
+
+// With the device held: one piece of the steepest way, or it has settled.
+SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
+  const Vec3 pull = device - centre_;
+  Vec3 way;
+  if (!find_active(pull, motion, way)) return Next::unclear;
+  if (count_ == 0) {
+    touching_ = 0;
+    ++idle_;
+    return Next::again;
+  }
+  if (count_ > 1 && std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.part == Part::crease; })) {
+    return Next::unclear;
+  }
+  if (contacts_[0].part == Part::crease && leave_crease(device)) return Next::again;
+
+  bool is_unstable = false;
+  if (count_ == 3 || way.norm() <= kLeastWay) {
+    is_unstable = count_ < 3 && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
+    if (!is_unstable) {
+      is_descending_ = false;
+      touching_ = count_;
+      return Next::again;
+    }
+  }
+  has_lost_minimum_ = false;
+  if (is_unstable && hint_.isZero(0.0)) hint_ = motion;
+  CentrePath path;
+  if (!make_descent(device, is_unstable, path)) return Next::unclear;
+  Event event;
+  if (!cover(path, event.time) || !find_event(path, event)) return Next::unclear;
+  const Vec3 before = centre_;
+  bool is_restored = true;
+  place_at_hit(path, event, [&](double share) {
+    centre_ = path.at(share);
+    is_restored = restore(centre_);
+  });
+  if (!is_restored) return Next::unclear;
+  note_move(before);
+  note_gain(device, false);
+  // Over a face it comes to rest at the end.
+  const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
+  if (is_at_rest) is_descending_ = false;
+  return take_event(event, path) ? Next::again : Next::unclear;
+}
+
+// With the device moving: until the end of its motion, or the next event.
+SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, double& time) noexcept {
+  count_ = touching_;
+  if (count_ == 3) return stay(from, to, time);
+  Leg leg;
+  if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
+    has_lost_minimum_ = true;
+    is_descending_ = true;
+    hint_ = find_rate(centre_, on_way(from, to, time), to - from);
+    if (!hint_.allFinite() || hint_.isZero(0.0)) hint_ = to - from;
+    ++idle_;
+    return Next::again;
+  }
+  Event event;
+  if (!cover(leg.path, event.time) || !find_event(leg.path, event)) return Next::unclear;
+  const Vec3 before = centre_;
+  const double was = time;
+  const bool is_whole = event.time >= 1.0;
+  bool is_restored = true;
+  place_at_hit(leg.path, event, [&](double share) {
+    time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
+    centre_ = leg.path.at(share);
+    if (solve(on_way(from, to, time), centre_)) return;
+    centre_ = leg.path.at(share);
+    is_restored = restore(centre_);
+  });
+  if (!is_restored) return Next::unclear;
+  note_move(before);
+  if (time > was) note_gain(on_way(from, to, time), true);
+  if (!take_event(event, leg.path)) return Next::unclear;
+  if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
+  if (leg.released >= 0) {
+    ++idle_;
+    remove_contact(leg.released);
+    if (touching_ == 0) centre_ = on_way(from, to, time);
+    is_descending_ = touching_ != 0;
+    return Next::again;
+  }
+  return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// Goes to the event. A cubic is a little off the way itself: where something is hit, Newton's steps lead to where it is.
+template <class Place>
+void SphereFollower::place_at_hit(const CentrePath& path, Event& event, Place&& place) noexcept {
+  constexpr int kMostRounds = 6;
+  place(event.time);
+  if (event.slot < 0 || path.is_straight() || event.time <= 0.0) return;
+  for (int i = 0; i < kMostRounds; ++i) {
+    ++work_;
+    const Separation at = near_.shape(event.slot).separation(centre_);
+    const double gap = at.distance - keep_.offset;
+    const double approach = at.normal.dot(path.slope(event.time));
+    if (std::fabs(gap) <= 0.125 * keep_.slop || !(approach < 0.0)) return;
+    const double time = std::clamp(event.time - gap / approach, 0.0, 1.0);
+    if (time == event.time) return;
+    event.time = time;
+    place(time);
+  }
+}
+
+// Held by three: multipliers are affine in time.
+SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
+  ContactFrame frame;
+  if (!find_frame(centre_, frame)) return Next::unclear;
+  const Vec3 now = centre_ - on_way(from, to, time);
+  const Vec3 then = centre_ - to;
+  int released = -1;
+  double soonest = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    const double at_end = frame.dual[i].dot(then);
+    if (!(at_end < 0.0)) continue;
+    const double at_start = std::max(0.0, frame.dual[i].dot(now));
+    const double share = at_start / (at_start - at_end);
+    if (released >= 0 && share >= soonest) continue;
+    released = i;
+    soonest = share;
+  }
+  if (released < 0) {
+    time = 1.0;
+    return Next::settled;
+  }
+  ++idle_;
+  if (soonest > 0.0) idle_ = 0;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  time = std::min(1.0, time + soonest * (1.0 - time));
+  remove_contact(released);
+  is_descending_ = true;
+  return Next::again;
+}
+
+// Changes the contacts as the event says. False: it cannot.
+bool SphereFollower::take_event(const Event& event, const CentrePath& path) noexcept {
+  if (event.contact >= 0) {
+    is_descending_ = true;
+    const int rising = event.exit.part == Part::edge ? find_rising(contacts_[event.contact], event.exit.index) : -1;
+    if (rising >= 0) return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
+    leave_part(event.contact, event.exit, path.slope(event.time));
+    return restore(centre_);
+  } else if (event.slot >= 0) {
+    hint_ = path.slope(event.time);
+    is_descending_ = true;
+    return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
+  }
+  return true;
+}
+
+// Beyond an edge of a face the next one may rise by so little that nothing was hit before. A slot, -1: none.
+int SphereFollower::find_rising(const OffsetContact& contact, int edge) noexcept {
+  if (contact.part != Part::face) return -1;
+  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
+  int rising = -1;
+  near_.visit_near(centre_, centre_, keep_.offset, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    const double cosine = shape.normal().dot(contact.normal);
+    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || std::fabs(cosine) < 0.5) return;
+    double above = 0.0;
+    for (int k = 0; k < 3; ++k) above = std::max(above, contact.normal.dot(shape.corner(k) - border.origin()));
+    const double height = shape.normal().dot(centre_ - border.origin());
+    if (above > kLeastRise && std::fabs(height) < keep_.offset - kLeastRise && can_touch(near_.triangle(slot), shape, centre_)) rising = slot;
+  });
+  return rising;
+}
+
+// The contact goes on to what lies beyond the border of its part. Back over the edge it has just come by, to where the other face says the
+// same: both are rounding, the edge holds it.
+void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexcept {
+  OffsetContact& contact = contacts_[i];
+  hint_ = way;
+  const Vec3 normal = contact.stand(centre_).normal;
+  const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
+  const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
+  if (exit.part == Part::face) {
+    left_edge_[0] = contact.origin();
+    left_edge_[1] = contact.shape.corner((contact.index + 1) % 3);
+    has_left_edge_ = true;
+    left_from_ = centre_;
+    contact = OffsetContact::on_face(triangle, shape, normal);
+  } else if (exit.part == Part::edge) {
+    const bool was_face = contact.part == Part::face;
+    contact = OffsetContact::on_edge(triangle, shape, exit.index);
+    const Vec3& a = shape.corner(exit.index);
+    const Vec3& b = shape.corner((exit.index + 1) % 3);
+    const bool is_same = (left_edge_[0] == a && left_edge_[1] == b) || (left_edge_[0] == b && left_edge_[1] == a);
+    const bool is_near = (centre_ - left_from_).norm() <= kFlat * keep_.offset;
+    if (was_face && has_left_edge_ && is_same && is_near && touching_ == 1 && contact.part == Part::edge) {
+      contact.part = Part::crease;
+      contact.normal = normal;
+    }
+    has_left_edge_ = false;
+  } else {
+    contact = OffsetContact::on_vertex(triangle, shape, exit.index);
+    has_left_edge_ = false;
+  }
+}
+
+// Onto a face beside the crease on which the device's projection lies.
+bool SphereFollower::leave_crease(const Vec3& device) noexcept {
+  const OffsetContact crease = contacts_[0];
+  double most = 2.0 * kOnBorder;
+  int best = -1;
+  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!crease.is_part_of(shape) || shape.normal().isZero(0.0)) return;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& a = shape.corner(k);
+      const Vec3& b = shape.corner((k + 1) % 3);
+      if (!(a == crease.origin() || b == crease.origin()) || !OffsetContact::on_edge(0, shape, k).is_part_of(crease.shape)) continue;
+      const double inside = shape.inside(k, device) / shape.length(k);
+      if (inside > most) {
+        most = inside;
+        best = slot;
+      }
+    }
+  });
+  if (best < 0) return false;
+  contacts_[0] = OffsetContact::on_face(near_.triangle(best), near_.shape(best), crease.normal);
+  has_left_edge_ = false;
+  ++idle_;
+  return true;
+}
+
+void SphereFollower::note_multipliers(const Vec3& device) noexcept {
+  ContactFrame frame;
+  if (touching_ == 0 || !find_frame(centre_, frame)) return;
+  for (int i = 0; i < count_; ++i) contacts_[i].multiplier = std::max(0.0, frame.dual[i].dot(centre_ - device));
+}
+
+}  // namespace hapton
