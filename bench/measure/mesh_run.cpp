@@ -29,12 +29,15 @@ struct Windows {
   std::vector<FeltStep> method, reference;  // one window after the other, all of the same length
 };
 
-// Where windows begin: contact steps that have a whole window left before the next reset.
-std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings) {
+// Where windows begin: contact steps that have a whole window left before the next reset. Under friction only those in which the proxy has
+// just moved: of one that rests nobody can tell whether it sticks or has merely stopped sliding.
+std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings,
+                                       double least_move_m) {
   std::vector<std::size_t> possible;
   const std::size_t piece = slide.trajectory.reset_every;
   for (std::size_t i = 1; i + settings.window_steps < felt.size(); ++i) {
-    if (i % piece != 0 && i % piece + settings.window_steps < piece && !felt[i].force_n.isZero(0.0)) possible.push_back(i);
+    const bool has_moved = (felt[i].proxy - felt[i - 1].proxy).norm() > least_move_m;
+    if (i % piece != 0 && i % piece + settings.window_steps < piece && !felt[i].force_n.isZero(0.0) && has_moved) possible.push_back(i);
   }
   std::mt19937_64 random(slide.seed);
   std::vector<std::size_t> starts;
@@ -43,10 +46,9 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<Fel
 }
 
 void judge_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings,
-                   double extent_m, Windows& windows) {
-  for (const std::size_t start : choose_starts(slide, felt, settings)) {
-    const bool slides = (felt[start].proxy - felt[start - 1].proxy).norm() > kMoves * extent_m;
-    reference.resume(felt[start].proxy, felt[start].device, slides);
+                   double least_move_m, Windows& windows) {
+  for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
+    reference.resume(felt[start].proxy, felt[start].device, true);
     for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
       const MethodOutput expected = reference.step({.p_SD = felt[i].device});
       windows.method.push_back(felt[i]);
@@ -104,7 +106,7 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
     contact_ns.insert(contact_ns.end(), timing->contact_ns.begin(), timing->contact_ns.end());
     if (timing->free.count > 0) free_p50_ns.push_back(timing->free.p50_ns);
     figures.facets_crossed += count_facets(locator, slide, timing->felt);
-    judge_windows(**reference, slide, timing->felt, settings, error.extent_m, windows);
+    judge_windows(**reference, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
   }
   double sum_ns = 0.0;
   for (const double ns : contact_ns) sum_ns += ns;

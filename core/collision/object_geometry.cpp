@@ -1,6 +1,7 @@
 #include "core/collision/object_geometry.h"
 
 #include <algorithm>
+#include <numbers>
 #include <numeric>
 
 #include "core/geometry/corner_normals.h"
@@ -13,6 +14,18 @@ Box box_of(const std::vector<Vec3>& vertices, const Triangle& triangle) {
   const Vec3& b = vertices[triangle[1]];
   const Vec3& c = vertices[triangle[2]];
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+}
+
+double count_edges_per_length(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles) {
+  double lengths = 0.0;  // each edge counts half in each of its two triangles
+  double area = 0.0;
+  for (const auto& [a, b, c] : triangles) {
+    const Vec3 ab = vertices[b] - vertices[a];
+    const Vec3 ac = vertices[c] - vertices[a];
+    lengths += 0.5 * (ab.norm() + ac.norm() + (ac - ab).norm());
+    area += 0.5 * ab.cross(ac).norm();
+  }
+  return area > 0.0 ? 2.0 * lengths / (std::numbers::pi * area) : 0.0;
 }
 
 }  // namespace
@@ -56,6 +69,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
     for (const std::uint32_t old : order) corner_normals_.push_back(shaded.corner_normals[old]);
   }
   tree_.renumber_items(new_triangle);
+  edges_per_length_ = count_edges_per_length(vertices_, triangles_);
   adjacency_ = SurfaceAdjacency(vertices_.size(), triangles_);
   adjacency_.find_walkable(vertices_, triangles_, tree_, kWalkableMargin);
 }

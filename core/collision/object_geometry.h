@@ -62,6 +62,10 @@ class ObjectGeometry {
   void mark_unwalkable_near(const ObjectGeometry& other);
   void mark_unwalkable_near(const Box& other);
 
+  // How many edges a straight way over the surface crosses for its length, on the average over all places and directions: 2 E / (pi A) for
+  // edges of length E on an area A. Source: Buffon's needle; Santalo, Integral Geometry and Geometric Probability (1976), I.3.
+  double edges_per_length() const { return edges_per_length_; }
+
   // The smooth unit normal at a point of triangle t, interpolated between its corners; zero when none were kept.
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
 
@@ -78,6 +82,7 @@ class ObjectGeometry {
   std::vector<Triangle> corner_normals_;  // indices into normals_, a triangle's corners
   WideBvh tree_;
   SurfaceAdjacency adjacency_;
+  double edges_per_length_ = 0.0;
 };
 
 }  // namespace hapton

@@ -62,6 +62,8 @@ class TouchGeometry {
     const SurfaceAdjacency::Across across = object(id).adjacency().across(id & triangle_mask_, k);
     return {(id & ~triangle_mask_) | across.triangle, across.edge, across.flips, across.exists};
   }
+  // Of the triangle's object.
+  double edges_per_length(std::uint32_t id) const { return object(id).edges_per_length(); }
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
   // Where a segment goes through a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes

@@ -7,11 +7,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarFromScene = 4.0;                    // local units: farther out positions are too coarse to be exact on the surface
-constexpr double kLift = 0.5 * SurfaceFollower::kClear;  // how far off the surface a flight begins
-constexpr int kMostLegs = 64;                            // times that a step leaves the surface
-
-Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
+constexpr double kFarFromScene = 4.0;                 // local units: farther out positions are too coarse to be exact on the surface
+constexpr double kLift = 0.5 * SurfacePoint::kClear;  // how far off the surface a flight begins
+constexpr int kMostLegs = 64;                         // times that a step leaves the surface
 
 bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
 
@@ -20,7 +18,7 @@ bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene);
 void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   sweeps_left_ = kMaxSweeps;
   double time = 0.0;
-  if (is_point_ && !has_friction_ && (surface_.stands() || free_ || stand_on_surface())) {
+  if (is_point_ && (surface_.stands() || free_ || stand_on_surface())) {
     if (follow_surface(last, device, time)) return;
     if (surface_.stands()) lift_off_surface();
   }
@@ -43,7 +41,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     const Vec3 here = on_way(last, device, time);
     if (!surface_.stands()) {
       double until = 1.0;
-      const Met met = fly(here, device, until);
+      const Met met = fly(here, device, false, until);
       if (met == Met::nothing) {
         settle_at(device);
         return true;
@@ -70,7 +68,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     ++counters_.flights;
     if (outcome == Outcome::released) {
       double until = 1.0;
-      const Met met = fly(surface_.lifted(kLift), device, until);
+      const Met met = fly(surface_.at().lifted(kLift), device, false, until);
       if (met == Met::other) return false;
       if (met == Met::nothing) {
         surface_.leave();
@@ -82,7 +80,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     double until = 1.0;
     const Vec3 at = on_way(last, device, time);
-    const Met met = fly(surface_.lifted(kLift), at, until);
+    const Met met = fly(surface_.at().lifted(kLift), at, surface_.slides(), until);
     if (met == Met::other) return false;
     if (met == Met::nothing) {
       surface_.leave();
@@ -101,7 +99,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
 
 // Straight through the air. What it meets first holds the proxy, where it is walkable; `time` says when. From triangles that are not it
 // stays as far off as sweeps do, or they take over.
-ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
+ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool slides, double& time) noexcept {
   Met met = Met::nothing;
   std::uint32_t first = 0;
   TouchGeometry::Hit hit;
@@ -114,8 +112,8 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time
     }
     const TouchGeometry::Hit at = geometry_.pierce(id, from, to);
     if (met == Met::other || at.time > until || (at.time == until && met == Met::walkable)) return until;
-    if (at.from_back && one_sided_[geometry_.mesh_of(id)] != 0) return until;
-    if (!is_seen_from(from, id, at.from_back, from + at.time * motion)) return until;
+    if (at.from_back && !surfaces_[geometry_.mesh_of(id)].two_sided) return until;
+    if (!is_seen_from(from, to, id, at.from_back, from + at.time * motion)) return until;
     met = Met::walkable;
     first = id;
     hit = at;
@@ -126,12 +124,12 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, double& time
   const ContactTriangle shape = shape_of(first);
   const Vec3 at = from + time * motion;
   const Vec3 on_face = at - shape.normal().dot(at - shape.corner(0)) * shape.normal();
-  return surface_.land(first, hit.from_back, on_face) ? Met::walkable : Met::other;
+  return surface_.land(first, hit.from_back, on_face, slides) ? Met::walkable : Met::other;
 }
 
 // Near an edge a segment that cuts it goes through both its triangles within what rounding can tell apart. Only that is met which p sees: p
 // lies on that side of the wedge that the two form.
-bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const Vec3& hit) const noexcept {
+bool ProxyMethod::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept {
   constexpr double kNearEdge = 0x1p-40;
   const ContactTriangle shape = shape_of(id);
   const auto in_front = [](const ContactTriangle& of, const Vec3& point) {
@@ -142,7 +140,12 @@ bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const
     const TouchGeometry::Across across = geometry_.across(id, k);
     if (!across.exists || across.id == id) continue;
     const double along = shape.along(k, hit) * shape.length(k);
-    if (!(along > kNearEdge && shape.length(k) - along > kNearEdge)) continue;  // at a vertex more than two have a say
+    if (!(along > kNearEdge)) {
+      if (!is_vertex_seen_from(p, to, id, back, k, hit)) return false;
+      continue;
+    }
+    if (!(shape.length(k) - along > kNearEdge)) continue;         // the vertex is the next edge's
+    if (geometry_.pierce(across.id, p, to).time > 1.0) continue;  // it does not go through both
     const ContactTriangle other = shape_of(across.id);
     const bool other_back = back != across.flips;
     const bool is_convex = in_front(other, shape.corner((k + 2) % 3)) == other_back;
@@ -151,6 +154,19 @@ bool ProxyMethod::is_seen_from(const Vec3& p, std::uint32_t id, bool back, const
     if (!(is_convex ? before || before_other : before && before_other)) return false;
   }
   return true;
+}
+
+// The same at corner k, where more than two triangles have a say. Which sides it goes through alternates, so where one is met once more
+// than the other, it is the first.
+bool ProxyMethod::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept {
+  SurfacePoint vertex(geometry_, surfaces_);
+  if (!vertex.land(id, back, hit) || !vertex.reach_vertex(k)) return true;
+  int more = 0;
+  for (const SurfacePoint::FanFacet& facet : vertex.fan()) {
+    const TouchGeometry::Hit at = geometry_.pierce(facet.id, p, to);
+    if (at.time <= 1.0) more += at.from_back == facet.back ? 1 : -1;
+  }
+  return more != 0 ? more > 0 : vertex.is_before_fan(p);
 }
 
 // A free proxy may be nearer to a walkable triangle than sweeps keep: it is moved off, to the side that it is on.
@@ -175,13 +191,13 @@ void ProxyMethod::clear_start() noexcept {
 
 // The surface holds the proxy at the end of a step.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
-  proxy_ = surface_.lifted(hover_);
+  proxy_ = surface_.at().lifted(hover_);
   free_ = false;
-  sliding_ = false;
-  std::array<SurfaceFollower::Contact, 3> contacts;
-  pushing_count_ = shading_ > 0.0 ? surface_.find_contacts(device, contacts) : 0;
+  sliding_ = surface_.slides();
+  std::array<SurfacePoint::Contact, 3> contacts;
+  pushing_count_ = shading_ > 0.0 ? surface_.at().find_contacts(device, contacts) : 0;
   touching_count_ = std::max(pushing_count_, 1);
-  touching_[0].triangle = surface_.first_triangle();
+  touching_[0].triangle = surface_.at().a().id;
   for (int i = 0; i < pushing_count_; ++i) {
     touching_[i].triangle = contacts[i].triangle;
     touching_[i].separation = {0.0, contacts[i].normal, proxy_, Feature::face};
@@ -191,11 +207,11 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
 
 // Off the surface by what sweeps keep, a little off every edge, so that nothing beyond one is nearer.
 void ProxyMethod::lift_off_surface() noexcept {
-  const SurfaceFollower::Inside from = surface_.inside(kBeside * hover_);
+  const SurfacePoint::Inside from = surface_.at().inside(kBeside * hover_);
   surface_.leave();
   proxy_ = from.point + clearance_.rest * from.normal;
   free_ = false;
-  sliding_ = false;
+  sliding_ = surface_.slides();
   Touch& touch = touching_[0];
   touch.triangle = from.triangle;
   touch.place = Neighbourhood::kNowhere;
@@ -223,7 +239,7 @@ bool ProxyMethod::stand_on_surface() noexcept {
     for (int k = 0; k < 3; ++k) {
       if (!(shape.inside(k, p) > 0.0)) return false;
     }
-    short_of_rest_ = surface_.land(touch.triangle, back, p);
+    short_of_rest_ = surface_.land(touch.triangle, back, p, sliding_);
     return short_of_rest_;
   }
   for (int k = 0; k < 3; ++k) {
@@ -232,7 +248,7 @@ bool ProxyMethod::stand_on_surface() noexcept {
     const double along = shape.along(k, p);
     const Vec3 on_edge = shape.corner(k) + along * shape.edge(k);
     if (!(along > 0.0 && along < 1.0) || (on_edge - p).norm() > kBeside * hover_) return false;
-    short_of_rest_ = surface_.land_on_edge(touch.triangle, back, k, on_edge);
+    short_of_rest_ = surface_.land_on_edge(touch.triangle, back, k, on_edge, sliding_);
     return short_of_rest_;
   }
   return false;

@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include "core/force/proxy_method.h"
 
 #include <algorithm>
@@ -19,10 +20,10 @@ std::vector<std::shared_ptr<const TriangleMesh>> meshes_of(const TouchScene& sce
   return meshes;
 }
 
-std::vector<std::uint8_t> one_sided_of(const TouchScene& scene) {
-  std::vector<std::uint8_t> one_sided;
-  for (const TouchObject& object : scene.objects) one_sided.push_back(object.material.two_sided ? 0 : 1);
-  return one_sided;
+std::vector<Material> materials_of(const TouchScene& scene) {
+  std::vector<Material> materials;
+  for (const TouchObject& object : scene.objects) materials.push_back(object.material);
+  return materials;
 }
 
 // A device farther out than a billion scenes is taken to be there: its squares must stay finite.
@@ -48,11 +49,10 @@ Result<std::unique_ptr<ForceMethod>> ProxyMethod::make(const MethodSettings& set
 ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene)
     : geometry_(meshes_of(scene), settings.build_on_approach ? BuildPolicy::on_approach : BuildPolicy::at_once,
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
+      surfaces_(materials_of(scene)),
       shading_(settings.shading),
-      one_sided_(one_sided_of(scene)),
-      surface_(geometry_, one_sided_) {
+      surface_(geometry_, surfaces_) {
   for (const TouchObject& object : scene.objects) {
-    surfaces_.push_back(object.material);
     has_one_sided_ |= !object.material.two_sided;
     has_friction_ |= object.material.friction_static > 0.0;
   }
@@ -65,9 +65,9 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.slack = 0.5 * kHover;
   clearance_.tolerance = 0x1p-10 * kHover;
   // A sphere hardly larger than the hover has too few digits for a surface of its own.
-  constexpr double kLeastRadius = 0x1p-20;
+  const double kLeastRadius = std::getenv("LEASTR") ? std::atof(std::getenv("LEASTR")) : 0x1p-20;
   if (clearance_.rest - kHover >= kLeastRadius && !has_friction_) {
-    sphere_ = std::make_unique<SphereFollower>(geometry_, one_sided_, clearance_.rest);
+    sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
   }
 }
 
@@ -167,7 +167,9 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     settle_at(device);
     enter_ball(input.p_SD, clear);
   } else {
+    const std::uint64_t events = surface_.events();
     follow(last, device);
+    counters_.most_events = std::max(counters_.most_events, surface_.events() - events);
   }
   if (free_) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 
@@ -478,7 +480,11 @@ std::string ProxyMethod::describe() const {
   const std::string what = fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n",
                                        geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
                                        static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - hover_) * geometry_.unit_m(),
-                                       hover_ * geometry_.unit_m());
+                                       hover_ * geometry_.unit_m()) +
+                           fmt::format(
+                               "proxy: a step has {} events, {:g} more for each edge that a way as long crosses on the average, {} at "
+                               "most; the rest is carried over\n",
+                               SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
   return counters_.steps == 0 ? what : what + describe_steps();
 }
 
@@ -489,14 +495,13 @@ std::string ProxyMethod::describe_steps() const {
       "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
       "{:.3f} "
       "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged; {} events, {} "
-      "flights, {} steps by sweeps, {} out of events\n",
+      "in one step at most, {} flights, {} steps by sweeps, {} out of events\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
       static_cast<double>(counters_.refills) / c,
       100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
-      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged,
-      surface_.events() + (sphere_ != nullptr ? sphere_->events() : 0),
-      counters_.flights, counters_.careful, counters_.exhausted);
+      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged, surface_.events(),
+      counters_.most_events, counters_.flights, counters_.careful, counters_.exhausted);
   if (sphere_ != nullptr) {
     text += fmt::format("proxy: sphere: {:.2f} events a contact step, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a step\n",
                         static_cast<double>(sphere_->events()) / c, sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,

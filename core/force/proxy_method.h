@@ -36,6 +36,7 @@ struct ProxyCounters {
   std::uint64_t flights = 0;      // through the air
   std::uint64_t careful = 0;      // steps, or the rest of one, that sweeps did
   std::uint64_t exhausted = 0;    // steps out of events, carried into the next
+  std::uint64_t most_events = 0;  // in one step
   std::uint64_t unconverged = 0;  // stopped by the iteration bound: a valid proxy, short of the minimum
 };
 
@@ -136,8 +137,9 @@ class ProxyMethod final : public ForceMethod {
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   void stand_at_sphere(const Vec3& device) noexcept;
   enum class Met : std::uint8_t { nothing, walkable, other };
-  Met fly(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool is_seen_from(const Vec3& p, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
+  Met fly(const Vec3& from, const Vec3& to, bool slides, double& time) noexcept;
+  bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
+  bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept;
   void clear_start() noexcept;
   void lift_off_surface() noexcept;
   bool stand_on_surface() noexcept;
@@ -197,9 +199,8 @@ class ProxyMethod final : public ForceMethod {
   bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
-  std::vector<std::uint8_t> one_sided_;  // by object
-  SurfaceFollower surface_;              // while it stands, it holds the proxy
-  bool short_of_rest_ = false;           // it ran out of events
+  SurfaceFollower surface_;     // while it stands, it holds the proxy
+  bool short_of_rest_ = false;  // it ran out of events
   std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius, without friction
 
   Vec3 proxy_ = Vec3::Zero();             // local

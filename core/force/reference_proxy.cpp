@@ -94,12 +94,11 @@ void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, cons
   if (faces_.empty() && state_.contacts.empty()) return place_free(device_to);
   ++counters_.substeps;
   rules_ = rules;
-  const Vec3 start = state_.place;
   drag(device_from, device_to);
   descend(device_to);
   for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
   state_.free = state_.place == device_to && state_.contacts.empty();
-  if (!state_.free && (state_.place - start).norm() <= kStill) state_.sliding = false;
+  if (state_.free) state_.sliding = false;
 }
 
 // Friction on one plane in closed form: return mapping alone is right only to the square of the sub-step, each time.
@@ -172,7 +171,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
       }
       continue;
     }
-    const Vec3 motion = limit_by_friction(pull);
+    const Vec3 motion = cut_at_border(pull, limit_by_friction(pull));
     if (!(motion.norm() > kStill)) {
       if (tip_over(device, pull)) continue;
       break;
@@ -302,6 +301,21 @@ void ReferenceProxy::update_contacts() noexcept {
   }
   std::erase_if(state_.contacts,
                 [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
+  if (has_friction()) forget_borders_of_faces();
+}
+
+// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion.
+// Friction would stop there.
+void ReferenceProxy::forget_borders_of_faces() noexcept {
+  const auto is_of_face = [&](const Contact& contact) {
+    if (contact.near.feature == TriangleFeature::kFace) return false;
+    return std::any_of(state_.contacts.begin(), state_.contacts.end(), [&](const Contact& other) {
+      return other.near.feature == TriangleFeature::kFace && closest_point(other.face.shape, contact.near.point).distance <= kStill;
+    });
+  };
+  for (std::size_t i = state_.contacts.size(); i-- > 0;) {
+    if (is_of_face(state_.contacts[i])) state_.contacts.erase(state_.contacts.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
 ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
@@ -354,10 +368,31 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const double way = motion.norm();
   const double pressure = pressure_of(push.norm());
   const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * pressure;
-  if (way <= held + kStill) return Vec3::Zero();
-  state_.sliding = true;
   const double least = material.friction_dynamic * pressure;
+  if (way <= held + kStill) {
+    state_.sliding = state_.sliding && way >= FrictionMotion::kRest * least;
+    return Vec3::Zero();
+  }
+  state_.sliding = true;
   return motion * ((way - least) / way);
+}
+
+// Under friction the way counts, not only where it ends: it must not lead off the surface beyond the face that holds the proxy.
+Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) const noexcept {
+  const double length = motion.norm();
+  if (!has_friction() || pull.strongest == nullptr || !(length > rest_)) return motion;
+  double until = 1.0;
+  if (pull.strongest->near.feature == TriangleFeature::kFace) {
+    const PreparedTriangle& shape = pull.strongest->face.shape;
+    for (int k = 0; k < 3; ++k) {
+      const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
+      const double outward = -shape.inward[k].dot(motion);
+      if (outward > 0.0) until = std::min(until, std::max(inside, 0.0) / outward);
+    }
+  } else {
+    until = 0.0;
+  }
+  return std::min(1.0, until + rest_ / length) * motion;
 }
 
 // A sphere over a single edge or corner goes round it to the point nearest to the device, or sixty degrees on.

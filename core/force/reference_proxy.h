@@ -108,10 +108,12 @@ class ReferenceProxy {
   const std::vector<Vec3>& directions_out(const Vec3& start, const Vec3& pull, double within) noexcept;
   bool cross_free_space(const Vec3& device) noexcept;
   void update_contacts() noexcept;
+  void forget_borders_of_faces() noexcept;
   Pull project_pull(const Vec3& pull) noexcept;
   double pressure_of(double push) const noexcept;
   Material material_of(const Pull& pull) const noexcept;
   Vec3 limit_by_friction(const Pull& pull) noexcept;
+  Vec3 cut_at_border(const Pull& pull, const Vec3& motion) const noexcept;
   bool has_friction() const { return !frictionless_ && rules_.friction; }
   bool roll(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;

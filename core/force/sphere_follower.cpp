@@ -22,7 +22,7 @@ Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ?
 }  // namespace
 
 bool SphereFollower::can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept {
-  return one_sided_[geometry_.mesh_of(triangle)] == 0 || shape.normal().dot(p - shape.corner(0)) > 0.0;
+  return materials_[geometry_.mesh_of(triangle)].two_sided || shape.normal().dot(p - shape.corner(0)) > 0.0;
 }
 
 // No triangle near is nearer than it may be. Those that only others cannot tell from a hit are let pass by `short_by`.
@@ -146,7 +146,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
     const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
     if (!(t < time) || t > 1.0) return before;
     const ObjectGeometry::Corners corners = geometry_.corners(id);
-    if (one_sided_[geometry_.mesh_of(id)] != 0 && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from)) return before;
+    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from)) return before;
     first = id;
     time = t;
     return std::min(before, t);

@@ -8,6 +8,7 @@
 #include "core/force/centre_path.h"
 #include "core/force/contact_frame.h"
 #include "core/force/offset_surface.h"
+#include "core/force/touch_scene.h"
 
 namespace hapton {
 
@@ -37,9 +38,9 @@ class SphereFollower {
     unclear,    // cannot go on: the centre is where it was at `time`
   };
 
-  // `offset`: how near the centre comes. `one_sided`: per object. Both the geometry and that outlive it.
-  SphereFollower(const TouchGeometry& geometry, std::span<const std::uint8_t> one_sided, double offset)
-      : geometry_(geometry), one_sided_(one_sided), keep_{offset, kSlop, kTolerance} {}
+  // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
+  SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset)
+      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {}
 
   // Whether it holds the centre, or the centre was last moved by others.
   bool holds() const { return holds_; }
@@ -138,7 +139,7 @@ class SphereFollower {
   void note_multipliers(const Vec3& device) noexcept;
 
   const TouchGeometry& geometry_;
-  std::span<const std::uint8_t> one_sided_;
+  std::span<const Material> materials_;
   CentrePath::Keep keep_;
   bool holds_ = false;
   bool is_descending_ = false;

@@ -23,8 +23,9 @@ constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
-constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
-constexpr double kRestHovers = 4.0;   // round a rest that may be proved to be one
+constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
+constexpr double kMouthShare = 1e-5;   // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
+constexpr double kRestHovers = 4.0;    // round a rest that may be proved to be one
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -155,6 +156,16 @@ struct StressRun::Inside {
     return stretch.norm() - (judge->settle_from(start, device).p_SP - device).norm() > kLagGain * extent;
   }
 
+  // Wherever just beside it the device is. Where its way grazes a face, rounding says on which side of that it goes.
+  bool gains_from_beside(const Vec3& p, const Vec3& device) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 aside(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
+      const Vec3 beside = device + kBesideShare * extent * aside;
+      if ((p - beside).norm() - (judge->settle_from(p, beside).p_SP - beside).norm() <= kLagGain * extent) return false;
+    }
+    return true;
+  }
+
   // A point is held there for certain, however far the reference gets that climbs by its own lift.
   bool is_proved(const Vec3& p, const Vec3& device, double hover) const {
     return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
@@ -171,7 +182,9 @@ struct StressRun::Inside {
     if (is_wrong(end) && solid->compute_distance(end) > 2.0 * kInsideShare * extent && !is_wrong(p)) return;
     // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
     const double depth = solid ? solid->compute_distance(device) : extent;
-    if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device)) return;
+    if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device) ||
+        !gains_from_beside(p, device))
+      return;
     note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
   }
 
@@ -307,8 +320,8 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       }
     } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP) &&
                !in.leads_round(felt_before.p_SP, felt.p_SP)) {
-      // On the surface to the last digit a place has no side: the next one off it is judged, from the last one off it.
-      if (in.is_on_surface(felt.p_SP, play)) continue;
+      // On the surface to the last digit a place has no side: only ways between places off it are judged.
+      if (in.is_on_surface(felt.p_SP, play) || in.is_on_surface(felt_before.p_SP, play)) continue;
       note(StressFault::kThrough, (device - before).norm());
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.

@@ -12,23 +12,19 @@ namespace hapton {
 // as a chain in general position does: it never slips through an edge, and what it only touches it does not meet from both sides.
 // Pre: as orient3d. RT: yes.
 
-namespace detail {
-
-// Of no mesh's symmetry: powers of the reciprocal of the tribonacci-like root of x^4 = x + 1, signs mixed.
+// The direction. Of no mesh's symmetry: powers of the reciprocal of the tribonacci-like root of x^4 = x + 1, signs mixed.
 inline const Vec3 kShift(0.8191725133961645, -0.6710436067037893, 0.5497004779019703);
-
-}  // namespace detail
 
 // > 0 where the moving point p lies on the side of abc from which a, b, c turn counter-clockwise.
 inline double side_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noexcept {
   const double sign = orient3d_sign(a, b, c, p);
-  return sign != 0.0 ? sign : accurate_cross(b - a, c - a).dot(detail::kShift);
+  return sign != 0.0 ? sign : accurate_cross(b - a, c - a).dot(kShift);
 }
 
 // The sign of det(q - p, a - p, b - p): on which side the segment of a moving point from p to q passes the line through a and b.
 inline double pass_sign(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) noexcept {
   const double sign = orient3d_sign(p, q, a, b);
-  return sign != 0.0 ? sign : -(q - p).dot(detail::kShift.cross(b - a));
+  return sign != 0.0 ? sign : -(q - p).dot(kShift.cross(b - a));
 }
 
 }  // namespace hapton

@@ -19,7 +19,7 @@ using Outcome = SurfaceFollower::Outcome;
 
 // A mesh in its local frame, and a follower on it.
 struct Stage {
-  explicit Stage(const TriangleMesh& mesh) : geometry({&mesh}), one_sided(1, 0), follower(geometry, one_sided) {}
+  explicit Stage(const TriangleMesh& mesh) : geometry({&mesh}), materials(1), follower(geometry, materials) {}
 
   // Lands on the face that a segment from p to q meets first.
   bool land(const Vec3& p, const Vec3& q) {
@@ -37,7 +37,7 @@ struct Stage {
   Vec3 local(double x, double y, double z) const { return geometry.to_local(Vec3(x, y, z)); }
 
   TouchGeometry geometry;
-  std::vector<std::uint8_t> one_sided;
+  std::vector<Material> materials;
   SurfaceFollower follower;
 };
 
@@ -101,8 +101,8 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   const Vec3 below = stage.local(0.0, 0.1, 0.03);
   ASSERT_EQ(stage.follower.follow(stage.local(0.1, 0.3, 0.03), below, time), Outcome::settled);
   expect_near(stage.follower.point(), stage.local(0.0, 0.2, 0.03));
-  std::array<SurfaceFollower::Contact, 3> contacts;
-  ASSERT_EQ(stage.follower.find_contacts(below, contacts), 2);
+  std::array<SurfacePoint::Contact, 3> contacts;
+  ASSERT_EQ(stage.follower.at().find_contacts(below, contacts), 2);
   EXPECT_NEAR(contacts[0].multiplier, contacts[1].multiplier, 1e-12);
   expect_near(stage.follower.point() - below, contacts[0].multiplier * contacts[0].normal + contacts[1].multiplier * contacts[1].normal);
 
@@ -111,7 +111,7 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   const Vec3 aside = stage.local(-0.2, 0.1, 0.03);
   ASSERT_EQ(stage.follower.follow(below, aside, time), Outcome::settled);
   expect_near(stage.follower.point(), stage.local(-0.05, 0.25, 0.03));
-  ASSERT_EQ(stage.follower.find_contacts(aside, contacts), 1);
+  ASSERT_EQ(stage.follower.at().find_contacts(aside, contacts), 1);
 }
 
 TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
@@ -122,8 +122,8 @@ TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
   ASSERT_EQ(stage.follower.descend(stage.local(0.05, 0.02, -0.2)), Outcome::settled);
   ASSERT_EQ(stage.follower.follow(stage.local(0.05, 0.02, -0.2), below, time), Outcome::settled);
   expect_near(stage.follower.point(), stage.local(0.0, 0.0, 0.0));
-  std::array<SurfaceFollower::Contact, 3> contacts;
-  const int count = stage.follower.find_contacts(below, contacts);
+  std::array<SurfacePoint::Contact, 3> contacts;
+  const int count = stage.follower.at().find_contacts(below, contacts);
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < count; ++i) sum += contacts[i].multiplier * contacts[i].normal;
   expect_near(sum, stage.follower.point() - below);
@@ -158,7 +158,7 @@ TEST(SurfaceFollower, ItStopsBeforeATriangleThatIsNotWalkable) {
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(-0.3, 0.1, 0.0), stage.local(0.4, 0.1, -0.1), time), Outcome::unwalkable);
   EXPECT_LT(time, 0.8);
-  const SurfaceFollower::Inside inside = stage.follower.inside(1e-6);
+  const SurfacePoint::Inside inside = stage.follower.at().inside(1e-6);
   EXPECT_TRUE(stage.geometry.is_walkable(inside.triangle));
   EXPECT_GT(inside.normal.z(), 0.99);
 }
@@ -169,9 +169,9 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
   double time = 0.0;
   ASSERT_EQ(stage.follower.descend(stage.local(0.01, 0.1, 0.03)), Outcome::settled);
   ASSERT_EQ(stage.follower.follow(stage.local(0.01, 0.1, 0.03), stage.local(0.0, 0.05, 0.03), time), Outcome::settled);
-  std::array<SurfaceFollower::Contact, 3> contacts;
-  const Vec3 lift = stage.follower.lifted(1e-6) - stage.follower.point();
-  ASSERT_EQ(stage.follower.find_contacts(stage.local(0.0, 0.05, 0.03), contacts), 2);
+  std::array<SurfacePoint::Contact, 3> contacts;
+  const Vec3 lift = stage.follower.at().lifted(1e-6) - stage.follower.point();
+  ASSERT_EQ(stage.follower.at().find_contacts(stage.local(0.0, 0.05, 0.03), contacts), 2);
   EXPECT_NEAR(contacts[0].normal.dot(lift), 1e-6, 1e-12);
   EXPECT_NEAR(contacts[1].normal.dot(lift), 1e-6, 1e-12);
 }
@@ -194,10 +194,10 @@ TEST(SurfaceFollower, NeverAllocates) {
 
 // Followed exactly, it makes no difference into how many parts a straight motion is divided: the force after a step is that after many
 // small ones. On bumps sharper than the touch is deep, where edges hold and release the point in every other step.
-TEST(SurfaceFollower, AStepIsAsManySmallOnes) {
+void expect_a_step_to_be_as_many_small_ones(const Material& material) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.3, 8000, 7));
   TouchScene scene;
-  scene.objects.push_back({mesh, {}});
+  scene.objects.push_back({mesh, material});
   const TouchTrajectory slide = make_slide_trajectory(*mesh, {.seed = 5, .rows = 4000}).value();
   const auto whole = ProxyMethod::make(MethodSettings(), scene).value();
   const auto divided = ProxyMethod::make(MethodSettings(), scene).value();
@@ -221,6 +221,14 @@ TEST(SurfaceFollower, AStepIsAsManySmallOnes) {
     contacts += at_once.contact ? 1 : 0;
   }
   EXPECT_GT(contacts, 3000);
+}
+
+TEST(SurfaceFollower, AStepIsAsManySmallOnes) { expect_a_step_to_be_as_many_small_ones({}); }
+
+TEST(SurfaceFollower, WithFrictionToo) {
+  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.5, .friction_dynamic = 0.35});
+  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.1, .friction_dynamic = 0.1});
+  expect_a_step_to_be_as_many_small_ones({.friction_static = 1.2, .friction_dynamic = 0.6});
 }
 
 }  // namespace
