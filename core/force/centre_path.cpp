@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace hapton {
+namespace {
+
+constexpr double kLeastStep = 0x1p-50;  // of a path's time
+
+}  // namespace
 
 CentrePath CentrePath::straight(const Vec3& from, const Vec3& to) noexcept {
   CentrePath path;
@@ -19,25 +24,63 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   path.end_ = to;
   const Vec3 chord = to - from;
   path.rate_ = {slope_from, 3.0 * chord - 2.0 * slope_from - slope_to, slope_from + slope_to - 2.0 * chord};
-  path.bend_ = std::max((2.0 * path.rate_[1]).norm(), (2.0 * path.rate_[1] + 6.0 * path.rate_[2]).norm());
+  constexpr double kOfTheCurve = 1.0625;  // the curve itself bends by as much more than the cubic, at most
+  path.bend_ = kOfTheCurve * std::max((2.0 * path.rate_[1]).norm(), (2.0 * path.rate_[1] + 6.0 * path.rate_[2]).norm());
   return path;
 }
 
 Vec3 CentrePath::at(double time) const noexcept {
   if (time >= 1.0) return end_;
-  return start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2]));
+  if (time <= 0.0) return start_;
+  Vec3 p = start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2]));
+  if (guide_count_ > 0) bring_back(p);
+  return p;
+}
+
+// One step of Newton's: what a cubic is off is so little that nothing is left.
+void CentrePath::bring_back(Vec3& p) const noexcept {
+  std::array<Vec3, 2> normal;
+  std::array<double, 2> short_by{};
+  for (int i = 0; i < guide_count_; ++i) {
+    const Guide& guide = guides_[static_cast<std::size_t>(i)];
+    Vec3 off = p - guide.origin;
+    double distance = 0.0;
+    if (guide.round == Guide::Round::plane) {
+      normal[i] = guide.direction;
+      distance = guide.direction.dot(off);
+    } else {
+      if (guide.round == Guide::Round::line) off -= guide.direction.dot(off) * guide.direction;
+      distance = off.norm();
+      if (!(distance > 0.0)) return;
+      normal[i] = off / distance;
+    }
+    short_by[i] = guide.offset - distance;
+  }
+  if (guide_count_ == 1) {
+    p += short_by[0] * normal[0];
+    return;
+  }
+  constexpr double kParallel = 0x1p-24;
+  const double cosine = normal[0].dot(normal[1]);
+  const double sine_squared = (1.0 - cosine) * (1.0 + cosine);
+  if (!(sine_squared > kParallel)) return;
+  p += ((short_by[0] - cosine * short_by[1]) / sine_squared) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine_squared) * normal[1];
 }
 
 Vec3 CentrePath::slope(double time) const noexcept { return rate_[0] + time * (2.0 * rate_[1] + 3.0 * time * rate_[2]); }
 
-double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double until) const noexcept {
+double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
   const auto beyond = [&](double time) { return direction.dot(at(time) - origin) - margin; };
+  double low = from;
   double high = until;
-  double at_high = beyond(high);
-  if (!(at_high > 0.0)) return kNever;
-  double low = 0.0;
   double at_low = beyond(low);
-  if (at_low >= 0.0) return at_high > at_low ? 0.0 : kNever;
+  double at_high = beyond(high);
+  if (!(at_high > 0.0)) {
+    high = find_crest(direction, low, high);
+    at_high = high < until ? beyond(high) : at_high;
+    if (!(at_high > 0.0)) return kNever;
+  }
+  if (at_low >= 0.0) return at_high > at_low ? from : kNever;
   // False position, with the end that stays halved (Illinois).
   constexpr int kMostRounds = 40;
   for (int i = 0; i < kMostRounds; ++i) {
@@ -58,17 +101,52 @@ double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, doubl
   return high;
 }
 
+// Where the path is farthest along the direction, if that is between; else `high`.
+double CentrePath::find_crest(const Vec3& direction, double low, double high) const noexcept {
+  if (is_straight() || !(direction.dot(slope(low)) > 0.0) || !(direction.dot(slope(high)) < 0.0)) return high;
+  constexpr int kRounds = 24;
+  double before = low;
+  double after = high;
+  for (int i = 0; i < kRounds; ++i) {
+    const double middle = 0.5 * (before + after);
+    (direction.dot(slope(middle)) > 0.0 ? before : after) = middle;
+  }
+  return before;
+}
+
+// When another place of the triangle becomes nearer than the corner.
+double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept {
+  double time = kNever;
+  const int before = (corner + 2) % 3;
+  const auto leave = [&](const Vec3& direction) {
+    time = std::min(time, time_to_pass(triangle.corner(corner), direction, 0.0, from, std::min(until, time)));
+  };
+  if (triangle.length(corner) > 0.0) leave(triangle.edge(corner) / triangle.length(corner));
+  if (triangle.length(before) > 0.0) leave(triangle.edge(before) / -triangle.length(before));
+  return time;
+}
+
 // When the distance falls to `level`, to a tolerance.
-double CentrePath::time_below(const ContactTriangle& triangle, double level, double tolerance, double until, int& tests) const noexcept {
+double CentrePath::time_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept {
   constexpr int kMostRounds = 64;
   double time = 0.0;
   for (int i = 0; i < kMostRounds; ++i) {
     ++tests;
     const Separation now = triangle.separation(at(time));
+    if (held != 0 && now.feature == Feature::vertex) {
+      int corner = 0;
+      while (corner < 2 && triangle.corner(corner) != now.nearest) ++corner;
+      if ((held >> corner & 1U) != 0) {
+        const double off = time_off_corner(triangle, corner, time, until);
+        if (!(off < until)) return kNever;
+        time = std::max(off, time) + kLeastStep;
+        continue;
+      }
+    }
     const Vec3 way = slope(time);
     const double approach = now.normal.dot(way) - normal_error(now) * way.norm();
-    const double gap = now.distance - level;
-    if (gap <= tolerance && (approach < 0.0 || gap < 0.0)) return time;
+    const double gap = now.distance - level.distance;
+    if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return time;
     // gap + approach x - bend / 2 x^2 = 0
     double step = 0.0;
     if (bend_ > 0.0) {
@@ -78,13 +156,13 @@ double CentrePath::time_below(const ContactTriangle& triangle, double level, dou
       if (!(approach < 0.0)) return kNever;
       step = gap / -approach;
     }
-    time += std::max(step, 0x1p-50);
+    time += std::max(step, kLeastStep);
     if (!(time < until)) return kNever;
   }
   return time;
 }
 
-double CentrePath::time_to_block(const ContactTriangle& triangle, const Keep& keep, double until, int& tests) const noexcept {
+double CentrePath::time_to_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept {
   ++tests;
   const Separation start = triangle.separation(start_);
   const Vec3 way = rate_[0];
@@ -98,12 +176,12 @@ double CentrePath::time_to_block(const ContactTriangle& triangle, const Keep& ke
   // What rounding took from a centre that is as near as can be does not hold it.
   if (start.distance < low + keep.tolerance) {
     if (approach < 0.0) return 0.0;
-    return time_below(triangle, start.distance - 0.125 * keep.slop, keep.tolerance, until, tests);
+    return time_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, until, tests);
   }
-  const double below = time_below(triangle, low, keep.tolerance, until, tests);
+  const double below = time_below(triangle, {low, keep.tolerance}, held, until, tests);
   if (below > until) return kNever;
   const double level = gap > keep.tolerance ? keep.offset : std::min(keep.offset - 0.25 * keep.slop, start.distance - keep.tolerance);
-  return std::min(below, time_below(triangle, level, keep.tolerance, until, tests));
+  return std::min(below, time_below(triangle, {level, keep.tolerance}, held, until, tests));
 }
 
 }  // namespace hapton

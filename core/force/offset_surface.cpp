@@ -73,6 +73,13 @@ double OffsetContact::curvature(const Vec3& tangent, double offset) const noexce
   return std::max(0.0, 1.0 - straight * straight) / offset;
 }
 
+CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
+  using Round = CentrePath::Guide::Round;
+  if (part == Part::vertex) return {Round::point, origin(), Vec3::Zero(), offset};
+  if (part == Part::edge) return {Round::line, origin(), axis(), offset};
+  return {Round::plane, origin(), normal, offset};
+}
+
 bool OffsetContact::is_part_of(const ContactTriangle& other) const noexcept {
   const auto has = [&](const Vec3& place) { return other.corner(0) == place || other.corner(1) == place || other.corner(2) == place; };
   switch (part) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/force/centre_path.h"
 #include "core/geometry/contact_triangle.h"
 
 namespace hapton {
@@ -46,6 +47,9 @@ struct OffsetContact {
 
   // The curvature of the offset surface along a unit tangent, towards the part.
   double curvature(const Vec3& tangent, double offset) const noexcept;
+
+  // What keeps a path on it.
+  CentrePath::Guide guide(double offset) const noexcept;
 
   // Whether another triangle has the same edge or corner: by its place, so that copies count.
   bool is_part_of(const ContactTriangle& other) const noexcept;

@@ -278,6 +278,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   if (count_ == 3) return stay(from, to, time);
   Leg leg;
   if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
+    if (is_on_axis(on_way(from, to, time))) return pass_axis(from, to, time);
     has_lost_minimum_ = true;
     is_descending_ = true;
     hint_ = find_rate(centre_, on_way(from, to, time), to - from);
@@ -311,6 +312,20 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// Whether the device is on the line or point that the centre is held off: then every place round it is as near.
+bool SphereFollower::is_on_axis(const Vec3& device) const noexcept {
+  return count_ == 1 && contacts_[0].is_curved() && contacts_[0].stand(device).distance <= kAtAxis;
+}
+
+// The centre stays until the device is so far off the axis that its direction counts.
+SphereFollower::Next SphereFollower::pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept {
+  if (time >= 1.0) return Next::settled;
+  time = std::min(1.0, time + 4.0 * kAtAxis / (to - from).norm());
+  hint_ = to - from;
+  is_descending_ = !is_on_axis(on_way(from, to, time));
+  return Next::again;
 }
 
 // Goes to the event. A cubic is a little off the way itself: where something is hit, Newton's steps lead to where it is.

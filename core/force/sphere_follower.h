@@ -76,6 +76,7 @@ class SphereFollower {
   static constexpr double kNudge = 0x1p-42;    // of what balances, the device's motion decides
   static constexpr double kTurn = 0.125;       // rad, of one piece of the way
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
+  static constexpr double kAtAxis = 0x1p-39;    // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
   static constexpr double kFlat = 0x1p-16;      // of the offset
   static constexpr double kLeastRise = 0x1p-50;
   static constexpr double kLeastGain = 0x1p-50;
@@ -108,6 +109,8 @@ class SphereFollower {
   bool find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool is_on_axis(const Vec3& device) const noexcept;
+  Next pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept;
   template <class Place>
   void place_at_hit(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -119,6 +122,7 @@ class SphereFollower {
   Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
   bool solve(const Vec3& device, Vec3& c) const noexcept;
   bool solve_on_curve(const Vec3& device, Vec3& c) const noexcept;
+  void guide(CentrePath& path) const noexcept;
   bool restore(Vec3& c) const noexcept;
   bool find_frame(const Vec3& c, ContactFrame& frame) const noexcept;
   bool cover(const CentrePath& path, double& until) noexcept;
@@ -133,6 +137,7 @@ class SphereFollower {
   void remove_contact(int i) noexcept;
   void note_move(const Vec3& from) noexcept;
   void note_gain(const Vec3& device, bool has_moved) noexcept;
+  unsigned held_corners(const ContactTriangle& shape) const noexcept;
   bool holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept;
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;

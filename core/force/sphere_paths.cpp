@@ -4,7 +4,12 @@
 
 #include "core/force/sphere_follower.h"
 
+#ifdef SPHERE_TRACE
 #include <cstdio>
+#endif
+#ifdef SPHERE_TRACE
+extern bool trace_on;
+#endif
 namespace hapton {
 namespace {
 
@@ -18,6 +23,10 @@ bool SphereFollower::find_frame(const Vec3& c, ContactFrame& frame) const noexce
   frame.count = count_;
   for (int i = 0; i < count_; ++i) frame.normal[i] = contacts_[i].stand(c).normal;
   return frame.prepare();
+}
+
+void SphereFollower::guide(CentrePath& path) const noexcept {
+  for (int i = 0; i < count_; ++i) path.keep_on(contacts_[i].guide(keep_.offset));
 }
 
 // The nearest place where all that holds the centre is as far off as it should be.
@@ -205,6 +214,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   }
   const Vec3 rate_end = find_rate(end, on_way(from, to, leg.time), motion);
   leg.path = CentrePath::curved(centre_, end, part * rate, part * rate_end);
+  guide(leg.path);
   return true;
 }
 
@@ -252,7 +262,10 @@ CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device
   const double sine = std::sin(turn);
   const double cosine = std::cos(turn);
   const Vec3 end = centre_ + up + keep_.offset * (sine * way - (1.0 - cosine) * normal);
-  return CentrePath::curved(centre_, end, up + keep_.offset * turn * way, up + keep_.offset * turn * (cosine * way - sine * normal));
+  CentrePath path =
+      CentrePath::curved(centre_, end, up + keep_.offset * turn * way, up + keep_.offset * turn * (cosine * way - sine * normal));
+  guide(path);
+  return path;
 }
 
 // Along the curve where two offset surfaces meet.
@@ -283,6 +296,7 @@ bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, Cent
     if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) continue;
     const double chord = (end - centre_).norm();
     path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
+    guide(path);
     return true;
   }
   return false;
@@ -330,13 +344,28 @@ bool SphereFollower::holds_part_of(const ContactTriangle& shape, std::uint32_t t
   return false;
 }
 
+// A bit for each corner of a triangle that an edge or vertex which holds the centre has.
+unsigned SphereFollower::held_corners(const ContactTriangle& shape) const noexcept {
+  unsigned held = 0;
+  for (int i = 0; i < count_; ++i) {
+    const OffsetContact& contact = contacts_[i];
+    if (!contact.is_curved()) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = shape.corner(k);
+      const bool is_end = contact.part == Part::edge && corner == contact.shape.corner((contact.index + 1) % 3);
+      if (is_end || corner == contact.origin()) held |= 1U << k;
+    }
+  }
+  return held;
+}
+
 // What comes first on the path, up to the time in `event`. False: it cannot be told.
 bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   for (int i = 0; i < count_; ++i) {
     const int count = find_exits(contacts_[i], path.start());
     if (count < 0) return false;
     for (int k = 0; k < count; ++k) {
-      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, event.time);
+      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, 0.0, event.time);
       if (time > event.time || (time == event.time && event.contact >= 0)) continue;
       event.time = time;
       event.contact = i;
@@ -352,7 +381,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     const ContactTriangle& shape = near_.shape(slot);
     if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return;
     if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) return;
-    const double time = path.time_to_block(shape, keep_, event.time, work_);
+    const double time = path.time_to_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
     if (!(time < event.time)) return;
     event.time = time;
     event.contact = -1;
