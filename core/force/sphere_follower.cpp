@@ -246,6 +246,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   if (count_ == 3 || way.norm() <= kLeastWay) {
     is_unstable = count_ < 3 && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
     if (!is_unstable) {
+      hold_against(device, motion);
       is_descending_ = false;
       touching_ = count_;
       return Next::again;
@@ -312,6 +313,30 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// At rest: of what is touched and does not hold yet, that holds, too, into which the device would draw the centre.
+void SphereFollower::hold_against(const Vec3& device, const Vec3& motion) noexcept {
+  while (count_ < 3 && count_ < touching_) {
+    const Vec3 rate = find_rate(centre_, device, motion);
+    int against = -1;
+    double least = 0.0;
+    for (int i = count_; i < touching_; ++i) {
+      const double leaves = contacts_[i].stand(centre_).normal.dot(rate);
+      if (!(leaves < least)) continue;
+      least = leaves;
+      against = i;
+    }
+    if (against < 0) return;
+    std::swap(contacts_[count_], contacts_[against]);
+    ++count_;
+    ContactFrame frame;
+    if (find_frame(centre_, frame)) continue;
+    // One of them says the same: the new one takes its place.
+    contacts_[count_ - 2] = contacts_[count_ - 1];
+    --count_;
+    return;
+  }
 }
 
 // Whether the device is on the line or point that the centre is held off: then every place round it is as near.

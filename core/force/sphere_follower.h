@@ -109,6 +109,7 @@ class SphereFollower {
   bool find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
+  void hold_against(const Vec3& device, const Vec3& motion) noexcept;
   bool is_on_axis(const Vec3& device) const noexcept;
   Next pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept;
   template <class Place>
