@@ -89,9 +89,10 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   const Vec3 start = centre_;
   if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
   Next next = Next::again;
-  while (next == Next::again && work_ <= kMostWork && idle_ <= kMostIdle) {
+  while (next == Next::again && work_ <= kMostWork) {
     ++events_;
     ++work_;
+    if (idle_ > kMostIdle) break;
     next = touching_ == 0    ? fly(from, to, time)
            : is_descending_ ? descend(on_way(from, to, time), to - from)
                             : slide(from, to, time);
@@ -253,7 +254,11 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     }
   }
   has_lost_minimum_ = false;
-  if (is_unstable && hint_.isZero(0.0)) hint_ = motion;
+  if (is_unstable && !find_way_off(motion)) {
+    is_descending_ = false;
+    touching_ = count_;
+    return Next::again;
+  }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) return Next::unclear;
   Event event;
@@ -278,6 +283,14 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   count_ = touching_;
   if (count_ == 3) return stay(from, to, time);
   Leg leg;
+  leg.time = 1.0;
+  if (contacts_[0].part == Part::crease) {
+    leg.time = time_off_crease(from, to, time);
+    if (leg.time <= time && time < 1.0 && leave_crease(on_way(from, to, time))) {
+      is_descending_ = true;
+      return Next::again;
+    }
+  }
   if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
     if (is_on_axis(on_way(from, to, time))) return pass_axis(from, to, time);
     has_lost_minimum_ = true;
@@ -313,6 +326,28 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// From a place that no longer is a minimum: which way it leaves. By the hint, unless something touched is in the way there. False: it
+// cannot leave.
+bool SphereFollower::find_way_off(const Vec3& motion) noexcept {
+  if (hint_.isZero(0.0)) hint_ = motion;
+  ContactFrame frame;
+  if (!find_frame(centre_, frame)) return true;
+  Vec3 way = count_ == 2 ? Vec3(frame.along * (frame.along.dot(hint_) < 0.0 ? -1.0 : 1.0))
+                         : Vec3(hint_ - frame.normal[0].dot(hint_) * frame.normal[0]);
+  const auto is_open = [&](const Vec3& w) {
+    for (int i = count_; i < touching_; ++i) {
+      if (contacts_[i].stand(centre_).normal.dot(w) < 0.0) return false;
+    }
+    return true;
+  };
+  for (const double sign : {1.0, -1.0}) {
+    if (!is_open(sign * way)) continue;
+    hint_ = sign * way;
+    return true;
+  }
+  return false;
 }
 
 // At rest: of what is touched and does not hold yet, that holds, too, into which the device would draw the centre.
@@ -467,30 +502,51 @@ void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexce
   }
 }
 
-// Onto a face beside the crease on which the device's projection lies.
-bool SphereFollower::leave_crease(const Vec3& device) noexcept {
-  const OffsetContact crease = contacts_[0];
-  double most = 2.0 * kOnBorder;
-  int best = -1;
+// Calls visit(slot, inside of the edge: the device's projection) for each face beside the crease.
+template <class Visit>
+void SphereFollower::visit_beside_crease(const OffsetContact& crease, Visit&& visit) noexcept {
+  const Vec3& first = crease.origin();
+  const Vec3& last = crease.shape.corner((crease.index + 1) % 3);
   near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (!crease.is_part_of(shape) || shape.normal().isZero(0.0)) return;
     for (int k = 0; k < 3; ++k) {
       const Vec3& a = shape.corner(k);
       const Vec3& b = shape.corner((k + 1) % 3);
-      if (!(a == crease.origin() || b == crease.origin()) || !OffsetContact::on_edge(0, shape, k).is_part_of(crease.shape)) continue;
-      const double inside = shape.inside(k, device) / shape.length(k);
-      if (inside > most) {
-        most = inside;
-        best = slot;
-      }
+      if ((a == first && b == last) || (a == last && b == first)) visit(slot, k);
     }
+  });
+}
+
+// Onto a face beside the crease on which the device's projection lies.
+bool SphereFollower::leave_crease(const Vec3& device) noexcept {
+  const OffsetContact crease = contacts_[0];
+  double most = kOffCrease;
+  int best = -1;
+  visit_beside_crease(crease, [&](int slot, int k) {
+    const ContactTriangle& shape = near_.shape(slot);
+    const double inside = shape.inside(k, device) / shape.length(k);
+    if (!(inside > most)) return;
+    most = inside;
+    best = slot;
   });
   if (best < 0) return false;
   contacts_[0] = OffsetContact::on_face(near_.triangle(best), near_.shape(best), crease.normal);
   has_left_edge_ = false;
   ++idle_;
   return true;
+}
+
+// When leave_crease() will lead away, not before `time`; 1 where it does not.
+double SphereFollower::time_off_crease(const Vec3& from, const Vec3& to, double time) noexcept {
+  double soonest = 1.0;
+  visit_beside_crease(contacts_[0], [&](int slot, int k) {
+    const ContactTriangle& shape = near_.shape(slot);
+    const double at_from = shape.inside(k, from) / shape.length(k) - 1.5 * kOffCrease;
+    const double at_to = shape.inside(k, to) / shape.length(k) - 1.5 * kOffCrease;
+    if (at_to > 0.0) soonest = std::min(soonest, at_from < 0.0 ? std::max(time, at_from / (at_from - at_to)) : time);
+  });
+  return soonest;
 }
 
 void SphereFollower::note_multipliers(const Vec3& device) noexcept {

@@ -71,6 +71,7 @@ class SphereFollower {
   // The contact leaves a face so far beyond its edge, and enters it so far inside, and so for edges and their ends: rounding does not lead
   // back and forth.
   static constexpr double kOnBorder = 0x1p-44;
+  static constexpr double kOffCrease = 2.0 * kOnBorder;
   static constexpr double kStill = 0x1p-42;    // a shorter way is none
   static constexpr double kLeastWay = 0x1p-40; // at a local minimum no way is as long
   static constexpr double kNudge = 0x1p-42;    // of what balances, the device's motion decides
@@ -80,7 +81,7 @@ class SphereFollower {
   static constexpr double kFlat = 0x1p-16;      // of the offset
   static constexpr double kLeastRise = 0x1p-50;
   static constexpr double kLeastGain = 0x1p-50;
-  static constexpr int kMostIdle = 48;         // events that lead no nearer
+  static constexpr int kMostIdle = 24;         // events that lead no nearer
   static constexpr int kMostExits = 128;
 
   enum class Next : std::uint8_t { again, settled, unclear };
@@ -100,7 +101,7 @@ class SphereFollower {
   // A piece of the way with the device moving.
   struct Leg {
     CentrePath path;
-    double time = 1.0;  // of the device at its end
+    double time = 1.0;  // of the device at its end; before it is made: not after that
     int released = -1;  // the contact whose multiplier is zero there
   };
 
@@ -109,6 +110,7 @@ class SphereFollower {
   bool find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool find_way_off(const Vec3& motion) noexcept;
   void hold_against(const Vec3& device, const Vec3& motion) noexcept;
   bool is_on_axis(const Vec3& device) const noexcept;
   Next pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -133,7 +135,10 @@ class SphereFollower {
   bool take_event(const Event& event, const CentrePath& path) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
   int find_rising(const OffsetContact& contact, int edge) noexcept;
+  template <class Visit>
+  void visit_beside_crease(const OffsetContact& crease, Visit&& visit) noexcept;
   bool leave_crease(const Vec3& device) noexcept;
+  double time_off_crease(const Vec3& from, const Vec3& to, double time) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
   void note_move(const Vec3& from) noexcept;

@@ -158,14 +158,15 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     const Vec3 guess = middle;
     return solve(on_way(from, to, time + 0.5 * part), middle) && (middle - guess).norm() <= kUneven * keep_.offset;
   };
-  double span = 1.0 - time;
+  const double whole = leg.time > time ? leg.time - time : 1.0 - time;
+  double span = whole;
   if (!is_straight) span = std::min(span, kTurn * keep_.offset / std::max(rate.norm(), 0x1p-100));
   Vec3 end;
   for (int i = 0;; ++i) {
 #ifdef SPHERE_TRACE
     if (i > 30 || !(span > kLeastTime || time + span >= 1.0)) { Vec3 e2 = centre_; bool ok = solve(on_way(from, to, leg.time), e2); std::printf("   leg fails i %d span %g rate %g solve %d stab %g moved %g\n", i, span, rate.norm(), ok, find_stability(centre_, device), (e2-centre_).norm()); }
 #endif
-    if (i == kMostHalvings || !(span > kLeastTime || time + span >= 1.0)) return false;
+    if (i == kMostHalvings || !(span > kLeastTime || span >= whole)) return false;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
     if (solve(on_way(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
