@@ -265,7 +265,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   if (!cover(path, event.time) || !find_event(path, event)) return Next::unclear;
   const Vec3 before = centre_;
   bool is_restored = true;
-  place_at_hit(path, event, [&](double share) {
+  place_at_event(path, event, [&](double share) {
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
@@ -306,7 +306,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   const double was = time;
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
-  place_at_hit(leg.path, event, [&](double share) {
+  place_at_event(leg.path, event, [&](double share) {
     time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
     centre_ = leg.path.at(share);
     if (solve(on_way(from, to, time), centre_)) return;
@@ -388,19 +388,27 @@ SphereFollower::Next SphereFollower::pass_axis(const Vec3& from, const Vec3& to,
   return Next::again;
 }
 
-// Goes to the event. A cubic is a little off the way itself: where something is hit, Newton's steps lead to where it is.
+// Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.
 template <class Place>
-void SphereFollower::place_at_hit(const CentrePath& path, Event& event, Place&& place) noexcept {
+void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
   constexpr int kMostRounds = 6;
   place(event.time);
-  if (event.slot < 0 || path.is_straight() || event.time <= 0.0) return;
+  const bool is_hit = event.slot >= 0;
+  if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
   for (int i = 0; i < kMostRounds; ++i) {
     ++work_;
-    const Separation at = near_.shape(event.slot).separation(centre_);
-    const double gap = at.distance - keep_.offset;
-    const double approach = at.normal.dot(path.slope(event.time));
-    if (std::fabs(gap) <= 0.125 * keep_.slop || !(approach < 0.0)) return;
-    const double time = std::clamp(event.time - gap / approach, 0.0, 1.0);
+    double gap = 0.0;
+    double rate = 0.0;
+    if (is_hit) {
+      const Separation at = near_.shape(event.slot).separation(centre_);
+      gap = at.distance - keep_.offset;
+      rate = at.normal.dot(path.slope(event.time));
+    } else {
+      gap = kOnBorder - event.exit.direction.dot(centre_ - event.exit.origin);
+      rate = -event.exit.direction.dot(path.slope(event.time));
+    }
+    if (std::fabs(gap) <= (is_hit ? 0.125 * keep_.slop : 0.25 * kOnBorder) || !(rate < 0.0)) return;
+    const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
     if (time == event.time) return;
     event.time = time;
     place(time);

@@ -115,7 +115,7 @@ class SphereFollower {
   bool is_on_axis(const Vec3& device) const noexcept;
   Next pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept;
   template <class Place>
-  void place_at_hit(const CentrePath& path, Event& event, Place&& place) noexcept;
+  void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
   bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
