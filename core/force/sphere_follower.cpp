@@ -85,6 +85,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
   work_ = 0;
   idle_ = 0;
+  has_left_edge_ = false;
   least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
@@ -498,8 +499,8 @@ void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexce
     const Vec3& a = shape.corner(exit.index);
     const Vec3& b = shape.corner((exit.index + 1) % 3);
     const bool is_same = (left_edge_[0] == a && left_edge_[1] == b) || (left_edge_[0] == b && left_edge_[1] == a);
-    const bool is_near = (centre_ - left_from_).norm() <= kFlat * keep_.offset;
-    if (was_face && has_left_edge_ && is_same && is_near && touching_ == 1 && contact.part == Part::edge) {
+    const bool is_back = was_face && has_left_edge_ && is_same && (centre_ - left_from_).norm() <= 4.0 * kStill;
+    if (is_back && touching_ == 1 && contact.part == Part::edge && is_flat(contact, normal)) {
       contact.part = Part::crease;
       contact.normal = normal;
     }
@@ -524,6 +525,15 @@ void SphereFollower::visit_beside_crease(const OffsetContact& crease, Visit&& vi
       if ((a == first && b == last) || (a == last && b == first)) visit(slot, k);
     }
   });
+}
+
+// Whether another face goes on beyond the edge in the same plane.
+bool SphereFollower::is_flat(const OffsetContact& edge, const Vec3& normal) noexcept {
+  bool is_flat = false;
+  visit_beside_crease(edge, [&](int slot, int) {
+    is_flat |= near_.triangle(slot) != edge.triangle && std::fabs(near_.shape(slot).normal().dot(normal)) >= 1.0 - kFlat;
+  });
+  return is_flat;
 }
 
 // Onto a face beside the crease on which the device's projection lies.

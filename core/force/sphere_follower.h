@@ -78,7 +78,7 @@ class SphereFollower {
   static constexpr double kTurn = 0.125;       // rad, of one piece of the way
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
   static constexpr double kAtAxis = 0x1p-39;    // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
-  static constexpr double kFlat = 0x1p-16;      // of the offset
+  static constexpr double kFlat = 0x1p-40;      // of two faces: 1 less the cosine between their normals
   static constexpr double kLeastRise = 0x1p-50;
   static constexpr double kLeastGain = 0x1p-50;
   static constexpr int kMostIdle = 24;         // events that lead no nearer
@@ -137,6 +137,7 @@ class SphereFollower {
   int find_rising(const OffsetContact& contact, int edge) noexcept;
   template <class Visit>
   void visit_beside_crease(const OffsetContact& crease, Visit&& visit) noexcept;
+  bool is_flat(const OffsetContact& edge, const Vec3& normal) noexcept;
   bool leave_crease(const Vec3& device) noexcept;
   double time_off_crease(const Vec3& from, const Vec3& to, double time) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
