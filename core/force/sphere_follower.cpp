@@ -246,7 +246,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
 
   bool is_unstable = false;
   if (count_ == 3 || way.norm() <= kLeastWay) {
-    is_unstable = count_ < 3 && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
+    is_unstable = count_ < 3 && !is_on_axis(device) && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
     if (!is_unstable) {
       hold_against(device, motion);
       is_descending_ = false;
@@ -293,7 +293,6 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     }
   }
   if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
-    if (is_on_axis(on_way(from, to, time))) return pass_axis(from, to, time);
     has_lost_minimum_ = true;
     is_descending_ = true;
     hint_ = find_rate(centre_, on_way(from, to, time), to - from);
@@ -310,7 +309,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   place_at_event(leg.path, event, [&](double share) {
     time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
     centre_ = leg.path.at(share);
-    if (solve(on_way(from, to, time), centre_)) return;
+    if (leg.path.is_straight() || solve(on_way(from, to, time), centre_)) return;
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });
@@ -380,13 +379,19 @@ bool SphereFollower::is_on_axis(const Vec3& device) const noexcept {
   return count_ == 1 && contacts_[0].is_curved() && contacts_[0].stand(device).distance <= kAtAxis;
 }
 
-// The centre stays until the device is so far off the axis that its direction counts.
-SphereFollower::Next SphereFollower::pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept {
-  if (time >= 1.0) return Next::settled;
-  time = std::min(1.0, time + 4.0 * kAtAxis / (to - from).norm());
-  hint_ = to - from;
-  is_descending_ = !is_on_axis(on_way(from, to, time));
-  return Next::again;
+// When it is so far off that axis that its direction counts, after `time`; 1 if not before.
+double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept {
+  const OffsetContact& contact = contacts_[0];
+  const Vec3 axis = contact.part == Part::edge ? contact.axis() : Vec3(Vec3::Zero());
+  const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
+  const Vec3 off = across(on_way(from, to, time) - contact.origin());
+  const Vec3 motion = across(to - from);
+  // |off + s motion| = 4 kAtAxis
+  const double a = motion.squaredNorm();
+  const double b = off.dot(motion);
+  const double c = 16.0 * kAtAxis * kAtAxis - off.squaredNorm();
+  if (!(a > 0.0)) return 1.0;
+  return std::min(1.0, time + c / (b + std::sqrt(b * b + a * c)));
 }
 
 // Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.

@@ -113,7 +113,7 @@ class SphereFollower {
   bool find_way_off(const Vec3& motion) noexcept;
   void hold_against(const Vec3& device, const Vec3& motion) noexcept;
   bool is_on_axis(const Vec3& device) const noexcept;
-  Next pass_axis(const Vec3& from, const Vec3& to, double& time) noexcept;
+  double time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept;
   template <class Place>
   void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;

@@ -140,6 +140,14 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   constexpr double kUneven = 0x1p-20;
   const Vec3 device = on_way(from, to, time);
   const Vec3 motion = to - from;
+  if (is_on_axis(device)) {
+    leg.time = time_off_axis(from, to, time);
+    leg.released = -1;
+    const OffsetContact& contact = contacts_[0];
+    const Vec3 along = contact.part == Part::edge ? Vec3(contact.axis() * contact.axis().dot(motion)) : Vec3(Vec3::Zero());
+    leg.path = CentrePath::straight(centre_, centre_ + (leg.time - time) * along);
+    return true;
+  }
   const bool is_straight = !contacts_[0].is_curved() && (count_ == 1 || !contacts_[1].is_curved());
   const auto multiplier = [&](const Vec3& c, const Vec3& at, int i) {
     ContactFrame frame;
