@@ -55,7 +55,7 @@ OffsetContact OffsetContact::nearest(std::uint32_t triangle, const ContactTriang
 }
 
 OffsetContact::Stand OffsetContact::stand(const Vec3& c) const noexcept {
-  if (part == Part::face || part == Part::crease) return {normal.dot(c - origin()), normal};
+  if (part == Part::face) return {normal.dot(c - origin()), normal};
   Vec3 off = c - origin();
   if (part == Part::edge) {
     const Vec3 unit = axis();
@@ -86,7 +86,6 @@ bool OffsetContact::is_part_of(const ContactTriangle& other) const noexcept {
     case Part::vertex:
       return has(origin());
     case Part::edge:
-    case Part::crease:
       return has(origin()) && has(shape.corner((index + 1) % 3));
     default:
       return has(shape.corner(0)) && has(shape.corner(1)) && has(shape.corner(2));

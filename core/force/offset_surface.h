@@ -12,18 +12,13 @@ namespace hapton {
 //
 // Units and frame: those of the corners. RT: yes.
 struct OffsetContact {
-  enum class Part : std::uint8_t {
-    face,
-    edge,
-    vertex,
-    crease  // an edge between two faces that are one plane as far as rounding can tell: as a face, but held to the edge
-  };
+  enum class Part : std::uint8_t { face, edge, vertex };
 
   Part part = Part::face;
   std::uint32_t triangle = 0;
   ContactTriangle shape;
   int index = 0;                // of the edge, or of the corner
-  Vec3 normal = Vec3::Zero();   // face and crease: unit, towards the centre
+  Vec3 normal = Vec3::Zero();   // face: unit, towards the centre
   double multiplier = 0.0;      // centre - device = sum of multiplier * normal
   bool back = false;            // face: the side the normal does not show
 
@@ -36,7 +31,7 @@ struct OffsetContact {
 
   bool is_curved() const { return part == Part::edge || part == Part::vertex; }
   const Vec3& origin() const { return shape.corner(index); }
-  Vec3 axis() const { return shape.edge(index) / shape.length(index); }  // edge and crease: unit
+  Vec3 axis() const { return shape.edge(index) / shape.length(index); }  // edge: unit
 
   // How the centre stands to the plane, line or point that carries the part.
   struct Stand {

@@ -85,7 +85,6 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
   work_ = 0;
   idle_ = 0;
-  has_left_edge_ = false;
   least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
@@ -239,10 +238,6 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     ++idle_;
     return Next::again;
   }
-  if (count_ > 1 && std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.part == Part::crease; })) {
-    return Next::unclear;
-  }
-  if (contacts_[0].part == Part::crease && leave_crease(device)) return Next::again;
 
   bool is_unstable = false;
   if (count_ == 3 || way.norm() <= kLeastWay) {
@@ -284,14 +279,6 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   count_ = touching_;
   if (count_ == 3) return stay(from, to, time);
   Leg leg;
-  leg.time = 1.0;
-  if (contacts_[0].part == Part::crease) {
-    leg.time = time_off_crease(from, to, time);
-    if (leg.time <= time && time < 1.0 && leave_crease(on_way(from, to, time))) {
-      is_descending_ = true;
-      return Next::again;
-    }
-  }
   if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
     has_lost_minimum_ = true;
     is_descending_ = true;
@@ -455,7 +442,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
 bool SphereFollower::take_event(const Event& event, const CentrePath& path) noexcept {
   if (event.contact >= 0) {
     is_descending_ = true;
-    const int rising = event.exit.part == Part::edge ? find_rising(contacts_[event.contact], event.exit.index) : -1;
+    const int rising = event.exit.part == Part::edge ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
     if (rising >= 0) return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
     leave_part(event.contact, event.exit, path.slope(event.time));
     return restore(centre_);
@@ -468,24 +455,24 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
 }
 
 // Beyond an edge of a face the next one may rise by so little that nothing was hit before. A slot, -1: none.
-int SphereFollower::find_rising(const OffsetContact& contact, int edge) noexcept {
+int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept {
   if (contact.part != Part::face) return -1;
   const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
   int rising = -1;
-  near_.visit_near(centre_, centre_, keep_.offset, [&](int slot) {
+  double least = -kLeastRise * way.norm();
+  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    const double cosine = shape.normal().dot(contact.normal);
-    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || std::fabs(cosine) < 0.5) return;
-    double above = 0.0;
-    for (int k = 0; k < 3; ++k) above = std::max(above, contact.normal.dot(shape.corner(k) - border.origin()));
-    const double height = shape.normal().dot(centre_ - border.origin());
-    if (above > kLeastRise && std::fabs(height) < keep_.offset - kLeastRise && can_touch(near_.triangle(slot), shape, centre_)) rising = slot;
+    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
+    const double rise = face.normal.dot(way);
+    if (!(rise < least) || std::fabs(face.stand(centre_).distance - keep_.offset) > keep_.slop) return;
+    least = rise;
+    rising = slot;
   });
   return rising;
 }
 
-// The contact goes on to what lies beyond the border of its part. Back over the edge it has just come by, to where the other face says the
-// same: both are rounding, the edge holds it.
+// The contact goes on to what lies beyond the border of its part.
 void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexcept {
   OffsetContact& contact = contacts_[i];
   hint_ = way;
@@ -493,83 +480,12 @@ void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexce
   const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
   const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
   if (exit.part == Part::face) {
-    left_edge_[0] = contact.origin();
-    left_edge_[1] = contact.shape.corner((contact.index + 1) % 3);
-    has_left_edge_ = true;
-    left_from_ = centre_;
     contact = OffsetContact::on_face(triangle, shape, normal);
   } else if (exit.part == Part::edge) {
-    const bool was_face = contact.part == Part::face;
     contact = OffsetContact::on_edge(triangle, shape, exit.index);
-    const Vec3& a = shape.corner(exit.index);
-    const Vec3& b = shape.corner((exit.index + 1) % 3);
-    const bool is_same = (left_edge_[0] == a && left_edge_[1] == b) || (left_edge_[0] == b && left_edge_[1] == a);
-    const bool is_back = was_face && has_left_edge_ && is_same && (centre_ - left_from_).norm() <= 4.0 * kStill;
-    if (is_back && touching_ == 1 && contact.part == Part::edge && is_flat(contact, normal)) {
-      contact.part = Part::crease;
-      contact.normal = normal;
-    }
-    has_left_edge_ = false;
   } else {
     contact = OffsetContact::on_vertex(triangle, shape, exit.index);
-    has_left_edge_ = false;
   }
-}
-
-// Calls visit(slot, inside of the edge: the device's projection) for each face beside the crease.
-template <class Visit>
-void SphereFollower::visit_beside_crease(const OffsetContact& crease, Visit&& visit) noexcept {
-  const Vec3& first = crease.origin();
-  const Vec3& last = crease.shape.corner((crease.index + 1) % 3);
-  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
-    const ContactTriangle& shape = near_.shape(slot);
-    if (!crease.is_part_of(shape) || shape.normal().isZero(0.0)) return;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3& a = shape.corner(k);
-      const Vec3& b = shape.corner((k + 1) % 3);
-      if ((a == first && b == last) || (a == last && b == first)) visit(slot, k);
-    }
-  });
-}
-
-// Whether another face goes on beyond the edge in the same plane.
-bool SphereFollower::is_flat(const OffsetContact& edge, const Vec3& normal) noexcept {
-  bool is_flat = false;
-  visit_beside_crease(edge, [&](int slot, int) {
-    is_flat |= near_.triangle(slot) != edge.triangle && std::fabs(near_.shape(slot).normal().dot(normal)) >= 1.0 - kFlat;
-  });
-  return is_flat;
-}
-
-// Onto a face beside the crease on which the device's projection lies.
-bool SphereFollower::leave_crease(const Vec3& device) noexcept {
-  const OffsetContact crease = contacts_[0];
-  double most = kOffCrease;
-  int best = -1;
-  visit_beside_crease(crease, [&](int slot, int k) {
-    const ContactTriangle& shape = near_.shape(slot);
-    const double inside = shape.inside(k, device) / shape.length(k);
-    if (!(inside > most)) return;
-    most = inside;
-    best = slot;
-  });
-  if (best < 0) return false;
-  contacts_[0] = OffsetContact::on_face(near_.triangle(best), near_.shape(best), crease.normal);
-  has_left_edge_ = false;
-  ++idle_;
-  return true;
-}
-
-// When leave_crease() will lead away, not before `time`; 1 where it does not.
-double SphereFollower::time_off_crease(const Vec3& from, const Vec3& to, double time) noexcept {
-  double soonest = 1.0;
-  visit_beside_crease(contacts_[0], [&](int slot, int k) {
-    const ContactTriangle& shape = near_.shape(slot);
-    const double at_from = shape.inside(k, from) / shape.length(k) - 1.5 * kOffCrease;
-    const double at_to = shape.inside(k, to) / shape.length(k) - 1.5 * kOffCrease;
-    if (at_to > 0.0) soonest = std::min(soonest, at_from < 0.0 ? std::max(time, at_from / (at_from - at_to)) : time);
-  });
-  return soonest;
 }
 
 void SphereFollower::note_multipliers(const Vec3& device) noexcept {

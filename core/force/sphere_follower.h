@@ -71,14 +71,12 @@ class SphereFollower {
   // The contact leaves a face so far beyond its edge, and enters it so far inside, and so for edges and their ends: rounding does not lead
   // back and forth.
   static constexpr double kOnBorder = 0x1p-44;
-  static constexpr double kOffCrease = 2.0 * kOnBorder;
   static constexpr double kStill = 0x1p-42;    // a shorter way is none
   static constexpr double kLeastWay = 0x1p-40; // at a local minimum no way is as long
   static constexpr double kNudge = 0x1p-42;    // of what balances, the device's motion decides
   static constexpr double kTurn = 0.125;       // rad, of one piece of the way
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
   static constexpr double kAtAxis = 0x1p-39;    // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
-  static constexpr double kFlat = 0x1p-40;      // of two faces: 1 less the cosine between their normals
   static constexpr double kLeastRise = 0x1p-50;
   static constexpr double kLeastGain = 0x1p-50;
   static constexpr int kMostIdle = 24;         // events that lead no nearer
@@ -101,7 +99,7 @@ class SphereFollower {
   // A piece of the way with the device moving.
   struct Leg {
     CentrePath path;
-    double time = 1.0;  // of the device at its end; before it is made: not after that
+    double time = 1.0;  // of the device at its end
     int released = -1;  // the contact whose multiplier is zero there
   };
 
@@ -134,12 +132,7 @@ class SphereFollower {
   int find_exits(const OffsetContact& contact, const Vec3& c) noexcept;
   bool take_event(const Event& event, const CentrePath& path) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
-  int find_rising(const OffsetContact& contact, int edge) noexcept;
-  template <class Visit>
-  void visit_beside_crease(const OffsetContact& crease, Visit&& visit) noexcept;
-  bool is_flat(const OffsetContact& edge, const Vec3& normal) noexcept;
-  bool leave_crease(const Vec3& device) noexcept;
-  double time_off_crease(const Vec3& from, const Vec3& to, double time) noexcept;
+  int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
   void note_move(const Vec3& from) noexcept;
@@ -161,9 +154,6 @@ class SphereFollower {
   int count_ = 0;
   int touching_ = 0;            // of contacts_: the first count_ hold, the others were met here
   Vec3 hint_ = Vec3::Zero();    // which way it was going
-  Vec3 left_edge_[2];           // the edge by which it came onto the face it is on
-  Vec3 left_from_ = Vec3::Zero();
-  bool has_left_edge_ = false;
   NearTriangles near_;
   double reach_ = 0.0;          // of the next gathering
   std::array<Exit, kMostExits> exits_;

@@ -75,11 +75,6 @@ bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
     c = device + (keep_.offset - contact.stand(device).distance) * contact.normal;
     return true;
   }
-  if (contact.part == Part::crease) {
-    const Vec3 axis = contact.axis();
-    c = contact.origin() + axis.dot(device - contact.origin()) * axis + keep_.offset * contact.normal;
-    return true;
-  }
   const OffsetContact::Stand at = contact.stand(device);
   if (!(at.distance > kLeastOff) || !(at.normal.dot(contact.stand(c).normal) > 0.0)) return false;
   c = device + (keep_.offset - at.distance) * at.normal;
@@ -125,7 +120,6 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
   const Vec3& normal = frame.normal[0];
   const Vec3 sideways = motion - normal.dot(motion) * normal;
   if (contact.part == Part::face) return sideways;
-  if (contact.part == Part::crease) return contact.axis() * contact.axis().dot(motion);
   const double near = keep_.offset - normal.dot(c - device);
   const double gain = keep_.offset / std::max(near, 0x1p-40);
   if (contact.part == Part::vertex) return gain * sideways;
@@ -166,15 +160,14 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     const Vec3 guess = middle;
     return solve(on_way(from, to, time + 0.5 * part), middle) && (middle - guess).norm() <= kUneven * keep_.offset;
   };
-  const double whole = leg.time > time ? leg.time - time : 1.0 - time;
-  double span = whole;
+  double span = 1.0 - time;
   if (!is_straight) span = std::min(span, kTurn * keep_.offset / std::max(rate.norm(), 0x1p-100));
   Vec3 end;
   for (int i = 0;; ++i) {
 #ifdef SPHERE_TRACE
     if (i > 30 || !(span > kLeastTime || time + span >= 1.0)) { Vec3 e2 = centre_; bool ok = solve(on_way(from, to, leg.time), e2); std::printf("   leg fails i %d span %g rate %g solve %d stab %g moved %g\n", i, span, rate.norm(), ok, find_stability(centre_, device), (e2-centre_).norm()); }
 #endif
-    if (i == kMostHalvings || !(span > kLeastTime || span >= whole)) return false;
+    if (i == kMostHalvings || !(span > kLeastTime || span >= 1.0 - time)) return false;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
     if (solve(on_way(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
@@ -416,8 +409,7 @@ int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noex
     const Vec3 axis = contact.axis();
     add(own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex);
     add(own.corner(contact.index), -axis, -1, contact.index, Part::vertex);
-    if (contact.part == Part::crease) return count;
-  }
+    }
   near_.visit_near(c, c, keep_.offset + keep_.slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (!contact.is_part_of(shape)) return;
