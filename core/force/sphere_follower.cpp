@@ -302,7 +302,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   });
   if (!is_restored) return Next::unclear;
   note_move(before);
-  if (time > was) note_gain(on_way(from, to, time), true);
+  if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
   if (!take_event(event, leg.path)) return Next::unclear;
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (leg.released >= 0) {

@@ -77,7 +77,7 @@ class SphereFollower {
   static constexpr double kTurn = 0.125;       // rad, of one piece of the way
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
   static constexpr double kAtAxis = 0x1p-39;    // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
-  static constexpr double kLeastRise = 0x1p-50;
+  static constexpr double kLeastRise = 0x1p-45;  // rad: faces of less are one plane, as far as borders can tell
   static constexpr double kLeastGain = 0x1p-50;
   static constexpr int kMostIdle = 24;         // events that lead no nearer
   static constexpr int kMostExits = 128;
