@@ -127,8 +127,10 @@ double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, 
 }
 
 // When the distance falls to `level`, to a tolerance.
-double CentrePath::time_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept {
+CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept {
   constexpr int kMostRounds = 64;
+  // Past a corner: the distance to an edge or face that begins there falls by less than the tolerance meanwhile.
+  const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
   double time = 0.0;
   for (int i = 0; i < kMostRounds; ++i) {
     ++tests;
@@ -138,31 +140,31 @@ double CentrePath::time_below(const ContactTriangle& triangle, const Level& leve
       while (corner < 2 && triangle.corner(corner) != now.nearest) ++corner;
       if ((held >> corner & 1U) != 0) {
         const double off = time_off_corner(triangle, corner, time, until);
-        if (!(off < until)) return kNever;
-        time = std::max(off, time) + kLeastStep;
+        time = std::max(off, time) + least_step;
+        if (!(time < until)) return {};
         continue;
       }
     }
     const Vec3 way = slope(time);
     const double approach = now.normal.dot(way) - normal_error(now) * way.norm();
     const double gap = now.distance - level.distance;
-    if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return time;
+    if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return {time, true};
     // gap + approach x - bend / 2 x^2 = 0
     double step = 0.0;
     if (bend_ > 0.0) {
       const double root = std::sqrt(approach * approach + 2.0 * bend_ * std::max(gap, 0.0));
       step = approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : (approach + root) / bend_;
     } else {
-      if (!(approach < 0.0)) return kNever;
+      if (!(approach < 0.0)) return {};
       step = gap / -approach;
     }
     time += std::max(step, kLeastStep);
-    if (!(time < until)) return kNever;
+    if (!(time < until)) return {};
   }
-  return time;
+  return {time, false};
 }
 
-double CentrePath::time_to_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept {
+CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept {
   ++tests;
   const Separation start = triangle.separation(start_);
   const Vec3 way = rate_[0];
@@ -172,16 +174,17 @@ double CentrePath::time_to_block(const ContactTriangle& triangle, const Keep& ke
   // Safe from the start: the parabola stays above.
   const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - 0.5 * bend_ * until * until)
                                         : gap + approach * until - 0.5 * bend_ * until * until;
-  if (keep.offset + bottom > low) return kNever;
+  if (keep.offset + bottom > low) return {};
   // What rounding took from a centre that is as near as can be does not hold it.
   if (start.distance < low + keep.tolerance) {
-    if (approach < 0.0) return 0.0;
-    return time_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, until, tests);
+    if (approach < 0.0) return {0.0, true};
+    return find_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, until, tests);
   }
-  const double below = time_below(triangle, {low, keep.tolerance}, held, until, tests);
-  if (below > until) return kNever;
+  const Block below = find_below(triangle, {low, keep.tolerance}, held, until, tests);
+  if (below.time > until) return {};
   const double level = gap > keep.tolerance ? keep.offset : std::min(keep.offset - 0.25 * keep.slop, start.distance - keep.tolerance);
-  return std::min(below, time_below(triangle, {level, keep.tolerance}, held, until, tests));
+  const Block block = find_below(triangle, {level, keep.tolerance}, held, until, tests);
+  return block.time < below.time ? block : below;
 }
 
 }  // namespace hapton

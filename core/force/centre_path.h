@@ -46,17 +46,22 @@ class CentrePath {
   // The first time in [from, until] at which direction . (p - origin) exceeds `margin` on its way up, or kNever.
   double time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept;
 
-  // When a triangle stops the centre, in [0, until], or kNever. The distance to a triangle is convex, so along the path it stays above the
-  // parabola that it begins with, less what the path bends: every step of the search is safe, and near the hit it is Newton's.
+  // When a triangle stops the centre, in [0, until]. The distance to a triangle is convex, so along the path it stays above the
+  // parabola that it begins with, less what the path bends: every step of the search is safe, and near the hit it is Newton's. It
+  // ends after 64 of them.
   // `held`: a bit for each corner that is of a part which guides the path: such a corner is never nearer than the part.
-  double time_to_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept;
+  struct Block {
+    double time = kNever;
+    bool hits = false;  // else that far it is known to be free
+  };
+  Block find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept;
 
  private:
   struct Level {
     double distance = 0.0;
     double tolerance = 0.0;
   };
-  double time_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept;
+  Block find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept;
   double find_crest(const Vec3& direction, double low, double high) const noexcept;
   double time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 

@@ -260,12 +260,18 @@ CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device
     const double ratio = std::tan(0.5 * (angle - turn)) / std::tan(0.5 * angle);
     share = 1.0 - std::pow(std::max(ratio, 0.0), keep_.offset / distance);
   }
-  const Vec3 up = share * rise * axis;
-  const double sine = std::sin(turn);
-  const double cosine = std::cos(turn);
-  const Vec3 end = centre_ + up + keep_.offset * (sine * way - (1.0 - cosine) * normal);
-  CentrePath path =
-      CentrePath::curved(centre_, end, up + keep_.offset * turn * way, up + keep_.offset * turn * (cosine * way - sine * normal));
+  const Vec3 end = centre_ + share * rise * axis + keep_.offset * (std::sin(turn) * way - (1.0 - std::cos(turn)) * normal);
+  const auto steepest = [&](const Vec3& c) {
+    const Vec3 normal_there = contact.stand(c).normal;
+    const Vec3 pull = device - c;
+    return Vec3(pull - normal_there.dot(pull) * normal_there);
+  };
+  const double chord = (end - centre_).norm();
+  const auto slope = [&](const Vec3& direction) {
+    const double length = direction.norm();
+    return length > kLeastWay ? Vec3(direction * (chord / length)) : Vec3(end - centre_);
+  };
+  CentrePath path = CentrePath::curved(centre_, end, slope(side > kLeastWay ? steepest(centre_) : Vec3(way)), slope(steepest(end)));
   guide(path);
   return path;
 }
@@ -383,11 +389,11 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     const ContactTriangle& shape = near_.shape(slot);
     if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return;
     if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) return;
-    const double time = path.time_to_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
-    if (!(time < event.time)) return;
-    event.time = time;
+    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
+    if (!(block.time < event.time)) return;
+    event.time = block.time;
     event.contact = -1;
-    event.slot = slot;
+    event.slot = block.hits ? slot : -1;
   });
   return true;
 }
