@@ -136,7 +136,7 @@ SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, doubl
 
 // Settled: there. Again: something was met on the way.
 SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
-  constexpr double kDeepest = 0x1p-28;  // a centre nearer by more to what stops it was never put in contact
+  const double kDeepest = std::min(0x1p-28, 0.25 * keep_.offset);  // a centre nearer by more to what stops it was never put in contact
   const Clearance clearance{keep_.offset, keep_.slop, keep_.tolerance};
   const Vec3 from = centre_;
   const Vec3 motion = to - from;
