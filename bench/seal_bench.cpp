@@ -8,6 +8,7 @@
 
 #include "link/codec.h"
 #include "link/handshake.h"
+#include "link/link_key.h"
 #include "link/sealed_channel.h"
 
 namespace hapton {
@@ -22,7 +23,9 @@ LinkKey make_key() {
 
 struct Channels {
   Channels() {
-    const seal::SessionKeys keys = seal::derive_session_keys(make_key(), {}, {});
+    seal::SessionKeys keys;
+    keys.client_to_hub = make_key().bytes();
+    keys.hub_to_client = make_key().bytes();
     client = SealedChannel(keys, 1, SealedChannel::Side::client);
     hub = SealedChannel(keys, 1, SealedChannel::Side::hub);
   }
@@ -60,7 +63,7 @@ void whole_way(benchmark::State& state, const MessageType& message) {
   Bytes plain;
   Bytes sealed;
   Bytes opened;
-  Datagram out;
+  Datagram out{{1, 2, 3, 4}, {}};
   Datagram in;
   std::size_t bytes = 0;
   std::size_t size = 0;
@@ -123,19 +126,68 @@ void refuse_forged(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(channels.hub.open(std::span(sealed).first(size), opened, bytes));
 }
 
-void refuse_request(benchmark::State& state) {
-  ClientHandshake stranger(make_key());
-  stranger.begin();
-  const HubHandshake hub(make_key());
+// A request of another node, or of none: what comes first in it is a look at its tag.
+std::array<std::byte, seal::kRequestBytes> make_request(ClientHandshake& client, std::int64_t now_ns) {
   std::array<std::byte, seal::kRequestBytes> request;
-  stranger.write_request(request);
+  client.begin();
+  client.ask(now_ns);
+  if (client.poll(request) != ClientHandshake::Finished::request) std::abort();
+  return request;
+}
+
+void refuse_request(benchmark::State& state) {
+  ClientHandshake stranger(RoleKey(make_key(), KeyRole::haptics), 1, AgreementWorker::Where::caller);
+  HubHandshake hub(make_key(), AgreementWorker::Where::caller);
+  const auto request = make_request(stranger, 1);
   for (auto _ : state) benchmark::DoNotOptimize(hub.judge(request, {}, 1));
 }
 
-void agree(benchmark::State& state) {
-  HubHandshake hub(make_key());
-  std::array<std::byte, seal::kAnswerBytes> answer;
-  for (auto _ : state) benchmark::DoNotOptimize(hub.agree({}, 1, answer));
+void refuse_replayed_request(benchmark::State& state) {
+  const LinkKey key = make_key();
+  ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
+  HubHandshake hub(key, AgreementWorker::Where::caller);
+  const auto request = make_request(node, 1);
+  hub.judge(request, {}, 1);
+  for (auto _ : state) benchmark::DoNotOptimize(hub.judge(request, {}, 1));
+}
+
+// What the hub's loop does for a good request: it is judged, handed to the worker thread, and its answer taken. The agreement itself is the
+// worker's, and is waited for with the clock of this benchmark stopped.
+void hand_over_request(benchmark::State& state) {
+  const LinkKey key = make_key();
+  ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
+  HubHandshake hub(key, AgreementWorker::Where::own_thread);
+  HubHandshake::Agreement agreement;
+  std::int64_t now_ns = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    const auto request = make_request(node, ++now_ns);
+    state.ResumeTiming();
+    benchmark::DoNotOptimize(hub.judge(request, {}, 1));
+    hub.agree(request, 1);
+    state.PauseTiming();
+    while (!hub.poll(agreement)) {
+    }
+    state.ResumeTiming();
+  }
+}
+
+// The worker's part on either side.
+void worker_makes_request(benchmark::State& state) {
+  AgreementTask task;
+  for (auto _ : state) run_agreement(task);
+}
+
+void worker_answers_request(benchmark::State& state) {
+  const LinkKey key = make_key();
+  ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
+  HubHandshake hub(key, AgreementWorker::Where::caller);
+  const auto request = make_request(node, 1);
+  HubHandshake::Agreement agreement;
+  for (auto _ : state) {
+    hub.agree(request, 1);
+    if (!hub.poll(agreement) || !agreement.went_well) state.SkipWithError("no agreement");
+  }
 }
 
 BENCHMARK(force_whole_way);
@@ -145,7 +197,10 @@ BENCHMARK(seal_alone)->Arg(150);
 BENCHMARK(seal_and_open)->Arg(64)->Arg(150)->Arg(seal::kMaxPayloadBytes);
 BENCHMARK(refuse_forged);
 BENCHMARK(refuse_request);
-BENCHMARK(agree);
+BENCHMARK(refuse_replayed_request);
+BENCHMARK(hand_over_request)->Iterations(2000);
+BENCHMARK(worker_makes_request);
+BENCHMARK(worker_answers_request);
 
 }  // namespace
 }  // namespace hapton

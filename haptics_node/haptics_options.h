@@ -7,6 +7,7 @@
 
 #include "core/force/force_method.h"
 #include "runtime/realtime.h"
+#include "scene/touch_mesh.h"
 #include "scene/unit.h"
 
 namespace hapton {
@@ -18,6 +19,7 @@ struct HapticsOptions {
   std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
   std::optional<Unit> unit;  // of a plain mesh file
+  CrackSealing sealing = CrackSealing::on;
   MethodSettings method;
   RealtimeSettings realtime;
   double seconds = 0.0;  // 0: until stopped

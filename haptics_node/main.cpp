@@ -6,9 +6,11 @@
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/haptics_setup.h"
+#include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/cpu_check.h"
+#include "runtime/descriptor_check.h"
 #include "runtime/log.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
@@ -33,10 +35,10 @@ int run(const HapticsOptions& options) {
   const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
-  const auto key = find_link_key(options.key_file, *hub);
+  const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
   if (!key) return give_up(key.error());
   const auto scene_path = find_scene(options.scene);
-  const auto scene = load_scene(scene_path, options.unit);
+  const auto scene = load_scene(scene_path, options.unit, options.sealing);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto method = make_method(options.method, scene->touch_scene());
@@ -46,7 +48,9 @@ int run(const HapticsOptions& options) {
   if (!endpoint) return give_up(endpoint.error());
 
   SteadyClock clock;
-  SealedClient sealed(**endpoint, clock, *key, *hub);
+  SealedClient::Options sealing;
+  sealing.worker = AgreementWorker::Where::own_thread;
+  SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
@@ -75,6 +79,7 @@ int run(const HapticsOptions& options) {
 
 int main(int argc, char** argv) {
   check_cpu("haptics_node");
+  check_descriptors("haptics_node");
   start_log("haptics_node");
   auto parsed = parse_haptics_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;

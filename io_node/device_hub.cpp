@@ -119,7 +119,7 @@ struct DeviceHub::Parts {
         echo(std::move(bare_echo)),
         metrics(std::move(served)),
         metered(*endpoint, steady),
-        sealed(metered, steady, key),
+        sealed(metered, steady, key, AgreementWorker::Where::own_thread),
         recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
         peers(sealed, steady, session_id, options.rate_hz),
         servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "link/bare_echo_endpoint.h"
 #include "link/codec.h"
 #include "link/seal_format.h"
 
@@ -24,11 +25,13 @@ EchoProbe::EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& resp
     : endpoint_(endpoint),
       clock_(clock),
       responder_(responder),
-      bytes_(bytes == 0 ? device_state_bytes() : std::max(bytes, sizeof sequence_)) {}
+      bytes_(bytes == 0 ? device_state_bytes() : std::max(bytes, kEchoMarkBytes + sizeof sequence_)) {
+  std::memcpy(out_.data(), kEchoRequest.data(), kEchoMarkBytes);
+}
 
 void EchoProbe::probe(std::int64_t deadline_ns) noexcept {
   ++sequence_;
-  std::memcpy(out_.data(), &sequence_, sizeof sequence_);
+  std::memcpy(out_.data() + kEchoMarkBytes, &sequence_, sizeof sequence_);
   const std::int64_t sent_ns = clock_.now_ns();
   if (!endpoint_.send(responder_, std::span(out_).first(bytes_))) return;
   ++counts_.sent;
@@ -36,8 +39,9 @@ void EchoProbe::probe(std::int64_t deadline_ns) noexcept {
     const Received received = endpoint_.receive(in_, deadline_ns);
     if (received.bytes == 0) continue;
     std::uint64_t echoed = 0;
-    std::memcpy(&echoed, in_.data(), sizeof echoed);
-    const bool is_ours = received.from == responder_ && received.bytes == bytes_ && echoed != 0 && echoed <= sequence_;
+    std::memcpy(&echoed, in_.data() + kEchoMarkBytes, sizeof echoed);
+    const bool is_reply = std::memcmp(in_.data(), kEchoReply.data(), kEchoMarkBytes) == 0;
+    const bool is_ours = received.from == responder_ && received.bytes == bytes_ && is_reply && echoed != 0 && echoed <= sequence_;
     if (is_ours && echoed == sequence_) {
       round_trip_.record(clock_.now_ns() - sent_ns);
       ++counts_.answered;

@@ -11,8 +11,8 @@
 namespace hapton {
 
 // Measures the bare echo of the same machine in the same run: sends a datagram as long as a DeviceState's to a responder that sends back
-// what it gets, and waits for it as the servo waits for its force. The ratio of the force round trip to it is what the system itself costs.
-// RT: probe yes; making one is set-up only. Threads: the servo's.
+// what it gets (hapton echo), and waits for it as the servo waits for its force. The ratio of the force round trip to it is what the system
+// itself costs. RT: probe yes; making one is set-up only. Threads: the servo's.
 class EchoProbe {
  public:
   struct Counts {
@@ -22,7 +22,7 @@ class EchoProbe {
     std::uint64_t foreign = 0;  // not what we sent
   };
 
-  // bytes: of a datagram, 0: as many as a DeviceState has on the wire.
+  // bytes: of a datagram, 0: as many as a DeviceState has on the wire; fewer than 16 are 16.
   // Pre: endpoint and clock outlive this; the endpoint is the probe's own; bytes at most kMaxDatagramBytes.
   EchoProbe(Endpoint& endpoint, const Clock& clock, const Address& responder, std::size_t bytes = 0);
 

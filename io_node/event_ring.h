@@ -26,14 +26,20 @@ struct ServoEvent {
     reset_refused,
     away,
     calibrating,
-    back
+    back,
+    reset_without_right,   // a tool whose key is not an operator's asked for a reset
+    reset_without_person,  // ... an operator, and nobody is known to be at the device
+    flood,
+    role_violation,  // a node asked for a role, or sent what belongs to one, that its key does not allow
   };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;                   // of rate_changed
+  double rate_hz = 0.0;                   // of rate_changed; of flood: datagrams a second
   std::array<char, 16> method = {};       // of method_asked
   SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_refused
+  Refusal flood = Refusal::malformed;     // of flood: what it is of
+  bool is_from_several = false;           // of flood: from other addresses, too
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

@@ -66,6 +66,12 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"refused_malformed", whole(s.seal.malformed)},
                      {"refused_wrong_version", whole(s.seal.wrong_version)},
                      {"refused_wrong_key", whole(s.seal.wrong_key)},
+                     {"refused_replayed_handshakes", whole(s.seal.replayed_handshakes)},
+                     {"refused_too_many_handshakes", whole(s.seal.too_many_handshakes)},
+                     {"refused_oversized", whole(s.seal.oversized)},
+                     {"refused_role", whole(s.hub.role_violations)},
+                     {"handshake_retries", whole(s.seal.retries)},
+                     {"resets_denied", whole(s.resets_denied)},
                      {"refused_unknown_session", whole(s.seal.unknown_session)},
                      {"refused_replayed", whole(s.seal.replayed)},
                      {"refused_forged", whole(s.seal.forged)},
@@ -274,8 +280,10 @@ std::string describe_run(const ServoStats& s, const SchedulingFigures& schedulin
   }
   if (s.seal.refused() > 0) {
     text += fmt::format(
-        "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form\n",
-        s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place, s.seal.malformed);
+        "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form, {} "
+        "replayed handshakes, {} handshakes too many\n",
+        s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place,
+        s.seal.malformed + s.seal.oversized, s.seal.replayed_handshakes, s.seal.too_many_handshakes);
   }
   if (s.missed_cycles + s.caught_up_cycles > 0) {
     text += fmt::format("cycles missed: {} skipped, {} caught up; causes: {}\n", s.missed_cycles, s.caught_up_cycles, describe_causes(s));

@@ -34,15 +34,33 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::method_asked:
       return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
     case ServoEvent::Kind::wrong_key:
-      return "someone asks to join with another key or none; if it is a node of yours, start it with the same --key FILE";
+      return "someone asks to join with another key or none; if it is a node of yours, give it a key made from this hub's master key: "
+             "hapton keygen --role ROLE "
+             "--master MASTER FILE";
     case ServoEvent::Kind::wrong_version:
-      return "someone speaks another protocol version; if it is a node of yours, build all from the same sources";
+      return "someone speaks another protocol version; if it is a node of yours, build all from the same sources, and make new keys "
+             "(hapton keygen) if it is older "
+             "than version 3";
     case ServoEvent::Kind::latched:
       return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
     case ServoEvent::Kind::reset:
       return fmt::format("fault reset ({}), the force ramps in", to_string(event.fault));
     case ServoEvent::Kind::reset_refused:
       return fmt::format("fault not reset, its cause is still there: {}", describe(event.fault));
+    case ServoEvent::Kind::reset_without_right:
+      return fmt::format("fault reset refused: the tool at {} has no operator's key (hapton keygen --role operator)",
+                         to_string(event.address));
+    case ServoEvent::Kind::reset_without_person:
+      return fmt::format(
+          "fault reset refused: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
+          "holds the switch (--hold-button)",
+          to_string(event.address));
+    case ServoEvent::Kind::flood:
+      return fmt::format("flood of {} from {}{}, {:.0f} a second; refused, the force does not wait for it", describe(event.flood),
+                         to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz);
+    case ServoEvent::Kind::role_violation:
+      return "a node asks for a role that its key does not allow; if it is a node of yours, give it the key of its role: hapton keygen "
+             "--role ROLE --master MASTER FILE";
     case ServoEvent::Kind::away:
       return "the device is away; no force until it is back";
     case ServoEvent::Kind::calibrating:

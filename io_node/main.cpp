@@ -11,6 +11,7 @@
 #include "io_node/devices_file.h"
 #include "io_node/io_options.h"
 #include "runtime/cpu_check.h"
+#include "runtime/descriptor_check.h"
 #include "runtime/log.h"
 #include "runtime/stop_signal.h"
 
@@ -73,6 +74,7 @@ int main(int argc, char** argv) {
   // first.
   ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);
   check_cpu("io_node");
+  check_descriptors("io_node");
   start_log("io_node");
   const auto parsed = parse_io_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;

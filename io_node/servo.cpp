@@ -4,7 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "io_node/safety/reset_right.h"
 #include "io_node/session_fault_of.h"
+#include "link/link_key.h"
 
 namespace hapton {
 namespace {
@@ -12,7 +14,6 @@ namespace {
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
 constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;      // a device is away for so long before it is told
-constexpr std::int64_t kStrangersNs = 10 * kNanosecondsPerSecond;         // no oftener are they worth a line
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -222,7 +223,7 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) return on_view(*view);
   if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn, event.peer);
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
-  if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event.role);
+  if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event);
   if (std::holds_alternative<HapticsSetup>(datagram.message)) peers_.send_to_role(NodeRole::tool, datagram.message);
   if (const auto* ask = std::get_if<ReportAsk>(&datagram.message); ask != nullptr && desk_ != nullptr) desk_->ask(event.peer, *ask);
 }
@@ -285,7 +286,8 @@ void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
   device_.lead_hand(hand.active ? std::optional(hand.p_WH) : std::nullopt);
 }
 
-void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
+void Servo::on_settings(const Settings& settings, const PeerEvent& event) noexcept {
+  const NodeRole role = event.role;
   if (settings.servo_rate_hz >= kLowestRateHz && settings.servo_rate_hz <= kHighestRateHz) {
     stats_.rate_hz = settings.servo_rate_hz;
     peers_.set_servo_rate_hz(settings.servo_rate_hz);
@@ -297,13 +299,21 @@ void Servo::on_settings(const Settings& settings, NodeRole role) noexcept {
     peers_.send_to_role(NodeRole::haptics, Settings{0.0, settings.method, false, false, settings.method_ask});
     events_.push({ServoEvent::Kind::method_asked, role, {}, 0.0, settings.method, {}});
   }
-  if (settings.reset_faults && role == NodeRole::tool) reset_faults();
+  if (settings.reset_faults && role == NodeRole::tool) reset_faults(peers_.peer(event.peer));
   if (settings.report_now) report_wished_.store(true, std::memory_order_release);
 }
 
-void Servo::reset_faults() noexcept {
+void Servo::reset_faults(const Peer& asker) noexcept {
   const SafetyFault fault = governor_.fault();
   if (fault == SafetyFault::none) return;
+  const ResetVerdict verdict = judge_reset(asker.key_role, is_loopback(asker.address), governor_.is_switch_held());
+  if (verdict != ResetVerdict::granted) {
+    ++stats_.resets_denied;
+    if (clock_.now_ns() < next_denial_ns_) return;
+    next_denial_ns_ = clock_.now_ns() + kNanosecondsPerSecond;
+    const bool lacks_right = verdict == ResetVerdict::no_right;
+    return tell(lacks_right ? ServoEvent::Kind::reset_without_right : ServoEvent::Kind::reset_without_person, asker.role, asker.address);
+  }
   const auto kind = governor_.reset_faults() ? ServoEvent::Kind::reset : ServoEvent::Kind::reset_refused;
   events_.push({kind, NodeRole::tool, {}, 0.0, {}, fault});
 }
@@ -436,12 +446,13 @@ void Servo::refresh_figures(std::int64_t now_ns) noexcept {
 
 // Who lacks the key is told nothing; the person at the hub is, now and then.
 void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
-  if (now_ns < next_strangers_ns_) return;
-  const SealCounts seal = peers_.seal_counts();
-  if (seal.wrong_key != told_.wrong_key) tell(ServoEvent::Kind::wrong_key, NodeRole::tool, {});
-  if (seal.wrong_version != told_.wrong_version) tell(ServoEvent::Kind::wrong_version, NodeRole::tool, {});
-  if (seal.wrong_key != told_.wrong_key || seal.wrong_version != told_.wrong_version) next_strangers_ns_ = now_ns + kStrangersNs;
-  told_ = seal;
+  if (const auto flood = peers_.take_flood(now_ns)) {
+    ServoEvent event{ServoEvent::Kind::flood, NodeRole::tool, flood->from, flood->per_second, {}, {}};
+    event.flood = flood->refusal;
+    event.is_from_several = flood->is_from_several;
+    events_.push(event);
+  }
+  strangers_.look(peers_.seal_counts(), peers_.counts(), now_ns, [&](ServoEvent::Kind kind) { tell(kind, NodeRole::tool, {}); });
 }
 
 void Servo::finish() noexcept {

@@ -13,6 +13,7 @@
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
+#include "io_node/stranger_news.h"
 #include "io_node/vision_pace.h"
 #include "io_node/way_meter.h"
 #include "link/hub_peers.h"
@@ -108,8 +109,8 @@ class Servo {
   void on_view(const ViewTransform& view) noexcept;
   void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
-  void on_settings(const Settings& settings, NodeRole role) noexcept;
-  void reset_faults() noexcept;
+  void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
+  void reset_faults(const Peer& asker) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void hold_force() noexcept;
@@ -152,8 +153,8 @@ class Servo {
   std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
-  std::int64_t next_strangers_ns_ = 0;
-  SealCounts told_;  // of strangers
+  StrangerNews strangers_;
+  std::int64_t next_denial_ns_ = 0;
   std::int64_t figures_since_ns_ = 0;
   std::uint64_t figures_samples_ = 0;
 

@@ -52,6 +52,7 @@ struct ServoStats {
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
+  std::uint64_t resets_denied = 0;      // asked for without the right, or without a person at the device
   double frame_rate_hz = 0.0;           // as the vision node heard last says
   double max_force_n = 0.0;             // written to the device
   std::int64_t longest_release_ns = 0;  // last force accepted -> zero on the device, of all silences

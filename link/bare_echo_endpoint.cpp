@@ -81,7 +81,7 @@ Result<BareEchoEndpoint> BareEchoEndpoint::open(std::string_view bind_address) {
 }
 
 BareEchoEndpoint::BareEchoEndpoint(BareEchoEndpoint&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)), local_(other.local_), served_(other.served_) {}
+    : socket_(std::exchange(other.socket_, -1)), local_(other.local_), served_(other.served_), passed_over_(other.passed_over_) {}
 
 BareEchoEndpoint::~BareEchoEndpoint() {
   if (socket_ >= 0) {
@@ -97,6 +97,11 @@ bool BareEchoEndpoint::serve_one() noexcept {
   if (received < 0) {
     return false;
   }
+  if (static_cast<std::size_t>(received) < kEchoMarkBytes || std::memcmp(buffer.data(), kEchoRequest.data(), kEchoMarkBytes) != 0) {
+    ++passed_over_;
+    return true;
+  }
+  std::memcpy(buffer.data(), kEchoReply.data(), kEchoMarkBytes);
   ::sendto(socket_, buffer.data(), static_cast<std::size_t>(received), 0, reinterpret_cast<const sockaddr*>(&from), from_size);
   ++served_;
   return true;

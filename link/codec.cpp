@@ -59,8 +59,8 @@ void write(const DeviceState& from, wire::DeviceState& to) {
   write_vector(*to.mutable_p_wd_m(), from.p_WD);
   write_rotation(*to.mutable_q_wt(), from.q_WT);
   to.set_buttons(from.buttons);
-  to.mutable_p_wp_m()->Clear();
-  if (from.is_resumed) write_vector(*to.mutable_p_wp_m(), from.p_WP);
+  to.set_is_resumed(from.is_resumed);
+  write_vector(*to.mutable_p_wp_m(), from.p_WP);
 }
 
 void write(const ForceCommand& from, wire::ForceCommand& to) {
@@ -195,9 +195,8 @@ bool read(const wire::DeviceState& from, DeviceState& to) {
   to.sample = from.sample();
   to.sample_time_ns = from.sample_time_ns();
   to.buttons = from.buttons();
-  to.is_resumed = from.p_wp_m_size() != 0;
-  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
-         (!to.is_resumed || read_vector(from.p_wp_m(), to.p_WP));
+  to.is_resumed = from.is_resumed();
+  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) && read_vector(from.p_wp_m(), to.p_WP);
 }
 
 bool read(const wire::ForceCommand& from, ForceCommand& to) {

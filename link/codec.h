@@ -11,7 +11,7 @@
 namespace hapton {
 
 // In every datagram; a receiver drops those of another version. The rules of change are in proto/hapton.proto.
-constexpr std::uint32_t kProtocolVersion = 2;
+constexpr std::uint32_t kProtocolVersion = 3;
 
 // Lengths (m) and forces (N) beyond this are not believed: their squares and products stay finite.
 constexpr double kMaxWireMagnitude = 1e9;

@@ -1,21 +1,17 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "link/address.h"
+#include "link/key_role.h"
+#include "link/refusal_watch.h"
 #include "link/seal_counts.h"
 
 namespace hapton {
-
-// Where a datagram goes to or came from: IPv4 or IPv6 address and port.
-struct Address {
-  std::array<std::uint8_t, 16> ip = {};  // IPv4 is held v4-mapped (::ffff:a.b.c.d)
-  std::uint16_t port = 0;
-  friend bool operator==(const Address&, const Address&) = default;
-};
 
 // One size for every datagram: below the smallest MTU we meet, with room for sealing.
 constexpr std::size_t kMaxDatagramBytes = 1200;
@@ -23,6 +19,7 @@ constexpr std::size_t kMaxDatagramBytes = 1200;
 struct Received {
   std::size_t bytes = 0;  // 0: nothing came before the deadline
   Address from;
+  KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
 };
 
 // A way to exchange datagrams. Real ones over UDP, in-memory ones for tests.
@@ -45,6 +42,14 @@ class Endpoint {
 
   // What a sealed endpoint has passed and refused; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
+
+  // Datagrams passed over because they were empty or too long to be ours.
+  virtual std::uint64_t oversized() const noexcept { return 0; }
+  // Where the newest of them came from.
+  virtual Address oversized_from() const noexcept { return {}; }
+
+  // What is refused so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
+  virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 
 }  // namespace hapton

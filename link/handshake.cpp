@@ -3,16 +3,12 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace hapton {
 
 using namespace seal;
 
 namespace {
-
-// What a hub makes out of its own secret; the first byte keeps the two apart.
-enum class Purpose : std::uint8_t { cookie = 1, nonce = 2 };
 
 std::span<const std::uint8_t> signed_part(const std::uint8_t* in, std::size_t tag_at) { return {in, tag_at}; }
 
@@ -25,114 +21,186 @@ bool is_signed(const Secret& key, const std::uint8_t* in, std::size_t tag_at) {
   return is_tag(compute_tag(key, signed_part(in, tag_at)), in + tag_at);
 }
 
-// A request and a retry look alike.
-std::size_t write_nonce_and_cookie(Kind kind, const Nonce& nonce, const Cookie& cookie, const Secret& key, std::uint8_t* out) {
-  write_lead(kind, out);
-  std::copy(nonce.begin(), nonce.end(), out + kNonceAt);
-  std::copy(cookie.begin(), cookie.end(), out + kCookieAt);
-  sign(key, out, kRequestTagAt);
-  return kRequestBytes;
+// So that who listens cannot tell by it which nodes are one host's, other than those of one role.
+std::uint64_t hide_host(std::uint64_t host, const Secret& key) {
+  std::array<std::uint8_t, 1 + sizeof host> text = {'h'};
+  store(host, text.data() + 1);
+  return load<std::uint64_t>(compute_tag(key, text).data());
 }
 
 }  // namespace
 
-ClientHandshake::ClientHandshake(const LinkKey& key) : key_(key), handshake_key_(derive_handshake_key(key)) {}
+ClientHandshake::ClientHandshake(const RoleKey& key, std::uint64_t host, AgreementWorker::Where where)
+    : role_(key.role()),
+      handshake_key_(derive_handshake_key(key)),
+      psk_(derive_psk(key)),
+      host_(hide_host(host, handshake_key_)),
+      worker_(where) {}
 
-ClientHandshake::~ClientHandshake() { wipe(handshake_key_); }
+ClientHandshake::~ClientHandshake() {
+  wipe(handshake_key_);
+  wipe(psk_);
+}
 
 void ClientHandshake::begin() noexcept {
-  randombytes_buf(nonce_.data(), nonce_.size());
+  forget_attempts();
   cookie_ = {};
+  ++round_;
   is_pending_ = true;
 }
 
-std::size_t ClientHandshake::write_request(std::span<std::byte> into) const noexcept {
-  return write_nonce_and_cookie(Kind::request, nonce_, cookie_, handshake_key_, bytes_of(into));
+void ClientHandshake::forget_attempts() noexcept { attempts_ = {}; }
+
+void ClientHandshake::write_prologue(std::int64_t timestamp_ns, std::uint8_t* into) const noexcept {
+  write_lead(Kind::request, into);
+  store(std::uint32_t{static_cast<std::uint8_t>(role_)}, into + kRoleAt);
+  store(host_, into + kHostAt);
+  store(timestamp_ns, into + kRequestTimestampAt);
 }
 
-ClientHandshake::Heard ClientHandshake::read(Kind kind, std::span<const std::byte> datagram) noexcept {
-  if (!is_pending_) return Heard::nothing;
-  if (kind == Kind::retry) return read_retry(bytes_of(datagram));
-  return kind == Kind::answer ? read_answer(datagram) : Heard::nothing;
+bool ClientHandshake::ask(std::int64_t now_ns) noexcept {
+  AgreementTask task;
+  task.kind = AgreementTask::Kind::make_request;
+  task.number = round_;
+  task.timestamp_ns = std::max(now_ns, last_timestamp_ns_ + 1);
+  task.psk = psk_;
+  write_prologue(task.timestamp_ns, task.prologue.data());
+  if (!worker_.submit(task)) return false;
+  last_timestamp_ns_ = task.timestamp_ns;
+  return true;
 }
 
-ClientHandshake::Heard ClientHandshake::read_retry(const std::uint8_t* in) noexcept {
-  if (!std::equal(nonce_.begin(), nonce_.end(), in + kNonceAt) || !is_signed(handshake_key_, in, kRequestTagAt)) return Heard::nothing;
+ClientHandshake::Finished ClientHandshake::poll(std::span<std::byte> into) noexcept {
+  for (AgreementTask task; worker_.take(task);) {
+    if (task.number != round_ || !is_pending_ || !task.went_well) continue;
+    if (task.kind == AgreementTask::Kind::make_request) {
+      write_request(task, bytes_of(into));
+      return Finished::request;
+    }
+    channel_ = SealedChannel(task.keys, task.connection, SealedChannel::Side::client);
+    forget_attempts();
+    is_pending_ = false;
+    return Finished::agreement;
+  }
+  return Finished::nothing;
+}
+
+void ClientHandshake::write_request(const AgreementTask& task, std::uint8_t* out) noexcept {
+  attempts_[next_attempt_] = {task.timestamp_ns, true, task.state};
+  next_attempt_ = (next_attempt_ + 1) % kAttempts;
+  std::copy(task.prologue.begin(), task.prologue.end(), out);
+  std::copy(task.first.begin(), task.first.end(), out + kFirstAt);
+  std::copy(cookie_.begin(), cookie_.end(), out + kRequestCookieAt);
+  sign(handshake_key_, out, kRequestTagAt);
+}
+
+ClientHandshake::Attempt* ClientHandshake::find_attempt(std::int64_t timestamp_ns) noexcept {
+  const auto is_it = [&](const Attempt& attempt) { return attempt.is_open && attempt.timestamp_ns == timestamp_ns; };
+  const auto found = std::find_if(attempts_.begin(), attempts_.end(), is_it);
+  return found == attempts_.end() ? nullptr : &*found;
+}
+
+bool ClientHandshake::read_retry(std::span<const std::byte> retry) noexcept {
+  const std::uint8_t* const in = bytes_of(retry);
+  if (!is_pending_ || find_attempt(load<std::int64_t>(in + kTimestampAt)) == nullptr) return false;
+  if (!is_signed(handshake_key_, in, kRetryTagAt)) return false;
   std::copy_n(in + kCookieAt, cookie_.size(), cookie_.begin());
-  return Heard::cookie;
+  return true;
 }
 
-ClientHandshake::Heard ClientHandshake::read_answer(std::span<const std::byte> datagram) noexcept {
-  const std::uint8_t* const in = bytes_of(datagram);
-  Nonce hub_nonce;
-  std::copy_n(in + kHubNonceAt, hub_nonce.size(), hub_nonce.begin());
-  const SessionKeys keys = derive_session_keys(key_, nonce_, hub_nonce);
-  if (!is_signed(keys.answer, in, kAnswerTagAt)) return Heard::nothing;
-  channel_ = SealedChannel(keys, load<std::uint32_t>(in + kConnectionAt), SealedChannel::Side::client);
-  is_pending_ = false;
-  return Heard::agreement;
+bool ClientHandshake::read_answer(std::span<const std::byte> answer) noexcept {
+  const std::uint8_t* const in = bytes_of(answer);
+  Attempt* const attempt = find_attempt(load<std::int64_t>(in + kTimestampAt));
+  if (!is_pending_ || attempt == nullptr || !is_signed(handshake_key_, in, kAnswerTagAt)) return false;
+  AgreementTask task;
+  task.kind = AgreementTask::Kind::read_answer;
+  task.number = round_;
+  std::copy_n(in + kSecondAt, kSecondBytes, task.second.begin());
+  task.state = attempt->state;
+  if (!worker_.submit(task)) return false;
+  *attempt = {};
+  return true;
 }
 
-HubHandshake::HubHandshake(const LinkKey& key) : key_(key), handshake_key_(derive_handshake_key(key)) {
+HubHandshake::HubHandshake(const LinkKey& master, AgreementWorker::Where where) : worker_(where) {
+  for (std::uint8_t role = kFirstKeyRole; role <= kLastKeyRole; ++role) {
+    const RoleKey key(master, static_cast<KeyRole>(role));
+    keys_[role - kFirstKeyRole] = {derive_handshake_key(key), derive_psk(key)};
+  }
   randombytes_buf(secret_.data(), secret_.size());
 }
 
 HubHandshake::~HubHandshake() {
-  wipe(handshake_key_);
+  for (RoleKeys& keys : keys_) {
+    wipe(keys.handshake);
+    wipe(keys.psk);
+  }
   wipe(secret_);
 }
 
-Nonce HubHandshake::nonce_of(std::span<const std::byte> request) noexcept {
-  Nonce nonce;
-  std::copy_n(bytes_of(request) + kNonceAt, nonce.size(), nonce.begin());
-  return nonce;
-}
+KeyRole HubHandshake::role_of(std::span<const std::byte> request) noexcept { return static_cast<KeyRole>(bytes_of(request)[kRoleAt]); }
 
-HubHandshake::Verdict HubHandshake::judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) const noexcept {
+HubHandshake::Verdict HubHandshake::judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const std::uint8_t* const in = bytes_of(request);
-  if (!is_signed(handshake_key_, in, kRequestTagAt)) return Verdict::stranger;
-  const Nonce nonce = nonce_of(request);
+  const auto role = find_node_key_role(in[kRoleAt]);
+  if (!role) return Verdict::malformed;
+  if (!is_signed(handshake_key(*role), in, kRequestTagAt)) return Verdict::wrong_key;
+  if (!times_.accept(*role, load<std::uint64_t>(in + kHostAt), load<std::int64_t>(in + kRequestTimestampAt))) return Verdict::replayed;
   const std::int64_t period = now_ns / kCookieTimeNs;
   const auto is_good = [&](std::int64_t of_period) {
-    const Cookie cookie = make_cookie(nonce, from, of_period);
-    return sodium_memcmp(cookie.data(), in + kCookieAt, cookie.size()) == 0;
+    const Cookie cookie = make_cookie(from, of_period);
+    return sodium_memcmp(cookie.data(), in + kRequestCookieAt, cookie.size()) == 0;
   };
   return is_good(period) || is_good(period - 1) ? Verdict::shows_cookie : Verdict::wants_cookie;
 }
 
-std::size_t HubHandshake::write_retry(const Nonce& client_nonce, const Address& to, std::int64_t now_ns,
+std::size_t HubHandshake::write_retry(std::span<const std::byte> request, const Address& to, std::int64_t now_ns,
                                       std::span<std::byte> into) const noexcept {
-  const Cookie cookie = make_cookie(client_nonce, to, now_ns / kCookieTimeNs);
-  return write_nonce_and_cookie(Kind::retry, client_nonce, cookie, handshake_key_, bytes_of(into));
+  std::uint8_t* const out = bytes_of(into);
+  const Cookie cookie = make_cookie(to, now_ns / kCookieTimeNs);
+  write_lead(Kind::retry, out);
+  store(load<std::int64_t>(bytes_of(request) + kRequestTimestampAt), out + kTimestampAt);
+  std::copy(cookie.begin(), cookie.end(), out + kCookieAt);
+  sign(handshake_key(role_of(request)), out, kRetryTagAt);
+  return kRetryBytes;
 }
 
-Cookie HubHandshake::make_cookie(const Nonce& client_nonce, const Address& to, std::int64_t period) const noexcept {
-  std::array<std::uint8_t, 1 + 8 + 16 + 2 + kNonceBytes> text;
-  text[0] = static_cast<std::uint8_t>(Purpose::cookie);
-  store(period, text.data() + 1);
-  std::copy(to.ip.begin(), to.ip.end(), text.data() + 9);
-  store(to.port, text.data() + 25);
-  std::copy(client_nonce.begin(), client_nonce.end(), text.data() + 27);
+Cookie HubHandshake::make_cookie(const Address& to, std::int64_t period) const noexcept {
+  std::array<std::uint8_t, 8 + 16 + 2> text;
+  store(period, text.data());
+  std::copy(to.ip.begin(), to.ip.end(), text.data() + 8);
+  store(to.port, text.data() + 24);
   Cookie cookie;
   crypto_generichash(cookie.data(), cookie.size(), text.data(), text.size(), secret_.data(), secret_.size());
   return cookie;
 }
 
-SealedChannel HubHandshake::agree(const Nonce& client_nonce, std::uint32_t connection, std::span<std::byte> into) noexcept {
-  // Never the same twice: the count within one start of the hub, the secret from one start to the next.
-  std::array<std::uint8_t, 1 + 8> text;
-  text[0] = static_cast<std::uint8_t>(Purpose::nonce);
-  store(++sessions_, text.data() + 1);
-  Nonce hub_nonce;
-  crypto_generichash(hub_nonce.data(), hub_nonce.size(), text.data(), text.size(), secret_.data(), secret_.size());
+bool HubHandshake::agree(std::span<const std::byte> request, std::uint32_t connection) noexcept {
+  const std::uint8_t* const in = bytes_of(request);
+  AgreementTask task;
+  task.kind = AgreementTask::Kind::answer_request;
+  task.number = in[kRoleAt];
+  task.connection = connection;
+  task.timestamp_ns = load<std::int64_t>(in + kRequestTimestampAt);
+  task.psk = keys_[task.number - kFirstKeyRole].psk;
+  std::copy_n(in, kPrologueBytes, task.prologue.begin());
+  std::copy_n(in + kFirstAt, kFirstBytes, task.first.begin());
+  return worker_.submit(task);
+}
 
-  const SessionKeys keys = derive_session_keys(key_, client_nonce, hub_nonce);
-  std::uint8_t* const out = bytes_of(into);
+bool HubHandshake::poll(Agreement& agreement) noexcept {
+  AgreementTask task;
+  if (!worker_.take(task)) return false;
+  agreement.connection = task.connection;
+  agreement.went_well = task.went_well;
+  if (!task.went_well) return true;
+  std::uint8_t* const out = bytes_of(std::span<std::byte>(agreement.answer));
   write_lead(Kind::answer, out);
-  store(connection, out + kConnectionAt);
-  std::copy(hub_nonce.begin(), hub_nonce.end(), out + kHubNonceAt);
-  sign(keys.answer, out, kAnswerTagAt);
-  return SealedChannel(keys, connection, SealedChannel::Side::hub);
+  store(task.timestamp_ns, out + kTimestampAt);
+  std::copy(task.second.begin(), task.second.end(), out + kSecondAt);
+  sign(handshake_key(static_cast<KeyRole>(task.number)), out, kAnswerTagAt);
+  agreement.channel = SealedChannel(task.keys, task.connection, SealedChannel::Side::hub);
+  return true;
 }
 
 }  // namespace hapton

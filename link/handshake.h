@@ -1,11 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "link/agreement_worker.h"
 #include "link/endpoint.h"
+#include "link/handshake_times.h"
 #include "link/key_schedule.h"
 #include "link/link_key.h"
 #include "link/seal_format.h"
@@ -13,92 +17,138 @@
 
 namespace hapton {
 
-// How two holders of a key agree on a session, without sockets, clocks or threads of their own:
+// How a node and the hub agree on a session, without sockets, clocks or loops of their own: the Noise handshake of noise.h, with the psk of
+// the node's role, behind checks that cost the hub a hash:
 //
-//   node                                        hub
-//   request(nonce, no cookie)          ---->    knows the key? then a cookie for this address and nonce; keeps nothing
-//                                      <----    retry(nonce, cookie)
-//   request(nonce, cookie)             ---->    cookie good? then a place, a nonce that was never used before, session keys
-//                                      <----    answer(connection, hub's nonce)
-//   data sealed with the session keys  ---->    first one opened: the session lives, and replaces an older one from this address
+//   node                                                          hub
+//   request(role, host, timestamp, first, no cookie)     ---->    key of the role? later than all before? then a cookie for this address
+//                                               <----    retry(timestamp, cookie)
+//   request(role, host, timestamp, first, cookie)        ---->    cookie good? then a place, and the worker answers
+//                                               <----    answer(timestamp, second)
+//   data sealed with the session keys           ---->    first one opened: the session lives
 //
-// Every message carries a tag under the shared key; what has none is not answered. A node that hears nothing repeats its request.
+// Every message carries a tag under a key of the role; what has none is not answered. A node that receives no answer sends another
+// request, with a new timestamp and a new key pair.
 
-// The node's side of one attempt after another. RT: yes; begin makes one system call, for random bytes. Threads: one.
+// The node's side of one attempt after another.
+// RT: as its worker. begin makes no system call. Threads: one.
 class ClientHandshake {
  public:
-  enum class Heard : std::uint8_t {
-    nothing,    // not for this attempt, or its seal does not hold
-    cookie,     // a request with it is now the thing to send
+  // Requests whose answer may still come: one is sent every 50 ms.
+  static constexpr std::size_t kAttempts = 4;
+
+  enum class Finished : std::uint8_t {
+    nothing,
+    request,    // the datagram is in `into`
     agreement,  // take_channel() is a session
   };
 
-  explicit ClientHandshake(const LinkKey& key);
+  // host: find_host_id(), the same for all nodes that read one CLOCK_MONOTONIC.
+  ClientHandshake(const RoleKey& key, std::uint64_t host, AgreementWorker::Where where);
   ~ClientHandshake();
   ClientHandshake(const ClientHandshake&) = delete;
   ClientHandshake& operator=(const ClientHandshake&) = delete;
 
-  // A new attempt; the one before is forgotten.
+  // A new handshake; the one before is forgotten.
   void begin() noexcept;
   bool is_pending() const noexcept { return is_pending_; }
 
-  // The request to send, in `into`. Pre: is_pending(), into holds seal::kRequestBytes.
-  std::size_t write_request(std::span<std::byte> into) const noexcept;
+  // Has a request made; poll() hands it out. False when the worker is busy. Pre: is_pending().
+  bool ask(std::int64_t now_ns) noexcept;
+  // The worker has something to do: poll() soon.
+  bool is_working() const noexcept { return worker_.under_way() != 0; }
 
-  // Pre: the datagram is a retry or an answer by its kind and length.
-  Heard read(seal::Kind kind, std::span<const std::byte> datagram) noexcept;
+  // What the worker has finished; call it until nothing. Pre: into holds seal::kRequestBytes.
+  Finished poll(std::span<std::byte> into) noexcept;
+
+  // True when it was a good one. Pre: by kind and length a retry, or an answer.
+  bool read_retry(std::span<const std::byte> retry) noexcept;
+  bool read_answer(std::span<const std::byte> answer) noexcept;
 
   // The session that was agreed on; once.
   SealedChannel take_channel() noexcept { return std::move(channel_); }
 
  private:
-  Heard read_retry(const std::uint8_t* in) noexcept;
-  Heard read_answer(std::span<const std::byte> datagram) noexcept;
+  struct Attempt {
+    std::int64_t timestamp_ns = 0;
+    bool is_open = false;  // sent, and not answered
+    noise::HandshakeState state;
+  };
 
-  LinkKey key_;
+  void write_prologue(std::int64_t timestamp_ns, std::uint8_t* into) const noexcept;
+  void write_request(const AgreementTask& task, std::uint8_t* out) noexcept;
+  Attempt* find_attempt(std::int64_t timestamp_ns) noexcept;
+  void forget_attempts() noexcept;
+
+  KeyRole role_;
   seal::Secret handshake_key_;
-  seal::Nonce nonce_ = {};
+  seal::Secret psk_;
+  std::uint64_t host_;
+  AgreementWorker worker_;
+  std::array<Attempt, kAttempts> attempts_ = {};
+  std::size_t next_attempt_ = 0;
+  std::uint32_t round_ = 0;  // counts handshakes: what the worker finishes for an earlier one is dropped
+  std::int64_t last_timestamp_ns_ = 0;
   seal::Cookie cookie_ = {};
   bool is_pending_ = false;
   SealedChannel channel_;
 };
 
-// The hub's side. It holds no state about anyone: who keeps a session once it has been agreed on is SealedHub's business.
-// RT: yes; construction set-up only. Threads: one.
+// The hub's side. It knows nothing of sessions: those are SealedHub's.
+// RT: as its worker; construction set-up only. Threads: one.
 class HubHandshake {
  public:
   // How long a cookie is good for: at least one such time, at most two.
   static constexpr std::int64_t kCookieTimeNs = 2'000'000'000;
 
   enum class Verdict : std::uint8_t {
-    stranger,      // made without the key
+    malformed,     // of a role that there is not
+    wrong_key,     // made without the key of that role
+    replayed,      // no later than one that was seen before
     wants_cookie,  // write_retry is the answer
     shows_cookie,  // may have a session
   };
 
-  explicit HubHandshake(const LinkKey& key);
+  // A handshake that the worker has finished.
+  struct Agreement {
+    std::uint32_t connection = 0;
+    bool went_well = false;  // else the request was made without the key, in spite of its tag
+    std::array<std::byte, seal::kAnswerBytes> answer = {};
+    SealedChannel channel;
+  };
+
+  HubHandshake(const LinkKey& master, AgreementWorker::Where where);
   ~HubHandshake();
   HubHandshake(const HubHandshake&) = delete;
   HubHandshake& operator=(const HubHandshake&) = delete;
 
-  // Pre: the datagram is a request by its kind and length.
-  Verdict judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) const noexcept;
-  static seal::Nonce nonce_of(std::span<const std::byte> request) noexcept;
+  // A request that is later than all before is noted, so that it is good once. Pre: the datagram is a request by its kind and length.
+  Verdict judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
+  // Pre: judge did not call it malformed.
+  static KeyRole role_of(std::span<const std::byte> request) noexcept;
 
-  // Pre: into holds seal::kRequestBytes.
-  std::size_t write_retry(const seal::Nonce& client_nonce, const Address& to, std::int64_t now_ns,
+  // Pre: judged wants_cookie; into holds seal::kRetryBytes.
+  std::size_t write_retry(std::span<const std::byte> request, const Address& to, std::int64_t now_ns,
                           std::span<std::byte> into) const noexcept;
 
-  // A session of its own for every call, whatever the request. Pre: into holds seal::kAnswerBytes.
-  SealedChannel agree(const seal::Nonce& client_nonce, std::uint32_t connection, std::span<std::byte> into) noexcept;
+  // Has the worker agree on a session with that number. False when it is busy. Pre: judged shows_cookie.
+  bool agree(std::span<const std::byte> request, std::uint32_t connection) noexcept;
+  bool is_working() const noexcept { return worker_.under_way() != 0; }
+  // The next handshake that is finished; false when none is.
+  bool poll(Agreement& agreement) noexcept;
 
  private:
-  seal::Cookie make_cookie(const seal::Nonce& client_nonce, const Address& to, std::int64_t period) const noexcept;
+  seal::Cookie make_cookie(const Address& to, std::int64_t period) const noexcept;
+  const seal::Secret& handshake_key(KeyRole role) const noexcept { return keys_[static_cast<std::size_t>(role) - kFirstKeyRole].handshake; }
 
-  LinkKey key_;
-  seal::Secret handshake_key_;
+  struct RoleKeys {
+    seal::Secret handshake = {};
+    seal::Secret psk = {};
+  };
+  std::array<RoleKeys, kNodeKeyRoles> keys_ = {};
   seal::Secret secret_;  // this hub's own, of this start
-  std::uint64_t sessions_ = 0;
+  HandshakeTimes times_;
+  AgreementWorker worker_;
 };
 
 }  // namespace hapton

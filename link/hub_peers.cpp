@@ -13,9 +13,26 @@ bool may_send(NodeRole role, const Message& message) {
   if (role == NodeRole::haptics) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message);
   }
+  if (role == NodeRole::tool) return std::holds_alternative<Settings>(message) || std::holds_alternative<ReportAsk>(message);
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<Drawn>(message) ||
-         std::holds_alternative<HandTarget>(message) || std::holds_alternative<Settings>(message) ||
-         std::holds_alternative<ReportAsk>(message);
+         std::holds_alternative<HandTarget>(message);
+}
+
+bool may_join(KeyRole key_role, NodeRole role) {
+  switch (key_role) {
+    case KeyRole::unsealed:
+      return true;
+    case KeyRole::haptics:
+      return role == NodeRole::haptics;
+    case KeyRole::vision:
+      return role == NodeRole::vision;
+    case KeyRole::tool:
+    case KeyRole::operator_role:
+      return role == NodeRole::tool;
+    case KeyRole::master:
+      break;
+  }
+  return false;
 }
 
 }  // namespace
@@ -39,11 +56,11 @@ PeerEvent HubPeers::receive(Datagram& datagram, std::int64_t deadline_ns) noexce
   if (received.bytes == 0) {
     return {};
   }
-  return handle_datagram(std::span(buffer_).first(received.bytes), received.from, clock_.now_ns(), datagram);
+  return handle_datagram(std::span(buffer_).first(received.bytes), received.from, clock_.now_ns(), datagram, received.role);
 }
 
-PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns,
-                                    Datagram& datagram) noexcept {
+PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram,
+                                    KeyRole key_role) noexcept {
   ++counts_.received;
   if (tap_ != nullptr) tap_->on_received(from, bytes, now_ns);
   const DecodeStatus status = codec_.decode(bytes, datagram);
@@ -53,12 +70,12 @@ PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Addr
     return {};
   }
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
-    return welcome(datagram.header, hello->role, from, now_ns);
+    return welcome(datagram.header, hello->role, from, now_ns, key_role);
   }
-  return accept_message(datagram, from, now_ns);
+  return accept_message(datagram, from, now_ns, key_role);
 }
 
-PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns) noexcept {
+PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {
   if (datagram.header.session != session_) {
     ++counts_.other_session;
     return {};
@@ -69,6 +86,10 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
     return {};
   }
   Peer& peer = peers_[place];
+  if (peer.key_role != key_role) {
+    ++counts_.role_violations;
+    return {};
+  }
   const Arrival arrival = peer.tracker.track(datagram.header.sender, datagram.header.sequence);
   if (arrival == Arrival::duplicate || arrival == Arrival::stale) {
     return {};
@@ -84,7 +105,11 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
   return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = place, .arrival = arrival, .receive_time_ns = now_ns};
 }
 
-PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
+PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {
+  if (!may_join(key_role, role)) {
+    ++counts_.role_violations;
+    return {};
+  }
   if (role == NodeRole::io || header.sender == 0) {
     ++counts_.strangers;
     return {};
@@ -92,10 +117,13 @@ PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& 
   const std::size_t known = find(header.sender);
   if (known == kNowhere) {
     const std::size_t place = find_place(role, from, now_ns);
-    return place == kNowhere ? refuse(from, role, now_ns) : join(place, header, role, from, now_ns);
+    if (place == kNowhere) return refuse(from, role, now_ns);
+    const PeerEvent joined = join(place, header, role, from, now_ns);
+    peers_[place].key_role = key_role;
+    return joined;
   }
   Peer& peer = peers_[known];
-  if (peer.address != from || peer.role != role) {
+  if (peer.address != from || peer.role != role || peer.key_role != key_role) {
     ++counts_.strangers;
     return {};
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "link/codec.h"
@@ -18,6 +19,7 @@ namespace hapton {
 struct Peer {
   bool present = false;
   NodeRole role = NodeRole::tool;
+  KeyRole key_role = KeyRole::unsealed;
   Address address;
   std::uint64_t sender = 0;  // its Header::sender
   std::int64_t joined_ns = 0;
@@ -46,16 +48,18 @@ struct PeerEvent {
 struct HubCounts {
   std::uint64_t received = 0;  // datagrams of any kind
   std::uint64_t undecodable = 0;
-  std::uint64_t wrong_version = 0;  // of these, those of another protocol version
-  std::uint64_t other_session = 0;  // a message for another life of the hub
-  std::uint64_t strangers = 0;      // a message from someone who has not joined, or under another address than it joined with
-  std::uint64_t misplaced = 0;      // a message that this role does not send (a vision node's ForceCommand)
+  std::uint64_t wrong_version = 0;    // of these, those of another protocol version
+  std::uint64_t other_session = 0;    // a message for another life of the hub
+  std::uint64_t strangers = 0;        // a message from someone who has not joined, or under another address than it joined with
+  std::uint64_t misplaced = 0;        // a message that this role does not send (a vision node's ForceCommand)
+  std::uint64_t role_violations = 0;  // a Hello for a role, or a datagram of a peer, that the key it was sealed with does not allow
   std::uint64_t refusals = 0;
   std::uint64_t timeouts = 0;  // peers that fell silent
 };
 
 // The hub's side of the star: who has joined, and exchanging messages with them. Any number of vision and tool nodes up to the capacity,
 // and one haptics node: a second is refused while the first is alive, but its place is free after 50 ms of silence or a Bye.
+// A peer may do what the key of its session allows: join as the role of that key (an operator's as a tool), and send what that role sends.
 // One place is kept for the haptics node, and an address (host and port) holds one place at most, so that strangers cannot crowd it out.
 // RT: yes, but for construction. Threads: one.
 class HubPeers {
@@ -79,7 +83,8 @@ class HubPeers {
   void prepare_wait(std::int64_t deadline_ns) noexcept { endpoint_.prepare_wait(deadline_ns); }
 
   // As receive, for bytes that came another way. Post: `datagram` is what they held, where they could be read.
-  PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram) noexcept;
+  PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram,
+                            KeyRole key_role = KeyRole::unsealed) noexcept;
 
   // Drops one peer that has been silent too long; call until none. receive does it by itself.
   PeerEvent drop_silent(std::int64_t now_ns) noexcept;
@@ -101,13 +106,15 @@ class HubPeers {
   const HubCounts& counts() const noexcept { return counts_; }
   // All zero where nothing is sealed.
   SealCounts seal_counts() const noexcept { return endpoint_.seal_counts(); }
+  // See Endpoint::take_flood.
+  std::optional<Flood> take_flood(std::int64_t now_ns) noexcept { return endpoint_.take_flood(now_ns); }
 
  private:
-  PeerEvent welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
+  PeerEvent welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   PeerEvent refuse(const Address& to, NodeRole role, std::int64_t now_ns) noexcept;
   PeerEvent join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
   PeerEvent leave(std::size_t place, std::int64_t now_ns) noexcept;
-  PeerEvent accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns) noexcept;
+  PeerEvent accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   std::size_t find(std::uint64_t sender) const noexcept;
   std::size_t find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept;
   bool transmit(const Address& to, std::uint64_t sequence, const Message& message, std::int64_t now_ns) noexcept;

@@ -10,12 +10,11 @@
 namespace hapton::seal {
 namespace {
 
+constexpr std::string_view kRoleLabel = "hapton role ";
 constexpr std::string_view kHandshakeLabel = "hapton handshake";
-constexpr std::string_view kSessionLabel = "hapton session";
-constexpr char kSubkeyContext[crypto_kdf_CONTEXTBYTES + 1] = "hapton-k";
+constexpr std::string_view kPskLabel = "hapton psk";
 
 static_assert(std::tuple_size_v<Secret> == crypto_aead_aes256gcm_KEYBYTES);
-static_assert(std::tuple_size_v<Secret> == crypto_kdf_KEYBYTES);
 static_assert(kProtocolVersion < 128);  // one byte, as here as at the start of a datagram
 
 class Hash {
@@ -27,9 +26,10 @@ class Hash {
   Hash(const Hash&) = delete;
   Hash& operator=(const Hash&) = delete;
 
-  void add(std::span<const std::uint8_t> bytes) { crypto_generichash_update(&state_, bytes.data(), bytes.size()); }
   void add(std::string_view label) {
     crypto_generichash_update(&state_, reinterpret_cast<const std::uint8_t*>(label.data()), label.size());
+  }
+  void add_version() {
     const auto version = static_cast<std::uint8_t>(kProtocolVersion);
     crypto_generichash_update(&state_, &version, 1);
   }
@@ -40,8 +40,13 @@ class Hash {
   std::size_t size_;
 };
 
-void derive_subkey(const Secret& master, std::uint64_t number, Secret& into) {
-  crypto_kdf_derive_from_key(into.data(), into.size(), number, kSubkeyContext, master.data());
+Secret derive_of_version(const RoleKey& key, std::string_view label) noexcept {
+  Secret derived;
+  Hash hash(key.bytes(), derived.size());
+  hash.add(label);
+  hash.add_version();
+  hash.finish(derived.data());
+  return derived;
 }
 
 }  // namespace
@@ -49,31 +54,20 @@ void derive_subkey(const Secret& master, std::uint64_t number, Secret& into) {
 SessionKeys::~SessionKeys() {
   wipe(client_to_hub);
   wipe(hub_to_client);
-  wipe(answer);
 }
 
-Secret derive_handshake_key(const LinkKey& key) noexcept {
+Secret derive_role_key(const LinkKey& master, KeyRole role) noexcept {
   Secret derived;
-  Hash hash(key.bytes(), derived.size());
-  hash.add(kHandshakeLabel);
+  Hash hash(master.bytes(), derived.size());
+  hash.add(kRoleLabel);
+  hash.add(to_string(role));
   hash.finish(derived.data());
   return derived;
 }
 
-SessionKeys derive_session_keys(const LinkKey& key, const Nonce& client_nonce, const Nonce& hub_nonce) noexcept {
-  Secret master;
-  Hash hash(key.bytes(), master.size());
-  hash.add(kSessionLabel);
-  hash.add(client_nonce);
-  hash.add(hub_nonce);
-  hash.finish(master.data());
-  SessionKeys keys;
-  derive_subkey(master, 1, keys.client_to_hub);
-  derive_subkey(master, 2, keys.hub_to_client);
-  derive_subkey(master, 3, keys.answer);
-  wipe(master);
-  return keys;
-}
+Secret derive_handshake_key(const RoleKey& key) noexcept { return derive_of_version(key, kHandshakeLabel); }
+
+Secret derive_psk(const RoleKey& key) noexcept { return derive_of_version(key, kPskLabel); }
 
 Tag compute_tag(const Secret& key, std::span<const std::uint8_t> bytes) noexcept {
   Tag tag;

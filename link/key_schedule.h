@@ -11,8 +11,9 @@
 
 namespace hapton {
 
-// From the shared key to the keys of a session: BLAKE2b, keyed, with a label and the protocol version in all that is derived, so that no
-// key serves two purposes or two versions. docs/formats.md has it in words; tests/link/key_schedule_test.cpp holds known answers.
+// From the master key to the keys of a role, and to those that prove and open its handshakes: BLAKE2b, keyed, with a label in all that is
+// derived, so that no key serves two purposes. The keys of a session come from the Noise handshake (noise.h). docs/formats.md has it in
+// words; tests/link/key_schedule_test.cpp holds known answers.
 // RT: yes (no heap, lock, throw or system call). Threads: any.
 namespace seal {
 
@@ -23,7 +24,6 @@ using Tag = std::array<std::uint8_t, kTagBytes>;
 struct SessionKeys {
   Secret client_to_hub = {};
   Secret hub_to_client = {};
-  Secret answer = {};  // proves the hub's answer
 
   SessionKeys() = default;
   ~SessionKeys();
@@ -31,11 +31,12 @@ struct SessionKeys {
   SessionKeys& operator=(const SessionKeys&) = default;
 };
 
-// Proves requests and retries.
-Secret derive_handshake_key(const LinkKey& key) noexcept;
+// The key of a role, from the master key. The same in every protocol version: a node's key file outlives an update.
+Secret derive_role_key(const LinkKey& master, KeyRole role) noexcept;
 
-// Both nonces are in it: neither side alone can bring an old session's keys back.
-SessionKeys derive_session_keys(const LinkKey& key, const Nonce& client_nonce, const Nonce& hub_nonce) noexcept;
+// Of a role's key: the key of the tags of its handshakes, and the psk of its Noise handshakes. Others in every protocol version.
+Secret derive_handshake_key(const RoleKey& key) noexcept;
+Secret derive_psk(const RoleKey& key) noexcept;
 
 Tag compute_tag(const Secret& key, std::span<const std::uint8_t> bytes) noexcept;
 // In the same time whatever differs.

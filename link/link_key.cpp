@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <system_error>
 
 #include "link/key_schedule.h"
@@ -38,6 +39,70 @@ bool is_systemd_credential(const struct stat& found) {
   return found.st_uid == 0 && found.st_gid == 0 && (found.st_mode & 07777) == (S_IRUSR | S_IRGRP);
 }
 
+// "hapton-vision", NUL-padded.
+using Label = std::array<char, kKeyFileBytes - LinkKey::kBytes>;
+constexpr std::string_view kLabelBegin = "hapton-";
+
+struct KeyFile {
+  Label label = {};
+  LinkKey::Bytes bytes = {};
+
+  KeyFile() = default;
+  KeyFile(KeyRole role, const LinkKey::Bytes& key) : bytes(key) {
+    std::copy(kLabelBegin.begin(), kLabelBegin.end(), label.begin());
+    const std::string_view name = to_string(role);
+    std::copy(name.begin(), name.end(), label.begin() + kLabelBegin.size());
+  }
+  ~KeyFile() { sodium_memzero(bytes.data(), bytes.size()); }
+  KeyFile(const KeyFile&) = default;
+  KeyFile& operator=(const KeyFile&) = default;
+
+  // None: no label of ours.
+  std::optional<KeyRole> role() const {
+    for (std::uint8_t byte = static_cast<std::uint8_t>(KeyRole::master); byte <= kLastKeyRole; ++byte) {
+      if (label == KeyFile(static_cast<KeyRole>(byte), {}).label) return static_cast<KeyRole>(byte);
+    }
+    return std::nullopt;
+  }
+};
+static_assert(sizeof(KeyFile) == kKeyFileBytes);
+
+// Who may change a folder on the way to a file can put another one in its place; in one with the sticky bit (/tmp) only its owner can.
+Result<void> check_folders_above(const std::filesystem::path& path, const std::filesystem::path& named) {
+  for (std::filesystem::path folder = path.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+    struct stat found = {};
+    if (stat(folder.c_str(), &found) == 0 && (found.st_mode & S_IWOTH) != 0 && (found.st_mode & S_ISVTX) == 0) {
+      return fail(
+          "{}: everyone may put another key in its place, as the folder {} is open to all (mode {:04o}); close it with: chmod o-w {}",
+          named.string(), folder.string(), found.st_mode & 07777, folder.string());
+    }
+    if (folder == folder.root_path()) break;
+  }
+  return {};
+}
+
+// On the way as it was named, where a link could be put in another's place, and where that ends.
+Result<void> check_folders(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::path named = std::filesystem::absolute(path, error);
+  if (error) return {};  // then the file cannot be opened either, and that says more
+  if (const auto good = check_folders_above(named, path); !good) return good;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(path, error);
+  return error ? Result<void>() : check_folders_above(real, path);
+}
+
+Result<void> check_size(const std::filesystem::path& path, off_t bytes) {
+  if (bytes == static_cast<off_t>(kKeyFileBytes)) return {};
+  if (bytes == static_cast<off_t>(LinkKey::kBytes)) {
+    return fail(
+        "{}: is a key of an older Hapton, one for all nodes; now the hub has a master key (hapton keygen FILE) and every other host the "
+        "key of "
+        "its role (hapton keygen --role vision --master FILE vision.key); remove this one and make those",
+        path.string());
+  }
+  return fail("{}: holds {} bytes where a key file has {}; make one with: hapton keygen FILE", path.string(), bytes, kKeyFileBytes);
+}
+
 Result<void> check(const std::filesystem::path& path, const struct stat& found) {
   if (!S_ISREG(found.st_mode)) return fail("{}: is no regular file; make a key with: hapton keygen FILE", path.string());
   const bool is_credential = is_systemd_credential(found);
@@ -49,18 +114,15 @@ Result<void> check(const std::filesystem::path& path, const struct stat& found) 
     return fail("{}: is open to other users (mode {:04o}); close it with: chmod 600 {}", path.string(), found.st_mode & 07777,
                 path.string());
   }
-  if (found.st_size != static_cast<off_t>(LinkKey::kBytes)) {
-    return fail("{}: holds {} bytes where a key has {}; make one with: hapton keygen FILE", path.string(), found.st_size, LinkKey::kBytes);
-  }
-  return {};
+  return check_size(path, found.st_size);
 }
 
 // 0, or the errno of what failed; then there is no such file afterwards, unless it was there before.
-int write_new_file(const std::filesystem::path& path, const LinkKey& key) {
+int write_new_file(const std::filesystem::path& path, const KeyFile& key) {
   const Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode));
   if (file.number() < 0) return errno;
-  const ssize_t written = write(file.number(), key.bytes().data(), LinkKey::kBytes);
-  int error = written == static_cast<ssize_t>(LinkKey::kBytes) ? 0 : written < 0 ? errno : ENOSPC;
+  const ssize_t written = write(file.number(), &key, sizeof key);
+  int error = written == static_cast<ssize_t>(sizeof key) ? 0 : written < 0 ? errno : ENOSPC;
   // Whatever the umask is.
   if (error == 0 && (fchmod(file.number(), kMode) != 0 || fsync(file.number()) != 0)) error = errno;
   if (error != 0) unlink(path.c_str());
@@ -76,19 +138,13 @@ tl::unexpected<Error> fail_to_share(const std::filesystem::path& path, int error
               path.string(), std::strerror(error));
 }
 
-}  // namespace
-
-LinkKey::~LinkKey() { sodium_memzero(bytes_.data(), bytes_.size()); }
-
-LinkKey LinkKey::make_random() {
-  Bytes bytes;
-  randombytes_buf(bytes.data(), bytes.size());
-  LinkKey key(bytes);
-  sodium_memzero(bytes.data(), bytes.size());
-  return key;
+KeyFile make_master() {
+  KeyFile file(KeyRole::master, {});
+  randombytes_buf(file.bytes.data(), file.bytes.size());
+  return file;
 }
 
-Result<LinkKey> read_key_file(const std::filesystem::path& path) {
+Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
   if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number() < 0) {
@@ -98,24 +154,71 @@ Result<LinkKey> read_key_file(const std::filesystem::path& path) {
   struct stat found = {};
   if (fstat(file.number(), &found) != 0) return fail("{}: the key cannot be read: {}", path.string(), std::strerror(errno));
   if (const auto good = check(path, found); !good) return tl::unexpected(good.error());
-  LinkKey::Bytes bytes = {};
-  if (read(file.number(), bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
+  if (const auto good = check_folders(path); !good) return tl::unexpected(good.error());
+  KeyFile key;
+  if (read(file.number(), &key, sizeof key) != static_cast<ssize_t>(sizeof key)) {
     return fail("{}: the key cannot be read whole; make one with: hapton keygen FILE", path.string());
   }
-  if (sodium_is_zero(bytes.data(), bytes.size()) != 0) {
-    return fail("{}: is all zeros, which is no key; make one with: hapton keygen FILE", path.string());
+  if (!key.role()) return fail("{}: is no key file of Hapton; make one with: hapton keygen FILE", path.string());
+  if (std::all_of(key.bytes.begin(), key.bytes.end(), [&](std::uint8_t byte) { return byte == key.bytes[0]; })) {
+    return fail("{}: all bytes of the key are the same, so it is no secret; make one with: hapton keygen FILE", path.string());
   }
-  LinkKey key(bytes);
-  sodium_memzero(bytes.data(), bytes.size());
   return key;
+}
+
+Result<void> make_any_key_file(const std::filesystem::path& path, const KeyFile& key) {
+  if (const auto good = check_folders(path); !good) return good;
+  const int error = write_new_file(path, key);
+  if (error == EEXIST) return fail("{}: is there already and stays as it is; name another file, or remove this one first", path.string());
+  if (error != 0) return fail_to_make(path, error);
+  return {};
+}
+
+Result<std::string> find_key_path(const std::string& key_file, const Address& hub) {
+  if (!key_file.empty() || is_loopback(hub)) return key_file;
+  return fail(
+      "{} reaches beyond this machine, where every node needs a key; make a master key for the hub with hapton keygen FILE, one for each "
+      "role "
+      "with hapton keygen --role ROLE --master FILE, and give --key FILE to every node",
+      to_string(hub));
+}
+
+}  // namespace
+
+RoleKey::RoleKey(const LinkKey& master, KeyRole role) : bytes_(seal::derive_role_key(master, role)), role_(role) {}
+RoleKey::~RoleKey() { sodium_memzero(bytes_.data(), bytes_.size()); }
+
+LinkKey::~LinkKey() { sodium_memzero(bytes_.data(), bytes_.size()); }
+
+LinkKey LinkKey::make_random() { return LinkKey(make_master().bytes); }
+
+Result<LinkKey> read_key_file(const std::filesystem::path& path) {
+  const auto file = read_any_key_file(path);
+  if (!file) return tl::unexpected(file.error());
+  if (*file->role() == KeyRole::master) return LinkKey(file->bytes);
+  return fail("{}: is the key of role {}, and the hub needs the master key that it was derived from", path.string(),
+              to_string(*file->role()));
+}
+
+Result<RoleKey> read_role_key_file(const std::filesystem::path& path, KeyRole role) {
+  const auto file = read_any_key_file(path);
+  if (!file) return tl::unexpected(file.error());
+  const KeyRole found = *file->role();
+  if (found == KeyRole::master) return RoleKey(LinkKey(file->bytes), role);
+  if (found == role || (found == KeyRole::operator_role && role == KeyRole::tool)) return RoleKey(file->bytes, found);
+  return fail(
+      "{}: is the key of role {}, and this needs that of role {}; make it on the hub's host with: hapton keygen --role {} --master "
+      "MASTER FILE",
+      path.string(), to_string(found), to_string(role), to_string(role));
 }
 
 Result<void> make_key_file(const std::filesystem::path& path) {
   if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
-  const int error = write_new_file(path, LinkKey::make_random());
-  if (error == EEXIST) return fail("{}: is there already and stays as it is; name another file, or remove this one first", path.string());
-  if (error != 0) return fail_to_make(path, error);
-  return {};
+  return make_any_key_file(path, make_master());
+}
+
+Result<void> make_role_key_file(const std::filesystem::path& path, const LinkKey& master, KeyRole role) {
+  return make_any_key_file(path, KeyFile(role, RoleKey(master, role).bytes()));
 }
 
 Result<std::filesystem::path> find_shared_key_folder() {
@@ -131,7 +234,7 @@ Result<std::filesystem::path> find_shared_key_folder() {
 
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
   if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
-  const std::filesystem::path path = folder / "key";
+  const std::filesystem::path path = folder / "master";
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     const bool is_new = std::filesystem::create_directories(folder, error);
@@ -139,8 +242,8 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
     if (error) return fail_to_share(path, error.value());
     // Written whole beside, then given its name, which only the first of several can do: nobody reads half a key, and all read one.
     const std::filesystem::path beside =
-        folder / fmt::format("key.{}.{:016x}", getpid(), (std::uint64_t{randombytes_random()} << 32) | randombytes_random());
-    if (const int failure = write_new_file(beside, LinkKey::make_random()); failure != 0) return fail_to_share(beside, failure);
+        folder / fmt::format("master.{}.{:016x}", getpid(), (std::uint64_t{randombytes_random()} << 32) | randombytes_random());
+    if (const int failure = write_new_file(beside, make_master()); failure != 0) return fail_to_share(beside, failure);
     const bool named = link(beside.c_str(), path.c_str()) == 0 || errno == EEXIST;
     const int failure = errno;
     unlink(beside.c_str());
@@ -156,16 +259,19 @@ bool is_loopback(const Address& address) {
 }
 
 Result<LinkKey> find_link_key(const std::string& key_file, const Address& hub) {
-  if (!key_file.empty()) return read_key_file(key_file);
-  if (!is_loopback(hub)) {
-    return fail(
-        "{} reaches beyond this machine, where everyone needs the same key; make one with hapton keygen FILE, and give --key FILE to every "
-        "node",
-        to_string(hub));
-  }
+  const auto path = find_key_path(key_file, hub);
+  if (!path) return tl::unexpected(path.error());
+  if (!path->empty()) return read_key_file(*path);
   const auto folder = find_shared_key_folder();
   if (!folder) return tl::unexpected(folder.error());
   return find_or_make_shared_key(*folder);
+}
+
+Result<RoleKey> find_role_key(const std::string& key_file, const Address& hub, KeyRole role) {
+  if (!key_file.empty()) return read_role_key_file(key_file, role);
+  const auto master = find_link_key(key_file, hub);
+  if (!master) return tl::unexpected(master.error());
+  return RoleKey(*master, role);
 }
 
 }  // namespace hapton

@@ -8,10 +8,13 @@
 
 #include "core/base/result.h"
 #include "link/endpoint.h"
+#include "link/key_role.h"
+#include "link/role_key.h"
 
 namespace hapton {
 
-// The secret that all nodes of a system share: who has it belongs to it. Wiped from memory when it goes.
+// The master key of a system, which its hub holds: the key of every role is derived from it (role_key.h). Who holds it can play every role.
+// Wiped from memory when it goes.
 class LinkKey {
  public:
   static constexpr std::size_t kBytes = 32;
@@ -32,14 +35,23 @@ class LinkKey {
   Bytes bytes_;
 };
 
-// A key file is the 32 bytes of a key, a regular file of the user who reads it, closed to everyone else (or a systemd credential).
-// Error: one line that says what is wrong with the file and how to mend it. RT: set-up only.
+// A key file is 16 bytes that name the key ("hapton-master", "hapton-vision" ..., NUL-padded) and the 32 bytes of it: a regular file of the
+// user who reads it, closed to everyone else (or a systemd credential), in a folder that not everyone may change. A key whose bytes are all
+// the same is none.
+// Error: one line that says what is wrong with the file and which command mends it. RT: set-up only.
+constexpr std::size_t kKeyFileBytes = 16 + LinkKey::kBytes;
+
+// The master key, for a hub.
 Result<LinkKey> read_key_file(const std::filesystem::path& path);
+// The key of that role, for a node: the file's own, or derived where the file holds the master key. A tool takes an operator's key too.
+Result<RoleKey> read_role_key_file(const std::filesystem::path& path, KeyRole role);
 
-// Writes a new random key, mode 0600. Error: the file is there already, or cannot be written.
+// Write a new key, mode 0600: a random master key, or a role's key derived from it. Error: the file is there already, or cannot be written.
 Result<void> make_key_file(const std::filesystem::path& path);
+Result<void> make_role_key_file(const std::filesystem::path& path, const LinkKey& master, KeyRole role);
 
-// The key that the nodes of one user on one host share without being told: FOLDER/key, made by the first of however many ask at once.
+// The master key that the nodes of one user on one host share without being told: FOLDER/master, made by the first of however many ask at
+// once.
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
 
 // $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither variable says where.
@@ -51,8 +63,11 @@ bool is_loopback(const Address& address);
 // The key for a hub at this address (where it listens, or where a node looks for it): from the file where one was named; on loopback the
 // user's shared key; beyond loopback a file must be named. Error: see above.
 Result<LinkKey> find_link_key(const std::string& key_file, const Address& hub);
+Result<RoleKey> find_role_key(const std::string& key_file, const Address& hub, KeyRole role);
 
 // What --key says in every program's --help.
-constexpr const char* kKeyHelp = "Key file that all nodes share (hapton keygen); needed beyond this machine, else the user's own is used";
+constexpr const char* kKeyHelp =
+    "Key file: the master key for the hub, the role's own for a node (hapton keygen); needed beyond this machine, else the user's own is "
+    "used";
 
 }  // namespace hapton

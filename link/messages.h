@@ -106,7 +106,7 @@ struct Settings {
   double servo_rate_hz = 0.0;        // kMinServoRateHz .. kMaxServoRateHz
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;           // write the latency report
-  bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool only
+  bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool with an operator's key only
   std::uint32_t method_ask = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
 };
 

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "link/asio_guard.h"
 #include "link/link_key.h"
 #include "link/udp_endpoint.h"
 
@@ -117,7 +118,9 @@ Result<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::open(std::string_view 
   if (!is_loopback(*at)) {
     return fail("metrics are served to this machine only, not at {}; give a loopback address, for example 127.0.0.1:9464", bind_address);
   }
-  auto state = std::make_unique<State>();
+  auto made = make_with_context<State>();
+  if (!made) return fail("cannot serve metrics at TCP {}: {}", to_string(*at), made.error().what);
+  std::unique_ptr<State> state = std::move(*made);
   const tcp::endpoint endpoint(to_asio(*at), at->port);
   error_code error;
   state->acceptor.open(endpoint.protocol(), error);

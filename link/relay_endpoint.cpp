@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "link/asio_guard.h"
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 
@@ -283,7 +284,9 @@ Result<RelayEndpoint> RelayEndpoint::open(RelaySettings settings) {
       }
     }
   }
-  auto state = std::make_unique<State>(std::move(settings));
+  auto made = make_with_context<State>(std::move(settings));
+  if (!made) return fail("cannot relay: {}", made.error().what);
+  std::unique_ptr<State> state = std::move(*made);
   error_code error = state->open(endpoint_of(*at));
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*at));

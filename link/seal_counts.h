@@ -7,16 +7,23 @@ namespace hapton {
 // What sealing has passed and what it has refused. Whatever is refused is answered by silence.
 struct SealCounts {
   std::uint64_t opened = 0;
-  std::uint64_t handshakes = 0;       // sessions that both sides have agreed on
-  std::uint64_t malformed = 0;        // of no kind or length that we know
-  std::uint64_t wrong_version = 0;    // of another protocol version
-  std::uint64_t wrong_key = 0;        // handshakes by someone with another key, or none
-  std::uint64_t unknown_session = 0;  // for a session that there is not, or from another address than its own
-  std::uint64_t replayed = 0;         // seen before, or too old to tell
-  std::uint64_t forged = 0;           // for a session that there is, and not by who shares it
-  std::uint64_t no_place = 0;         // good handshakes that found every place taken
+  std::uint64_t handshakes = 0;           // sessions that both sides have agreed on
+  std::uint64_t retries = 0;              // cookies sent to nodes that had shown their key but not their address
+  std::uint64_t malformed = 0;            // of no kind or length that we know
+  std::uint64_t wrong_version = 0;        // of another protocol version
+  std::uint64_t wrong_key = 0;            // handshakes without the key of their role
+  std::uint64_t replayed_handshakes = 0;  // handshakes no later than one seen before
+  std::uint64_t too_many_handshakes = 0;  // good handshakes beyond the rate, or the room, that they are given
+  std::uint64_t unknown_session = 0;      // for a session that there is not, or from another address than its own
+  std::uint64_t replayed = 0;             // seen before, or too old to tell
+  std::uint64_t forged = 0;               // for a session that there is, and not by who shares it
+  std::uint64_t no_place = 0;             // good handshakes that found every place taken, or their address in use by another role
+  std::uint64_t oversized = 0;            // longer than any datagram of ours, or empty
 
-  std::uint64_t refused() const { return malformed + wrong_version + wrong_key + unknown_session + replayed + forged + no_place; }
+  std::uint64_t refused() const {
+    return malformed + wrong_version + wrong_key + replayed_handshakes + too_many_handshakes + unknown_session + replayed + forged +
+           no_place + oversized;
+  }
 };
 
 }  // namespace hapton

@@ -50,8 +50,9 @@ SealedKind classify_sealed(std::span<const std::byte> datagram) noexcept {
   const auto fits = [&] {
     switch (kind) {
       case Kind::request:
+        return datagram.size() == kRequestBytes && in[kRoleAt + 1] == 0 && in[kRoleAt + 2] == 0 && in[kRoleAt + 3] == 0;
       case Kind::retry:
-        return datagram.size() == kRequestBytes;
+        return datagram.size() == kRetryBytes;
       case Kind::answer:
         return datagram.size() == kAnswerBytes;
       case Kind::data:

@@ -14,35 +14,49 @@ namespace hapton {
 // What sealed datagrams look like; docs/formats.md says the same in words. Numbers are little-endian.
 //
 //   lead     08 VERSION KIND 00   the first two bytes are field 1 of an Envelope (proto/hapton.proto): any version knows another by them
-//   request  lead  client_nonce:32  cookie:16  tag:16            node -> hub; the cookie is zero until the hub has given one
-//   retry    lead  client_nonce:32  cookie:16  tag:16            hub -> node
-//   answer   lead  connection:4  hub_nonce:32  tag:16            hub -> node
-//   data     lead  connection:4  counter:8  ciphertext:n tag:16  either way
+//   request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub; cookie zero until the hub has given one
+//   retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node
+//   answer   lead  timestamp:8  second:52  tag:16                                    hub -> node
+//   data     lead  connection:4  counter:8  ciphertext:n tag:16                      either way
+//
+// first and second are the two messages of the Noise handshake (noise.h); its prologue is all of the request before them. Retry and answer
+// repeat the timestamp of the request that they belong to.
 namespace seal {
 
 enum class Kind : std::uint8_t { request = 1, retry = 2, answer = 3, data = 4 };
 
-constexpr std::size_t kNonceBytes = 32;
 constexpr std::size_t kCookieBytes = 16;
 constexpr std::size_t kTagBytes = 16;
 
-using Nonce = std::array<std::uint8_t, kNonceBytes>;
 using Cookie = std::array<std::uint8_t, kCookieBytes>;
 
+constexpr std::size_t kFirstBytes = 48;   // a public key, the tag of an empty payload
+constexpr std::size_t kSecondBytes = 52;  // a public key, the connection's number sealed
+
 constexpr std::size_t kLeadBytes = 4;
-constexpr std::size_t kNonceAt = kLeadBytes;
-constexpr std::size_t kCookieAt = kNonceAt + kNonceBytes;
-constexpr std::size_t kRequestTagAt = kCookieAt + kCookieBytes;
+constexpr std::size_t kRoleAt = kLeadBytes;
+constexpr std::size_t kHostAt = kRoleAt + 4;
+constexpr std::size_t kRequestTimestampAt = kHostAt + 8;
+constexpr std::size_t kFirstAt = kRequestTimestampAt + 8;
+constexpr std::size_t kPrologueBytes = kFirstAt;
+constexpr std::size_t kRequestCookieAt = kFirstAt + kFirstBytes;
+constexpr std::size_t kRequestTagAt = kRequestCookieAt + kCookieBytes;
 constexpr std::size_t kRequestBytes = kRequestTagAt + kTagBytes;
-constexpr std::size_t kConnectionAt = kLeadBytes;
-constexpr std::size_t kHubNonceAt = kConnectionAt + 4;
-constexpr std::size_t kAnswerTagAt = kHubNonceAt + kNonceBytes;
+
+constexpr std::size_t kTimestampAt = kLeadBytes;  // of a retry and an answer
+constexpr std::size_t kCookieAt = kTimestampAt + 8;
+constexpr std::size_t kRetryTagAt = kCookieAt + kCookieBytes;
+constexpr std::size_t kRetryBytes = kRetryTagAt + kTagBytes;
+constexpr std::size_t kSecondAt = kTimestampAt + 8;
+constexpr std::size_t kAnswerTagAt = kSecondAt + kSecondBytes;
 constexpr std::size_t kAnswerBytes = kAnswerTagAt + kTagBytes;
+
+constexpr std::size_t kConnectionAt = kLeadBytes;
 constexpr std::size_t kCounterAt = kConnectionAt + 4;
 constexpr std::size_t kHeaderBytes = kCounterAt + 8;
 
-// Nobody is sent more than he has sent.
-static_assert(kAnswerBytes <= kRequestBytes);
+// Nobody is sent more than was received.
+static_assert(kAnswerBytes <= kRequestBytes && kRetryBytes <= kRequestBytes);
 
 // What sealing adds to a datagram, and what then is left for what it carries.
 constexpr std::size_t kOverheadBytes = kHeaderBytes + kTagBytes;

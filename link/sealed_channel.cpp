@@ -9,9 +9,10 @@ namespace {
 
 using namespace seal;
 
+// As Noise has it for AES-256-GCM: 32 bits of zeros, then the counter, big-endian.
 std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES> nonce_of(std::uint64_t counter) {
   std::array<std::uint8_t, crypto_aead_aes256gcm_NPUBBYTES> nonce = {};
-  store(counter, nonce.data() + 4);
+  store(__builtin_bswap64(counter), nonce.data() + 4);
   return nonce;
 }
 

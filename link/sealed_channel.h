@@ -31,6 +31,8 @@ class SealedChannel {
   bool is_open() const noexcept { return is_open_; }
   // The number that the hub gave to the session, in clear in every datagram.
   std::uint32_t connection() const noexcept { return connection_; }
+  // Datagrams sealed so far.
+  std::uint64_t sealed() const noexcept { return counter_; }
 
   // Writes the sealed datagram and gives its bytes, payload + seal::kOverheadBytes; 0 when that does not fit, or this is no session.
   std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> into) noexcept;

@@ -1,6 +1,7 @@
 #include "link/sealed_client.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace hapton {
@@ -8,18 +9,31 @@ namespace {
 
 // What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
 constexpr int kMostRefusedPerPoll = 64;
+// While the worker thread is at work the wait is cut into pieces of this length.
+constexpr std::int64_t kWorkerLookNs = kNanosecondsPerMillisecond / 2;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
-SealedClient::SealedClient(Endpoint& endpoint, const Clock& clock, const LinkKey& key, const Address& hub)
-    : endpoint_(endpoint), clock_(clock), hub_(hub), handshake_(key) {}
+SealedClient::SealedClient(Endpoint& endpoint, const Clock& clock, const RoleKey& key, const Address& hub, const Options& options)
+    : endpoint_(endpoint), clock_(clock), hub_(hub), options_(options), handshake_(key, options.host, options.worker) {}
+
+SealCounts SealedClient::seal_counts() const noexcept {
+  SealCounts counts = counts_;
+  counts.oversized = endpoint_.oversized();
+  return counts;
+}
 
 bool SealedClient::send(const Address& to, std::span<const std::byte> datagram) noexcept {
   if (to != hub_ || datagram.size() > seal::kMaxPayloadBytes) return false;
   if (handshake_.is_pending() || !channel_.is_open()) {
-    std::copy(datagram.begin(), datagram.end(), held_.begin());
-    held_bytes_ = datagram.size();
-    ask_if_due(clock_.now_ns());
+    const std::int64_t now_ns = clock_.now_ns();
+    request_if_due(now_ns);
+    if (!channel_.is_open() || is_hub_silent(now_ns)) {
+      std::copy(datagram.begin(), datagram.end(), held_.begin());
+      held_bytes_ = datagram.size();
+    }
+    take_finished();
   }
   return !channel_.is_open() || transmit(datagram);
 }
@@ -32,11 +46,12 @@ bool SealedClient::transmit(std::span<const std::byte> datagram) noexcept {
 Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
   std::int64_t now_ns = clock_.now_ns();
   for (int refused = 0; refused < kMostRefusedPerPoll || now_ns < deadline_ns; now_ns = clock_.now_ns()) {
-    ask_if_due(now_ns);
-    const Received received = endpoint_.receive(incoming_, std::min(deadline_ns, next_due_ns()));
+    request_if_due(now_ns);
+    take_finished();
+    const Received received = endpoint_.receive(incoming_, std::min(deadline_ns, next_due_ns(now_ns)));
     if (received.bytes == 0) {
       now_ns = clock_.now_ns();
-      ask_if_silent(now_ns);
+      request_if_silent(now_ns);
       if (now_ns >= deadline_ns) return {};
       continue;
     }
@@ -47,34 +62,73 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
   return {};
 }
 
-std::int64_t SealedClient::next_due_ns() const noexcept { return handshake_.is_pending() ? next_request_ns_ : last_heard_ns_ + kSilenceNs; }
+std::int64_t SealedClient::next_due_ns(std::int64_t now_ns) const noexcept {
+  const std::int64_t look_ns = handshake_.is_working() ? now_ns + kWorkerLookNs : kNever;
+  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_heard_ns_ + kSilenceNs));
+}
 
-void SealedClient::ask_if_due(std::int64_t now_ns) noexcept {
+bool SealedClient::is_rekey_due(std::int64_t now_ns) const noexcept {
+  return channel_.is_open() && (now_ns >= rekey_ns_ || channel_.sealed() >= options_.rekey_after);
+}
+
+void SealedClient::request_if_due(std::int64_t now_ns) noexcept {
   if (has_heard_) {
     has_heard_ = false;
     last_heard_ns_ = now_ns;
   }
-  if (!channel_.is_open() && !handshake_.is_pending()) return begin(now_ns);
+  if (previous_.is_open() && previous_ends_ns_ != 0 && now_ns >= previous_ends_ns_) previous_ = SealedChannel();
+  if (!handshake_.is_pending() && (!channel_.is_open() || is_rekey_due(now_ns))) return begin(now_ns);
   if (!handshake_.is_pending() || now_ns < next_request_ns_) return;
-  next_request_ns_ = now_ns + kRequestPeriodNs;
+  next_request_ns_ = now_ns + (is_hub_silent(now_ns) || !channel_.is_open() ? kRequestPeriodNs : kRekeyRequestPeriodNs);
   may_retry_ = true;
-  ask();
+  request(now_ns);
 }
 
 // Once nothing waits to be received: a node that was busy for long has not been left in silence.
-void SealedClient::ask_if_silent(std::int64_t now_ns) noexcept {
-  if (!handshake_.is_pending() && now_ns - last_heard_ns_ >= kSilenceNs) begin(now_ns);
+void SealedClient::request_if_silent(std::int64_t now_ns) noexcept {
+  if (!is_hub_silent(now_ns)) return;
+  if (!handshake_.is_pending()) return begin(now_ns);
+  // A rekeying that the silence overtook goes on at the pace of a search.
+  next_request_ns_ = std::min(next_request_ns_, now_ns + kRequestPeriodNs);
 }
 
 void SealedClient::begin(std::int64_t now_ns) noexcept {
   handshake_.begin();
   next_request_ns_ = now_ns;
-  ask_if_due(now_ns);
+  request_if_due(now_ns);
 }
 
-void SealedClient::ask() noexcept {
-  const std::size_t bytes = handshake_.write_request(outgoing_);
-  endpoint_.send(hub_, std::span(outgoing_).first(bytes));
+void SealedClient::request(std::int64_t now_ns) noexcept {
+  handshake_.ask(now_ns);
+  take_finished();
+}
+
+void SealedClient::take_finished() noexcept {
+  if (!handshake_.is_working()) return;
+  std::array<std::byte, seal::kRequestBytes> request;
+  while (true) {
+    switch (handshake_.poll(request)) {
+      case ClientHandshake::Finished::nothing:
+        return;
+      case ClientHandshake::Finished::request:
+        endpoint_.send(hub_, request);
+        break;
+      case ClientHandshake::Finished::agreement:
+        change_over();
+        break;
+    }
+  }
+}
+
+void SealedClient::change_over() noexcept {
+  ++counts_.handshakes;
+  previous_ = std::move(channel_);
+  previous_ends_ns_ = 0;  // set when the hub has changed over, too
+  channel_ = handshake_.take_channel();
+  last_heard_ns_ = clock_.now_ns();
+  rekey_ns_ = last_heard_ns_ + options_.rekey_every_ns;
+  if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
+  held_bytes_ = 0;
 }
 
 // The bytes opened; 0 for what was refused or was the handshake's.
@@ -91,7 +145,7 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
   std::size_t bytes = 0;
   OpenStatus status = channel_.open(datagram, into, bytes);
   if (status == OpenStatus::opened) {
-    if (previous_.is_open()) previous_ = SealedChannel();
+    if (previous_.is_open() && previous_ends_ns_ == 0) previous_ends_ns_ = clock_.now_ns() + kOverlapNs;
   } else if (status == OpenStatus::unknown_session && previous_.is_open()) {
     status = previous_.open(datagram, into, bytes);
   }
@@ -101,24 +155,13 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
 }
 
 void SealedClient::hear_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
-  switch (handshake_.read(kind, datagram)) {
-    case ClientHandshake::Heard::nothing:
-      // A late answer to an earlier request is nobody's fault.
-      counts_.wrong_key += handshake_.is_pending() ? 1 : 0;
-      return;
-    case ClientHandshake::Heard::cookie:
-      if (may_retry_) ask();
-      may_retry_ = false;
-      return;
-    case ClientHandshake::Heard::agreement:
-      ++counts_.handshakes;
-      previous_ = std::move(channel_);
-      channel_ = handshake_.take_channel();
-      has_heard_ = true;
-      if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
-      held_bytes_ = 0;
-      return;
-  }
+  if (!handshake_.is_pending()) return;  // a late answer to an earlier request is nobody's fault
+  const bool is_good =
+      (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::answer && handshake_.read_answer(datagram));
+  counts_.wrong_key += is_good ? 0 : 1;
+  if (!is_good) return;
+  if (kind == seal::Kind::retry && std::exchange(may_retry_, false)) request(clock_.now_ns());
+  take_finished();
 }
 
 }  // namespace hapton

@@ -1,6 +1,8 @@
 #include "link/sealed_hub.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 #include "link/random_id.h"
 
@@ -10,12 +12,89 @@ namespace {
 // What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
 constexpr int kMostRefusedPerPoll = 64;
 
+Refusal refusal_of(OpenStatus status) noexcept {
+  switch (status) {
+    case OpenStatus::wrong_version:
+      return Refusal::wrong_version;
+    case OpenStatus::unknown_session:
+      return Refusal::unknown_session;
+    case OpenStatus::replayed:
+      return Refusal::replayed;
+    case OpenStatus::forged:
+      return Refusal::forged;
+    case OpenStatus::opened:
+    case OpenStatus::malformed:
+      break;
+  }
+  return Refusal::malformed;
+}
+
+std::uint64_t& counter_of(Refusal refusal, SealCounts& counts) noexcept {
+  switch (refusal) {
+    case Refusal::malformed:
+      return counts.malformed;
+    case Refusal::wrong_version:
+      return counts.wrong_version;
+    case Refusal::wrong_key:
+      return counts.wrong_key;
+    case Refusal::replayed_handshake:
+      return counts.replayed_handshakes;
+    case Refusal::too_many_handshakes:
+      return counts.too_many_handshakes;
+    case Refusal::no_place:
+      return counts.no_place;
+    case Refusal::unknown_session:
+      return counts.unknown_session;
+    case Refusal::replayed:
+      return counts.replayed;
+    case Refusal::forged:
+      return counts.forged;
+    case Refusal::oversized:
+      return counts.oversized;
+  }
+  return counts.malformed;
+}
+
+constexpr std::size_t index_of(KeyRole role) noexcept { return static_cast<std::size_t>(role) - kFirstKeyRole; }
+
+std::array<SourceLimit, kNodeKeyRoles> make_limits() {
+  const auto make = [] { return SourceLimit(SealedHub::kHandshakeRates, make_random_id()); };
+  return {make(), make(), make(), make()};
+}
+
+static_assert(std::accumulate(SealedHub::kRolePlaces.begin(), SealedHub::kRolePlaces.end(), std::size_t{0}) == SealedHub::kPlaces);
+
 }  // namespace
 
-SealedHub::SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& key)
-    : endpoint_(endpoint), clock_(clock), handshake_(key), generation_(static_cast<std::uint32_t>(make_random_id())) {}
+SealedHub::SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& master, AgreementWorker::Where worker)
+    : endpoint_(endpoint),
+      clock_(clock),
+      handshake_(master, worker),
+      retry_limits_(make_limits()),
+      agreement_limits_(make_limits()),
+      generation_(static_cast<std::uint32_t>(make_random_id())) {}
+
+SealCounts SealedHub::seal_counts() const noexcept {
+  SealCounts counts = counts_;
+  counts.oversized = endpoint_.oversized();
+  return counts;
+}
+
+void SealedHub::refuse(Refusal refusal, const Address& from) noexcept {
+  ++counter_of(refusal, counts_);
+  watch_.note(refusal, from);
+}
+
+// The socket has passed these over; here they get a name.
+std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
+  const std::uint64_t oversized = endpoint_.oversized();
+  if (oversized != oversized_noted_) watch_.note(Refusal::oversized, endpoint_.oversized_from(), oversized - oversized_noted_);
+  oversized_noted_ = oversized;
+  return watch_.take(now_ns);
+}
 
 bool SealedHub::send(const Address& to, std::span<const std::byte> datagram) noexcept {
+  take_agreements();
   Session* const session = find_live(to);
   if (session == nullptr) return false;
   const std::size_t bytes = session->channel.seal(datagram, outgoing_);
@@ -24,45 +103,65 @@ bool SealedHub::send(const Address& to, std::span<const std::byte> datagram) noe
 
 Received SealedHub::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
   for (int refused = 0; refused < kMostRefusedPerPoll || clock_.now_ns() < deadline_ns; ++refused) {
+    take_agreements();
     const Received received = endpoint_.receive(incoming_, deadline_ns);
     if (received.bytes == 0) return {};
-    const std::size_t bytes = open(std::span(incoming_).first(received.bytes), received.from, into);
-    if (bytes != 0) return {.bytes = bytes, .from = received.from};
+    Received opened{.bytes = 0, .from = received.from};
+    opened.bytes = open(std::span(incoming_).first(received.bytes), received.from, into, opened.role);
+    if (opened.bytes != 0) return opened;
   }
   return {};
 }
 
 // The bytes opened; 0 for what was refused or was a handshake.
-std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into) noexcept {
+std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept {
   const SealedKind found = classify_sealed(datagram);
   if (found.status != OpenStatus::opened) {
-    count(found.status, counts_);
+    refuse(refusal_of(found.status), from);
     return 0;
   }
   if (found.kind == seal::Kind::request) {
     hear_request(datagram, from);
+    take_agreements();
     return 0;
   }
   if (found.kind != seal::Kind::data) {
-    ++counts_.malformed;  // a hub's own words
+    refuse(Refusal::malformed, from);  // only a hub sends these
     return 0;
   }
   Session& session = sessions_[seal::load<std::uint32_t>(seal::bytes_of(datagram) + seal::kConnectionAt) % kPlaces];
-  if (session.state == State::free || session.address != from) {
-    ++counts_.unknown_session;
+  if (session.state == State::free || session.state == State::agreeing || session.address != from) {
+    refuse(Refusal::unknown_session, from);
+    return 0;
+  }
+  const std::int64_t now_ns = clock_.now_ns();
+  if (session.state == State::retiring && now_ns >= session.ends_ns) {
+    session = Session();
+    refuse(Refusal::unknown_session, from);
     return 0;
   }
   std::size_t bytes = 0;
-  count(session.channel.open(datagram, into, bytes), counts_);
-  if (bytes == 0) return 0;
-  session.last_heard_ns = clock_.now_ns();
+  const OpenStatus status = session.channel.open(datagram, into, bytes);
+  if (bytes == 0) {
+    refuse(refusal_of(status), from);
+    return 0;
+  }
+  ++counts_.opened;
+  session.last_heard_ns = now_ns;
+  role = session.role;
   if (session.state == State::candidate) promote(session);
   return bytes;
 }
 
 void SealedHub::promote(Session& session) noexcept {
   for (Session& other : sessions_) {
-    if (&other != &session && other.state != State::free && other.address == session.address) other = Session();
+    if (&other == &session || other.state == State::free || other.address != session.address) continue;
+    if (other.state == State::live && other.role == session.role) {
+      other.state = State::retiring;
+      other.ends_ns = session.last_heard_ns + kOverlapNs;
+    } else {
+      other = Session();  // of those that were replaced, one at most is still received in
+    }
   }
   session.state = State::live;
   ++counts_.handshakes;
@@ -70,58 +169,77 @@ void SealedHub::promote(Session& session) noexcept {
 
 void SealedHub::hear_request(std::span<const std::byte> request, const Address& from) noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  const seal::Nonce client_nonce = HubHandshake::nonce_of(request);
   switch (handshake_.judge(request, from, now_ns)) {
-    case HubHandshake::Verdict::stranger:
-      ++counts_.wrong_key;
-      return;
-    case HubHandshake::Verdict::wants_cookie: {
-      const std::size_t bytes = handshake_.write_retry(client_nonce, from, now_ns, outgoing_);
-      endpoint_.send(from, std::span(outgoing_).first(bytes));
-      return;
-    }
+    case HubHandshake::Verdict::malformed:
+      return refuse(Refusal::malformed, from);
+    case HubHandshake::Verdict::wrong_key:
+      return refuse(Refusal::wrong_key, from);
+    case HubHandshake::Verdict::replayed:
+      return refuse(Refusal::replayed_handshake, from);
+    case HubHandshake::Verdict::wants_cookie:
+      return retry(request, from, now_ns);
     case HubHandshake::Verdict::shows_cookie:
-      return agree(client_nonce, from, now_ns);
+      return agree(request, from, now_ns);
   }
 }
 
-void SealedHub::agree(const seal::Nonce& client_nonce, const Address& from, std::int64_t now_ns) noexcept {
-  Session* session = find_agreed(client_nonce, from);
-  if (session == nullptr) {
-    session = find_place(now_ns);
-    if (session == nullptr) {
-      ++counts_.no_place;
-      return;
+void SealedHub::retry(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
+  if (!retry_limits_[index_of(HubHandshake::role_of(request))].take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
+  const std::size_t bytes = handshake_.write_retry(request, from, now_ns, outgoing_);
+  counts_.retries += endpoint_.send(from, std::span(outgoing_).first(bytes)) ? 1 : 0;
+}
+
+void SealedHub::agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
+  const KeyRole role = HubHandshake::role_of(request);
+  if (!agreement_limits_[index_of(role)].take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
+  if (is_taken_by_another_role(from, role, now_ns)) return refuse(Refusal::no_place, from);
+  Session* const session = find_place(places_of(role, sessions_), now_ns);
+  if (session == nullptr) return refuse(Refusal::no_place, from);
+  const auto place = static_cast<std::uint32_t>(session - sessions_.data());
+  const std::uint32_t connection = ++generation_ * static_cast<std::uint32_t>(kPlaces) + place;
+  if (!handshake_.agree(request, connection)) return refuse(Refusal::too_many_handshakes, from);
+  *session = Session();
+  session->state = State::agreeing;
+  session->role = role;
+  session->address = from;
+  session->connection = connection;
+  session->last_heard_ns = now_ns;
+}
+
+void SealedHub::take_agreements() noexcept {
+  if (!handshake_.is_working()) return;
+  for (HubHandshake::Agreement agreed; handshake_.poll(agreed);) {
+    Session& session = sessions_[agreed.connection % kPlaces];
+    // Its place may be someone else's by now.
+    if (session.state != State::agreeing || session.connection != agreed.connection) continue;
+    if (!agreed.went_well) {
+      refuse(Refusal::wrong_key, session.address);
+      session = Session();
+      continue;
     }
-    const auto place = static_cast<std::uint32_t>(session - sessions_.data());
-    const std::uint32_t connection = ++generation_ * static_cast<std::uint32_t>(kPlaces) + place;
-    session->state = State::candidate;
-    session->address = from;
-    session->last_heard_ns = now_ns;
-    session->client_nonce = client_nonce;
-    session->channel = handshake_.agree(client_nonce, connection, session->answer);
+    session.state = State::candidate;
+    session.channel = std::move(agreed.channel);
+    endpoint_.send(session.address, agreed.answer);
   }
-  endpoint_.send(from, session->answer);
 }
 
 SealedHub::Session* SealedHub::find_live(const Address& address) noexcept {
   const auto is_it = [&](const Session& session) { return session.state == State::live && session.address == address; };
-  if (is_it(sessions_[last_place_])) return &sessions_[last_place_];
+  std::uint8_t& hint = hints_[address.port % hints_.size()];
+  if (is_it(sessions_[hint])) return &sessions_[hint];
   const auto found = std::find_if(sessions_.begin(), sessions_.end(), is_it);
   if (found == sessions_.end()) return nullptr;
-  last_place_ = static_cast<std::size_t>(found - sessions_.begin());
+  hint = static_cast<std::uint8_t>(found - sessions_.begin());
   return &*found;
 }
 
-SealedHub::Session* SealedHub::find_agreed(const seal::Nonce& client_nonce, const Address& address) noexcept {
-  const auto found = std::find_if(sessions_.begin(), sessions_.end(), [&](const Session& session) {
-    return session.state != State::free && session.address == address && session.client_nonce == client_nonce;
-  });
-  return found == sessions_.end() ? nullptr : &*found;
+std::span<SealedHub::Session> SealedHub::places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept {
+  const auto before = kRolePlaces.begin() + static_cast<std::ptrdiff_t>(index_of(role));
+  return std::span(sessions).subspan(std::accumulate(kRolePlaces.begin(), before, std::size_t{0}), *before);
 }
 
 // A free place, else that of the oldest candidate when there are many, else of who has been silent long; null when there is none.
-SealedHub::Session* SealedHub::find_place(std::int64_t now_ns) noexcept {
+SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_t now_ns) noexcept {
   Session* free_place = nullptr;
   Session* oldest_candidate = nullptr;
   Session* quietest = nullptr;
@@ -129,19 +247,27 @@ SealedHub::Session* SealedHub::find_place(std::int64_t now_ns) noexcept {
   const auto older = [](const Session& session, const Session* than) {
     return than == nullptr || session.last_heard_ns < than->last_heard_ns;
   };
-  for (Session& session : sessions_) {
-    if (session.state == State::free) {
+  for (Session& session : places) {
+    const bool is_over = session.state == State::retiring && now_ns >= session.ends_ns;
+    if (session.state == State::free || is_over) {
       free_place = free_place == nullptr ? &session : free_place;
-    } else if (session.state == State::candidate) {
+    } else if (session.state == State::candidate || session.state == State::agreeing) {
       ++candidates;
       if (older(session, oldest_candidate)) oldest_candidate = &session;
-    } else if (now_ns - session.last_heard_ns > kIdleNs && older(session, quietest)) {
+    } else if (session.state == State::live && now_ns - session.last_heard_ns > kIdleNs && older(session, quietest)) {
       quietest = &session;
     }
   }
-  if (candidates >= kCandidates) return oldest_candidate;
+  if (candidates >= places.size() / 2) return oldest_candidate;
   if (free_place != nullptr) return free_place;
   return quietest != nullptr ? quietest : oldest_candidate;
+}
+
+// An address belongs to one program. Who holds another role's key and can play that address must not end its session.
+bool SealedHub::is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept {
+  return std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
+    return session.state == State::live && session.address == address && session.role != role && now_ns - session.last_heard_ns <= kIdleNs;
+  });
 }
 
 }  // namespace hapton

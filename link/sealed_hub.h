@@ -3,10 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "link/endpoint.h"
 #include "link/handshake.h"
 #include "link/link_key.h"
+#include "link/rate_limit.h"
+#include "link/refusal_watch.h"
 #include "link/seal_counts.h"
 #include "link/sealed_channel.h"
 #include "runtime/clock.h"
@@ -14,52 +17,81 @@
 namespace hapton {
 
 // The hub's way to its nodes: each address that has agreed on a session has keys of its own, what is sent to it is sealed with them, and
-// nothing is handed out that was not opened with them. Strangers get no answer, take no place and cost a hash at most. Who has the key
-// takes a place, and drops another of the same address only once he has proved with a sealed datagram that he is there: a recorded
-// handshake is worth nothing. When all places are taken the one that has been silent longest goes, unless it was heard within kIdleNs.
-// RT: yes; construction and destruction set-up only. Threads: one.
+// nothing is handed out that was not opened with them.
+//   junk       Who has no key gets no reply, takes no place and costs a look at four bytes, or a hash. So does who repeats a recorded
+//              handshake: it must be later than all that its host and role have sent (handshake_times.h). Each refusal is counted and the
+//              worst flood of them named (take_flood).
+//   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role by itself.
+//   X25519     Agreements are the worker's. The caller hands over what has shown key, time and address, and sends the answer when it is
+//              finished, in a later call. A full worker drops requests; it never makes the caller wait.
+//   sessions   A new session of the same role and address replaces the old one once something was opened in it. The old one is still
+//              opened for kOverlapNs, unless that one is replaced, too: nothing that is on its way is lost. Each role has places of its own
+//              (kRolePlaces), half of them at most for sessions that nothing was opened in yet: the holder of one role's key keeps no other
+//              role out. When all places are taken the one that has been silent longest goes, unless something was received in it within
+//              kIdleNs.
+// RT: yes with a worker thread; construction and destruction set-up only. Threads: one.
 class SealedHub final : public Endpoint {
  public:
-  static constexpr std::size_t kPlaces = 32;     // twice HubPeers::kCapacity: nodes come again before they are missed
-  static constexpr std::size_t kCandidates = 8;  // of these, sessions that nothing was heard on yet
+  static constexpr std::size_t kPlaces = 64;  // four times HubPeers::kCapacity: old and new sessions, and nodes that come again
+  static constexpr std::array<std::size_t, kNodeKeyRoles> kRolePlaces = {8, 24, 24, 8};  // of haptics, vision, tool, operator
   static constexpr std::int64_t kIdleNs = 2 * kNanosecondsPerSecond;
+  static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
+  static constexpr SourceLimit::Rates kHandshakeRates = {
+      .source_per_second = 64, .source_burst = 32, .all_per_second = 256, .all_burst = 64};
 
   // Pre: endpoint and clock outlive this.
-  SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& key);
+  SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& master, AgreementWorker::Where worker = AgreementWorker::Where::caller);
 
   // False when nobody at that address has a session, when it does not fit (seal::kMaxPayloadBytes), or when the system refused it.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
+  // Received::role is the role of the session's key.
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override { endpoint_.prepare_wait(deadline_ns); }
   Address local_address() const override { return endpoint_.local_address(); }
-  SealCounts seal_counts() const noexcept override { return counts_; }
+  SealCounts seal_counts() const noexcept override;
+  std::optional<Flood> take_flood(std::int64_t now_ns) noexcept override;
 
  private:
-  enum class State : std::uint8_t { free, candidate, live };
+  enum class State : std::uint8_t {
+    free,
+    agreeing,   // the worker has it
+    candidate,  // answered; nothing was opened in it yet
+    live,
+    retiring,  // replaced: received in until ends_ns
+  };
 
   struct Session {
     State state = State::free;
+    KeyRole role = KeyRole::unsealed;
     Address address;
-    std::int64_t last_heard_ns = 0;  // of a candidate: when it was agreed on
+    std::uint32_t connection = 0;
+    std::int64_t last_heard_ns = 0;  // before it was live: when it was requested
+    std::int64_t ends_ns = 0;        // of a retiring one
     SealedChannel channel;
-    seal::Nonce client_nonce = {};
-    std::array<std::byte, seal::kAnswerBytes> answer = {};  // the same again to who repeats his request
   };
 
-  std::size_t open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into) noexcept;
+  std::size_t open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept;
+  void refuse(Refusal refusal, const Address& from) noexcept;
   void promote(Session& session) noexcept;
   void hear_request(std::span<const std::byte> request, const Address& from) noexcept;
-  void agree(const seal::Nonce& client_nonce, const Address& from, std::int64_t now_ns) noexcept;
+  void retry(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
+  void agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
+  void take_agreements() noexcept;
   Session* find_live(const Address& address) noexcept;
-  Session* find_agreed(const seal::Nonce& client_nonce, const Address& address) noexcept;
-  Session* find_place(std::int64_t now_ns) noexcept;
+  static std::span<Session> places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept;
+  static Session* find_place(std::span<Session> places, std::int64_t now_ns) noexcept;
+  bool is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept;
 
   Endpoint& endpoint_;
   const Clock& clock_;
   HubHandshake handshake_;
+  std::array<SourceLimit, kNodeKeyRoles> retry_limits_;  // by role
+  std::array<SourceLimit, kNodeKeyRoles> agreement_limits_;
+  RefusalWatch watch_;
+  std::uint64_t oversized_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};
-  std::size_t last_place_ = 0;    // sent to last
-  std::uint32_t generation_ = 0;  // in the upper bits of a connection's number, its place in the lower
+  std::array<std::uint8_t, 16> hints_ = {};  // place that was last sent to, by the lower bits of its port
+  std::uint32_t generation_ = 0;             // in the upper bits of a connection's number, its place in the lower
   SealCounts counts_;
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};
   std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};

@@ -24,7 +24,12 @@ bool SessionReader::refill() {
 
 Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return fail("{}: is a folder, not a recorded session", path.string());
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::is_directory(status)) return fail("{}: is a folder, not a recorded session", path.string());
+  // A pipe would be waited for as long as nobody writes to it.
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    return fail("{}: is not a regular file: copy it to one", path.string());
+  }
   SessionReader reader;
   reader.path_ = path;
   reader.file_ = std::make_unique<std::ifstream>(path, std::ios::binary);

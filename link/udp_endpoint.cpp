@@ -16,6 +16,8 @@
 #include <limits>
 #include <optional>
 
+#include "link/asio_guard.h"
+
 namespace hapton {
 namespace {
 
@@ -72,6 +74,8 @@ class UdpEndpoint final : public Endpoint {
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
+  std::uint64_t oversized() const noexcept override { return oversized_; }
+  Address oversized_from() const noexcept override { return oversized_from_; }
 
  private:
   enum class Attempt : std::uint8_t {
@@ -91,6 +95,8 @@ class UdpEndpoint final : public Endpoint {
   bool is_v4_ = true;
   int timer_ = -1;
   std::int64_t prepared_ns_ = kNothingPrepared;
+  std::uint64_t oversized_ = 0;
+  Address oversized_from_;
 };
 
 UdpEndpoint::~UdpEndpoint() {
@@ -206,6 +212,8 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
   }
   // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
   if (bytes == 0 || static_cast<std::size_t>(bytes) > into.size()) {
+    ++oversized_;
+    oversized_from_ = address_of(from);
     return Attempt::passed_over;
   }
   received = {.bytes = static_cast<std::size_t>(bytes), .from = address_of(from)};
@@ -315,7 +323,9 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   }
   const udp::endpoint wanted =
       is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
-  auto endpoint = std::make_unique<UdpEndpoint>();
+  auto made = make_with_context<UdpEndpoint>();
+  if (!made) return fail("cannot listen on UDP {}: {}", to_string(*local), made.error().what);
+  std::unique_ptr<UdpEndpoint>& endpoint = *made;
   const error_code error = endpoint->open(wanted);
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*local));
@@ -326,7 +336,7 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   if (error) {
     return fail("cannot listen on UDP {}: {}", to_string(*local), error.message());
   }
-  return endpoint;
+  return std::move(endpoint);
 }
 
 }  // namespace hapton

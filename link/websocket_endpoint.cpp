@@ -8,6 +8,7 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <chrono>
 
+#include "link/asio_guard.h"
 #include "link/udp_endpoint.h"
 
 namespace hapton {
@@ -88,7 +89,9 @@ class BeastEndpoint final : public WebSocketEndpoint {
 }  // namespace
 
 Result<std::unique_ptr<WebSocketEndpoint>> WebSocketEndpoint::connect(const Address& to, std::int64_t patience_ns) {
-  auto endpoint = std::make_unique<BeastEndpoint>();
+  auto made = make_with_context<BeastEndpoint>();
+  if (!made) return fail("{}: {}", to_string(to), made.error().what);
+  std::unique_ptr<BeastEndpoint> endpoint = std::move(*made);
   if (!endpoint->open(to, patience_ns)) return fail("{}: {}", to_string(to), endpoint->reason());
   return endpoint;
 }

@@ -16,6 +16,10 @@ constexpr std::array<std::string_view, 8> kColumns = {"t_s", "x_m", "y_m", "z_m"
 constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
 constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 constexpr double kQuaternionTolerance = 0.01;
+constexpr double kFarthestM = 1e6;  // io_node's safety governor takes what is farther out for no pose, too
+constexpr double kLongestS = 1e9;
+constexpr int kTimeColumn = 0;
+constexpr int kFirstRotationColumn = 4;
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";
@@ -90,6 +94,15 @@ class Parser {
     if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty() || !std::isfinite(value))
       return fail("{}:{}: {} in column {} is not a finite number; write one like 0.0125", name_, line_number_, quoted(text),
                   kColumns[column]);
+    return check_reach(text, column, value);
+  }
+
+  Result<void> check_reach(std::string_view text, int column, double value) const {
+    if (column == kTimeColumn && std::abs(value) > kLongestS)
+      return fail("{}:{}: t_s is {}, more than 30 years; give times in seconds", name_, line_number_, quoted(text));
+    if (column != kTimeColumn && column < kFirstRotationColumn && std::abs(value) > kFarthestM)
+      return fail("{}:{}: {} is {}, where no device reaches; give positions in metres, within {:.0f} of the origin", name_, line_number_,
+                  kColumns[column], quoted(text), kFarthestM);
     return {};
   }
 

@@ -17,8 +17,9 @@ struct TrajectoryRow {
 };
 
 // Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, one row a step, `#` comments and
-// empty lines anywhere, LF or CRLF. Strict: every field a finite number and nothing else, times rising, quaternions of unit
-// length within 1 % (they are normalised), at least one row.
+// empty lines anywhere, LF or CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times
+// within 30 years of zero (farther out is no device's reach, but another unit or a damaged file), times rising, quaternions of unit length
+// within 1 % (they are normalised), at least one row.
 // Error: one line that names the file, the line and the column. RT: set-up only; about 10 million numbers a second.
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path);
 

@@ -10,11 +10,13 @@ namespace {
 
 constexpr double kCrackShare = 1e-3;  // of the longest side
 
+double crack_width(const MeshTopology& topology) { return kCrackShare * (topology.highest - topology.lowest).maxCoeff(); }
+
 }  // namespace
 
 MeshFlaws find_flaws(const TriangleMesh& mesh) {
   MeshFlaws flaws{.topology = compute_mesh_topology(mesh), .borders = {}, .mend = {}, .normals = count_authored_normals(mesh)};
-  flaws.borders = count_border_edges(mesh, kCrackShare * (flaws.topology.highest - flaws.topology.lowest).maxCoeff());
+  flaws.borders = count_border_edges(mesh, crack_width(flaws.topology));
   mend_mesh(mesh, flaws.mend);
   return flaws;
 }
@@ -40,8 +42,11 @@ std::string to_text(const MeshFlaws& flaws) {
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit) {
   Result<MeshFile> file = load_mesh_file(path, unit);
   if (!file) return tl::unexpected(file.error());
-  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}};
+  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}, .sealed = {}, .left = {}};
   report.flaws = find_flaws(report.file.mesh);
+  const TriangleMesh touched = seal_cracks(report.file.mesh, report.sealed);
+  report.left = report.sealed.has_sealed() ? count_border_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
+  report.is_closed_for_touch = compute_mesh_topology(touched).is_closed();
   return report;
 }
 
@@ -76,6 +81,9 @@ std::string to_text(const MeshReport& report) {
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
     line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : part.name);
+  line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
+  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks)", report.is_closed_for_touch ? "yes" : "no",
+       report.left.open + report.left.cracks, report.left.open, report.left.cracks);
   line("method smooth would", "{}", report.flaws.mend.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;
@@ -117,6 +125,16 @@ std::string to_json(const MeshReport& report) {
                        {"dropped_duplicates", report.flaws.mend.dropped_duplicates},
                        {"turned", report.flaws.mend.turned},
                        {"unorientable_pieces", report.flaws.mend.unorientable_pieces}}},
+                     {"sealed",
+                      {{"welded_vertices", report.sealed.welded_vertices},
+                       {"split_triangles", report.sealed.split_triangles},
+                       {"zipped_edges", report.sealed.zipped_edges},
+                       {"widest_gap_m", report.sealed.widest_gap},
+                       {"tolerance_m", report.sealed.tolerance},
+                       {"boundary_edges_left", report.sealed.boundary_edges_left},
+                       {"open_border_edges_left", report.left.open},
+                       {"crack_edges_left", report.left.cracks},
+                       {"closed", report.is_closed_for_touch}}},
                      {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
                      {"components", t.components},
                      {"parts", parts},

@@ -9,11 +9,13 @@
 #include "core/geometry/corner_normals.h"
 #include "core/geometry/mend_mesh.h"
 #include "core/geometry/mesh_topology.h"
+#include "core/geometry/seal_cracks.h"
 #include "scene/mesh_file.h"
 
 namespace hapton {
 
-// What is wrong with a mesh, and what method smooth would mend of it. Nothing else changes a mesh: the other methods touch it as it came.
+// What is wrong with a mesh, and what method smooth would mend of it. The other methods touch it as it came, but for cracks that are sealed
+// when it is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
   BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
@@ -31,7 +33,10 @@ std::string to_text(const MeshFlaws& flaws);
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;  // of the welded mesh
+  MeshFlaws flaws;    // of the welded mesh, as the file has it
+  SealReport sealed;  // what is done to it before it is touched
+  BorderEdges left;   // its boundary edges then
+  bool is_closed_for_touch = false;
 };
 
 // Error: whatever load_mesh_file refuses. RT: set-up only.

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "scene/file_bytes.h"
@@ -130,6 +131,7 @@ struct ObjectSpec {
   Quat q_SM = Quat::Identity();
   Vec3 p_SM = Vec3::Zero();
   std::string material;
+  bool seal_cracks = true;
   std::array<double, 3> color = SceneObject().color;
   std::size_t line = 0;
 };
@@ -158,12 +160,13 @@ Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
   ObjectSpec spec;
   spec.line = table.source().begin.line;
   TableReader reader(table, fmt::format("[[object]] {}", number));
-  reader.allow({"name", "mesh", "part", "unit", "scale", "rotation", "rotation_deg", "position_m", "material", "color"});
+  reader.allow({"name", "mesh", "part", "unit", "scale", "rotation", "rotation_deg", "position_m", "material", "color", "seal_cracks"});
   if (!reader.has("mesh")) reader.fail_at("mesh", "[[object]] {} has no 'mesh': name its mesh file", number);
   reader.read("name", spec.name);
   reader.read("mesh", spec.mesh);
   reader.read("part", spec.part);
   reader.read("material", spec.material);
+  reader.read("seal_cracks", spec.seal_cracks);
   reader.read("scale", spec.scale, 0.0, kMaxScale, true);
   reader.read("color", spec.color, 0.0, 1.0);
   std::array<double, 3> position = {};
@@ -231,9 +234,42 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   return spec;
 }
 
-// Each file is read once, however many objects are made of it.
+// Each file is read once, and each of its parts made ready for touch once, however many objects are made of it.
 class MeshShelf {
  public:
+  struct ReadyMesh {
+    TriangleMesh mesh;
+    SealReport sealed;
+    std::vector<Vec3> came_with;  // the vertices it had, where it was sealed
+  };
+
+  explicit MeshShelf(CrackSealing sealing) : sealing_(sealing) {}
+
+  // A part of a file, or all of it where no part is named.
+  Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
+    const CrackSealing sealing = object.seal_cracks ? sealing_ : CrackSealing::off;
+    const auto key = std::make_tuple(path.string(), object.unit, object.part, sealing);
+    auto found = meshes_.find(key);
+    if (found == meshes_.end()) {
+      const Result<const MeshFile*> file = load(path, object.unit, notes);
+      if (!file) return tl::unexpected(file.error());
+      Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
+      if (!mesh) return fail("{}: {}", path.string(), mesh.error().what);
+      ReadyMesh ready;
+      std::vector<Vec3> vertices = mesh->vertices;
+      ready.sealed = seal_for_touch(*mesh, sealing);
+      ready.mesh = std::move(*mesh);
+      if (ready.sealed.has_sealed()) ready.came_with = std::move(vertices);
+      if (ready.sealed.is_worth_a_note()) {
+        notes.push_back(
+            fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
+      }
+      found = meshes_.emplace(key, std::move(ready)).first;
+    }
+    return &found->second;
+  }
+
+ private:
   Result<const MeshFile*> load(const std::filesystem::path& path, std::optional<Unit> unit, std::vector<std::string>& notes) {
     const auto key = std::make_pair(path.string(), unit);
     auto found = files_.find(key);
@@ -246,44 +282,58 @@ class MeshShelf {
     return &found->second;
   }
 
- private:
+  CrackSealing sealing_;
   std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
+  std::map<std::tuple<std::string, std::optional<Unit>, std::string, CrackSealing>, ReadyMesh> meshes_;
 };
 
-Result<TriangleMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshShelf& shelf,
-                               std::vector<std::string>& notes) {
+// A mesh in its pose.
+struct PosedMesh {
+  TriangleMesh mesh;
+  SealReport sealed;
+  Eigen::AlignedBox3d box;  // of the mesh as it came
+};
+
+void scale_widths(SealReport& sealed, double scale) {
+  sealed.widest_gap *= scale;
+  sealed.tolerance *= scale;
+}
+
+Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshShelf& shelf,
+                            std::vector<std::string>& notes) {
   const std::filesystem::path path = (folder / object.mesh).lexically_normal();
-  const Result<const MeshFile*> file = shelf.load(path, object.unit, notes);
-  if (!file) return tl::unexpected(file.error());
-  Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
-  if (!mesh) return fail("{}: {}", path.string(), mesh.error().what);
-  for (Vec3& vertex : mesh->vertices) vertex = object.p_SM + object.q_SM * (object.scale * vertex);
+  const Result<const MeshShelf::ReadyMesh*> loaded = shelf.load(path, object, notes);
+  if (!loaded) return tl::unexpected(loaded.error());
+  const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
+  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}};
+  for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->came_with : posed.mesh.vertices) posed.box.extend(pose(vertex));
+  for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
   const Eigen::Quaternionf turn = object.q_SM.cast<float>();
-  for (auto& normals : mesh->authored_normals) normals = {turn * normals[0], turn * normals[1], turn * normals[2]};
-  return mesh;
+  for (auto& normals : posed.mesh.authored_normals) normals = {turn * normals[0], turn * normals[1], turn * normals[2]};
+  scale_widths(posed.sealed, object.scale);
+  return posed;
 }
 
 // Scales and shifts all meshes together so that their box just fits into one of that size around the origin.
-Result<void> fit(std::vector<TriangleMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
+Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
   Eigen::AlignedBox3d box;
-  for (const TriangleMesh& mesh : meshes) {
-    for (const Vec3& vertex : mesh.vertices) box.extend(vertex);
-  }
+  for (const PosedMesh& posed : meshes) box.extend(posed.box);
   if (!(box.sizes().maxCoeff() > 0.0)) return fail("fit_m: all vertices are one point, which no scale makes larger: leave fit_m out");
   const double scale = (size_m.array() / box.sizes().array()).minCoeff();
-  for (TriangleMesh& mesh : meshes) {
-    for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - box.center());
+  for (PosedMesh& posed : meshes) {
+    for (Vec3& vertex : posed.mesh.vertices) vertex = scale * (vertex - box.center());
+    scale_widths(posed.sealed, scale);
   }
   notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
   return {};
 }
 
-Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder) {
+Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, CrackSealing sealing) {
   Scene scene;
-  MeshShelf shelf;
-  std::vector<TriangleMesh> meshes;
+  MeshShelf shelf(sealing);
+  std::vector<PosedMesh> meshes;
   for (const ObjectSpec& object : spec.objects) {
-    Result<TriangleMesh> mesh = make_mesh(object, folder, shelf, scene.notes);
+    Result<PosedMesh> mesh = make_mesh(object, folder, shelf, scene.notes);
     if (!mesh) return fail("line {}: {}", object.line, mesh.error().what);
     meshes.push_back(std::move(*mesh));
   }
@@ -294,20 +344,23 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     const ObjectSpec& object = spec.objects[i];
     const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
     scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
-                             .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i])),
+                             .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = object.material.empty() ? Material() : spec.materials.find(object.material)->second,
-                             .color = object.color});
+                             .color = object.color,
+                             .sealed = meshes[i].sealed});
   }
   return scene;
 }
 
-Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, std::optional<Unit> unit) {
-  Result<MeshFile> file = load_mesh_file(path, unit);
+Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing) {
+  Result<TouchMesh> file = load_touch_mesh(path, unit, sealing);
   if (!file) return tl::unexpected(file.error());
   Scene scene;
   for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
-  scene.objects.push_back(
-      {.name = path.stem().string(), .mesh = std::make_shared<const TriangleMesh>(std::move(file->mesh)), .material = {}});
+  scene.objects.push_back({.name = path.stem().string(),
+                           .mesh = std::make_shared<const TriangleMesh>(std::move(file->mesh)),
+                           .material = {},
+                           .sealed = file->sealed});
   return scene;
 }
 
@@ -329,9 +382,9 @@ TouchScene Scene::touch_scene() const {
   return touch;
 }
 
-Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit) {
+Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing) {
   if (path.extension() != ".toml") {
-    if (is_mesh_file_name(path)) return load_mesh_as_scene(path, unit);
+    if (is_mesh_file_name(path)) return load_mesh_as_scene(path, unit, sealing);
     const Result<std::string> bytes = read_file_bytes(path, kMaxMeshFileBytes);
     if (!bytes) return tl::unexpected(bytes.error());
     return fail("{}: is neither a scene (.toml) nor a mesh (.obj, .stl, .ply, .gltf, .glb): check its extension", path.string());
@@ -341,7 +394,7 @@ Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> 
   if (!text) return tl::unexpected(text.error());
   const Result<SceneSpec> spec = parse_spec(*text);
   if (!spec) return fail("{}: {}", path.string(), spec.error().what);
-  Result<Scene> scene = make_scene(*spec, path.parent_path());
+  Result<Scene> scene = make_scene(*spec, path.parent_path(), sealing);
   if (!scene) return fail("{}: {}", path.string(), scene.error().what);
   return scene;
 }

@@ -10,6 +10,7 @@
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/touch_mesh.h"
 #include "scene/unit.h"
 
 namespace hapton {
@@ -20,6 +21,7 @@ struct SceneObject {
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres, pose and scale baked in
   Material material;
   std::array<double, 3> color = {0.7, 0.7, 0.72};  // sRGB, 0..1
+  SealReport sealed = {};                          // what was done to the mesh, its widths in S
 };
 
 // All that is seen and touched. Frame S.
@@ -33,8 +35,11 @@ struct Scene {
 
 // Reads a scene file (TOML, docs/scene-files.md has every key) or a plain mesh file, which makes a scene of one object.
 // unit: for a plain mesh file only, what its numbers are in; a scene file names its units itself.
+// sealing: off leaves the cracks of every mesh as they are; a scene file can also say so of one object. Either way everything else is in
+// the same place: fit_m goes by the meshes as they came.
 // Error: one line with the file, the line in it and what to do: unknown keys with the nearest known one, values out of
 // their range, whatever load_mesh_file refuses. RT: set-up only.
-Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt);
+Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
+                         CrackSealing sealing = CrackSealing::on);
 
 }  // namespace hapton

@@ -29,6 +29,7 @@ std::string to_text(const SceneReport& report) {
                    object.name, t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
                    object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic, "",
                    to_text(report.flaws[i]));
+    if (object.sealed.is_worth_a_note()) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", object.sealed.describe());
   }
   for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
   return text;
@@ -45,6 +46,14 @@ std::string to_json(const SceneReport& report) {
                        {"triangles", t.triangles},
                        {"vertices", t.vertices},
                        {"closed", t.is_closed()},
+                       {"sealed",
+                        {{"welded_vertices", object.sealed.welded_vertices},
+                         {"split_triangles", object.sealed.split_triangles},
+                         {"zipped_edges", object.sealed.zipped_edges},
+                         {"widest_gap_m", object.sealed.widest_gap},
+                         {"tolerance_m", object.sealed.tolerance},
+                         {"boundary_edges", object.sealed.boundary_edges},
+                         {"boundary_edges_left", object.sealed.boundary_edges_left}}},
                        {"open_border_edges", report.flaws[i].borders.open},
                        {"crack_edges", report.flaws[i].borders.cracks},
                        {"nonmanifold_edges", t.nonmanifold_edges},

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// What `hapton info` tells about a scene file: the meshes as posed, in metres, frame S.
+// What `hapton info` tells about a scene file: the meshes as posed and as they are touched, in metres, frame S.
 struct SceneReport {
   std::string path;
   Scene scene;

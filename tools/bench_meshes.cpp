@@ -12,7 +12,7 @@
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 #include "runtime/atomic_file.h"
-#include "scene/mesh_file.h"
+#include "scene/touch_mesh.h"
 #include "tools/mesh_choice.h"
 
 namespace hapton {
@@ -42,7 +42,7 @@ Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesyste
   if (which.starts_with(kBumpy)) return make_bumpy(which);
   std::error_code ignored;
   const std::filesystem::path path = std::filesystem::exists(which, ignored) ? std::filesystem::path(which) : mesh_folder / which;
-  auto file = load_mesh_file(path);
+  auto file = load_touch_mesh(path);
   if (!file) return tl::unexpected(file.error());
   if (!(compute_bounds(file->mesh).extent() > 0.0)) return fail("{}: the mesh has no extent; it cannot be scaled to 100 mm", path.string());
   return BenchMesh{path.stem().string(), std::make_shared<TriangleMesh>(scaled_to(std::move(file->mesh), kExtent_m))};

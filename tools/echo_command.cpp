@@ -41,7 +41,7 @@ int run(const EchoOptions& options) {
   while (!stop.stop_requested() && (options.seconds <= 0.0 || static_cast<double>(clock.now_ns()) < end_ns)) {
     echo->serve_one();
   }
-  fmt::print("{} datagrams returned\n", echo->served());
+  fmt::print("{} datagrams returned, {} that were no echo requests passed over\n", echo->served(), echo->passed_over());
   return 0;
 }
 
@@ -50,7 +50,7 @@ int run(const EchoOptions& options) {
 void add_echo_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<EchoOptions>();
   const CommandLine command =
-      app.add_subcommand("echo", "Return every UDP datagram to its sender: the bare round trip of machine and network");
+      app.add_subcommand("echo", "Return every echo request to its sender: the bare round trip of machine and network");
   command.add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one").required();
   command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
   command.add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")

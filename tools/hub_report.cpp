@@ -21,7 +21,7 @@ const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && 
 }  // namespace
 
 struct HubReader::State {
-  State(std::unique_ptr<Endpoint> endpoint_in, const LinkKey& key, const Address& hub_in)
+  State(std::unique_ptr<Endpoint> endpoint_in, const RoleKey& key, const Address& hub_in)
       : hub(hub_in), endpoint(std::move(endpoint_in)), sealed(*endpoint, clock, key, hub), client(sealed, clock, NodeRole::tool, hub) {}
 
   bool wait_for_hub();
@@ -82,7 +82,7 @@ HubReader::~HubReader() = default;
 Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const std::string& key_file) {
   const auto address = parse_address(hub);
   if (!address) return tl::unexpected(address.error());
-  const auto key = find_link_key(key_file, *address);
+  const auto key = find_role_key(key_file, *address, KeyRole::tool);
   if (!key) return tl::unexpected(key.error());
   auto endpoint = open_udp_endpoint(any_address_like(*address));
   if (!endpoint) return tl::unexpected(endpoint.error());

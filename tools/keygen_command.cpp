@@ -11,22 +11,57 @@
 namespace hapton {
 namespace {
 
-int run(const std::string& file) {
-  if (const auto made = make_key_file(file); !made) {
+struct KeygenOptions {
+  std::string file;
+  std::string role;
+  std::string master;
+};
+
+Result<LinkKey> find_master(const KeygenOptions& options) {
+  if (!options.master.empty()) return read_key_file(options.master);
+  const auto folder = find_shared_key_folder();
+  if (!folder) return tl::unexpected(folder.error());
+  return find_or_make_shared_key(*folder);
+}
+
+Result<void> make(const KeygenOptions& options) {
+  if (options.role.empty()) {
+    if (!options.master.empty()) return fail("--master is for the key of a role; say which with --role, or leave --master out");
+    return make_key_file(options.file);
+  }
+  const auto role = find_node_key_role(options.role);
+  if (!role) return fail("role '{}' is not known; choose one of: haptics, vision, tool, operator", options.role);
+  const auto master = find_master(options);
+  if (!master) return tl::unexpected(master.error());
+  return make_role_key_file(options.file, *master, *role);
+}
+
+int run(const KeygenOptions& options) {
+  if (const auto made = make(options); !made) {
     fmt::print(stderr, "hapton keygen: {}\n", made.error().what);
     return 1;
   }
-  fmt::print("{}: a new key, readable by you alone; copy it to every machine (scp -p) and start every node with --key {}\n", file, file);
+  if (options.role.empty()) {
+    fmt::print(
+        "{0}: a new master key, readable by you alone; start io_node with --key {0}, and make a key for each node on another host: hapton "
+        "keygen --role vision --master {0} vision.key\n",
+        options.file);
+  } else {
+    fmt::print("{0}: the key of role {1}, readable by you alone; copy it to its host (scp -p) and start its program there with --key {0}\n",
+               options.file, options.role);
+  }
   return 0;
 }
 
 }  // namespace
 
 void add_keygen_command(CommandLine app, int& exit_code) {
-  auto file = std::make_shared<std::string>();
-  const CommandLine command = app.add_subcommand("keygen", "Make the key file that the nodes of a system share");
-  command.add_option("FILE", *file, "Where to put it; what is there already stays as it is").required();
-  command.on_run([file, &exit_code] { exit_code = run(*file); });
+  auto options = std::make_shared<KeygenOptions>();
+  const CommandLine command = app.add_subcommand("keygen", "Make the hub's master key, or a node's key from it");
+  command.add_option("FILE", options->file, "Where to put it; what is there already stays as it is").required();
+  command.add_option("--role", options->role, "Make the key of this role: haptics, vision, tool, operator (a tool that may reset faults)");
+  command.add_option("--master", options->master, "The hub's master key (default: this user's own)");
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace hapton

@@ -8,7 +8,7 @@
 
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
-#include "scene/mesh_file.h"
+#include "scene/touch_mesh.h"
 
 namespace hapton {
 namespace {
@@ -49,6 +49,7 @@ void add_mesh_options(CommandLine command, MeshChoice& choice) {
   source.add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
   source.add_option("--shape", choice.shape, "Made by rule, about 100 mm: " + shape_names());
   command.add_option("--unit", choice.unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
+  command.add_flag("--no-seal", choice.no_seal, "Take the mesh file as it is: cracks up to 1e-4 of its longest side are not sealed");
   command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")
       .positive();
 }
@@ -67,7 +68,7 @@ Result<TriangleMesh> make_mesh(const MeshChoice& choice) {
       if (!parsed) return tl::unexpected(parsed.error());
       unit = *parsed;
     }
-    auto loaded = load_mesh_file(choice.file, unit);
+    auto loaded = load_touch_mesh(choice.file, unit, choice.no_seal ? CrackSealing::off : CrackSealing::on);
     if (!loaded) return tl::unexpected(loaded.error());
     mesh = std::move(loaded->mesh);
   }

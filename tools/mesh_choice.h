@@ -12,11 +12,12 @@ namespace hapton {
 struct MeshChoice {
   std::string file;
   std::string unit;
+  bool no_seal = false;
   std::string shape;
   double scale_to_m = 0.0;  // 0: as it is
 };
 
-// --mesh FILE [--unit U] or --shape NAME, and --scale-to METRES.
+// --mesh FILE [--unit U] [--no-seal] or --shape NAME, and --scale-to METRES.
 void add_mesh_options(CommandLine command, MeshChoice& choice);
 
 // Loads or makes it. Error: what the loader refuses; an unknown shape, with those there are.

@@ -23,6 +23,7 @@ struct ReplayOptions {
   std::string mesh;
   std::string scene;
   std::string unit;
+  bool no_seal = false;
   std::string trajectory;
   std::string out;
   MethodFlags method;
@@ -33,11 +34,12 @@ struct ReplayOptions {
 };
 
 Result<Scene> load(const ReplayOptions& options) {
+  const CrackSealing sealing = options.no_seal ? CrackSealing::off : CrackSealing::on;
   if (!options.scene.empty()) {
     if (!options.unit.empty()) {
       return fail("--unit goes with --mesh; a scene file names the units of its meshes itself");
     }
-    return load_scene(options.scene);
+    return load_scene(options.scene, std::nullopt, sealing);
   }
   std::optional<Unit> unit;
   if (!options.unit.empty()) {
@@ -47,7 +49,7 @@ Result<Scene> load(const ReplayOptions& options) {
     }
     unit = *parsed;
   }
-  return load_scene(options.mesh, unit);
+  return load_scene(options.mesh, unit, sealing);
 }
 
 // What the command line says about the material holds for every object of the scene.
@@ -116,6 +118,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
   source.add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
   source.add_option("--scene", options->scene, "Scene file (TOML)");
   command.add_option("--unit", options->unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
+  command.add_flag("--no-seal", options->no_seal, "Touch every mesh as it is: cracks up to 1e-4 of its longest side are not sealed");
   command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz], one row a step").required();
   command.add_option("--out", options->out, "CSV to write").required();
   add_method_flags(command, options->method);

@@ -77,20 +77,19 @@ Result<void> write_tables(const SessionOptions& options) {
   return judge_end(*reader);
 }
 
-// Scenes by their path, loaded once; the recorded hash must be theirs.
+// Scenes by their path, loaded once as they are touched by default and, where needed, once with their cracks left open; the recorded hash
+// must be that of either.
 class RecordedScenes {
  public:
   explicit RecordedScenes(const SessionOptions& options) : options_(options) {}
 
   Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup) {
     const std::string path = options_.scene.empty() ? setup.scene.data() : options_.scene;
-    auto found = scenes_.find(path);
-    if (found == scenes_.end()) {
-      const auto scene = load_scene(path);
-      if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
-      found = scenes_.emplace(path, scene->touch_scene()).first;
-    }
-    if (const std::uint64_t hash = hash_scene(found->second); hash != setup.scene_hash) {
+    auto scene = find(path, CrackSealing::on);
+    if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
+    const std::uint64_t hash = (*scene)->hash;
+    if (hash != setup.scene_hash) scene = find(path, CrackSealing::off);
+    if (!scene || (*scene)->hash != setup.scene_hash) {
       return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
                   setup.scene_hash);
     }
@@ -98,14 +97,30 @@ class RecordedScenes {
     if (!settings) return tl::unexpected(settings.error());
     // Nobody builds beside these steps: all is there from the start.
     settings->build_on_approach = false;
-    auto method = make_method(*settings, found->second);
+    auto method = make_method(*settings, (*scene)->touch);
     if (!method) return tl::unexpected(method.error());
     return std::make_unique<TouchStep>(std::move(*method));
   }
 
  private:
+  struct LoadedScene {
+    TouchScene touch;
+    std::uint64_t hash = 0;
+  };
+
+  Result<const LoadedScene*> find(const std::string& path, CrackSealing sealing) {
+    const auto key = std::pair(path, sealing);
+    auto found = scenes_.find(key);
+    if (found == scenes_.end()) {
+      const auto scene = load_scene(path, std::nullopt, sealing);
+      if (!scene) return tl::unexpected(scene.error());
+      found = scenes_.emplace(key, LoadedScene{scene->touch_scene(), hash_scene(scene->touch_scene())}).first;
+    }
+    return &found->second;
+  }
+
   const SessionOptions& options_;
-  std::map<std::string, TouchScene> scenes_;
+  std::map<std::pair<std::string, CrackSealing>, LoadedScene> scenes_;
 };
 
 std::string describe(const FeltCounts& counts) {

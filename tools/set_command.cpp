@@ -115,6 +115,11 @@ Result<std::string> confirm_reset(const SetOptions& options) {
     what = notes.value("safety_fault_is", fault);
     (*reader)->idle(0.1);
   }
+  if (const auto hub = parse_address(options.hub); hub && !is_loopback(*hub)) {
+    return fail(
+        "the fault stays: {}; mend its cause (docs/safety.md), then reset again on the hub's host, or while the dead man's switch is held",
+        what);
+  }
   return fail("the fault stays, its cause is still there: {}; mend that (docs/safety.md), then reset again", what);
 }
 
@@ -129,7 +134,7 @@ Result<std::string> set(const SetOptions& options) {
   if (!hub) {
     return tl::unexpected(hub.error());
   }
-  const auto key = find_link_key(options.key_file, *hub);
+  const auto key = find_role_key(options.key_file, *hub, options.reset_faults ? KeyRole::operator_role : KeyRole::tool);
   if (!key) {
     return tl::unexpected(key.error());
   }

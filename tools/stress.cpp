@@ -55,7 +55,7 @@ std::string again(const StressResult& result, const StressFinding& finding, cons
              plan.method.name, result.body, plan.seed, result.variant.scale, result.variant.offset_extents, result.variant.friction_static,
              result.variant.friction_dynamic, finding.episode) +
          (plan.method.smooth_layer > 0.0 ? fmt::format(" --layer {:g}", plan.method.smooth_layer) : "") +
-         (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "");
+         (plan.probe_share > 0.0 ? fmt::format(" --probe-share {:g}", plan.probe_share) : "") + (plan.no_seal ? " --no-seal" : "");
 }
 
 // A fault that was not looked for is no zero.

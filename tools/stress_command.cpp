@@ -16,6 +16,7 @@
 
 #include "runtime/atomic_file.h"
 #include "scene/mesh_file.h"
+#include "scene/touch_mesh.h"
 #include "tools/stress.h"
 
 namespace hapton {
@@ -40,6 +41,7 @@ std::string body_names() {
 }
 
 Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
+  const CrackSealing sealing = options.plan.no_seal ? CrackSealing::off : CrackSealing::on;
   std::vector<StressBody> bodies;
   std::vector<std::string> names = options.bodies;
   if (names.empty() && options.files.empty()) {
@@ -54,7 +56,7 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
     StressBody body = make_stress_body(name);
     // What a finding calls a body may be a file, so that its command can be given again as it stands.
     if (body.touched.triangles.empty() && is_mesh_file_name(name)) {
-      auto file = load_mesh_file(name);
+      auto file = load_touch_mesh(name, std::nullopt, sealing);
       if (!file) return tl::unexpected(file.error());
       body = make_stress_body(name, std::move(file->mesh));
     }
@@ -62,7 +64,7 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
     bodies.push_back(std::move(body));
   }
   for (const std::string& path : options.files) {
-    auto file = load_mesh_file(path);
+    auto file = load_touch_mesh(path, std::nullopt, sealing);
     if (!file) return tl::unexpected(file.error());
     bodies.push_back(make_stress_body(path, std::move(file->mesh)));
   }
@@ -131,6 +133,8 @@ void add_stress_command(CommandLine app, int& exit_code) {
   command.add_option("--seed", options->plan.seed, "Of every random choice").shows_default();
   command.add_option("--body", options->bodies, "Only this body (again for more): " + body_names());
   command.add_option("--mesh", options->files, "A mesh file instead (again for more)");
+  command.add_flag("--no-seal", options->plan.no_seal,
+                   "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
   command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
       .between(0.0, 1.0);
   command.add_option("--scale", options->scale, "Only this scale").positive();

@@ -7,10 +7,12 @@
 #include <fmt/core.h>
 
 #include "hid/hidapi_transport.h"
+#include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "runtime/cpu_check.h"
+#include "runtime/descriptor_check.h"
 #include "runtime/log.h"
 #include "runtime/stop_signal.h"
 #include "scene/find_scene.h"
@@ -35,7 +37,7 @@ const char* any_address_like(const Address& hub) {
 
 // Another hand's way to its hub.
 struct OtherLink {
-  OtherLink(std::unique_ptr<Endpoint> socket, const Clock& clock, const LinkKey& key, const Address& hub, const VisionOptions& options)
+  OtherLink(std::unique_ptr<Endpoint> socket, const Clock& clock, const RoleKey& key, const Address& hub, const VisionOptions& options)
       : endpoint(std::move(socket)),
         sealed(*endpoint, clock, key, hub),
         client(sealed, clock, NodeRole::vision, hub),
@@ -52,7 +54,7 @@ Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options,
   if (options.other_hub.empty()) return std::unique_ptr<OtherLink>();
   const auto hub = parse_address(options.other_hub);
   if (!hub) return tl::unexpected(hub.error());
-  const auto key = find_link_key(options.key_file, *hub);
+  const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return tl::unexpected(key.error());
   auto endpoint = open_udp_endpoint(any_address_like(*hub));
   if (!endpoint) return tl::unexpected(endpoint.error());
@@ -63,9 +65,9 @@ int run(VisionOptions& options) {
   const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
-  const auto key = find_link_key(options.key_file, *hub);
+  const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
-  const auto scene = load_scene(find_scene(options.scene), options.unit);
+  const auto scene = load_scene(find_scene(options.scene), options.unit, CrackSealing::off);  // drawn as it came
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto view = open_view(*scene, options);
@@ -94,6 +96,7 @@ int run(VisionOptions& options) {
 
 int main(int argc, char** argv) {
   check_cpu("vision_node");
+  check_descriptors("vision_node");
   start_log("vision_node");
   auto parsed = parse_vision_options(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;

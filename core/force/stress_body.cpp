@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "core/force/stress_sealed_bodies.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 
@@ -188,6 +189,12 @@ constexpr std::array kBodies = {
     Entry{"mixed-winding", [] { return dirty(turned_at_random(bumps()), bumps()); }},
     Entry{"hair-cracks", [] { return dirty(cracked(ball(), 1e-11), ball()); }},
     Entry{"hair-t-junctions", [] { return dirty(with_t_junctions(ball(), 1e-11), ball()); }},
+    Entry{"sealed-tears", [] { return make_sealed_tears(0.9e-4); }},
+    Entry{"sealed-tears-fine", [] { return make_sealed_tears(1e-5); }},
+    Entry{"sealed-star", [] { return make_sealed_star(0.9e-4); }},
+    Entry{"sealed-star-fine", [] { return make_sealed_star(1e-5); }},
+    Entry{"sealed-box", [] { return make_sealed_box(0.9e-4); }},
+    Entry{"sealed-box-fine", [] { return make_sealed_box(1e-5); }},
     Entry{"room", [] { return room_of(make_box(Vec3(1.0, 0.8, 0.6) * kExtent, 3), 0.0); }},
     Entry{"turned-room", [] { return room_of(askew(make_box(Vec3(0.6, 0.5, 0.4) * kExtent, 2)), 0.0); }},
     Entry{"round-room", [] { return room_of(ball(), 0.0); }},

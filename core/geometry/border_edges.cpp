@@ -1,20 +1,17 @@
 #include "core/geometry/border_edges.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "core/geometry/closest_point.h"
+#include "core/geometry/segment_slabs.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kShareOfEdge = 0.05;
-constexpr double kMostSamples = 1e4;  // of one edge
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -33,65 +30,94 @@ std::vector<Edge> find_borders(const TriangleMesh& mesh) {
   return borders;
 }
 
-// Border edges by the cells of a grid they pass through.
-class BorderGrid {
+// Points that wait for a border edge to pass by, in a kd-tree. Each has a reach of its own, and is done with once an edge came within it:
+// so thousands of points and edges in one spot cost their number and not its square.
+class WaitingPoints {
  public:
-  BorderGrid(const TriangleMesh& mesh, const std::vector<Edge>& borders, double width) : mesh_(mesh), borders_(borders) {
-    double sum = 0.0;
-    for (const Edge& edge : borders) sum += length(edge);
-    cell_ = std::max(2.0 * width, sum / static_cast<double>(borders.size()));
-    for (std::uint32_t e = 0; e < borders.size(); ++e) put(e);
-  }
-
-  double length(const Edge& edge) const { return (at(edge, 1.0) - at(edge, 0.0)).norm(); }
-  Vec3 at(const Edge& edge, double share) const {
-    return mesh_.vertices[edge.first] + share * (mesh_.vertices[edge.second] - mesh_.vertices[edge.first]);
-  }
-
-  // Whether any border but `own` comes within `reach`, which is at most half a cell, of the point.
-  bool has_other_near(std::uint32_t own, const Vec3& p, double reach) const {
-    const Cell middle = cell_of(p);
-    for (int i = 0; i < 27; ++i) {
-      const auto found = cells_.find({middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1});
-      if (found == cells_.end()) continue;
-      for (const std::uint32_t e : found->second) {
-        if (e == own) continue;
-        const Vec3 &a = mesh_.vertices[borders_[e].first], &b = mesh_.vertices[borders_[e].second];
-        if (closest_point(a, b, b, p).distance <= reach) return true;
-      }
-    }
-    return false;
-  }
-
- private:
-  using Cell = std::array<std::int64_t, 3>;
-  struct CellHash {
-    std::size_t operator()(const Cell& c) const {
-      std::uint64_t h = 0x9E3779B97F4A7C15ULL;
-      for (const std::int64_t i : c) h = (h ^ static_cast<std::uint64_t>(i)) * 0xFF51AFD7ED558CCDULL;
-      return static_cast<std::size_t>(h ^ (h >> 32));
-    }
+  struct Point {
+    Vec3 at;
+    double reach = 0.0;
+    std::uint32_t edge = 0;  // its own, which does not count
+    std::uint32_t misses = 0;
+    bool is_found = false;
   };
 
-  Cell cell_of(const Vec3& p) const {
-    const Vec3 from = (p - mesh_.vertices[borders_[0].first]) / cell_;
-    return {static_cast<std::int64_t>(std::floor(from.x())), static_cast<std::int64_t>(std::floor(from.y())),
-            static_cast<std::int64_t>(std::floor(from.z()))};
+  explicit WaitingPoints(std::vector<Point> points) : points_(std::move(points)) {
+    if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
   }
 
-  // Sampled twice a cell: whoever is within half a cell of the edge is within one of a sample.
-  void put(std::uint32_t e) {
-    const int n = static_cast<int>(std::clamp(std::ceil(2.0 * length(borders_[e]) / cell_), 1.0, kMostSamples));
-    for (int i = 0; i <= n; ++i) {
-      std::vector<std::uint32_t>& here = cells_[cell_of(at(borders_[e], static_cast<double>(i) / n))];
-      if (here.empty() || here.back() != e) here.push_back(e);
+  void pass(std::uint32_t edge, const Vec3& a, const Vec3& b) { visit(0, {edge, a, b, SegmentSlabs(a, b)}); }
+
+  const std::vector<Point>& points() const { return points_; }
+  std::size_t work() const { return work_; }
+
+ private:
+  static constexpr std::uint32_t kLeafSize = 4;
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint32_t kMostMisses = 512;  // of one point
+
+  struct Node {
+    Vec3 low, high;  // of what the points reach
+    std::uint32_t first = 0;
+    std::uint32_t last = 0;
+    std::uint32_t right = kNone;  // the left child follows its parent; none: a leaf
+    std::uint32_t waiting = 0;
+  };
+  struct Passing {
+    std::uint32_t edge = 0;
+    Vec3 a, b;
+    SegmentSlabs slabs;
+  };
+
+  std::uint32_t build(std::uint32_t first, std::uint32_t last) {
+    const auto number = static_cast<std::uint32_t>(nodes_.size());
+    Eigen::AlignedBox3d reached;
+    Eigen::AlignedBox3d box;
+    for (std::uint32_t i = first; i < last; ++i) {
+      box.extend(points_[i].at);
+      reached.extend(points_[i].at - Vec3::Constant(points_[i].reach));
+      reached.extend(points_[i].at + Vec3::Constant(points_[i].reach));
     }
+    nodes_.push_back({.low = reached.min(), .high = reached.max(), .first = first, .last = last, .waiting = last - first});
+    if (last - first <= kLeafSize) return number;
+    int axis = 0;
+    box.sizes().maxCoeff(&axis);
+    const std::uint32_t middle = first + (last - first) / 2;
+    const auto at = [&](std::uint32_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(first), at(middle), at(last), [axis](const Point& p, const Point& q) { return p.at[axis] < q.at[axis]; });
+    build(first, middle);
+    const std::uint32_t right = build(middle, last);
+    nodes_[number].right = right;
+    return number;
   }
 
-  const TriangleMesh& mesh_;
-  const std::vector<Edge>& borders_;
-  double cell_ = 0.0;
-  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> cells_;
+  // Returns how many points wait no longer.
+  std::uint32_t visit(std::uint32_t number, const Passing& passing) {
+    Node& node = nodes_[number];
+    ++work_;
+    if (node.waiting == 0 || !passing.slabs.meets(node.low, node.high)) return 0;
+    std::uint32_t done = 0;
+    if (node.right != kNone) {
+      done = visit(number + 1, passing);
+      done += visit(node.right, passing);
+    } else {
+      for (std::uint32_t i = node.first; i < node.last; ++i) done += try_point(points_[i], passing) ? 1 : 0;
+    }
+    node.waiting -= done;
+    return done;
+  }
+
+  // True when the point waits no longer.
+  bool try_point(Point& point, const Passing& passing) {
+    if (point.is_found || point.misses == kMostMisses || point.edge == passing.edge) return false;
+    ++work_;
+    point.is_found = closest_point(passing.a, passing.b, passing.b, point.at).distance <= point.reach;
+    return point.is_found || ++point.misses == kMostMisses;
+  }
+
+  std::vector<Point> points_;
+  std::vector<Node> nodes_;
+  std::size_t work_ = 0;
 };
 
 }  // namespace
@@ -99,15 +125,22 @@ class BorderGrid {
 BorderEdges count_border_edges(const TriangleMesh& mesh, double width) {
   const std::vector<Edge> borders = find_borders(mesh);
   if (borders.empty()) return {};
-  const BorderGrid grid(mesh, borders, width);
-  BorderEdges count;
+  std::vector<WaitingPoints::Point> points;
+  points.reserve(3 * borders.size());
   for (std::uint32_t e = 0; e < borders.size(); ++e) {
-    const double reach = std::min(width, kShareOfEdge * grid.length(borders[e]));
-    const bool is_crack = grid.has_other_near(e, grid.at(borders[e], 0.25), reach) &&
-                          grid.has_other_near(e, grid.at(borders[e], 0.5), reach) &&
-                          grid.has_other_near(e, grid.at(borders[e], 0.75), reach);
-    ++(is_crack ? count.cracks : count.open);
+    const Vec3& from = mesh.vertices[borders[e].first];
+    const Vec3 along = mesh.vertices[borders[e].second] - from;
+    const double reach = std::min(width, kShareOfEdge * along.norm());
+    for (const double share : {0.25, 0.5, 0.75}) points.push_back({.at = from + share * along, .reach = reach, .edge = e});
   }
+  WaitingPoints waiting(std::move(points));
+  for (std::uint32_t e = 0; e < borders.size(); ++e) waiting.pass(e, mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]);
+  std::vector<std::uint8_t> found(borders.size(), 0);
+  for (const WaitingPoints::Point& point : waiting.points()) {
+    if (point.is_found) ++found[point.edge];
+  }
+  BorderEdges count{.open = 0, .cracks = static_cast<std::size_t>(std::count(found.begin(), found.end(), 3)), .work = waiting.work()};
+  count.open = borders.size() - count.cracks;
   return count;
 }
 

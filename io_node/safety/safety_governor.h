@@ -81,6 +81,11 @@ class SafetyGovernor {
 
   // A person says that the cause of the latched fault is mended. False: it is still there, and so is the fault. The force ramps in.
   bool reset_faults() noexcept;
+  // A dead man's switch is asked for, and held: a person is at the device. A device that is away repeats its last sample, which says
+  // nothing of now.
+  bool is_switch_held() const noexcept {
+    return dead_man_.required_buttons() != 0 && is_held_ && status_ == DeviceStatus::ready && motion_.is_current(now_ns_);
+  }
 
   const Wrench& output() const noexcept { return out_; }
   SafetyFault fault() const noexcept { return fault_; }

@@ -232,6 +232,56 @@ TEST_F(Faults, a_clock_that_leaps_at_the_hub_lets_go_and_begins_anew) {
   EXPECT_TRUE(was_zero);
 }
 
+// Changed twice a second instead of every two minutes; the force is the same as with one key for the whole time, to the last bit.
+TEST_F(Faults, a_change_of_keys_in_contact_is_not_felt) {
+  std::vector<std::vector<PressingDevice::Written>> written;
+  for (const std::int64_t every_ns : {SealedClient::kRekeyEveryNs, 500 * kMs}) {
+    SealedClient::Options sealing;
+    sealing.rekey_every_ns = every_ns;
+    system.emplace(1);
+    system->start_haptics(sealing);
+    system->run_for_ns(500 * kMs);
+    ASSERT_NEAR(system->force_n().z(), 2.0, 0.05);
+    const SampleLedger::Counts before = system->stats().ledger;
+    system->run_for_ns(10'000 * kMs);
+    const ServoStats& stats = system->stats();
+    EXPECT_EQ(stats.ledger.late, before.late);
+    EXPECT_EQ(stats.ledger.lost, before.lost);
+    EXPECT_EQ(stats.governor.counters.silences, 0U);
+    EXPECT_EQ(system->haptics->sessions() > 15, every_ns == 500 * kMs);
+    written.push_back(system->device.written);
+  }
+  ASSERT_EQ(written[0].size(), written[1].size());
+  for (std::size_t n = 0; n < written[0].size(); ++n) ASSERT_EQ(written[0][n].force_n, written[1][n].force_n) << n;
+}
+
+// Captured on the line and sent again 200 times a cycle, from the node's own address and from others.
+TEST_F(Faults, replayed_handshakes_by_the_hundred_a_cycle_are_not_felt) {
+  press();
+  const LinkKey key = system->key();
+  ClientHandshake node(RoleKey(key, KeyRole::haptics), 9, AgreementWorker::Where::caller);
+  node.begin();
+  node.ask(1);
+  std::vector<std::byte> request(seal::kRequestBytes);
+  ASSERT_EQ(node.poll(request), ClientHandshake::Finished::request);
+  const SampleLedger::Counts before = system->stats().ledger;
+  const std::uint64_t sent = system->stats().seal.retries;
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    for (int n = 0; n < 200; ++n) {
+      Address from = system->haptics->address();
+      from.port = static_cast<std::uint16_t>(from.port + n % 3);
+      system->network.inject(from, request);
+    }
+    system->run_for_ns(kCycleNs);
+  }
+  const ServoStats& stats = system->stats();
+  EXPECT_EQ(stats.seal.retries, sent + 1) << "once it was new";
+  EXPECT_GT(stats.seal.replayed_handshakes, 100'000U);
+  EXPECT_EQ(stats.governor.counters.silences, 0U);
+  EXPECT_EQ(stats.ledger.lost, before.lost);
+  EXPECT_EQ(stats.seal.handshakes, 1U);
+}
+
 TEST_F(Faults, junk_by_the_hundred_a_cycle_is_not_felt) {
   press();
   std::vector<std::byte> junk(100);

@@ -8,6 +8,7 @@
 #include "haptics_node/answer_loop.h"
 #include "io_node/devices/model_a.h"
 #include "io_node/servo.h"
+#include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
 #include "tests/faults/simulated_network.h"
@@ -60,12 +61,13 @@ class PressingDevice final : public Device {
 // One haptics node: its clock, its sealed way to the hub and its loop.
 class SimulatedHaptics {
  public:
-  SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at)
+  SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
+                   const SealedClient::Options& sealing = {})
       : clock(time),
         network_(network),
         at_(at),
         endpoint_(network.open_node(at, [this] { turn(); })),
-        sealed_(*endpoint_, clock, key, hub),
+        sealed_(*endpoint_, clock, RoleKey(key, KeyRole::haptics), hub, sealing),
         client_(sealed_, clock, NodeRole::haptics, hub),
         step_(std::make_unique<TouchStep>(*make_method(settings(), scene())), 1e-5),
         builder_(settings(), scene()),
@@ -75,6 +77,7 @@ class SimulatedHaptics {
   SimulatedHaptics& operator=(const SimulatedHaptics&) = delete;
 
   const HubClient& client() const { return client_; }
+  std::uint64_t sessions() const { return sealed_.seal_counts().handshakes; }
   const Address& address() const { return at_; }
 
   ShiftedClock clock;
@@ -108,7 +111,7 @@ class SimulatedVision {
         at_(at),
         words_a_turn_(words_a_turn),
         endpoint_(network.open_node(at, [this] { turn(); })),
-        sealed_(*endpoint_, time, key, hub),
+        sealed_(*endpoint_, time, RoleKey(key, KeyRole::vision), hub),
         client_(sealed_, time, NodeRole::vision, hub) {}
   ~SimulatedVision() { network_.kill(at_); }
   SimulatedVision(const SimulatedVision&) = delete;
@@ -168,10 +171,10 @@ class SimulatedSystem {
     servo = std::make_unique<Servo>(device, *peers_, clock, Servo::Options{});
   }
 
-  void start_haptics() {
+  void start_haptics(const SealedClient::Options& sealing = {}) {
     Address at{{}, next_port_++};
     at.ip = hub_address_.ip;
-    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at);
+    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing);
   }
   std::unique_ptr<SimulatedVision> make_vision(int words_a_turn) {
     Address at{{}, next_port_++};
@@ -189,6 +192,7 @@ class SimulatedSystem {
     while (clock.now_ns() < end_ns) servo->step();
   }
 
+  const LinkKey& key() const { return key_; }
   const ServoStats& stats() { return servo->collect_stats(); }
   Vec3 force_n() const { return device.written.empty() ? Vec3(Vec3::Zero()) : device.written.back().force_n; }
 

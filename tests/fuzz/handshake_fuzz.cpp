@@ -1,5 +1,6 @@
 // A hub and a node with someone between them who does what the bytes say: he holds back, repeats, swaps, turns around, changes and forges
-// datagrams, and makes time pass. Whatever he does, nothing is handed out that was not said, and nothing twice.
+// datagrams, and makes time pass. He holds the key of the role as well: he can give a handshake that he changed the tag that belongs to it,
+// so that what lies behind the tag is reached, too. Whatever he does, nothing is handed out that was not said, and nothing twice.
 #include <sodium.h>
 
 #include <algorithm>
@@ -88,7 +89,7 @@ class Line {
 
  private:
   void step(Script& script) {
-    switch (script.next() % 10) {
+    switch (script.next() % 12) {
       case 0:
         return say(true);
       case 1:
@@ -105,7 +106,11 @@ class Line {
         return deliver(changed(pick(node_end_.sent, script), script), true);
       case 7:
         return deliver(changed(pick(hub_end_.sent, script), script), false);
-      case 8: {
+      case 8:
+        return deliver(tagged(changed(pick(node_end_.sent, script), script)), true);
+      case 9:
+        return deliver(tagged(changed(pick(hub_end_.sent, script), script)), false);
+      case 10: {
         const bool to_hub = script.next() % 2 == 0;
         return deliver(script.take(script.next()), to_hub);
       }
@@ -138,6 +143,16 @@ class Line {
     return bytes;
   }
 
+  // With the tag that a handshake of these bytes has; anything else as it is.
+  Bytes tagged(Bytes bytes) const {
+    if (classify_sealed(bytes).status != OpenStatus::opened || classify_sealed(bytes).kind == seal::Kind::data) return bytes;
+    std::uint8_t* const text = seal::bytes_of(std::span(bytes));
+    const std::size_t tag_at = bytes.size() - seal::kTagBytes;
+    const seal::Tag tag = seal::compute_tag(handshake_key_, {text, tag_at});
+    std::copy(tag.begin(), tag.end(), text + tag_at);
+    return bytes;
+  }
+
   void deliver(Bytes bytes, bool to_hub) {
     if (bytes.empty() || bytes.size() > kMaxDatagramBytes) return;
     HeldEndpoint& end = to_hub ? hub_end_ : node_end_;
@@ -164,7 +179,12 @@ class Line {
   HeldEndpoint hub_end_{memory_address(1, 4950)};
   HeldEndpoint node_end_{memory_address(2, 9)};
   SealedHub hub_{hub_end_, clock_, some_key()};
-  SealedClient node_{node_end_, clock_, some_key(), memory_address(1, 4950)};
+  SealedClient node_{node_end_,
+                     clock_,
+                     RoleKey(some_key(), KeyRole::haptics),
+                     memory_address(1, 4950),
+                     {.host = 1, .rekey_every_ns = 500 * kNanosecondsPerMillisecond}};
+  seal::Secret handshake_key_ = seal::derive_handshake_key(RoleKey(some_key(), KeyRole::haptics));
   std::uint32_t words_ = 0;
   std::set<std::uint32_t> said_by_node_;
   std::set<std::uint32_t> said_by_hub_;

@@ -23,7 +23,7 @@ void WallHaptics::run(const std::string& hub, const LinkKey& key) {
   const auto address = parse_address(hub);
   auto endpoint = open_udp_endpoint("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;
-  SealedClient sealed(**endpoint, clock, key, *address);
+  SealedClient sealed(**endpoint, clock, RoleKey(key, KeyRole::haptics), *address);
   HubClient client(sealed, clock, NodeRole::haptics, *address);
   Datagram datagram;
   while (!ends_) {

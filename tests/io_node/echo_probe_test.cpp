@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <vector>
+
+#include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
 
 namespace hapton {
@@ -18,8 +22,15 @@ struct Probe : testing::Test {
   void answer_after(std::int64_t delay_ns) {
     endpoint.on_send_raw = [this, delay_ns](const Address& to, std::span<const std::byte> sent) {
       bytes = sent.size();
-      endpoint.arrive_raw(clock.now_ns() + delay_ns, to, sent);
+      endpoint.arrive_raw(clock.now_ns() + delay_ns, to, reply_to(sent));
     };
+  }
+  // As BareEchoEndpoint makes it.
+  static std::vector<std::byte> reply_to(std::span<const std::byte> request) {
+    std::vector<std::byte> reply(request.begin(), request.end());
+    EXPECT_EQ(std::memcmp(reply.data(), kEchoRequest.data(), kEchoMarkBytes), 0);
+    std::memcpy(reply.data(), kEchoReply.data(), kEchoMarkBytes);
+    return reply;
   }
 };
 
@@ -46,11 +57,13 @@ TEST_F(Probe, a_late_answer_is_counted_and_not_taken_for_the_next_one) {
 
 TEST_F(Probe, strangers_are_not_taken_for_the_responder) {
   endpoint.on_send_raw = [this](const Address&, std::span<const std::byte> sent) {
-    endpoint.arrive_raw(clock.now_ns() + kUs, Address{{2}, 7}, sent);
-    endpoint.arrive_raw(clock.now_ns() + kUs, kResponder, sent.first(sent.size() - 1));
+    const auto reply = reply_to(sent);
+    endpoint.arrive_raw(clock.now_ns() + kUs, Address{{2}, 7}, reply);
+    endpoint.arrive_raw(clock.now_ns() + kUs, kResponder, std::span(reply).first(reply.size() - 1));
+    endpoint.arrive_raw(clock.now_ns() + kUs, kResponder, sent);
   };
   probe.probe(clock.now_ns() + 300 * kUs);
-  EXPECT_EQ(probe.counts().foreign, 2U);
+  EXPECT_EQ(probe.counts().foreign, 3U);
   EXPECT_EQ(probe.counts().answered, 0U);
 }
 

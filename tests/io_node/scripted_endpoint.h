@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "link/codec.h"
@@ -20,6 +22,9 @@ class ScriptedEndpoint final : public Endpoint {
   std::function<void(const Address& to, const Datagram&)> on_send;
   // Of bytes that are no datagram of ours.
   std::function<void(const Address& to, std::span<const std::byte>)> on_send_raw;
+
+  // The key that what comes from there was sealed with; not set: none.
+  std::function<KeyRole(const Address& from)> key_role_of;
 
   void arrive(std::int64_t when_ns, const Address& from, const Datagram& datagram) {
     std::vector<std::byte> bytes(kMaxDatagramBytes);
@@ -49,12 +54,14 @@ class ScriptedEndpoint final : public Endpoint {
     agenda_.pop_back();
     clock_.sleep_until_ns(item.when_ns);
     std::memcpy(into.data(), item.bytes.data(), std::min(into.size(), item.bytes.size()));
-    return {item.bytes.size(), item.from};
+    return {item.bytes.size(), item.from, key_role_of ? key_role_of(item.from) : KeyRole::unsealed};
   }
 
   Address local_address() const override { return {{}, 4950}; }
 
   // What a sealed endpoint would have refused.
+  std::optional<Flood> flood;
+  std::optional<Flood> take_flood(std::int64_t) noexcept override { return std::exchange(flood, std::nullopt); }
   SealCounts seal;
   SealCounts seal_counts() const noexcept override { return seal; }
 

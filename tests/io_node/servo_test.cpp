@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <deque>
 #include <initializer_list>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "io_node/devices/simulated_phantom.h"
+#include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
 
 namespace hapton {
@@ -735,7 +737,7 @@ std::vector<ServoEvent> events_of(Servo& servo, std::initializer_list<ServoEvent
 
 TEST_F(Servos, a_latched_fault_is_told_recorded_and_reset_by_a_tool_alone) {
   Heard tap;
-  make({}, nullptr, &tap);
+  make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   join(kTool, NodeRole::tool);
@@ -766,7 +768,7 @@ TEST_F(Servos, a_latched_fault_is_told_recorded_and_reset_by_a_tool_alone) {
 }
 
 TEST_F(Servos, a_reset_is_refused_while_the_cause_is_there) {
-  make();
+  make({.hold_button = 2});
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
   run(300);
@@ -784,6 +786,90 @@ TEST_F(Servos, a_reset_is_refused_while_the_cause_is_there) {
   say(kTool, reset);
   run(300);
   EXPECT_EQ(device.written.back().force_n, answer.force_n);
+}
+
+TEST_F(Servos, a_reset_takes_an_operators_key_and_a_person_at_the_device) {
+  KeyRole tools_key = KeyRole::tool;
+  endpoint.key_role_of = [&](const Address& from) {
+    return from.port == kTool ? tools_key : from.port == kVision ? KeyRole::vision : KeyRole::haptics;
+  };
+  Settings reset;
+  reset.reset_faults = true;
+  const auto reset_by = [&](KeyRole key_role, int hold_button) {
+    tools_key = key_role;
+    make({.hold_button = hold_button});
+    join(kHaptics, NodeRole::haptics);
+    join(kTool, NodeRole::tool);
+    run(300);
+    device.place.x() = -device.place.x() + 0.05;
+    run(20);
+    EXPECT_NE(stats().governor.fault, SafetyFault::none);
+    events_of(*servo, {});
+    say(kTool, reset);
+    run(20);
+    const auto told =
+        events_of(*servo, {ServoEvent::Kind::reset, ServoEvent::Kind::reset_without_right, ServoEvent::Kind::reset_without_person});
+    EXPECT_EQ(told.size(), 1U);
+    const bool is_reset = !told.empty() && told[0].kind == ServoEvent::Kind::reset;
+    EXPECT_EQ(stats().governor.fault == SafetyFault::none, is_reset);
+    EXPECT_EQ(stats().resets_denied, is_reset ? 0U : 1U);
+    say(kTool, Bye{});
+    run(2);
+    return told.empty() ? ServoEvent::Kind::joined : told[0].kind;
+  };
+  // From another host, with no dead man's switch, or with one that is held.
+  EXPECT_EQ(reset_by(KeyRole::tool, -1), ServoEvent::Kind::reset_without_right);
+  EXPECT_EQ(reset_by(KeyRole::tool, 2), ServoEvent::Kind::reset_without_right);
+  EXPECT_EQ(reset_by(KeyRole::operator_role, -1), ServoEvent::Kind::reset_without_person);
+  EXPECT_EQ(reset_by(KeyRole::operator_role, 2), ServoEvent::Kind::reset);
+}
+
+TEST_F(Servos, resets_that_are_denied_are_all_counted_and_told_once_a_second) {
+  endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::tool : KeyRole::haptics; };
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.place.x() = -device.place.x() + 0.05;
+  run(20);
+  Settings reset;
+  reset.reset_faults = true;
+  std::size_t told = 0;
+  for (int n = 0; n < 1500; ++n) {
+    say(kTool, reset);
+    run(1);
+    told += events_of(*servo, {ServoEvent::Kind::reset_without_right}).size();
+  }
+  EXPECT_GE(stats().resets_denied, 1499U);
+  EXPECT_EQ(told, 2U);
+}
+
+TEST_F(Servos, a_key_that_does_not_allow_a_role_is_told_of) {
+  endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::role_violation}).empty());
+  for (int n = 0; n < 500; ++n) {
+    say(kTool, Hello{.role = NodeRole::haptics});
+    run(1);
+  }
+  run(300);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::role_violation}).size(), 1U);
+  EXPECT_GE(stats().hub.role_violations, 499U);
+}
+
+TEST_F(Servos, a_flood_is_told_of_with_where_it_comes_from) {
+  make();
+  run(100);
+  endpoint.flood = Flood{Refusal::replayed_handshake, at(66), true, 200'000.0};
+  run(300);
+  const auto told = events_of(*servo, {ServoEvent::Kind::flood});
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].flood, Refusal::replayed_handshake);
+  EXPECT_EQ(told[0].address, at(66));
+  EXPECT_TRUE(told[0].is_from_several);
+  EXPECT_EQ(told[0].rate_hz, 200'000.0);
 }
 
 TEST_F(Servos, a_device_that_is_away_is_told_of_and_its_force_ramps_in_on_return) {
@@ -871,7 +957,9 @@ TEST_F(Servos, echo_is_measured_halfway_and_leaves_the_force_path_alone) {
   std::vector<std::int64_t> sent;
   echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
     sent.push_back(clock.now_ns());
-    if (sent.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, bytes);
+    std::vector<std::byte> reply(bytes.begin(), bytes.end());
+    std::memcpy(reply.data(), kEchoReply.data(), kEchoMarkBytes);
+    if (sent.size() % 10 != 0) echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, reply);
   };
   EchoProbe echo(echo_endpoint, clock, responder);
   make({}, &echo);

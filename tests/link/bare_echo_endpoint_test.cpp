@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstring>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -26,12 +28,14 @@ void expect_echo(const char* bind_address) {
     }
   });
   const SteadyClock clock;
-  for (std::size_t bytes = 1; bytes <= kMaxDatagramBytes; bytes += 299) {
+  for (std::size_t bytes = kEchoMarkBytes; bytes <= kMaxDatagramBytes; bytes += 298) {
     std::vector<std::byte> out(bytes);
     for (std::size_t i = 0; i < bytes; ++i) {
       out[i] = static_cast<std::byte>(i * 7 + bytes);
     }
+    std::memcpy(out.data(), kEchoRequest.data(), kEchoMarkBytes);
     EXPECT_TRUE((*endpoint)->send(echo->local_address(), out));
+    std::memcpy(out.data(), kEchoReply.data(), kEchoMarkBytes);
     std::vector<std::byte> in(kMaxDatagramBytes);
     const Received got = (*endpoint)->receive(in, clock.now_ns() + 5 * kNanosecondsPerSecond);
     in.resize(got.bytes);
@@ -44,6 +48,41 @@ void expect_echo(const char* bind_address) {
 }
 
 TEST(BareEchoEndpoint, ReturnsWhatItGets) { expect_echo("127.0.0.1:0"); }
+
+TEST(BareEchoEndpoint, PassesOverWhatIsNoRequest) {
+  auto echo = BareEchoEndpoint::open("127.0.0.1:0");
+  auto endpoint = open_udp_endpoint("127.0.0.1:0");
+  ASSERT_TRUE(echo && endpoint);
+  for (const std::string_view text : {"hapecho!", "hapecho", "x", "something else altogether"}) {
+    EXPECT_TRUE((*endpoint)->send(echo->local_address(), std::as_bytes(std::span(text))));
+    EXPECT_TRUE(echo->serve_one());
+  }
+  EXPECT_EQ(echo->served(), 0U);
+  EXPECT_EQ(echo->passed_over(), 4U);
+  std::vector<std::byte> in(kMaxDatagramBytes);
+  EXPECT_EQ((*endpoint)->receive(in, 0).bytes, 0U);
+}
+
+// Someone sends one datagram to one echo in the other's name.
+TEST(BareEchoEndpoint, TwoOfThemDoNotLoop) {
+  for (const std::string_view text : {"hapecho? and so on", "hapecho! and so on", "and so on"}) {
+    auto one = BareEchoEndpoint::open("127.0.0.1:0");
+    ASSERT_TRUE(one);
+    auto forger = open_udp_endpoint("127.0.0.1:0");
+    ASSERT_TRUE(forger);
+    EXPECT_TRUE((*forger)->send(one->local_address(), std::as_bytes(std::span(text))));
+    const std::string others = to_string((*forger)->local_address());
+    forger->reset();
+    auto other = BareEchoEndpoint::open(others);
+    ASSERT_TRUE(other) << other.error().what;
+    for (int turn = 0; turn < 4; ++turn) {
+      one->serve_one();
+      other->serve_one();
+    }
+    EXPECT_LE(one->served(), 1U) << text;
+    EXPECT_EQ(other->served(), 0U) << text;
+  }
+}
 
 TEST(BareEchoEndpoint, SpeaksIpv6) {
   if (!open_udp_endpoint("[::1]:0")) {

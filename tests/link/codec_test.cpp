@@ -9,6 +9,7 @@
 #include <limits>
 #include <new>
 #include <random>
+#include <set>
 #include <type_traits>
 #include <vector>
 
@@ -288,6 +289,29 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
     // A setup, once a second, carries texts; so does a part of a report, when a tool asks for it.
     const std::size_t most = kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     EXPECT_LE(encode(random_.draw(kind)).size(), most) << "kind " << kind;
+  }
+}
+
+// Who listens must not learn by lengths whether something is touched, or what it feels like.
+TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
+  const Vec3 odd(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
+  const std::vector<std::vector<Message>> kinds = {
+      {DeviceState{}, DeviceState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), ~0U},
+       DeviceState{.sample = 1, .is_resumed = true, .p_WP = odd}},
+      {ForceCommand{}, ForceCommand{.contact = true}, ForceCommand{.force_n = odd, .visual_offset_m = odd, .contact = true},
+       ForceCommand{~std::uint64_t{0}, -1, odd, odd, true, ~0U, ~0U, ~0U, ~0U, ~std::uint64_t{0}}},
+      {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U}}};
+  for (const auto& messages : kinds) {
+    std::set<std::size_t> lengths;
+    for (const Message& message : messages) {
+      for (const Header& header : {Header{}, Header{~std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0}, -1}}) {
+        const Bytes bytes = encode({header, message});
+        lengths.insert(bytes.size());
+        EXPECT_EQ(decode(bytes), DecodeStatus::ok);
+      }
+    }
+    EXPECT_EQ(lengths.size(), 1U) << "kind " << messages.front().index();
+    EXPECT_GT(*lengths.begin(), 100U);
   }
 }
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <optional>
-#include <random>
 #include <vector>
 
 #include "link/memory_endpoint.h"
@@ -13,17 +12,21 @@ namespace hapton {
 namespace {
 
 using Bytes = std::vector<std::byte>;
-using Heard = ClientHandshake::Heard;
+using Finished = ClientHandshake::Finished;
 using Verdict = HubHandshake::Verdict;
+using Where = AgreementWorker::Where;
 
 constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;
+constexpr std::uint64_t kHost = 77;
 
-LinkKey key_of(std::uint8_t number) {
+LinkKey master_of(std::uint8_t number) {
   EXPECT_TRUE(seal::start_crypto());
   LinkKey::Bytes bytes;
   bytes.fill(number);
   return LinkKey(bytes);
 }
+
+RoleKey key_of(std::uint8_t number, KeyRole role = KeyRole::haptics) { return {master_of(number), role}; }
 
 Bytes flip(Bytes bytes, std::size_t bit) {
   bytes[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
@@ -34,33 +37,45 @@ class HandshakeTest : public testing::Test {
  protected:
   HandshakeTest() { client_.begin(); }
 
-  Bytes request() const {
+  Bytes request_of(ClientHandshake& client) {
+    EXPECT_TRUE(client.ask(now_ns_ += 50'000'000));
     Bytes bytes(seal::kRequestBytes);
-    EXPECT_EQ(client_.write_request(bytes), bytes.size());
+    EXPECT_EQ(client.poll(bytes), Finished::request);
+    EXPECT_EQ(client.poll(bytes), Finished::nothing);
     return bytes;
   }
+  Bytes request() { return request_of(client_); }
   Bytes retry(const Bytes& to) const {
-    Bytes bytes(seal::kRequestBytes);
-    EXPECT_EQ(hub_.write_retry(HubHandshake::nonce_of(to), from_, kNow, bytes), bytes.size());
+    Bytes bytes(seal::kRetryBytes);
+    EXPECT_EQ(hub_.write_retry(to, from_, kNow, bytes), bytes.size());
     return bytes;
   }
   // A request that shows the hub's cookie.
   Bytes good_request() {
-    EXPECT_EQ(hear(retry(request())), Heard::cookie);
+    EXPECT_TRUE(client_.read_retry(retry(request())));
     return request();
   }
+  HubHandshake::Agreement agree(HubHandshake& hub, const Bytes& to, std::uint32_t connection = 5) {
+    HubHandshake::Agreement agreement;
+    EXPECT_TRUE(hub.agree(to, connection));
+    EXPECT_TRUE(hub.poll(agreement));
+    return agreement;
+  }
   Bytes answer(const Bytes& to) {
-    Bytes bytes(seal::kAnswerBytes);
-    hub_channel_ = hub_.agree(HubHandshake::nonce_of(to), 5, bytes);
-    return bytes;
+    HubHandshake::Agreement agreement = agree(hub_, to);
+    EXPECT_TRUE(agreement.went_well);
+    hub_channel_ = std::move(agreement.channel);
+    return {agreement.answer.begin(), agreement.answer.end()};
   }
-  Heard hear(const Bytes& bytes) {
-    const SealedKind found = classify_sealed(bytes);
-    return found.status == OpenStatus::opened ? client_.read(found.kind, bytes) : Heard::nothing;
+  // True when it led to a session.
+  bool takes(const Bytes& answer) {
+    if (!client_.read_answer(answer)) return false;
+    Bytes none(seal::kRequestBytes);
+    return client_.poll(none) == Finished::agreement;
   }
-  Verdict judge(const Bytes& bytes) const { return hub_.judge(bytes, from_, kNow); }
+  Verdict judge(const Bytes& bytes) { return hub_.judge(bytes, from_, kNow); }
 
-  bool carries(SealedChannel& from, SealedChannel& to) const {
+  static bool carries(SealedChannel& from, SealedChannel& to) {
     Bytes sealed(kMaxDatagramBytes);
     sealed.resize(from.seal(Bytes(20), sealed));
     Bytes opened(kMaxDatagramBytes);
@@ -68,19 +83,20 @@ class HandshakeTest : public testing::Test {
     return to.open(sealed, opened, bytes) == OpenStatus::opened;
   }
 
-  ClientHandshake client_{key_of(1)};
-  HubHandshake hub_{key_of(1)};
+  std::int64_t now_ns_ = 1'000'000'000;
+  ClientHandshake client_{key_of(1), kHost, Where::caller};
+  HubHandshake hub_{master_of(1), Where::caller};
   Address from_ = memory_address(2, 20);
   SealedChannel hub_channel_;
 };
 
-TEST_F(HandshakeTest, TwoHoldersOfAKeyAgreeOnASession) {
+TEST_F(HandshakeTest, ANodeAndItsHubAgreeOnASession) {
   const Bytes first = request();
   EXPECT_EQ(judge(first), Verdict::wants_cookie);
-  EXPECT_EQ(hear(retry(first)), Heard::cookie);
+  EXPECT_TRUE(client_.read_retry(retry(first)));
   const Bytes second = request();
   EXPECT_EQ(judge(second), Verdict::shows_cookie);
-  EXPECT_EQ(hear(answer(second)), Heard::agreement);
+  EXPECT_TRUE(takes(answer(second)));
   EXPECT_FALSE(client_.is_pending());
   SealedChannel channel = client_.take_channel();
   EXPECT_EQ(channel.connection(), 5U);
@@ -88,120 +104,240 @@ TEST_F(HandshakeTest, TwoHoldersOfAKeyAgreeOnASession) {
   EXPECT_TRUE(carries(hub_channel_, channel));
 }
 
+TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
+  ClientHandshake client(key_of(1), kHost, Where::own_thread);
+  HubHandshake hub(master_of(1), Where::own_thread);
+  client.begin();
+  const auto next = [&](Bytes& into) {
+    Finished finished = Finished::nothing;
+    while (finished == Finished::nothing) finished = client.poll(into);
+    return finished;
+  };
+  Bytes bytes(seal::kRequestBytes);
+  ASSERT_TRUE(client.ask(1));
+  ASSERT_EQ(next(bytes), Finished::request);
+  Bytes cookie(seal::kRetryBytes);
+  hub.write_retry(bytes, from_, kNow, cookie);
+  ASSERT_TRUE(client.read_retry(cookie));
+  ASSERT_TRUE(client.ask(2));
+  ASSERT_EQ(next(bytes), Finished::request);
+  ASSERT_EQ(hub.judge(bytes, from_, kNow), Verdict::shows_cookie);
+  ASSERT_TRUE(hub.agree(bytes, 9));
+  HubHandshake::Agreement agreement;
+  while (!hub.poll(agreement)) {
+  }
+  ASSERT_TRUE(client.read_answer(agreement.answer));
+  ASSERT_EQ(next(bytes), Finished::agreement);
+  SealedChannel channel = client.take_channel();
+  EXPECT_TRUE(carries(channel, agreement.channel));
+}
+
 TEST_F(HandshakeTest, WithoutTheKeyNothingIsHeard) {
-  HubHandshake stranger(key_of(2));
+  HubHandshake stranger(master_of(2), Where::caller);
   const Bytes shown = good_request();
-  EXPECT_EQ(stranger.judge(shown, from_, kNow), Verdict::stranger);
-  Bytes forged(seal::kRequestBytes);
-  stranger.write_retry(HubHandshake::nonce_of(shown), from_, kNow, forged);
-  EXPECT_EQ(hear(forged), Heard::nothing);
-  Bytes false_answer(seal::kAnswerBytes);
-  stranger.agree(HubHandshake::nonce_of(shown), 5, false_answer);
-  EXPECT_EQ(hear(false_answer), Heard::nothing);
+  EXPECT_EQ(stranger.judge(shown, from_, kNow), Verdict::wrong_key);
+  Bytes forged(seal::kRetryBytes);
+  stranger.write_retry(shown, from_, kNow, forged);
+  EXPECT_FALSE(client_.read_retry(forged));
+  EXPECT_FALSE(agree(stranger, shown).went_well);
   EXPECT_TRUE(client_.is_pending());
+}
+
+TEST_F(HandshakeTest, TheRoleIsPartOfTheKeys) {
+  Bytes shown = good_request();
+  for (const KeyRole other : {KeyRole::vision, KeyRole::tool, KeyRole::operator_role}) {
+    shown[seal::kRoleAt] = static_cast<std::byte>(other);
+    EXPECT_EQ(judge(shown), Verdict::wrong_key);
+  }
+  for (const int none : {0, 1, 6, 255}) {
+    shown[seal::kRoleAt] = static_cast<std::byte>(none);
+    EXPECT_EQ(judge(shown), Verdict::malformed) << none;
+  }
+}
+
+// Who holds the key of another role, and has every byte of a handshake, has not its session.
+TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
+  const Bytes shown = good_request();
+  const Bytes answered = answer(shown);
+  const RoleKey vision = key_of(1, KeyRole::vision);
+  AgreementTask task;
+  task.kind = AgreementTask::Kind::answer_request;
+  task.psk = seal::derive_psk(vision);
+  std::copy_n(seal::bytes_of(std::span(shown)), seal::kPrologueBytes, task.prologue.begin());
+  std::copy_n(seal::bytes_of(std::span(shown)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
+  run_agreement(task);
+  EXPECT_FALSE(task.went_well);
+  // As a hub that holds this key alone: neither side takes what it makes.
+  ClientHandshake vision_node(vision, kHost, Where::caller);
+  vision_node.begin();
+  EXPECT_FALSE(vision_node.read_answer(answered));
+  EXPECT_TRUE(takes(answered));
+}
+
+// With the role's own key learnt later, the master key too, and every byte of the handshake: the key pairs are gone.
+TEST_F(HandshakeTest, TheKeyLearntLaterOpensNoSessionThatIsOver) {
+  const Bytes shown = good_request();
+  ASSERT_TRUE(takes(answer(shown)));
+  SealedChannel channel = client_.take_channel();
+  Bytes recorded(kMaxDatagramBytes);
+  recorded.resize(channel.seal(Bytes(20), recorded));
+  // All that can be done with them is a handshake of one's own on the same request, which gives other keys.
+  AgreementTask task;
+  task.kind = AgreementTask::Kind::answer_request;
+  task.connection = 5;
+  task.psk = seal::derive_psk(key_of(1));
+  std::copy_n(seal::bytes_of(std::span(shown)), seal::kPrologueBytes, task.prologue.begin());
+  std::copy_n(seal::bytes_of(std::span(shown)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
+  run_agreement(task);
+  ASSERT_TRUE(task.went_well);
+  SealedChannel later(task.keys, 5, SealedChannel::Side::hub);
+  Bytes opened(kMaxDatagramBytes);
+  std::size_t bytes = 0;
+  EXPECT_EQ(later.open(recorded, opened, bytes), OpenStatus::forged);
+  EXPECT_EQ(hub_channel_.open(recorded, opened, bytes), OpenStatus::opened);
 }
 
 TEST_F(HandshakeTest, NoFlippedBitPasses) {
   const Bytes shown = good_request();
   for (std::size_t bit = 0; bit < 8 * shown.size(); ++bit) {
     const Bytes flipped = flip(shown, bit);
-    if (classify_sealed(flipped).status == OpenStatus::opened) {
-      ASSERT_EQ(judge(flipped), Verdict::stranger) << bit;
-    }
+    if (classify_sealed(flipped).status != OpenStatus::opened) continue;
+    const Verdict verdict = judge(flipped);
+    ASSERT_TRUE(verdict == Verdict::wrong_key || verdict == Verdict::malformed) << bit;
   }
   const Bytes good_retry = retry(shown);
-  for (std::size_t bit = 0; bit < 8 * good_retry.size(); ++bit) ASSERT_EQ(hear(flip(good_retry, bit)), Heard::nothing) << bit;
+  for (std::size_t bit = 0; bit < 8 * good_retry.size(); ++bit) ASSERT_FALSE(client_.read_retry(flip(good_retry, bit))) << bit;
   const Bytes good_answer = answer(shown);
-  for (std::size_t bit = 0; bit < 8 * good_answer.size(); ++bit) ASSERT_EQ(hear(flip(good_answer, bit)), Heard::nothing) << bit;
-  EXPECT_EQ(hear(good_answer), Heard::agreement);
+  for (std::size_t bit = 0; bit < 8 * good_answer.size(); ++bit) ASSERT_FALSE(takes(flip(good_answer, bit))) << bit;
+  EXPECT_TRUE(takes(good_answer));
 }
 
 TEST_F(HandshakeTest, NoOtherLengthOrVersionIsAHandshake) {
-  for (const Bytes& message : {request(), retry(request()), answer(request())}) {
+  const Bytes shown = request();
+  for (const Bytes& message : {shown, retry(shown), answer(shown)}) {
     for (std::size_t size = 0; size < 2 * message.size(); ++size) {
       Bytes other = message;
       other.resize(size);
       EXPECT_EQ(classify_sealed(other).status == OpenStatus::opened, size == message.size()) << size;
     }
     Bytes other = message;
-    other[1] = std::byte{1};
+    other[1] = std::byte{2};
     EXPECT_EQ(classify_sealed(other).status, OpenStatus::wrong_version);
   }
 }
 
-TEST_F(HandshakeTest, ACookieIsGoodForItsAddressOnly) {
+TEST_F(HandshakeTest, ARequestIsGoodOnceFromAnyAddress) {
+  const Bytes first = request();
+  EXPECT_EQ(judge(first), Verdict::wants_cookie);
+  EXPECT_EQ(judge(first), Verdict::replayed);
+  EXPECT_EQ(hub_.judge(first, memory_address(3, 20), kNow), Verdict::replayed);
   const Bytes shown = good_request();
-  EXPECT_EQ(hub_.judge(shown, memory_address(3, 20), kNow), Verdict::wants_cookie);
-  EXPECT_EQ(hub_.judge(shown, memory_address(2, 21), kNow), Verdict::wants_cookie);
+  EXPECT_EQ(judge(shown), Verdict::shows_cookie);
+  EXPECT_EQ(judge(shown), Verdict::replayed);
+  EXPECT_EQ(judge(first), Verdict::replayed);
+}
+
+TEST_F(HandshakeTest, ACookieIsGoodForItsAddressOnly) {
+  EXPECT_EQ(hub_.judge(good_request(), memory_address(3, 20), kNow), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.judge(request(), memory_address(2, 21), kNow), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.judge(request(), from_, kNow), Verdict::shows_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForAWhileOnly) {
-  const Bytes shown = good_request();
-  EXPECT_EQ(hub_.judge(shown, from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
-  EXPECT_EQ(hub_.judge(shown, from_, kNow + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.judge(good_request(), from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
+  EXPECT_EQ(hub_.judge(request(), from_, kNow + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsHubOnly) {
-  HubHandshake restarted(key_of(1));
+  HubHandshake restarted(master_of(1), Where::caller);
   EXPECT_EQ(restarted.judge(good_request(), from_, kNow), Verdict::wants_cookie);
 }
 
-TEST_F(HandshakeTest, ARequestCannotBringASessionBack) {
+TEST_F(HandshakeTest, TwoAnswersToARequestAreTwoSessions) {
   const Bytes shown = good_request();
   const Bytes first = answer(shown);
   SealedChannel old_hub = std::move(hub_channel_);
-  ASSERT_EQ(hear(first), Heard::agreement);
-  SealedChannel channel = client_.take_channel();
-  // The same request, heard again: other keys, which the node that sent it never had.
   const Bytes second = answer(shown);
   EXPECT_NE(first, second);
+  ASSERT_TRUE(takes(first));
+  SealedChannel channel = client_.take_channel();
   EXPECT_TRUE(carries(channel, old_hub));
   EXPECT_FALSE(carries(channel, hub_channel_));
-  EXPECT_EQ(hear(second), Heard::nothing);
+  EXPECT_FALSE(takes(second));
 }
 
-TEST_F(HandshakeTest, AnAnswerIsGoodForItsAttemptOnly) {
+TEST_F(HandshakeTest, AnAnswerMayComeLateButNotToAnEarlierHandshake) {
+  const Bytes shown = good_request();
+  const Bytes late = answer(shown);
+  for (std::size_t i = 1; i < ClientHandshake::kAttempts; ++i) request();
+  EXPECT_TRUE(takes(late));
+  client_.begin();
   const Bytes old_retry = retry(request());
   const Bytes old_answer = answer(request());
   client_.begin();
-  EXPECT_EQ(hear(old_retry), Heard::nothing);
-  EXPECT_EQ(hear(old_answer), Heard::nothing);
+  EXPECT_FALSE(client_.read_retry(old_retry));
+  EXPECT_FALSE(takes(old_answer));
 }
 
 TEST_F(HandshakeTest, ARequestReflectedIsNoRetry) {
   Bytes reflected = request();
-  EXPECT_EQ(hear(reflected), Heard::nothing);
+  reflected.resize(seal::kRetryBytes);
   reflected[2] = static_cast<std::byte>(seal::Kind::retry);
-  EXPECT_EQ(hear(reflected), Heard::nothing);
+  EXPECT_FALSE(client_.read_retry(reflected));
 }
 
-TEST_F(HandshakeTest, NobodyIsSentMoreThanHeSent) {
-  EXPECT_LE(retry(request()).size(), request().size());
-  EXPECT_LE(answer(request()).size(), request().size());
+TEST_F(HandshakeTest, NobodyIsSentMoreThanWasReceived) {
+  EXPECT_LE(seal::kRetryBytes, seal::kRequestBytes);
+  EXPECT_LE(seal::kAnswerBytes, seal::kRequestBytes);
 }
 
-TEST_F(HandshakeTest, EveryAttemptHasANonceOfItsOwn) {
-  const Bytes first = request();
-  client_.begin();
-  EXPECT_NE(HubHandshake::nonce_of(first), HubHandshake::nonce_of(request()));
+TEST_F(HandshakeTest, EveryRequestHasALaterTimestampAndAKeyPairOfItsOwn) {
+  ASSERT_TRUE(client_.ask(500));
+  ASSERT_TRUE(client_.ask(500));
+  ASSERT_TRUE(client_.ask(3));  // a clock that was set back
+  std::int64_t last_ns = 0;
+  std::vector<Bytes> firsts;
+  Bytes bytes(seal::kRequestBytes);
+  while (client_.poll(bytes) == Finished::request) {
+    const auto timestamp_ns = seal::load<std::int64_t>(seal::bytes_of(std::span(bytes)) + seal::kRequestTimestampAt);
+    EXPECT_GT(timestamp_ns, last_ns);
+    last_ns = timestamp_ns;
+    firsts.emplace_back(bytes.begin() + seal::kFirstAt, bytes.begin() + seal::kRequestCookieAt);
+  }
+  ASSERT_EQ(firsts.size(), 3U);
+  EXPECT_NE(firsts[0], firsts[1]);
+  EXPECT_NE(firsts[1], firsts[2]);
+}
+
+TEST_F(HandshakeTest, NodesOfOneRoleOnSeveralHostsHaveClocksOfTheirOwn) {
+  ClientHandshake other(key_of(1), kHost + 1, Where::caller);
+  other.begin();
+  const Bytes late = request();
+  EXPECT_EQ(judge(late), Verdict::wants_cookie);
+  now_ns_ = 5;
+  EXPECT_EQ(judge(request_of(other)), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   std::array<std::byte, seal::kRequestBytes> request;
-  std::array<std::byte, seal::kRequestBytes> retry;
-  std::array<std::byte, seal::kAnswerBytes> answer;
+  std::array<std::byte, seal::kRetryBytes> retry;
+  HubHandshake::Agreement agreement;
   const AllocationGuard guard;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 20; ++i) {
     client_.begin();
-    client_.write_request(request);
+    ASSERT_TRUE(client_.ask(now_ns_ += 1000));
+    ASSERT_EQ(client_.poll(request), Finished::request);
     ASSERT_EQ(hub_.judge(request, from_, kNow), Verdict::wants_cookie);
-    hub_.write_retry(HubHandshake::nonce_of(request), from_, kNow, retry);
-    ASSERT_EQ(client_.read(seal::Kind::retry, retry), Heard::cookie);
-    client_.write_request(request);
+    hub_.write_retry(request, from_, kNow, retry);
+    ASSERT_TRUE(client_.read_retry(retry));
+    ASSERT_TRUE(client_.ask(now_ns_ += 1000));
+    ASSERT_EQ(client_.poll(request), Finished::request);
     ASSERT_EQ(hub_.judge(request, from_, kNow), Verdict::shows_cookie);
-    SealedChannel hub_channel = hub_.agree(HubHandshake::nonce_of(request), 1, answer);
-    ASSERT_EQ(client_.read(seal::Kind::answer, answer), Heard::agreement);
+    ASSERT_TRUE(hub_.agree(request, 1));
+    ASSERT_TRUE(hub_.poll(agreement));
+    ASSERT_TRUE(client_.read_answer(agreement.answer));
+    ASSERT_EQ(client_.poll(request), Finished::agreement);
     SealedChannel channel = client_.take_channel();
     ASSERT_TRUE(channel.is_open());
   }

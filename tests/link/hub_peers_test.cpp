@@ -191,7 +191,7 @@ TEST_F(HubPeersTest, DropsTheSilentAfterASecond) {
   send(lively, Hello{NodeRole::tool}, 0);
   EXPECT_EQ(events().size(), 2U);
   clock_.advance_ns(600 * kMs);
-  send(lively, Drawn{});
+  send(lively, Settings{});
   event();
   clock_.advance_ns(600 * kMs);
   const PeerEvent left = event();
@@ -308,6 +308,63 @@ TEST_F(HubPeersTest, AFloodFromOneAddressTakesOnePlaceAndNoHeap) {
   if (AllocationGuard::is_available()) {
     EXPECT_EQ(allocations, 0U);
   }
+}
+
+// What a datagram sealed with a role's key can do.
+class RoleRights : public HubPeersTest {
+ protected:
+  PeerEvent say(KeyRole key_role, const Message& message, std::uint64_t sender = 30, const Address& from = memory_address(3, 9)) {
+    Bytes bytes;
+    const std::size_t size = codec_.encode({{kSession, sender, ++sequence_, clock_.now_ns()}, message}, bytes);
+    return hub_->handle_datagram(std::span(bytes).first(size), from, clock_.now_ns(), datagram_, key_role);
+  }
+
+  std::uint64_t sequence_ = 0;
+};
+
+TEST_F(RoleRights, AKeyJoinsAsItsOwnRoleAlone) {
+  for (const KeyRole key_role : {KeyRole::haptics, KeyRole::vision, KeyRole::tool, KeyRole::operator_role, KeyRole::master}) {
+    for (const NodeRole role : {NodeRole::haptics, NodeRole::vision, NodeRole::tool}) {
+      hub_.emplace(*hub_endpoint_, clock_, kSession, kRate);
+      const bool is_own = (key_role == KeyRole::haptics && role == NodeRole::haptics) ||
+                          (key_role == KeyRole::vision && role == NodeRole::vision) ||
+                          ((key_role == KeyRole::tool || key_role == KeyRole::operator_role) && role == NodeRole::tool);
+      const PeerEvent event = say(key_role, Hello{role});
+      EXPECT_EQ(event.kind == Kind::joined, is_own) << to_string(key_role);
+      EXPECT_EQ(hub_->counts().role_violations, is_own ? 0U : 1U);
+      if (is_own) {
+        EXPECT_EQ(hub_->peer(event.peer).key_role, key_role);
+      }
+    }
+  }
+}
+
+TEST_F(RoleRights, APeerIsHeardUnderItsOwnKeyAlone) {
+  ASSERT_EQ(say(KeyRole::haptics, Hello{NodeRole::haptics}).kind, Kind::joined);
+  EXPECT_EQ(say(KeyRole::vision, ForceCommand{}).kind, Kind::none);
+  EXPECT_EQ(say(KeyRole::tool, Bye{}).kind, Kind::none);
+  EXPECT_EQ(say(KeyRole::operator_role, Hello{NodeRole::haptics}).kind, Kind::none);
+  EXPECT_EQ(hub_->counts().role_violations, 3U);
+  EXPECT_TRUE(hub_->has_haptics());
+  EXPECT_EQ(say(KeyRole::haptics, ForceCommand{}).kind, Kind::message);
+}
+
+TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
+  const std::vector<std::pair<Message, NodeRole>> messages = {{ForceCommand{}, NodeRole::haptics}, {HapticsSetup{}, NodeRole::haptics},
+                                                              {ViewTransform{}, NodeRole::vision}, {Drawn{}, NodeRole::vision},
+                                                              {HandTarget{}, NodeRole::vision},    {Settings{}, NodeRole::tool},
+                                                              {ReportAsk{}, NodeRole::tool}};
+  const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
+      {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
+    ASSERT_EQ(say(nodes[n].second, Hello{nodes[n].first}, 100 + n, at).kind, Kind::joined);
+    for (const auto& [message, owner] : messages) {
+      const PeerEvent event = say(nodes[n].second, message, 100 + n, at);
+      EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
+    }
+  }
+  EXPECT_EQ(hub_->counts().misplaced, 14U);
 }
 
 TEST_F(HubPeersTest, SaysByeToEveryoneWhenItGoes) {

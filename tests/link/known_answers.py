@@ -1,21 +1,19 @@
 #!/usr/bin/env python3
-"""Works out the known answers of key_schedule_test.cpp without libsodium: BLAKE2b from Python, AES-256-GCM by hand."""
+"""Works out the known answers of key_schedule_test.cpp and handshake_test.cpp without libsodium: BLAKE2b, SHA-256 and HMAC from Python,
+AES-256-GCM and X25519 by hand."""
 import hashlib
+import hmac
 import struct
 
-VERSION = 2
+VERSION = 3
 
 
 def counting(first, size=32):
     return bytes((first + i) % 256 for i in range(size))
 
 
-def blake(key, text, size=32, **extra):
-    return hashlib.blake2b(text, key=key, digest_size=size, **extra).digest()
-
-
-def subkey(master, number):
-    return blake(master, b"", salt=struct.pack("<QQ", number, 0), person=b"hapton-k".ljust(16, b"\0"))
+def blake(key, text, size=32):
+    return hashlib.blake2b(text, key=key, digest_size=size).digest()
 
 
 def gf(a, b):  # GF(2^8) of AES
@@ -81,29 +79,109 @@ def pad16(text):
     return text + bytes(-len(text) % 16)
 
 
-def seal(key, connection, counter, text):
-    header = bytes([0x08, VERSION, 4, 0]) + struct.pack("<IQ", connection, counter)
-    nonce = bytes(4) + struct.pack("<Q", counter)
+def gcm(key, n, ad, text):
+    nonce = bytes(4) + struct.pack(">Q", n)
     stream = b"".join(aes256(key, nonce + struct.pack(">I", 2 + i)) for i in range(len(text) // 16 + 1))
     cipher = xor(text, stream)
-    lengths = struct.pack(">QQ", 8 * len(header), 8 * len(cipher))
-    digest = ghash(aes256(key, bytes(16)), pad16(header) + pad16(cipher) + lengths)
-    return header + cipher + xor(digest, aes256(key, nonce + struct.pack(">I", 1)))
+    lengths = struct.pack(">QQ", 8 * len(ad), 8 * len(cipher))
+    digest = ghash(aes256(key, bytes(16)), pad16(ad) + pad16(cipher) + lengths)
+    return cipher + xor(digest, aes256(key, nonce + struct.pack(">I", 1)))
+
+
+def seal(key, connection, counter, text):
+    header = bytes([0x08, VERSION, 4, 0]) + struct.pack("<IQ", connection, counter)
+    return header + gcm(key, counter, header, text)
+
+
+P = 2**255 - 19
+
+
+def x25519(secret, point):  # RFC 7748, section 5
+    k = int.from_bytes(secret, "little") & ~7 & ~(1 << 255) | 1 << 254
+    u = int.from_bytes(point, "little") & (1 << 255) - 1
+    x2, z2, x3, z3, swapped = 1, 0, u, 1, 0
+    for t in range(254, -1, -1):
+        bit = k >> t & 1
+        if swapped ^ bit:
+            x2, x3, z2, z3 = x3, x2, z3, z2
+        swapped = bit
+        a, b, c, d = x2 + z2, x2 - z2, x3 + z3, x3 - z3
+        da, cb, aa, bb = d * a % P, c * b % P, a * a % P, b * b % P
+        e = aa - bb
+        x3, z3 = (da + cb) ** 2 % P, u * (da - cb) ** 2 % P
+        x2, z2 = aa * bb % P, e * (aa + 121665 * e) % P
+    if swapped:
+        x2, z2 = x3, z3
+    return (x2 * pow(z2, P - 2, P) % P).to_bytes(32, "little")
+
+
+BASE = (9).to_bytes(32, "little")
+
+
+def hkdf(ck, text, count):
+    temp, outs, last = hmac.digest(ck, text, "sha256"), [], b""
+    for i in range(count):
+        last = hmac.digest(temp, last + bytes([i + 1]), "sha256")
+        outs.append(last)
+    return outs
+
+
+class Noise:  # NNpsk0, both sides at once
+    def __init__(self, psk, prologue):
+        self.h = self.ck = b"Noise_NNpsk0_25519_AESGCM_SHA256"
+        self.mix_hash(prologue)
+        self.ck, temp, self.k = hkdf(self.ck, psk, 3)
+        self.mix_hash(temp)
+        self.n = 0
+
+    def mix_hash(self, text):
+        self.h = hashlib.sha256(self.h + text).digest()
+
+    def mix_key(self, text):
+        self.ck, self.k = hkdf(self.ck, text, 2)
+        self.n = 0
+
+    def message(self, secret, agrees_with, payload):
+        public = x25519(secret, BASE)
+        self.mix_hash(public)
+        self.mix_key(public)
+        if agrees_with:
+            self.mix_key(x25519(secret, agrees_with))
+        sealed = gcm(self.k, self.n, self.h, payload)
+        self.n += 1
+        self.mix_hash(sealed)
+        return public + sealed
 
 
 # FIPS 197, C.3
 assert aes256(bytes(range(32)), bytes.fromhex("00112233445566778899aabbccddeeff")).hex() == "8ea2b7ca516745bfeafc49904b496089"
+# RFC 7748, 5.2
+assert x25519(bytes.fromhex("a546e36bf0527c9d3b16154b82465edd62144c0ac1fc5a18506a2244ba449ac4"), bytes.fromhex(
+    "e6db6867583030db3594c1a424b15f7c726624ec26b3353b10a903a6d0ab1c4c")).hex() == (
+    "c3da55379de9c6908e94ea4df28d084f32eccf03491c71f754b4075577a28552")
 
-psk, client, hub = counting(1), counting(100), counting(200)
+master = counting(1)
 version = bytes([VERSION])
-master = blake(psk, b"hapton session" + version + client + hub)
+roles = {role: blake(master, b"hapton role " + role) for role in (b"haptics", b"vision", b"tool", b"operator")}
+role_key = roles[b"haptics"]
+handshake_key = blake(role_key, b"hapton handshake" + version)
+psk = blake(role_key, b"hapton psk" + version)
+prologue = bytes([0x08, VERSION, 1, 0, 2, 0, 0, 0]) + struct.pack("<Qq", 0x1122334455667788, 1234567890)
+noise = Noise(psk, prologue)
+node_secret, hub_secret = counting(100), counting(200)
+first = noise.message(node_secret, None, b"")
+second = noise.message(hub_secret, first[:32], struct.pack("<I", 0x01020304))
+client_to_hub, hub_to_client = hkdf(noise.ck, b"", 2)
 answers = {
-    "HANDSHAKE": blake(psk, b"hapton handshake" + version),
-    "CLIENT_TO_HUB": subkey(master, 1),
-    "HUB_TO_CLIENT": subkey(master, 2),
-    "ANSWER": subkey(master, 3),
-    "TAG_OF_NONCE": blake(subkey(master, 3), client, 16),
-    "SEALED": seal(subkey(master, 1), 0x01020304, 1, b"known answer, of two blocks"),
+    **{role.decode().upper(): key for role, key in roles.items()},
+    "HANDSHAKE": handshake_key,
+    "PSK": psk,
+    "TAG": blake(handshake_key, prologue, 16),
+    "FIRST": first,
+    "SECOND": second,
+    "CLIENT_TO_HUB": client_to_hub,
+    "HUB_TO_CLIENT": hub_to_client,
+    "SEALED": seal(client_to_hub, 0x01020304, 1, b"known answer, of two blocks"),
 }
 for name, value in answers.items():
     print(name, value.hex())

@@ -31,8 +31,10 @@ class LinkKeyTest : public testing::Test {
  protected:
   LinkKeyTest() { EXPECT_TRUE(seal::start_crypto()); }
 
-  std::filesystem::path write_key(const std::string& name, std::size_t bytes, mode_t mode) {
-    const auto path = folder_.write(name, std::string(bytes, 'k'));
+  std::filesystem::path write_key(const std::string& name, std::size_t bytes, mode_t mode, const std::string& role = "master") {
+    std::string text = "hapton-" + role + std::string(9 - role.size(), '\0') + "a secret of many different bytes";
+    text.resize(bytes, 'k');
+    const auto path = folder_.write(name, text);
     EXPECT_EQ(chmod(path.c_str(), mode), 0);
     return path;
   }
@@ -56,7 +58,7 @@ TEST_F(LinkKeyTest, MakesAFileThatOnlyItsUserCanRead) {
   umask(old_mask);
   ASSERT_TRUE(made) << made.error().what;
   EXPECT_EQ(mode_of(path), mode_t{0600});
-  EXPECT_EQ(std::filesystem::file_size(path), LinkKey::kBytes);
+  EXPECT_EQ(std::filesystem::file_size(path), kKeyFileBytes);
   const auto key = read_key_file(path);
   ASSERT_TRUE(key) << key.error().what;
   EXPECT_EQ(key->bytes(), read_key_file(path)->bytes());
@@ -87,7 +89,7 @@ TEST_F(LinkKeyTest, APlaceThatIsNotThereIsAnError) {
 }
 
 TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
-  for (const std::size_t bytes : {0U, 1U, 31U, 33U, 4096U}) {
+  for (const std::size_t bytes : {0U, 1U, 31U, 33U, 47U, 49U, 4096U}) {
     const std::string told = refusal(write_key("key", bytes, 0600));
     EXPECT_THAT(told, HasSubstr(std::to_string(bytes)));
     EXPECT_THAT(told, HasSubstr("hapton keygen"));
@@ -96,15 +98,15 @@ TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
 
 TEST_F(LinkKeyTest, RefusesAModeThatLetsOthersInWithTheRemedy) {
   for (const mode_t mode : {0644, 0640, 0660, 0666, 0604, 0601, 0777}) {
-    EXPECT_THAT(refusal(write_key("key", 32, mode)), HasSubstr("chmod 600"));
+    EXPECT_THAT(refusal(write_key("key", kKeyFileBytes, mode)), HasSubstr("chmod 600"));
   }
-  for (const mode_t mode : {0600, 0400}) EXPECT_TRUE(read_key_file(write_key("key", 32, mode)));
+  for (const mode_t mode : {0600, 0400}) EXPECT_TRUE(read_key_file(write_key("key", kKeyFileBytes, mode)));
 }
 
 TEST_F(LinkKeyTest, TakesWhatSystemdHandsToAService) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can make a file that is root's";
   // Root's own, with an access list for the service's user: shown as the right of root's group to read.
-  const auto path = write_key("key", 32, 0440);
+  const auto path = write_key("key", kKeyFileBytes, 0440);
   ASSERT_EQ(chown(path.c_str(), 0, 0), 0);
   const auto key = read_key_file(path);
   EXPECT_TRUE(key) << key.error().what;
@@ -114,7 +116,7 @@ TEST_F(LinkKeyTest, TakesWhatSystemdHandsToAService) {
 
 TEST_F(LinkKeyTest, RefusesAnotherUsersFileWithTheRemedy) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
-  const auto path = write_key("key", 32, 0600);
+  const auto path = write_key("key", kKeyFileBytes, 0600);
   ASSERT_EQ(chown(path.c_str(), 12345, 12345), 0);
   EXPECT_THAT(refusal(path), HasSubstr("chown"));
 }
@@ -127,10 +129,85 @@ TEST_F(LinkKeyTest, RefusesWhatIsNoRegularFile) {
   EXPECT_THAT(refusal(folder_.path() / "gone"), HasSubstr("hapton keygen"));
 }
 
-TEST_F(LinkKeyTest, RefusesAKeyOfZeros) {
-  const auto path = folder_.write("key", std::string(32, '\0'));
-  ASSERT_EQ(chmod(path.c_str(), 0600), 0);
-  EXPECT_THAT(refusal(path), HasSubstr("zeros"));
+TEST_F(LinkKeyTest, RefusesAKeyWhoseBytesAreAllTheSame) {
+  for (const char byte : {'\0', 'k', '\xff'}) {
+    const auto path = folder_.write("key", std::string("hapton-master\0\0\0", 16) + std::string(32, byte));
+    ASSERT_EQ(chmod(path.c_str(), 0600), 0);
+    EXPECT_THAT(refusal(path), HasSubstr("all bytes of the key are the same"));
+  }
+}
+
+TEST_F(LinkKeyTest, RefusesAKeyOfAnOlderHaptonAndSaysWhatToDo) {
+  const std::string told = refusal(write_key("key", 32, 0600));
+  EXPECT_THAT(told, HasSubstr("older Hapton"));
+  EXPECT_THAT(told, HasSubstr("hapton keygen --role"));
+}
+
+TEST_F(LinkKeyTest, RefusesAFileOfTheRightLengthThatIsNoKey) {
+  for (const std::string role : {"io", "Master", "vision2", ""}) {
+    EXPECT_THAT(refusal(write_key("key", kKeyFileBytes, 0600, role)), HasSubstr("no key file")) << role;
+  }
+}
+
+TEST_F(LinkKeyTest, RefusesAFolderThatEveryoneMayChange) {
+  const auto open_folder = folder_.path() / "open";
+  std::filesystem::create_directories(open_folder / "below");
+  ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
+  const auto path = open_folder / "below" / "key";
+  const auto not_made = make_key_file(path);
+  ASSERT_FALSE(not_made);
+  EXPECT_THAT(not_made.error().what, HasSubstr("chmod o-w " + open_folder.string()));
+  EXPECT_FALSE(std::filesystem::exists(path));
+  // With the sticky bit, as /tmp has it, nobody can put another file in its place.
+  ASSERT_EQ(chmod(open_folder.c_str(), 01777), 0);
+  ASSERT_TRUE(make_key_file(path));
+  EXPECT_TRUE(read_key_file(path));
+  ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
+  EXPECT_THAT(refusal(path), HasSubstr("chmod o-w " + open_folder.string()));
+  // A way round by a link leads to the same folder.
+  std::filesystem::create_symlink(path, folder_.path() / "link");
+  EXPECT_THAT(refusal(folder_.path() / "link"), HasSubstr("chmod o-w"));
+  ASSERT_EQ(chmod(open_folder.c_str(), 0755), 0);
+  EXPECT_TRUE(read_key_file(path));
+  // And a link that everyone may change leads wherever they like.
+  const auto good = write_key("good", kKeyFileBytes, 0600);
+  std::filesystem::create_symlink(good, open_folder / "way");
+  EXPECT_TRUE(read_key_file(open_folder / "way"));
+  ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
+  EXPECT_THAT(refusal(open_folder / "way"), HasSubstr("chmod o-w " + open_folder.string()));
+  EXPECT_TRUE(read_key_file(good));
+}
+
+TEST_F(LinkKeyTest, ARolesKeyIsGoodForThatRoleAlone) {
+  const auto master_path = folder_.path() / "master";
+  ASSERT_TRUE(make_key_file(master_path));
+  const LinkKey master = *read_key_file(master_path);
+  const auto path = folder_.path() / "vision";
+  ASSERT_TRUE(make_role_key_file(path, master, KeyRole::vision));
+  EXPECT_EQ(mode_of(path), mode_t{0600});
+  const auto key = read_role_key_file(path, KeyRole::vision);
+  ASSERT_TRUE(key) << key.error().what;
+  EXPECT_EQ(key->role(), KeyRole::vision);
+  EXPECT_EQ(key->bytes(), read_role_key_file(master_path, KeyRole::vision)->bytes());
+  EXPECT_NE(key->bytes(), read_role_key_file(master_path, KeyRole::haptics)->bytes());
+  EXPECT_THAT(refusal(path), HasSubstr("the hub needs the master key"));
+  for (const KeyRole other : {KeyRole::haptics, KeyRole::tool, KeyRole::operator_role}) {
+    const auto refused = read_role_key_file(path, other);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().what, HasSubstr("is the key of role vision, and this needs that of role " + std::string(to_string(other))));
+    EXPECT_THAT(refused.error().what, HasSubstr("hapton keygen --role"));
+  }
+  EXPECT_FALSE(make_role_key_file(path, master, KeyRole::tool)) << "what is there stays";
+}
+
+TEST_F(LinkKeyTest, AnOperatorsKeyIsAToolsToo) {
+  const LinkKey master = LinkKey::make_random();
+  const auto path = folder_.path() / "operator";
+  ASSERT_TRUE(make_role_key_file(path, master, KeyRole::operator_role));
+  EXPECT_EQ(read_role_key_file(path, KeyRole::tool)->role(), KeyRole::operator_role);
+  const auto tool = folder_.path() / "tool";
+  ASSERT_TRUE(make_role_key_file(tool, master, KeyRole::tool));
+  EXPECT_FALSE(read_role_key_file(tool, KeyRole::operator_role));
 }
 
 TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
@@ -153,7 +230,7 @@ TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
       EXPECT_EQ(bytes, keys.front());
       EXPECT_NE(bytes, LinkKey::Bytes{});
     }
-    EXPECT_EQ(mode_of(folder / "key"), mode_t{0600});
+    EXPECT_EQ(mode_of(folder / "master"), mode_t{0600});
     EXPECT_EQ(mode_of(folder), mode_t{0700});
     // Nothing is left beside it.
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
@@ -163,7 +240,7 @@ TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
 TEST_F(LinkKeyTest, ASharedKeyThatIsOpenToOthersIsRefused) {
   const auto folder = folder_.path() / "hapton";
   ASSERT_TRUE(find_or_make_shared_key(folder));
-  ASSERT_EQ(chmod((folder / "key").c_str(), 0644), 0);
+  ASSERT_EQ(chmod((folder / "master").c_str(), 0644), 0);
   EXPECT_FALSE(find_or_make_shared_key(folder));
 }
 
@@ -188,7 +265,10 @@ TEST_F(LinkKeyTest, BeyondLoopbackAFileMustBeNamed) {
     EXPECT_THAT(key.error().what, HasSubstr(address));
     EXPECT_THAT(key.error().what, HasSubstr("--key"));
   }
-  EXPECT_TRUE(find_link_key(write_key("key", 32, 0600).string(), *parse_address("0.0.0.0:4950")));
+  const auto file = write_key("key", kKeyFileBytes, 0600).string();
+  EXPECT_TRUE(find_link_key(file, *parse_address("0.0.0.0:4950")));
+  EXPECT_EQ(find_role_key(file, *parse_address("10.0.0.1:4950"), KeyRole::tool)->role(), KeyRole::tool);
+  EXPECT_FALSE(find_role_key("", *parse_address("10.0.0.1:4950"), KeyRole::tool));
 }
 
 // Changes the environment of this process, which is why it is one test.
@@ -207,13 +287,14 @@ TEST_F(LinkKeyTest, OnLoopbackTheUsersOwnKeyIsFound) {
   setenv("HOME", home.c_str(), 1);
   const auto key = find_link_key("", loopback);
   ASSERT_TRUE(key) << key.error().what;
-  EXPECT_EQ(key->bytes(), read_key_file(runtime / "hapton" / "key")->bytes());
+  EXPECT_EQ(key->bytes(), read_key_file(runtime / "hapton" / "master")->bytes());
   EXPECT_EQ(key->bytes(), find_link_key("", loopback)->bytes());
+  EXPECT_EQ(RoleKey(*key, KeyRole::haptics).bytes(), find_role_key("", loopback, KeyRole::haptics)->bytes());
 
   unsetenv("XDG_RUNTIME_DIR");
   const auto home_key = find_link_key("", loopback);
   ASSERT_TRUE(home_key) << home_key.error().what;
-  EXPECT_EQ(home_key->bytes(), read_key_file(home / ".config" / "hapton" / "key")->bytes());
+  EXPECT_EQ(home_key->bytes(), read_key_file(home / ".config" / "hapton" / "master")->bytes());
 
   unsetenv("HOME");
   EXPECT_FALSE(find_link_key("", loopback));

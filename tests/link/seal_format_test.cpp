@@ -102,9 +102,14 @@ TEST(SealFormatTest, ClassifiesByLeadAndLength) {
   for (int kind = 0; kind < 256; ++kind) {
     bytes[2] = static_cast<std::byte>(kind);
     // As data it has a good length, too.
-    EXPECT_EQ(classify_sealed(bytes).status == OpenStatus::opened, kind == 1 || kind == 2 || kind == 4) << kind;
+    EXPECT_EQ(classify_sealed(bytes).status == OpenStatus::opened, kind == 1 || kind == 4) << kind;
   }
   bytes[2] = std::byte{1};
+  for (std::size_t spare = seal::kRoleAt + 1; spare < seal::kHostAt; ++spare) {
+    bytes[spare] = std::byte{1};
+    EXPECT_EQ(classify_sealed(bytes).status, OpenStatus::malformed);
+    bytes[spare] = std::byte{0};
+  }
   bytes[3] = std::byte{1};
   EXPECT_EQ(classify_sealed(bytes).status, OpenStatus::malformed);
   EXPECT_EQ(classify_sealed({}).status, OpenStatus::malformed);

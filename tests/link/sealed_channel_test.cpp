@@ -17,13 +17,10 @@ constexpr std::uint32_t kConnection = 77;
 
 seal::SessionKeys keys_of(std::uint8_t session) {
   EXPECT_TRUE(seal::start_crypto());
-  LinkKey::Bytes shared;
-  shared.fill(42);
-  seal::Nonce client;
-  client.fill(session);
-  seal::Nonce hub;
-  hub.fill(9);
-  return seal::derive_session_keys(LinkKey(shared), client, hub);
+  seal::SessionKeys keys;
+  keys.client_to_hub.fill(session);
+  keys.hub_to_client.fill(static_cast<std::uint8_t>(session + 100));
+  return keys;
 }
 
 Bytes random_bytes(std::size_t size, std::mt19937_64& random) {

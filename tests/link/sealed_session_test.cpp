@@ -28,8 +28,10 @@ class SealedSessionTest : public testing::Test {
   struct Node {
     Node(SealedSessionTest& test, std::uint8_t host, NodeRole role, const LinkKey& key)
         : endpoint(*test.network_.open(memory_address(host, 0))),
-          sealed(*endpoint, test.clock_, key, test.at_),
+          sealed(*endpoint, test.clock_, RoleKey(key, key_role(role)), test.at_, {.host = host}),
           client(sealed, test.clock_, role, test.at_) {}
+
+    static KeyRole key_role(NodeRole role) { return role == NodeRole::haptics ? KeyRole::haptics : KeyRole::vision; }
 
     std::unique_ptr<Endpoint> endpoint;
     SealedClient sealed;

@@ -1,5 +1,7 @@
 #include "link/session_reader.h"
 
+#include <sys/stat.h>
+
 #include <gtest/gtest.h>
 
 #include <random>
@@ -42,6 +44,16 @@ TEST_F(SessionReaders, read_every_entry_of_a_file_longer_than_the_buffer) {
   EXPECT_EQ(reader->header().settings.at(0).second, "1000");
   EXPECT_EQ(count(*reader), 5000);
   EXPECT_EQ(reader->problem(), "");
+}
+
+TEST_F(SessionReaders, wait_for_no_pipe) {
+  const auto pipe = scratch.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::filesystem::path& path : {pipe, std::filesystem::path("/dev/null")}) {
+    const auto reader = SessionReader::open(path);
+    ASSERT_FALSE(reader);
+    EXPECT_NE(reader.error().what.find(path.string() + ": is not a regular file"), std::string::npos);
+  }
 }
 
 TEST_F(SessionReaders, give_what_stands_before_a_cut_and_say_where_it_is) {

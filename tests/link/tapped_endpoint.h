@@ -22,6 +22,11 @@ class TappedEndpoint final : public Endpoint {
 
   void put_in(const Address& from, std::vector<std::byte> bytes) { put_in_.push_back({from, std::move(bytes)}); }
   const std::vector<Heard>& heard() const { return heard_; }
+  // As if the socket had passed over so many datagrams that are too long.
+  void put_in_oversized(const Address& from, std::uint64_t count) {
+    oversized_from_ = from;
+    oversized_ += count;
+  }
   // How many datagrams were sent from here.
   std::size_t sent() const { return sent_; }
 
@@ -45,12 +50,16 @@ class TappedEndpoint final : public Endpoint {
   }
 
   Address local_address() const override { return endpoint_->local_address(); }
+  std::uint64_t oversized() const noexcept override { return oversized_; }
+  Address oversized_from() const noexcept override { return oversized_from_; }
 
  private:
   std::unique_ptr<Endpoint> endpoint_;
   std::deque<Heard> put_in_;
   std::vector<Heard> heard_;
   std::size_t sent_ = 0;
+  std::uint64_t oversized_ = 0;
+  Address oversized_from_;
 };
 
 }  // namespace hapton

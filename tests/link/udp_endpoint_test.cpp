@@ -10,6 +10,7 @@
 #include <cstring>
 #include <vector>
 
+#include "link/metered_endpoint.h"
 #include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
 
@@ -172,6 +173,10 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   const Received received = b->receive(small, clock_.now_ns() + 1000 * kMs);
   EXPECT_EQ(received.bytes, 4U);
   EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
+  EXPECT_EQ(b->oversized(), 2U);
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).oversized(), 2U);
+  EXPECT_EQ(b->oversized_from(), a->local_address());
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).oversized_from(), a->local_address());
   EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
 }
 

@@ -1,9 +1,13 @@
 // Whatever people type: one line on stderr that names the trouble, and an exit code that is neither zero nor a crash's.
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +56,8 @@ void make_bad_files(const std::filesystem::path& folder) {
   std::filesystem::permissions(folder / "open.key", std::filesystem::perms(0644));
   write(folder / "empty.csv", "");
   write(folder / "text.csv", "t_s,x_m,y_m,z_m\n0,a,0,0\n");
+  write(folder / "far.csv", "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.01\n0.001,1e308,0.2,-0.001\n");
+  ::mkfifo((folder / "pipe").c_str(), 0600);
   write(folder / "good.csv", "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.01\n0.001,0.2,0.2,-0.001\n");
 }
 
@@ -92,6 +98,10 @@ const std::vector<BadCall> kIoNode = {
     {"SecondsNegative", "io_node", {"--bind", "127.0.0.1:0", "--seconds", "-1"}, "seconds"},
     {"ReplayWithoutTrajectory", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay"}, "trajectory"},
     {"TrajectoryMissing", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/gone.csv"}, "gone.csv"},
+    {"TrajectoryFarOut",
+     "io_node",
+     {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/far.csv"},
+     "far.csv:3: x_m is '1e308'"},
     {"TrajectoryEmpty", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/empty.csv"}, "empty.csv"},
     {"TrajectoryIsText", "io_node", {"--bind", "127.0.0.1:0", "--device", "replay", "--trajectory", "FOLDER/text.csv"}, "text.csv"},
     {"MetricsElsewhere", "io_node", {"--bind", "127.0.0.1:0", "--metrics", "0.0.0.0:0"}, "this machine only"},
@@ -153,6 +163,13 @@ const std::vector<BadCall> kTools = {
      "hapton",
      {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/r.csv", "--stiffness", "0"},
      "--stiffness: 0 is not above zero; give a number above zero"},
+    {"ReplayTrajectoryFarOut",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/far.csv", "--out", "FOLDER/r.csv"},
+     "far.csv:3: x_m is '1e308'"},
+    {"SessionInfoOfAPipe", "hapton", {"session", "info", "FOLDER/pipe"}, "not a regular file"},
+    {"SessionReplayOfAPipe", "hapton", {"session", "replay", "FOLDER/pipe"}, "not a regular file"},
+    {"SessionExportOfAPipe", "hapton", {"session", "export", "FOLDER/pipe", "--out", "FOLDER/out"}, "not a regular file"},
     {"PlotMissing", "hapton", {"plot", "FOLDER/gone"}, "gone"},
     {"CompareMissing", "hapton", {"latency", "compare", "FOLDER/gone", "FOLDER/gone"}, "gone"},
     {"CompareNoReport", "hapton", {"latency", "compare", "FOLDER/good.csv", "FOLDER/good.csv"}, "good.csv"},
@@ -190,6 +207,7 @@ INSTANTIATE_TEST_SUITE_P(VisionNode, BadInput, ::testing::ValuesIn(kVisionNode),
 #endif
 
 class Help : public ::testing::TestWithParam<std::string> {};
+class FewDescriptors : public ::testing::TestWithParam<std::string> {};
 class Version : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Help, IsThereAndSucceeds) {
@@ -208,6 +226,40 @@ TEST_P(Version, IsOneLineOfNameAndNumber) {
   EXPECT_EQ(ended->exit_code, 0);
   EXPECT_THAT(ended->out, ::testing::MatchesRegex(GetParam() + " [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   EXPECT_EQ(ended->err, "");
+}
+
+// The soft limit of this process, which what it starts inherits.
+class DescriptorLimit {
+ public:
+  explicit DescriptorLimit(rlim_t allowed) {
+    ::getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit limit = {.rlim_cur = allowed, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  ~DescriptorLimit() { ::setrlimit(RLIMIT_NOFILE, &before_); }
+  DescriptorLimit(const DescriptorLimit&) = delete;
+  DescriptorLimit& operator=(const DescriptorLimit&) = delete;
+
+ private:
+  rlimit before_ = {};
+};
+
+TEST_P(FewDescriptors, EndWithOneLine) {
+  for (const rlim_t allowed : {8, 16, 24}) {
+    const TestFolder folder;
+    std::optional<Program> program;
+    {
+      const DescriptorLimit limit(allowed);
+      program.emplace(GetParam(), std::vector<std::string>{}, folder.path());
+    }
+    const auto ended = program->wait(kPatience);
+    ASSERT_TRUE(ended) << "still runs";
+    EXPECT_EQ(ended->exit_code, 1) << allowed;
+    const std::vector<std::string> complaints = complaints_of(ended->err);
+    ASSERT_EQ(complaints.size(), 1U) << ended->err;
+    EXPECT_THAT(complaints.front(), ::testing::HasSubstr("file descriptors"));
+    EXPECT_THAT(complaints.front(), ::testing::HasSubstr("ulimit -n"));
+  }
 }
 
 TEST(HaptonAlone, TellsItsCommandsAndFails) {
@@ -231,6 +283,7 @@ const std::vector<std::string> kPrograms = {
 std::string program_name(const ::testing::TestParamInfo<std::string>& program) { return program.param; }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Help, ::testing::ValuesIn(kPrograms), program_name);
+INSTANTIATE_TEST_SUITE_P(Programs, FewDescriptors, ::testing::ValuesIn(kPrograms), program_name);
 INSTANTIATE_TEST_SUITE_P(Programs, Version, ::testing::ValuesIn(kPrograms), program_name);
 
 }  // namespace

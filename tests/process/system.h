@@ -146,7 +146,9 @@ bool is_complete(const Json& report);
 class Onlooker {
  public:
   explicit Onlooker(const System& system)
-      : hub_(*parse_address(system.hub())), endpoint_(*open_udp_endpoint("127.0.0.1:0")), sealed_(*endpoint_, clock_, system.key(), hub_) {}
+      : hub_(*parse_address(system.hub())),
+        endpoint_(*open_udp_endpoint("127.0.0.1:0")),
+        sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::vision), hub_) {}
 
   // The next probe state; false when none comes in time.
   bool see(ProbeState& state) {

@@ -21,6 +21,12 @@ TEST(TrajectoryCsv, reads_positions) {
   EXPECT_EQ((*rows)[1].q_WT.coeffs(), Quat::Identity().coeffs());
 }
 
+TEST(TrajectoryCsv, reads_what_is_far_out_but_within_reach) {
+  const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m\n-1e9,1e6,-1e6,1e-300\n1e9,0,0,0\n", "a.csv");
+  ASSERT_TRUE(rows) << rows.error().what;
+  EXPECT_EQ((*rows)[0].p_WD, Vec3(1e6, -1e6, 1e-300));
+}
+
 TEST(TrajectoryCsv, reads_and_normalises_quaternions) {
   const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0.6,0.8001,0,0\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
@@ -50,6 +56,10 @@ TEST(TrajectoryCsv, says_what_is_wrong_and_where) {
       {"t_s,x_m,y_m,z_m\n0,nan,2,3\n", "a.csv:2:", "x_m"},
       {"t_s,x_m,y_m,z_m\n0,1,inf,3\n", "a.csv:2:", "y_m"},
       {"t_s,x_m,y_m,z_m\n0,1,1e999,3\n", "a.csv:2:", "y_m"},
+      {"t_s,x_m,y_m,z_m\n0,1e308,2,3\n", "a.csv:2:", "x_m is '1e308', where no device reaches"},
+      {"t_s,x_m,y_m,z_m\n0,1,-1000001,3\n", "a.csv:2:", "y_m is '-1000001', where no device reaches"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3\n1,1,2,1.1e6\n", "a.csv:3:", "z_m is '1.1e6', where no device reaches"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3\n1e10,1,2,3\n", "a.csv:3:", "t_s is '1e10'"},
       {"t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,2,3\n", "a.csv:3:", "rise"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n", "a.csv:2:", "length"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,1e300,1e300,0,0\n", "a.csv:2:", "length"},

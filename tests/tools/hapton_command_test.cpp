@@ -10,6 +10,8 @@
 #include <fstream>
 #include <vector>
 
+#include "link/link_key.h"
+
 namespace hapton {
 namespace {
 
@@ -75,12 +77,28 @@ TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
   const Seen made = run({"keygen", path("key")});
   EXPECT_EQ(made.code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("--key " + path("key")));
-  EXPECT_EQ(std::filesystem::file_size(path("key")), 32U);
+  EXPECT_EQ(std::filesystem::file_size(path("key")), kKeyFileBytes);
   EXPECT_EQ(std::filesystem::status(path("key")).permissions(), std::filesystem::perms(0600));
   const Seen again = run({"keygen", path("key")});
   EXPECT_EQ(again.code, 1);
   EXPECT_THAT(again.err, HasSubstr("there already"));
   EXPECT_EQ(run({"keygen"}).code, 2);
+}
+
+TEST_F(HaptonCommandTest, KeygenMakesTheKeysOfRolesFromAMasterKey) {
+  ASSERT_EQ(run({"keygen", path("master")}).code, 0);
+  for (const std::string role : {"haptics", "vision", "tool", "operator"}) {
+    const Seen made = run({"keygen", "--role", role, "--master", path("master"), path(role)});
+    EXPECT_EQ(made.code, 0) << made.err;
+    EXPECT_THAT(made.out, HasSubstr("the key of role " + role));
+    const auto key = read_role_key_file(path(role), *find_node_key_role(role));
+    ASSERT_TRUE(key) << key.error().what;
+    EXPECT_EQ(key->bytes(), RoleKey(*read_key_file(path("master")), *find_node_key_role(role)).bytes());
+  }
+  EXPECT_THAT(run({"keygen", "--role", "io", "--master", path("master"), path("io")}).err, HasSubstr("choose one of"));
+  EXPECT_THAT(run({"keygen", "--role", "tool", "--master", path("vision"), path("x")}).err, HasSubstr("is the key of role vision"));
+  EXPECT_THAT(run({"keygen", "--master", path("master"), path("x")}).err, HasSubstr("--role"));
+  EXPECT_FALSE(std::filesystem::exists(path("x")));
 }
 
 TEST_F(HaptonCommandTest, WhatIsNotUnderstoodIsSaidInALine) {

@@ -41,6 +41,10 @@ TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
   EXPECT_THAT(text, ::testing::HasSubstr("--body box --seed 1 --scale 0.001"));
   EXPECT_THAT(text, ::testing::HasSubstr("--episode 77"));
   EXPECT_THAT(to_json({result}, small_plan(1)), ::testing::HasSubstr("\"faults\": 1"));
+  EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("--no-seal")));
+  StressPlan unsealed = small_plan(1);
+  unsealed.no_seal = true;
+  EXPECT_THAT(to_text({result}, unsealed), ::testing::HasSubstr("--no-seal"));
 }
 
 TEST(Stress, WhatWasNotLookedForIsNoZero) {

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
+#include "link/link_key.h"
 #include "tools/doctor/port_owner.h"
 
 namespace hapton::doctor {
 namespace {
 
 constexpr int kVrpnPort = 3883;
-constexpr std::uint64_t kKeyBytes = 32;
 
 std::string describe(const PortOwner& owner) {
   return owner.program.empty() ? "another user's program" : fmt::format("{} (process {})", owner.program, owner.pid);
@@ -45,8 +45,8 @@ Finding check_vrpn_port(const Machine& machine) {
 
 // Where nodes of this user look for the key that nobody named.
 std::string shared_key_path(const Machine& machine) {
-  if (const std::string runtime = machine.environment("XDG_RUNTIME_DIR"); runtime.starts_with('/')) return runtime + "/hapton/key";
-  if (const std::string home = machine.environment("HOME"); home.starts_with('/')) return home + "/.config/hapton/key";
+  if (const std::string runtime = machine.environment("XDG_RUNTIME_DIR"); runtime.starts_with('/')) return runtime + "/hapton/master";
+  if (const std::string home = machine.environment("HOME"); home.starts_with('/')) return home + "/.config/hapton/master";
   return {};
 }
 
@@ -64,9 +64,16 @@ Finding check_key_file(const Machine& machine, const std::string& subject, const
     return problem(subject, fmt::format("{} is open to other users (mode {:04o})", path, file->mode),
                    fmt::format("{}chmod 600 {}", is_own ? "" : "sudo ", path));
   }
-  if (file->bytes != kKeyBytes) {
-    return problem(subject, fmt::format("{} holds {} bytes where a key has {}", path, file->bytes, kKeyBytes),
-                   fmt::format("{0}rm {1} && {0}hapton keygen {1}   # then copy it to the other hosts again", is_own ? "" : "sudo ", path));
+  if (file->bytes == LinkKey::kBytes) {
+    return problem(
+        subject, fmt::format("{} is a key of an older Hapton, one for all nodes", path),
+        fmt::format("{0}rm {1} && {0}hapton keygen {1}   # then a key for each other host: hapton keygen --role haptics --master {1} FILE",
+                    is_own ? "" : "sudo ", path));
+  }
+  if (file->bytes != kKeyFileBytes) {
+    return problem(
+        subject, fmt::format("{} holds {} bytes where a key file has {}", path, file->bytes, kKeyFileBytes),
+        fmt::format("{0}rm {1} && {0}hapton keygen {1}   # then make the keys of the other hosts again", is_own ? "" : "sudo ", path));
   }
   return good(subject, fmt::format("{}, {} bytes, mode {:04o}", path, file->bytes, file->mode));
 }
@@ -95,7 +102,8 @@ void check_system_key(const Machine& machine, Findings& findings) {
     findings.push_back(check_key_file(machine, "key of the services", kPath, false));
   } else if (is_needed) {
     findings.push_back(problem("key of the services", "a hapton service is enabled, but there is no /etc/hapton/key: it does not start",
-                               "sudo hapton keygen /etc/hapton/key   # on one host, then copied to the others"));
+                               "sudo hapton keygen /etc/hapton/key   # on the hub's host; for another: hapton keygen --role haptics "
+                               "--master /etc/hapton/key FILE"));
   }
 }
 

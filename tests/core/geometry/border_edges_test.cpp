@@ -2,7 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_shapes.h"
+#include "tests/support/made_meshes.h"
 
 namespace hapton {
 namespace {
@@ -63,6 +70,75 @@ TEST(BorderEdges, TakeNoNoticeOfTrianglesThatRepeatAVertex) {
   mesh.triangles.push_back({0, 0, 1});
   const BorderEdges count = count_border_edges(mesh, 1e-4);
   EXPECT_EQ(count.open + count.cracks, 0U);
+}
+
+// Each border edge against every other.
+std::size_t count_cracks_by_brute_force(const TriangleMesh& mesh, double width) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (const Triangle& t : mesh.triangles) {
+    for (int k = 0; k < 3; ++k) ++sides[std::minmax(t[k], t[(k + 1) % 3])];
+  }
+  std::erase_if(sides, [](const auto& side) { return side.second != 1; });
+  std::size_t cracks = 0;
+  for (const auto& [edge, one] : sides) {
+    const Vec3& a = mesh.vertices[edge.first];
+    const Vec3& b = mesh.vertices[edge.second];
+    const double reach = std::min(width, 0.05 * (b - a).norm());
+    int found = 0;
+    for (const double share : {0.25, 0.5, 0.75}) {
+      found += std::any_of(sides.begin(), sides.end(), [&, &edge = edge](const auto& other) {
+        const Vec3& from = mesh.vertices[other.first.first];
+        const Vec3& to = mesh.vertices[other.first.second];
+        return other.first != edge && closest_point(from, to, to, a + share * (b - a)).distance <= reach;
+      });
+    }
+    cracks += found == 3 ? 1 : 0;
+  }
+  return cracks;
+}
+
+TEST(BorderEdges, AreTheOnesThatBruteForceFinds) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    for (const double size : {1.0, 0.1, 0.02}) {
+      const TriangleMesh soup = made::soup(seed, 300, 1.0, size);
+      for (const double width : {1e-3, 2e-2, 0.2}) {
+        EXPECT_EQ(count_border_edges(soup, width).cracks, count_cracks_by_brute_force(soup, width)) << seed << " " << size << " " << width;
+      }
+    }
+    TriangleMesh ball = torn(make_icosphere(0.5, 2), 1e-3);
+    for (std::size_t i = 0; i < ball.vertices.size(); i += 7) ball.vertices[i] *= 1.0 + 1e-3 * static_cast<double>(seed);
+    for (const double width : {1e-4, 1e-3}) {
+      EXPECT_EQ(count_border_edges(ball, width).cracks, count_cracks_by_brute_force(ball, width)) << seed << " " << width;
+    }
+  }
+}
+
+// Counted, not timed: the boxes and points that are looked at, by border edge, for triangles as large as the space that they are in, for
+// ones that all lie in one spot, and for a torn surface.
+TEST(BorderEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
+  struct Case {
+    const char* name;
+    double space;
+    double size;
+    double growth;  // at most, of the work an edge from 1,000 triangles to 16,000: their cube root is 2.5
+  };
+  constexpr double kWidth = 1e-3;
+  for (const Case& c : {Case{"large", 1.0, 1.0, 2.7}, Case{"in one spot", 1e-5, 1e-4, 2.7}, Case{"small", 1.0, 0.01, 2.0}}) {
+    const auto work = [&](int triangles) {
+      const TriangleMesh soup = made::soup(5, triangles, c.space, c.size);
+      return static_cast<double>(count_border_edges(soup, kWidth).work) / static_cast<double>(3 * triangles);
+    };
+    const double few = work(1000);
+    const double many = work(16000);
+    EXPECT_LT(many, c.growth * few) << c.name;
+    EXPECT_LT(many, 2500.0) << c.name;
+  }
+  const auto of_ball = [&](int level) {
+    const TriangleMesh ball = torn(make_icosphere(0.5, level), 1e-5);
+    return static_cast<double>(count_border_edges(ball, kWidth).work) / static_cast<double>(3 * ball.triangles.size());
+  };
+  EXPECT_LT(of_ball(5), 1.5 * of_ball(3));
+  EXPECT_LT(of_ball(5), 150.0);
 }
 
 }  // namespace

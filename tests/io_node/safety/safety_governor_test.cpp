@@ -417,6 +417,34 @@ TEST(SafetyGovernor, a_button_can_be_asked_for) {
   EXPECT_EQ(bench.press(4.0, 300).z(), 4.0);
 }
 
+TEST(SafetyGovernor, a_switch_is_held_only_where_the_device_tells_so_now) {
+  Bench bench;
+  bench.sample.buttons = 0b010;
+  bench.press(4.0, 300);
+  EXPECT_FALSE(bench.governor.is_switch_held()) << "none was asked for";
+  bench.governor.require_button(1);
+  bench.wait(1);
+  EXPECT_TRUE(bench.governor.is_switch_held());
+  // A device that is away repeats its last sample, button and all.
+  for (const DeviceStatus status : {DeviceStatus::away, DeviceStatus::calibrating, DeviceStatus::fault, DeviceStatus::ended}) {
+    bench.status = status;
+    bench.wait(1);
+    EXPECT_FALSE(bench.governor.is_switch_held());
+    bench.status = DeviceStatus::ready;
+    bench.wait(1);
+    EXPECT_TRUE(bench.governor.is_switch_held());
+  }
+  bench.sample.p_WD.x() = std::numeric_limits<double>::quiet_NaN();
+  bench.wait(25);
+  EXPECT_FALSE(bench.governor.is_switch_held());
+  bench.sample.p_WD.x() = 0.0;
+  bench.wait(1);
+  EXPECT_TRUE(bench.governor.is_switch_held());
+  bench.sample.buttons = 0;
+  bench.wait(1);
+  EXPECT_FALSE(bench.governor.is_switch_held());
+}
+
 TEST(SafetyGovernor, a_device_away_or_calibrating_gets_no_force_and_ramps_on_return) {
   for (const DeviceStatus status : {DeviceStatus::away, DeviceStatus::calibrating}) {
     Bench bench;

@@ -52,7 +52,7 @@ void answer_hub(FakeMachine& machine, const std::string& notes) {
 
 void write_key(FakeMachine& machine, std::size_t bytes, mode_t mode) {
   machine.be_user(::getuid(), machine.user_groups(), "0000000000804000");
-  machine.write("/home/ada/.config/hapton/key", std::string(bytes, 'k'), mode);
+  machine.write("/home/ada/.config/hapton/master", std::string(bytes, 'k'), mode);
 }
 
 const std::vector<Fault> kFaults = {
@@ -216,12 +216,14 @@ const std::vector<Fault> kFaults = {
      "kill 88   # or give the hub another one: io_node --bind 127.0.0.1:4951"},
     {"VrpnPortTaken", [](FakeMachine& m) { m.hold_port("tcp", 3883, "89", "vrpn_server"); }, Verdict::warning,
      "vrpn_server (process 89) has it", "kill 89"},
-    {"KeyOpenToOthers", [](FakeMachine& m) { write_key(m, 32, 0644); }, Verdict::problem, "is open to other users (mode 0644)",
-     "chmod 600 /home/ada/.config/hapton/key"},
-    {"KeyOfWrongLength", [](FakeMachine& m) { write_key(m, 31, 0600); }, Verdict::problem, "holds 31 bytes where a key has 32",
-     "hapton keygen /home/ada/.config/hapton/key"},
-    {"KeyOfSomeoneElse", [](FakeMachine& m) { m.write("/home/ada/.config/hapton/key", std::string(32, 'k'), 0600); }, Verdict::problem,
-     "belongs to user", "sudo chown ada /home/ada/.config/hapton/key"},
+    {"KeyOpenToOthers", [](FakeMachine& m) { write_key(m, 48, 0644); }, Verdict::problem, "is open to other users (mode 0644)",
+     "chmod 600 /home/ada/.config/hapton/master"},
+    {"KeyOfWrongLength", [](FakeMachine& m) { write_key(m, 31, 0600); }, Verdict::problem, "holds 31 bytes where a key file has 48",
+     "hapton keygen /home/ada/.config/hapton/master"},
+    {"KeyOfAnOlderVersion", [](FakeMachine& m) { write_key(m, 32, 0600); }, Verdict::problem, "is a key of an older Hapton",
+     "hapton keygen /home/ada/.config/hapton/master"},
+    {"KeyOfSomeoneElse", [](FakeMachine& m) { m.write("/home/ada/.config/hapton/master", std::string(48, 'k'), 0600); }, Verdict::problem,
+     "belongs to user", "sudo chown ada /home/ada/.config/hapton/master"},
     {"KeyNotThere", [](FakeMachine& m) { m.settings.key_file = "/home/ada/mine.key"; }, Verdict::problem, "/home/ada/mine.key is not there",
      "hapton keygen /home/ada/mine.key"},
     {"ServiceWithoutKey",

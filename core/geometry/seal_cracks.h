@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// What was done about the cracks of a mesh.
+struct SealReport {
+  std::size_t welded_vertices = 0;  // moved onto another vertex
+  std::size_t split_triangles = 0;  // cuts at a vertex that lay on the edge of another triangle; each adds a triangle
+  std::size_t zipped_edges = 0;     // boundary edges that were joined in pairs
+  double widest_gap = 0.0;          // that was sealed, the mesh's units
+  double tolerance = 0.0;           // what was taken for a crack, the mesh's units
+  std::size_t boundary_edges = 0;   // before
+  std::size_t boundary_edges_left = 0;
+  bool has_given_up = false;  // far too many vertices and edges lie within the tolerance of one another: nothing was sealed
+
+  bool has_sealed() const { return welded_vertices + split_triangles > 0; }
+  bool is_worth_a_note() const { return has_sealed() || has_given_up; }
+  // One line, for meshes in metres: "sealed cracks up to 1.2e-05 m wide: ...".
+  std::string describe() const;
+};
+
+// Cracks up to so wide are sealed, as a share of the longest side of the mesh's box.
+constexpr double kSealedShare = 1e-4;
+
+// Seals cracks and T-junctions no wider than share times the longest side: boundary vertices are welded, boundary edges are split where
+// another boundary has a vertex, until edges that ran side by side are one. A mesh without any is returned as it came, to the bit; an open
+// border that has no other one alongside within the tolerance stays, and what is not boundary is never moved.
+//
+// Where there is a choice, the nearest vertices are joined first, and among the surfaces at hand those are joined that go on straight and
+// have one winding, then those of opposite winding (both keep it), then those that fold back sharply.
+//
+// Post, against the mesh given:
+// - every vertex is one of those given, none was moved by more than the tolerance;
+// - no triangle lost its area or its side: each is as it was, or turned by less than 90 degrees, or split into several that are;
+// - no edge has more than two triangles that had not, no two triangles have the same vertices that had not;
+// - there are no more boundary edges; vertices and triangles keep their order; parts of a split triangle stand where it stood;
+// - authored normals go with their corners; at a split they are interpolated.
+// Left open is what could be sealed only against these, and all that is wider.
+//
+// Sealing again changes nothing. Independent of scale and place, but for rounding. Time: n log n in the boundary, linear in the mesh;
+// where thousands of boundary vertices and edges lie within one tolerance, only the nearest 32 vertices and 256 edges of each are looked
+// at, and where that is too much for all of them together, the mesh is returned as it came (has_given_up). Pre: vertices equal to the bit
+// are one already (or may become so), coordinates finite. RT: set-up only. source[i]: the triangle of the given mesh that triangle i was,
+// or is a part of.
+TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share = kSealedShare, std::vector<std::uint32_t>* source = nullptr);
+
+}  // namespace hapton

@@ -1,0 +1,338 @@
+#include "core/geometry/seam_joiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "core/geometry/vertex_tree.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kMostNearVertices = 32;
+constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared, pair by pair
+constexpr std::size_t kMostValence = 256;      // where a weld is looked at from both ends
+constexpr int kMostRounds = 64;
+// On the average over the boundary; a surface torn apart at every edge has 3 and 2. More, and most of it lies within one tolerance.
+constexpr std::size_t kMostPairs = 8;       // a boundary edge of the mesh as it came
+constexpr std::size_t kMostJunctions = 64;  // the same
+constexpr double kFoldedBack = 0.5;         // cosine between the ways off a common edge: two surfaces at less than 60 degrees
+
+}  // namespace
+
+SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched)
+    : seam_(mesh, std::move(at_boundary), tolerance), tolerance_(tolerance), mesh_(mesh), untouched_(untouched) {}
+
+SeamJoiner::Foot SeamJoiner::foot_on(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 along = b - a;
+  const double length = along.squaredNorm();
+  const double share = length > 0.0 ? along.dot(p - a) / length : 0.0;
+  return {share, (p - a - std::clamp(share, 0.0, 1.0) * along).squaredNorm()};
+}
+
+// Within the tolerance, and beside the edge.
+bool SeamJoiner::is_close_by(const Edge& edge, std::uint32_t vertex) const {
+  const Foot here = foot(edge, vertex);
+  return vertex != edge.apex && here.is_inside() && is_near(here.squared_distance);
+}
+
+std::uint64_t SeamJoiner::key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
+
+std::optional<SeamJoiner::Edge> SeamJoiner::find_boundary_edge(std::uint32_t a, std::uint32_t b) const {
+  if (!seam_.is_boundary(a, b)) return std::nullopt;
+  return seam_.boundary_edge(a, b);
+}
+
+bool SeamJoiner::run(std::size_t most_work) {
+  most_work_ = most_work;
+  boundary_edges_ = seam_.boundary_edges().size();
+  for (int kind = kStraight; kind < kKinds; ++kind) {
+    kind_ = static_cast<Kind>(kind);
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::size_t before = changes_;
+      weld_round();
+      if (is_spent()) return false;
+      if (changes_ != before) continue;
+      split_round();
+      if (is_spent()) return false;
+      if (changes_ == before) break;
+    }
+    if (pairs_.empty() && junctions_.empty()) break;
+  }
+  return true;
+}
+
+JoinedParts SeamJoiner::joined() const {
+  JoinedParts parts;
+  parts.vertices.insert(welded_.begin(), welded_.end());
+  for (const Cut& cut : cut_) {
+    parts.vertices.insert(cut.vertex);
+    parts.chords.insert(cut.chord);
+  }
+  return parts;
+}
+
+// Two boundary edges that run side by side from where their vertices `a` of one and `b` of the other lie together: which kind of seam
+// they would make. `a` and `b` may be the same.
+SeamJoiner::Kind SeamJoiner::kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const {
+  if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return kFolded;
+  return (one.from == a) == (other.from == b) ? kFlipped : kStraight;
+}
+
+void SeamJoiner::find_pairs() {
+  if (pairs_found_at_ == changes_) return;
+  pairs_found_at_ = changes_;
+  pairs_.clear();
+  const auto add = [&](std::uint32_t u, std::uint32_t v) {
+    if (u == v || seam_.is_edge(u, v)) return;
+    const double squared = (at(u) - at(v)).squaredNorm();
+    if (is_near(squared)) pairs_.push_back({squared, std::min(u, v), std::max(u, v)});
+  };
+  const std::vector<std::uint32_t> vertices = seam_.boundary_vertices();
+  const VertexTree tree(mesh_.vertices, vertices);
+  std::vector<VertexTree::Found> found;
+  std::vector<Edge> edges;
+  std::vector<std::uint8_t> is_crowded(mesh_.vertices.size(), 0);
+  for (const std::uint32_t u : vertices) {
+    tree.find_nearest(at(u), u, tolerance_, kMostNearVertices, found);
+    if (found.size() == kMostNearVertices) is_crowded[u] = 1;
+    for (const VertexTree::Found& near : found) {
+      // From a vertex of a lower number that looked at all its neighbours, the pair is there already.
+      if (near.vertex > u || is_crowded[near.vertex] != 0) add(u, near.vertex);
+    }
+    // Edges from one vertex that go the same way have their far ends to be joined, however crowded these are.
+    if (seam_.boundary_count(u) > kMostEdgesAtVertex) continue;
+    seam_.find_boundary_edges_at(u, edges);
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) add(edges[i].other(u), edges[j].other(u));
+    }
+  }
+  if (pairs_.size() > kMostPairs * (boundary_edges_ + 16)) {
+    most_work_ = 0;
+    return;
+  }
+  std::sort(pairs_.begin(), pairs_.end());
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+}
+
+// Edges at u and at v run side by side, so that joining these vertices is a step to closing the gap between the edges; and there is a
+// gap: they are not two borders of one narrow strip.
+bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
+  if (seam_.valence(u) > kMostValence || seam_.valence(v) > kMostValence) return is_seam_from_far_end(u, v);
+  seam_.find_boundary_edges_at(u, edges_u_);
+  seam_.find_boundary_edges_at(v, edges_v_);
+  for (const Edge& e : edges_u_) {
+    for (const Edge& f : edges_v_) {
+      const std::uint32_t far_e = e.other(u);
+      const std::uint32_t far_f = f.other(v);
+      if (far_e != far_f && !is_near(foot(f, far_e).squared_distance) && !is_near(foot(e, far_f).squared_distance)) continue;
+      if (kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f)) return true;
+    }
+  }
+  return false;
+}
+
+// The same for edges that share their far end, from the vertex of lower valence: its number of edges is what this takes.
+bool SeamJoiner::is_seam_from_far_end(std::uint32_t u, std::uint32_t v) {
+  if (seam_.valence(u) > seam_.valence(v)) std::swap(u, v);
+  seam_.find_boundary_edges_at(u, edges_u_);
+  return std::any_of(edges_u_.begin(), edges_u_.end(), [&](const Edge& e) {
+    const std::uint32_t far = e.other(u);
+    if (!seam_.is_boundary(far, v)) return false;
+    const Edge f = seam_.boundary_edge(far, v);
+    return kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f);
+  });
+}
+
+bool SeamJoiner::is_across_strip(std::uint32_t u, std::uint32_t v, const Edge& e, const Edge& f) const {
+  const Vec3 to_v = at(v) - at(u);
+  if (!(seam_.inward(e).dot(to_v) > 0.0 && seam_.inward(f).dot(to_v) < 0.0)) return false;
+  return seam_.is_joined_nearby(u, v, at(u) + 0.5 * to_v, to_v.norm());
+}
+
+void SeamJoiner::weld_round() {
+  find_pairs();
+  if (is_spent()) return;
+  candidates_ += pairs_.size();
+  for (const Pair& pair : pairs_) {
+    if (is_spent()) return;
+    std::uint32_t u = seam_.standing_for(pair.u);
+    std::uint32_t v = seam_.standing_for(pair.v);
+    if (u == v || seam_.boundary_count(u) == 0 || seam_.boundary_count(v) == 0) continue;
+    if (untouched_.vertices.contains(u) || untouched_.vertices.contains(v)) continue;
+    const double squared = (at(u) - at(v)).squaredNorm();
+    if (!is_near(squared) || seam_.is_edge(u, v) || !is_seam_at(u, v) || !weld(u, v)) continue;
+    widest_gap_ = std::max(widest_gap_, std::sqrt(squared));
+    welded_.insert(welded_.end(), {u, v});
+    ++changes_;
+  }
+}
+
+// The vertex with the fewer triangles moves, so that a vertex of thousands that lay apart takes n log n steps.
+bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
+  if (seam_.valence(u) > seam_.valence(v) || (seam_.valence(u) == seam_.valence(v) && u < v)) std::swap(u, v);
+  const SeamMesh::Weld first = seam_.weld(u, v);
+  if (first == SeamMesh::Weld::done) return true;
+  const SeamMesh::Weld second = seam_.valence(v) > kMostValence ? SeamMesh::Weld::refused : seam_.weld(v, u);
+  if (second == SeamMesh::Weld::done) return true;
+  if (first == SeamMesh::Weld::too_far || second == SeamMesh::Weld::too_far) {
+    for (const std::uint32_t of : {u, v}) seam_.for_each_member(of, [&](std::uint32_t member) { untouched_.vertices.insert(member); });
+  }
+  return false;
+}
+
+void SeamJoiner::find_junctions() {
+  cuts_.clear();
+  if (junctions_found_at_ != changes_) edges_ = seam_.boundary_edges();
+  edge_number_.clear();
+  for (std::uint32_t i = 0; i < edges_.size(); ++i) edge_number_[key_of(edges_[i].from, edges_[i].to)] = i;
+  if (junctions_found_at_ == changes_) return;
+  junctions_found_at_ = changes_;
+  junctions_.clear();
+  const auto add = [&](std::uint32_t i, std::uint32_t vertex) {
+    const Foot here = foot(edges_[i], vertex);
+    if (is_close_by(edges_[i], vertex)) junctions_.push_back({here.squared_distance, i, vertex, here.share});
+  };
+  const std::vector<std::uint32_t> vertices = seam_.boundary_vertices();
+  VertexTree tree(mesh_.vertices, vertices);
+  std::vector<VertexTree::Found> found;
+  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+    tree.find_near_segment(at(edges_[i].from), at(edges_[i].to), tolerance_, found);
+    for (const VertexTree::Found& near : found) add(i, near.vertex);
+    if (junctions_.size() <= kMostJunctions * (boundary_edges_ + 16)) continue;
+    most_work_ = 0;
+    return;
+  }
+  for (const std::uint32_t u : vertices) {
+    if (seam_.boundary_count(u) > kMostEdgesAtVertex) continue;
+    seam_.find_boundary_edges_at(u, edges_u_);
+    for (const Edge& e : edges_u_) {
+      for (const Edge& f : edges_u_) {
+        if (e.triangle != f.triangle) add(edge_number_[key_of(e.from, e.to)], f.other(u));
+      }
+    }
+  }
+  std::sort(junctions_.begin(), junctions_.end());
+  junctions_.erase(std::unique(junctions_.begin(), junctions_.end()), junctions_.end());
+}
+
+void SeamJoiner::split_round() {
+  find_junctions();
+  if (is_spent()) return;
+  candidates_ += junctions_.size();
+  for (const Junction& junction : junctions_) {
+    if (is_spent()) return;
+    if (seam_.boundary_count(junction.vertex) == 0) continue;
+    const std::optional<Edge> piece = find_piece(junction.edge, junction.share);
+    if (piece && is_close_by(*piece, junction.vertex) && zip_at(*piece, junction.vertex)) ++changes_;
+  }
+}
+
+// What is boundary yet of an edge of this round, at a share of its length.
+std::optional<SeamJoiner::Edge> SeamJoiner::find_piece(std::uint32_t edge, double share) const {
+  std::uint32_t a = edges_[edge].from;
+  std::uint32_t b = edges_[edge].to;
+  if (const auto found = cuts_.find(edge); found != cuts_.end()) {
+    const std::map<double, std::uint32_t>& cuts = found->second;
+    const auto after = cuts.upper_bound(share);
+    if (after != cuts.end()) b = after->second;
+    if (after != cuts.begin()) a = std::prev(after)->second;
+  }
+  return find_boundary_edge(a, b);
+}
+
+bool SeamJoiner::cut(const Edge& piece, std::uint32_t vertex) {
+  const auto found = edge_number_.find(key_of(piece.from, piece.to));
+  if (found == edge_number_.end() || untouched_.chords.contains(piece.chord) || untouched_.vertices.contains(vertex)) return false;
+  const std::uint32_t edge = found->second;
+  const Foot here = foot(edges_[edge], vertex);
+  if (!here.is_inside() || !is_near(here.squared_distance)) return false;
+  const std::optional<Edge> there = find_piece(edge, here.share);
+  if (!there || there->from != piece.from || there->to != piece.to) return false;
+  if (!seam_.split(piece.from, piece.to, vertex)) return false;
+  const auto [start, end] = seam_.chord_of(piece);
+  if (!is_near(foot_on(start, end, at(vertex)).squared_distance)) {
+    seam_.unsplit(piece.from, piece.to, vertex);
+    untouched_.chords.insert(piece.chord);
+    return false;
+  }
+  cut_.push_back({piece.chord, vertex});
+  cuts_[edge][here.share] = vertex;
+  edge_number_[key_of(piece.from, vertex)] = edge;
+  edge_number_[key_of(vertex, piece.to)] = edge;
+  return true;
+}
+
+// Undoes the latest cut.
+void SeamJoiner::uncut(const Edge& piece, std::uint32_t vertex) {
+  const std::uint32_t edge = edge_number_[key_of(piece.from, piece.to)];
+  seam_.unsplit(piece.from, piece.to, vertex);
+  cut_.pop_back();
+  cuts_[edge].erase(foot(edges_[edge], vertex).share);
+}
+
+// Splits a piece of boundary at a vertex when that makes a part of it one with an edge that ends at the vertex, at once or by a second
+// split.
+bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
+  std::vector<Edge> alongside;
+  if (seam_.valence(vertex) <= kMostValence) {
+    seam_.find_boundary_edges_at(vertex, alongside);
+  } else {
+    for (const std::uint32_t end : {piece.from, piece.to}) {
+      if (const std::optional<Edge> edge = find_boundary_edge(end, vertex)) alongside.push_back(*edge);
+    }
+  }
+  const double gap = std::sqrt(foot(piece, vertex).squared_distance);
+  for (const bool is_second_needed : {false, true}) {
+    for (const Edge& f : alongside) {
+      const std::uint32_t far = f.other(vertex);
+      if ((far == piece.from || far == piece.to) == is_second_needed) continue;
+      if (!(is_second_needed ? zip_with_second(piece, vertex, f, far) : zip_to_end(piece, vertex, f, far))) continue;
+      widest_gap_ = std::max(widest_gap_, gap);
+      return true;
+    }
+  }
+  return false;
+}
+
+// The edge f leads from the vertex to `end` of the piece.
+bool SeamJoiner::zip_to_end(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t end) {
+  return kind_of(piece, end, f, end) <= kind_ && !is_over_strip(piece, vertex, f) && cut(piece, vertex);
+}
+
+// The edge f leads on to another vertex near the piece, or beyond one of the piece's ends that is near f.
+bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far) {
+  if (f.triangle == piece.triangle) return false;
+  if (is_close_by(piece, far)) {
+    const bool runs_on = foot(piece, far).share > foot(piece, vertex).share;  // as the piece does
+    if (!is_kind(piece, f, vertex, runs_on) || is_over_strip(piece, vertex, f) || !cut(piece, vertex)) return false;
+    const std::optional<Edge> rest = find_boundary_edge(vertex, runs_on ? piece.to : piece.from);
+    if (rest && cut(*rest, far)) return true;
+    uncut(piece, vertex);
+    return false;
+  }
+  for (const std::uint32_t end : {piece.from, piece.to}) {
+    if (!is_close_by(f, end) || !is_kind(piece, f, vertex, end == piece.to)) continue;
+    if (is_over_strip(piece, vertex, f) || !cut(piece, vertex)) continue;
+    if (cut(f, end)) return true;
+    uncut(piece, vertex);
+  }
+  return false;
+}
+
+// f, seen from the vertex, runs as the piece does or against it.
+bool SeamJoiner::is_kind(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const {
+  if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= kFolded;
+  const bool is_same_direction = (f.from == vertex) == runs_on;
+  return (is_same_direction ? kFlipped : kStraight) <= kind_;
+}
+
+bool SeamJoiner::is_over_strip(const Edge& piece, std::uint32_t vertex, const Edge& f) const {
+  const Foot here = foot(piece, vertex);
+  const Vec3 on_piece = at(piece.from) + here.share * (at(piece.to) - at(piece.from));
+  const Vec3 off = at(vertex) - on_piece;
+  if (!(seam_.inward(piece).dot(off) > 0.0 && seam_.inward(f).dot(off) < 0.0)) return false;
+  return seam_.is_triangle_joined_nearby(piece.triangle, vertex, on_piece + 0.5 * off, off.norm());
+}
+
+}  // namespace hapton

@@ -1,0 +1,142 @@
+#include "link/agreement_worker.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <semaphore.h>
+#include <sodium.h>
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "runtime/handoff_ring.h"
+
+namespace hapton {
+namespace {
+
+using seal::store;
+
+noise::Key make_ephemeral_secret() noexcept {
+  noise::Key secret;
+  randombytes_buf(secret.data(), secret.size());
+  return secret;
+}
+
+void begin(AgreementTask& task) noexcept {
+  noise::Key secret = make_ephemeral_secret();
+  task.state.begin(task.psk, task.prologue, secret);
+  sodium_memzero(secret.data(), secret.size());
+}
+
+void make_request(AgreementTask& task) noexcept {
+  begin(task);
+  task.state.write_first({}, task.first.data());
+  task.went_well = true;
+}
+
+void take_keys(AgreementTask& task) noexcept {
+  noise::TransportKeys keys = task.state.split();
+  task.keys.client_to_hub = keys.initiator_to_responder;
+  task.keys.hub_to_client = keys.responder_to_initiator;
+  sodium_memzero(&keys, sizeof keys);
+  task.state.wipe();
+}
+
+void read_answer(AgreementTask& task) noexcept {
+  std::array<std::uint8_t, sizeof task.connection> payload;
+  task.went_well = task.state.read_second(task.second, payload.data());
+  if (!task.went_well) return;
+  task.connection = seal::load<std::uint32_t>(payload.data());
+  take_keys(task);
+}
+
+void answer_request(AgreementTask& task) noexcept {
+  begin(task);
+  std::array<std::uint8_t, sizeof task.connection> payload;
+  store(task.connection, payload.data());
+  std::array<std::uint8_t, 1> none;
+  task.went_well = task.state.read_first(task.first, none.data()) && task.state.write_second(payload, task.second.data());
+  if (task.went_well) take_keys(task);
+}
+
+// Whatever the thread that made it is: this one must never keep a loop from its CPU.
+void become_ordinary() noexcept {
+  const sched_param none = {};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &none);
+  pthread_setname_np(pthread_self(), "hapton-keys");
+}
+
+}  // namespace
+
+void run_agreement(AgreementTask& task) noexcept {
+  task.went_well = false;
+  switch (task.kind) {
+    case AgreementTask::Kind::make_request:
+      make_request(task);
+      break;
+    case AgreementTask::Kind::read_answer:
+      read_answer(task);
+      break;
+    case AgreementTask::Kind::answer_request:
+      answer_request(task);
+      break;
+  }
+  seal::wipe(task.psk);
+}
+
+struct AgreementWorker::Desk {
+  HandoffRing<AgreementTask, kCapacity> asked;
+  HandoffRing<AgreementTask, kCapacity> done;
+  sem_t wake = {};
+  std::atomic<bool> ends{false};
+  std::thread thread;
+};
+
+AgreementWorker::AgreementWorker(Where where) : desk_(std::make_unique<Desk>()) {
+  sem_init(&desk_->wake, 0, 0);
+  if (where == Where::own_thread) desk_->thread = std::thread([this] { work(); });
+}
+
+AgreementWorker::~AgreementWorker() {
+  if (desk_->thread.joinable()) {
+    desk_->ends.store(true, std::memory_order_release);
+    sem_post(&desk_->wake);
+    desk_->thread.join();
+  }
+  sem_destroy(&desk_->wake);
+}
+
+void AgreementWorker::work() noexcept {
+  become_ordinary();
+  while (true) {
+    while (sem_wait(&desk_->wake) != 0) {
+    }
+    if (desk_->ends.load(std::memory_order_acquire)) return;
+    AgreementTask task;
+    if (!desk_->asked.pop(task)) continue;
+    run_agreement(task);
+    desk_->done.push(task);  // has room: no more than kCapacity are under way
+  }
+}
+
+bool AgreementWorker::submit(const AgreementTask& task) noexcept {
+  if (under_way_ == kCapacity) return false;
+  ++under_way_;
+  if (desk_->thread.joinable()) {
+    desk_->asked.push(task);
+    sem_post(&desk_->wake);
+  } else {
+    AgreementTask done = task;
+    run_agreement(done);
+    desk_->done.push(done);
+  }
+  return true;
+}
+
+bool AgreementWorker::take(AgreementTask& task) noexcept {
+  if (!desk_->done.pop(task)) return false;
+  --under_way_;
+  return true;
+}
+
+}  // namespace hapton

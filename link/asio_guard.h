@@ -1,0 +1,22 @@
+#pragma once
+
+#include <boost/system/system_error.hpp>
+#include <memory>
+#include <utility>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// make_unique for what owns an asio::io_context, which throws where the system gives it no descriptor (epoll, timer, event).
+// Error: one line. RT: set-up only.
+template <class Owner, class... Arguments>
+Result<std::unique_ptr<Owner>> make_with_context(Arguments&&... arguments) {
+  try {
+    return std::make_unique<Owner>(std::forward<Arguments>(arguments)...);
+  } catch (const boost::system::system_error& error) {
+    return fail("the system gives no file descriptor for the network ({}); allow more with: ulimit -n 1024", error.code().message());
+  }
+}
+
+}  // namespace hapton

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// Lets `per_second` events through in the long run and `burst` at once. RT: yes. Threads: one.
+class TokenBucket {
+ public:
+  constexpr TokenBucket() = default;
+  constexpr TokenBucket(std::int64_t per_second, std::int64_t burst)
+      : nanoseconds_each_(1'000'000'000 / per_second), most_ns_(nanoseconds_each_ * burst), filled_ns_(most_ns_) {}
+
+  bool take(std::int64_t now_ns) noexcept {
+    // A clock that goes back refills nothing.
+    if (now_ns > last_ns_) filled_ns_ = std::min(most_ns_, now_ns - last_ns_ > most_ns_ ? most_ns_ : filled_ns_ + (now_ns - last_ns_));
+    last_ns_ = std::max(last_ns_, now_ns);
+    if (filled_ns_ < nanoseconds_each_) return false;
+    filled_ns_ -= nanoseconds_each_;
+    return true;
+  }
+
+ private:
+  std::int64_t nanoseconds_each_ = 1;
+  std::int64_t most_ns_ = 0;
+  std::int64_t filled_ns_ = 0;
+  std::int64_t last_ns_ = 0;
+};
+
+// A limit for each source address (the port does not count) and one for all together. Sources share kSources buckets by a hash: two that
+// meet in one are limited together, never let through more. RT: yes. Threads: one.
+class SourceLimit {
+ public:
+  struct Rates {
+    std::int64_t source_per_second = 1;
+    std::int64_t source_burst = 1;
+    std::int64_t all_per_second = 1;
+    std::int64_t all_burst = 1;
+  };
+  static constexpr std::size_t kSources = 64;
+
+  // seed: not known to who sends, so that nobody can aim at another's bucket.
+  SourceLimit(const Rates& rates, std::uint64_t seed) : seed_(seed), all_(rates.all_per_second, rates.all_burst) {
+    buckets_.fill(TokenBucket(rates.source_per_second, rates.source_burst));
+  }
+
+  bool take(const Address& from, std::int64_t now_ns) noexcept { return buckets_[place_of(from)].take(now_ns) && all_.take(now_ns); }
+
+ private:
+  std::size_t place_of(const Address& from) const noexcept {
+    std::uint64_t hash = seed_;
+    for (const std::uint8_t byte : from.ip) hash = (hash ^ byte) * 0x9E3779B97F4A7C15U + (hash >> 29);
+    return (hash >> 32) % kSources;
+  }
+
+  std::uint64_t seed_;
+  std::array<TokenBucket, kSources> buckets_;
+  TokenBucket all_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "link/key_role.h"
+
+namespace hapton {
+
+class LinkKey;
+
+// The key of one role, which a node holds. The hub derives the same from the master key; nobody derives the master key, or another role's
+// key, from it. Wiped from memory when it goes.
+class RoleKey {
+ public:
+  static constexpr std::size_t kBytes = 32;
+  using Bytes = std::array<std::uint8_t, kBytes>;
+
+  // Pre: role is a node's; for the first, seal::start_crypto() went well.
+  RoleKey(const LinkKey& master, KeyRole role);
+  RoleKey(const Bytes& bytes, KeyRole role) : bytes_(bytes), role_(role) {}
+  ~RoleKey();
+  RoleKey(const RoleKey&) = default;
+  RoleKey& operator=(const RoleKey&) = default;
+
+  const Bytes& bytes() const { return bytes_; }
+  KeyRole role() const { return role_; }
+
+ private:
+  Bytes bytes_;
+  KeyRole role_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+namespace hapton {
+
+// Values of one size from one thread to another, in order. A full ring takes nothing: the writer never waits. A slot is overwritten with a
+// fresh value when it was taken, so that nothing secret stays behind.
+// Pre: Item is copyable, and its default value holds nothing secret.
+// RT: push and pop yes, wait-free. Threads: one pushes, one pops.
+template <class Item, std::size_t kCapacity>
+class HandoffRing {
+ public:
+  // False when it is full.
+  bool push(const Item& item) noexcept {
+    const std::size_t end = end_.load(std::memory_order_relaxed);
+    if (end - begin_.load(std::memory_order_acquire) == kCapacity) return false;
+    items_[end % kCapacity] = item;
+    end_.store(end + 1, std::memory_order_release);
+    return true;
+  }
+
+  // False when it is empty.
+  bool pop(Item& item) noexcept {
+    const std::size_t begin = begin_.load(std::memory_order_relaxed);
+    if (begin == end_.load(std::memory_order_acquire)) return false;
+    item = items_[begin % kCapacity];
+    items_[begin % kCapacity] = Item();
+    begin_.store(begin + 1, std::memory_order_release);
+    return true;
+  }
+
+ private:
+  std::array<Item, kCapacity> items_ = {};
+  alignas(64) std::atomic<std::size_t> begin_{0};
+  alignas(64) std::atomic<std::size_t> end_{0};
+};
+
+}  // namespace hapton

@@ -1,0 +1,24 @@
+#include "scene/touch_mesh.h"
+
+#include <utility>
+
+#include "scene/mesh_file.h"
+
+namespace hapton {
+
+SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing) {
+  SealReport report;
+  if (sealing == CrackSealing::on) mesh = seal_cracks(std::move(mesh), report);
+  return report;
+}
+
+Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing) {
+  Result<MeshFile> file = load_mesh_file(path, unit);
+  if (!file) return tl::unexpected(file.error());
+  TouchMesh touch{.mesh = std::move(file->mesh), .sealed = {}, .notes = std::move(file->notes)};
+  touch.sealed = seal_for_touch(touch.mesh, sealing);
+  if (touch.sealed.is_worth_a_note()) touch.notes.push_back(touch.sealed.describe());
+  return touch;
+}
+
+}  // namespace hapton

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/seal_cracks.h"
+#include "core/geometry/triangle_mesh.h"
+#include "scene/unit.h"
+
+namespace hapton {
+
+// Whether cracks and T-junctions up to kSealedShare of a mesh's longest side are sealed before it is touched (core/geometry/seal_cracks.h).
+enum class CrackSealing { on, off };
+
+// Nothing is done, and nothing reported, with sealing off. RT: set-up only.
+SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing = CrackSealing::on);
+
+// A mesh file as it is touched.
+struct TouchMesh {
+  TriangleMesh mesh;  // metres, the file's own frame
+  SealReport sealed;
+  std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
+};
+
+// Error: whatever load_mesh_file refuses. RT: set-up only.
+Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
+                                  CrackSealing sealing = CrackSealing::on);
+
+}  // namespace hapton

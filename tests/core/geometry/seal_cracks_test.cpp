@@ -1,0 +1,284 @@
+#include "core/geometry/seal_cracks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/geometry/cracked_shapes.h"
+#include "core/geometry/mesh_shapes.h"
+#include "core/geometry/seam_mesh.h"
+#include "tests/support/made_meshes.h"
+#include "tests/support/sealed_invariants.h"
+
+namespace hapton {
+namespace {
+
+using made::are_equal;
+using made::seal_checked;
+using ::testing::HasSubstr;
+
+constexpr double kWidths[] = {1e-12, 1e-9, 1e-6, 1e-5, 0.9e-4};  // of meshes about 1 long
+
+void expect_closed(const TriangleMesh& mesh, const std::string& what) {
+  const made::Sealed sealed = seal_checked(mesh, what);
+  EXPECT_GT(sealed.report.boundary_edges, 0U) << what;
+  EXPECT_TRUE(compute_mesh_topology(sealed.mesh).is_closed()) << what << ": " << sealed.report.describe();
+}
+
+TEST(SealCracks, LeavesClosedMeshesAsTheyCame) {
+  for (const TriangleMesh& mesh : {make_icosphere(0.5, 3), make_box(Vec3(1.0, 0.8, 0.6), 3), make_bumpy_sphere(0.5, 0.25, 5000, 1),
+                                   make_thin_wall(1.0, 1e-5, 4), make_thin_wall(1.0, 1e-9, 1), make_cylinder(0.5, 0.02, 3000)}) {
+    const made::Sealed sealed = seal_checked(mesh, "closed");
+    EXPECT_FALSE(sealed.report.has_sealed());
+    EXPECT_TRUE(are_equal(sealed.mesh, mesh));
+  }
+}
+
+TEST(SealCracks, ClosesWhatWasTornAtEveryEdge) {
+  for (const double width : kWidths) {
+    expect_closed(make_torn(make_icosphere(0.5, 3), width), fmt::format("ball {:g}", width));
+    expect_closed(make_torn(make_box(Vec3(1.0, 0.8, 0.6), 3), width), fmt::format("box {:g}", width));
+    expect_closed(make_torn(make_bumpy_sphere(0.45, 0.25, 5000, 1), width), fmt::format("bumps {:g}", width));
+  }
+}
+
+TEST(SealCracks, ClosesGapsAndOverlapsOfRandomWidth) {
+  for (const double width : kWidths) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      const auto what = [&](const char* name) { return fmt::format("{} {:g}, seed {}", name, width, seed); };
+      expect_closed(make_shaken(make_icosphere(0.5, 3), width, seed), what("ball"));
+      expect_closed(make_shaken(make_bumpy_sphere(0.45, 0.25, 5000, 1), width, seed), what("bumps"));
+      expect_closed(make_shaken(make_thin_wall(1.0, 0.01, 6), width, seed), what("wall"));
+    }
+  }
+}
+
+TEST(SealCracks, ClosesTJunctionsBetweenSheetsCutApart) {
+  for (const double width : kWidths) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      expect_closed(make_patched_box(Vec3(1.0, 0.8, 0.6), width, seed), fmt::format("box {:g}, seed {}", width, seed));
+      if (width < 1e-6) continue;  // chords as short as that take millions of triangles
+      expect_closed(make_patched_sphere(0.5, 0.0, width, seed), fmt::format("sphere {:g}, seed {}", width, seed));
+      expect_closed(make_patched_sphere(0.45, 0.1, width, seed), fmt::format("waves {:g}, seed {}", width, seed));
+    }
+  }
+}
+
+TEST(SealCracks, DoesNotDependOnScaleAndPlace) {
+  const TriangleMesh mesh = make_patched_box(Vec3(1.0, 0.8, 0.6), 0.5e-4, 4);
+  const made::Sealed sealed = seal_checked(mesh, "at hand");
+  for (const double scale : {1e-3, 1e-6, 1e3, 1e6}) {
+    const made::Sealed scaled = seal_checked(scaled_and_moved(mesh, scale, Vec3::Zero()), "scaled");
+    EXPECT_EQ(scaled.mesh.triangles, sealed.mesh.triangles) << scale;
+  }
+  for (const double offset : {10.0, 1e3, 1e6}) {
+    const made::Sealed moved = seal_checked(scaled_and_moved(mesh, 1.0, offset * Vec3(1.0, -1.0, 1.0)), "moved");
+    EXPECT_EQ(moved.mesh.triangles, sealed.mesh.triangles) << offset;
+  }
+}
+
+TEST(SealCracks, AThinPlateKeepsItsTwoSides) {
+  // Thinner than the tolerance, with cracks along its edges that are narrower than it is thick.
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const TriangleMesh plate = make_shaken(make_box(Vec3(1.0, 0.8, 5e-5), 1), 1e-5, seed);
+    expect_closed(plate, fmt::format("seed {}", seed));
+    SealReport report;
+    EXPECT_NEAR(compute_volume(seal_cracks(plate, report)), 0.8 * 5e-5, 0.2 * 0.8 * 5e-5);
+  }
+}
+
+TriangleMesh two_sheets(const Vec3& between, int cells) {
+  return joined(make_plane_grid(1.0, cells), scaled_and_moved(make_plane_grid(1.0, cells), 1.0, between));
+}
+
+TEST(SealCracks, SheetsCloseTogetherKeepTheirInsides) {
+  const TriangleMesh sheets =
+      joined(make_plane_grid(1.0, 8), scaled_and_moved(flipped(make_plane_grid(1.0, 8)), 1.0, Vec3(0.0, 0.0, 5e-5)));
+  const made::Sealed sealed = seal_checked(sheets, "two sheets");
+  // Rims may be joined; each inner vertex is there yet, twice.
+  std::size_t inner = 0;
+  for (const Vec3& vertex : sealed.mesh.vertices) inner += vertex.head<2>().cwiseAbs().maxCoeff() < 0.49 ? 1 : 0;
+  EXPECT_EQ(inner, 2U * 7U * 7U);
+  EXPECT_NEAR(compute_area(sealed.mesh), 2.0, 1e-3);
+}
+
+TEST(SealCracks, OpenSheetsStayOpen) {
+  for (const TriangleMesh& mesh : {make_plane_grid(1.0, 8), two_sheets(Vec3(1.001, 0.0, 0.0), 8), two_sheets(Vec3(1.0, 0.0, 3e-4), 8),
+                                   two_sheets(Vec3(0.3, 0.2, 5e-5), 8), two_sheets(Vec3(1.00005, 1.00005, 0.0), 8)}) {
+    EXPECT_FALSE(seal_checked(mesh, "open").report.has_sealed());
+  }
+}
+
+TEST(SealCracks, ANarrowStripStays) {
+  // A ribbon narrower than the tolerance, its sides cut in different places; and one with a row of vertices along its middle.
+  TriangleMesh ribbon;
+  for (int i = 0; i <= 40; ++i) ribbon.vertices.emplace_back((i + (i % 2 == 0 ? 0.0 : 0.3)) / 40.0, i % 2 == 0 ? 0.0 : 0.5e-4, 0.0);
+  for (std::uint32_t i = 0; i + 2 <= 40; ++i)
+    ribbon.triangles.push_back(i % 2 == 0 ? Triangle{i, i + 2, i + 1} : Triangle{i, i + 1, i + 2});
+  EXPECT_FALSE(seal_checked(ribbon, "ribbon").report.has_sealed());
+  TriangleMesh wide = make_plane_grid(1.0, 10);
+  std::erase_if(wide.triangles, [&](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return std::fabs(wide.vertices[v].y()) > 0.11; });
+  });
+  for (Vec3& vertex : wide.vertices) vertex.y() *= 4e-4;
+  EXPECT_FALSE(seal_checked(wide, "ribbon with a middle").report.has_sealed());
+}
+
+// A square cut from its left side to its middle, the cut so wide at the rim.
+TriangleMesh notched(double width, int cells_above, int cells_below) {
+  TriangleMesh sheet;
+  const auto half = [&](double side, int cells) {
+    TriangleMesh part = make_plane_grid(1.0, cells);
+    for (Vec3& v : part.vertices) {
+      const double along = v.x() + 0.5;  // 0 to 1
+      const double gap = 0.5 * width * std::max(0.0, 1.0 - 2.0 * along);
+      v.y() = side * (gap + (v.y() + 0.5) * 0.5);
+    }
+    return side > 0.0 ? part : flipped(part);
+  };
+  return joined(half(1.0, cells_above), half(-1.0, cells_below));
+}
+
+TEST(SealCracks, ANotchIsNotZippedUpFromItsTip) {
+  for (const auto& [above, below] : {std::pair(64, 64), std::pair(64, 4), std::pair(150, 2), std::pair(100, 150)}) {
+    const made::Sealed sealed = seal_checked(notched(0.2, above, below), fmt::format("{} and {} cells", above, below));
+    // The half beyond the tip is closed. The rim, about 4.5 long, and the notch, two sides of 0.5 each, stay.
+    double open = 0.0;
+    const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(sealed.mesh);
+    double left_of_tip = 0.0;
+    for (std::size_t v = 0; v < at_boundary.size(); ++v) {
+      const Vec3& p = sealed.mesh.vertices[v];
+      if (at_boundary[v] != 0 && std::fabs(p.y()) < 0.11 && p.x() > -0.499) left_of_tip = std::max(left_of_tip, p.x());
+      open += at_boundary[v];
+    }
+    EXPECT_GT(open, 0.0);
+    EXPECT_GT(left_of_tip, -0.05);
+    EXPECT_LT(sealed.report.widest_gap, 1.01 * sealed.report.tolerance);
+    EXPECT_NEAR(compute_area(sealed.mesh), 1.0, 1e-3);
+  }
+}
+
+TEST(SealCracks, AWiderSlitStaysAndANarrowerOneCloses) {
+  const auto slit = [](double width) {
+    TriangleMesh sheets = two_sheets(Vec3(1.0 + width, 0.0, 0.0), 8);
+    return sheets;
+  };
+  const double extent = 2.0;
+  EXPECT_EQ(seal_checked(slit(0.9e-4 * extent), "narrow").report.zipped_edges, 8U);
+  EXPECT_FALSE(seal_checked(slit(1.1e-4 * extent), "wide").report.has_sealed());
+}
+
+TEST(SealCracks, FlippedPatchesAreJoinedAndStayFlipped) {
+  TriangleMesh box = make_patched_box(Vec3(1.0, 0.8, 0.6), 0.5e-4, 1);
+  for (std::size_t t = 0; t < 2U * 3U * 3U; ++t) std::swap(box.triangles[t][1], box.triangles[t][2]);
+  const made::Sealed sealed = seal_checked(box, "flipped face");
+  const EdgeCensus edges = count_edges(sealed.mesh);
+  EXPECT_EQ(edges.border, 0U);
+  EXPECT_EQ(edges.non_manifold, 0U);
+  EXPECT_GT(edges.inconsistent, 0U);
+}
+
+TEST(SealCracks, AuthoredNormalsGoWithTheirCorners) {
+  TriangleMesh box = make_patched_box(Vec3(1.0, 0.8, 0.6), 0.5e-4, 1);
+  for (std::size_t t = 0; t < box.triangles.size(); ++t) {
+    const Eigen::Vector3f normal = made::normal_of(box, t).normalized().cast<float>();
+    box.authored_normals.push_back({normal, normal, normal});
+  }
+  const made::Sealed sealed = seal_checked(box, "with normals");
+  ASSERT_TRUE(sealed.mesh.has_authored_normals());
+  EXPECT_GT(sealed.report.split_triangles, 0U);
+  for (std::size_t t = 0; t < sealed.mesh.triangles.size(); ++t) {
+    for (const Eigen::Vector3f& normal : sealed.mesh.authored_normals[t])
+      EXPECT_GT(normal.cast<double>().dot(made::normal_of(sealed.mesh, t).normalized()), 0.99);
+  }
+}
+
+TEST(SealCracks, ThousandsOfVerticesInOneSpotTakeTheirShareOfTime) {
+  // A fan of slivers, each apart from the next: the tip of all of them is one spot.
+  for (const double width : {1e-9, 1e-5, 0.9e-4})
+    expect_closed(make_shaken(make_cylinder(0.5, 0.02, 3000), width, 1), fmt::format("{:g}", width));
+}
+
+TEST(SealCracks, SaysInOneLineWhatItDid) {
+  const made::Sealed sealed = seal_checked(make_patched_box(Vec3(1.0, 0.8, 0.6), 0.5e-4, 1), "box");
+  const std::string line = sealed.report.describe();
+  EXPECT_THAT(line, HasSubstr("sealed cracks up to"));
+  EXPECT_THAT(line, HasSubstr(fmt::format("welded {} vertices", sealed.report.welded_vertices)));
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+// Soups in which anything may meet anything, of several densities: thousands of vertices and edges within one tolerance, too.
+TEST(SealCracks, HoldsItsPromisesOnSoups) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    for (const double size : {0.2, 1e-2, 1e-3, 1e-4, 1e-5}) {
+      TriangleMesh soup = made::soup(seed, 1500, std::max(20.0 * size, 1e-3), size);
+      soup.vertices.emplace_back(1.0, 0.0, 0.0);  // the extent
+      soup.vertices.emplace_back(0.0, 0.0, 0.0);
+      seal_checked(soup, fmt::format("soup of {:g}, seed {}", size, seed));
+    }
+  }
+}
+
+// A mesh with a few vertices so far out that all the rest lies within one tolerance: what is there to seal, nobody can tell. Work is
+// bounded, and the mesh is left as it came.
+TEST(SealCracks, LeavesAMeshThatIsOneSpot) {
+  TriangleMesh soup = made::soup(1, 20000, 1e-5, 1e-5);
+  for (std::size_t i = 0; i < soup.vertices.size(); i += 500) soup.vertices[i] += Vec3(1.0, 0.0, 0.0);
+  const made::Sealed sealed = seal_checked(soup, "one spot");
+  if (sealed.report.has_given_up) {
+    EXPECT_TRUE(are_equal(sealed.mesh, soup));
+    EXPECT_EQ(sealed.report.boundary_edges_left, sealed.report.boundary_edges);
+    EXPECT_THAT(sealed.report.describe(), HasSubstr("cracks not sealed"));
+  }
+  EXPECT_TRUE(sealed.report.has_given_up);
+}
+
+// A sphere that was damaged at random: holes, copies, turned and torn triangles, edges of three, empty ones.
+TriangleMesh damaged(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  TriangleMesh mesh = make_bumpy_sphere(0.5, 0.2, 1000, seed);
+  const std::size_t n = mesh.triangles.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    Triangle t = mesh.triangles[i];
+    const double what = uniform(random);
+    if (what < 0.05) {
+      mesh.triangles[i] = {t[0], t[0], t[1]};
+    } else if (what < 0.10) {
+      mesh.triangles.push_back(t);
+    } else if (what < 0.15) {
+      std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+    } else if (what < 0.20) {
+      mesh.vertices.push_back(mesh.vertices[t[0]] + Vec3(0.0, 0.0, 0.05));
+      mesh.triangles.push_back({t[0], t[1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
+    } else if (what < 0.45) {
+      for (std::uint32_t& v : t) {
+        const Vec3 move(uniform(random), uniform(random), uniform(random));
+        mesh.vertices.push_back(mesh.vertices[v] + 5e-5 * (move - Vec3::Constant(0.5)));
+        v = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+      }
+      mesh.triangles[i] = t;
+    } else if (what < 0.5) {
+      mesh.vertices.push_back(0.5 * (mesh.vertices[t[0]] + mesh.vertices[t[1]]));
+      const auto middle = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
+      mesh.triangles[i] = {t[0], middle, t[2]};
+      mesh.triangles.push_back({middle, t[1], t[2]});
+    }
+  }
+  return mesh;
+}
+
+TEST(SealCracks, HoldsItsPromisesOnDamagedMeshes) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const made::Sealed sealed = seal_checked(damaged(seed), fmt::format("seed {}", seed));
+    EXPECT_LT(10 * sealed.report.boundary_edges_left, 7 * sealed.report.boundary_edges) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,44 @@
+#include "core/geometry/segment_slabs.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton {
+namespace {
+
+TEST(SegmentSlabs, MeetsABoxThatHoldsOneOfItsPoints) {
+  std::mt19937_64 random(20261121);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto draw = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+  std::size_t met = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 a = draw();
+    const Vec3 b = draw();
+    const Vec3 middle = draw();
+    const Vec3 half = 0.5 * draw().cwiseAbs();
+    bool holds = false;
+    for (int k = 0; k <= 1000; ++k) holds |= ((a + k / 1000.0 * (b - a) - middle).cwiseAbs().array() <= half.array()).all();
+    const bool meets = SegmentSlabs(a, b).meets(middle - half, middle + half);
+    met += meets ? 1 : 0;
+    EXPECT_TRUE(meets || !holds) << i;
+    // Points between the samples are at most a thousandth of the length away from one.
+    const Vec3 less = half - 2e-3 * Vec3::Ones();
+    if (holds || !(less.array() > 0.0).all()) continue;
+    EXPECT_FALSE(SegmentSlabs(a, b).meets(middle - less, middle + less)) << i;
+  }
+  EXPECT_GT(met, 20U);
+}
+
+TEST(SegmentSlabs, AlongAnAxisAndOfNoLength) {
+  const Vec3 low(0.0, 0.0, 0.0);
+  const Vec3 high(1.0, 1.0, 1.0);
+  EXPECT_TRUE(SegmentSlabs({0.5, 0.5, -1.0}, {0.5, 0.5, 2.0}).meets(low, high));
+  EXPECT_FALSE(SegmentSlabs({1.5, 0.5, -1.0}, {1.5, 0.5, 2.0}).meets(low, high));
+  EXPECT_FALSE(SegmentSlabs({0.5, 0.5, -2.0}, {0.5, 0.5, -1.0}).meets(low, high));
+  EXPECT_TRUE(SegmentSlabs({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5}).meets(low, high));
+  EXPECT_FALSE(SegmentSlabs({0.5, 0.5, 1.5}, {0.5, 0.5, 1.5}).meets(low, high));
+}
+
+}  // namespace
+}  // namespace hapton

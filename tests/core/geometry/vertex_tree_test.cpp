@@ -1,0 +1,104 @@
+#include "core/geometry/vertex_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "core/geometry/closest_point.h"
+
+namespace hapton {
+namespace {
+
+std::vector<Vec3> draw_points(std::uint64_t seed, std::size_t count, bool has_copies) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < count; ++i) {
+    points.emplace_back(symmetric(random), symmetric(random), symmetric(random));
+    if (has_copies && i % 3 == 1) points.back() = points[i / 2];
+  }
+  return points;
+}
+
+std::vector<std::uint32_t> every_second(std::size_t count) {
+  std::vector<std::uint32_t> items;
+  for (std::uint32_t i = 0; i < count; i += 2) items.push_back(i);
+  return items;
+}
+
+TEST(VertexTree, FindsTheNearestAsLookingAtAllDoes) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const std::vector<Vec3> points = draw_points(seed, 600, true);
+    const std::vector<std::uint32_t> items = every_second(points.size());
+    const VertexTree tree(points, items);
+    std::vector<VertexTree::Found> found;
+    for (std::uint32_t q = 0; q < points.size(); ++q) {
+      for (const auto& [reach, most] :
+           {std::pair(0.2, std::size_t{1000}), std::pair(0.5, std::size_t{7}), std::pair(0.0, std::size_t{9})}) {
+        std::vector<std::pair<double, std::uint32_t>> all;
+        for (const std::uint32_t i : items) {
+          const double squared = (points[i] - points[q]).squaredNorm();
+          if (i != q && squared <= reach * reach) all.emplace_back(squared, i);
+        }
+        std::sort(all.begin(), all.end());
+        all.resize(std::min(all.size(), most));
+        tree.find_nearest(points[q], q, reach, most, found);
+        ASSERT_EQ(found.size(), all.size()) << "seed " << seed;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+          EXPECT_EQ(found[i].vertex, all[i].second);
+          EXPECT_EQ(found[i].squared_distance, all[i].first);
+        }
+      }
+    }
+  }
+}
+
+TEST(VertexTree, FindsWhatIsNearASegmentAsLookingAtAllDoes) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const std::vector<Vec3> points = draw_points(seed, 600, true);
+    std::vector<Vec3> ends = draw_points(seed + 100, 80, false);
+    for (std::size_t i = 0; i < 20; ++i) ends[i][static_cast<int>(i % 3)] = ends[i + 1][static_cast<int>(i % 3)];  // along planes
+    ends.push_back(ends.back());                                                                                   // of no length
+    const std::vector<std::uint32_t> items = every_second(points.size());
+    VertexTree tree(points, items);
+    std::vector<VertexTree::Found> found;
+    for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
+      std::vector<std::uint32_t> all;
+      for (const std::uint32_t i : items) {
+        if (closest_point(ends[e], ends[e + 1], ends[e + 1], points[i]).distance <= 0.15) all.push_back(i);
+      }
+      tree.find_near_segment(ends[e], ends[e + 1], 0.15, found);
+      ASSERT_EQ(found.size(), all.size()) << "seed " << seed << ", segment " << e;
+      for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(found[i].vertex, all[i]);
+    }
+  }
+}
+
+TEST(VertexTree, APointIsTestedAgainstSoManySegmentsOnly) {
+  const std::vector<Vec3> points(100, Vec3::Zero());
+  std::vector<std::uint32_t> items(points.size());
+  std::iota(items.begin(), items.end(), 0U);
+  VertexTree tree(points, items);
+  std::vector<VertexTree::Found> found;
+  std::size_t all = 0;
+  for (std::uint32_t i = 0; i < 2 * VertexTree::kMostSegments; ++i) {
+    tree.find_near_segment(Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), 0.1, found);
+    all += found.size();
+  }
+  EXPECT_EQ(all, points.size() * VertexTree::kMostSegments);
+}
+
+TEST(VertexTree, OfNothingFindsNothing) {
+  const std::vector<Vec3> points(3, Vec3::Zero());
+  VertexTree tree(points, {});
+  std::vector<VertexTree::Found> found(1);
+  tree.find_nearest(Vec3::Zero(), 0, 1.0, 5, found);
+  EXPECT_TRUE(found.empty());
+  tree.find_near_segment(Vec3::Zero(), Vec3::UnitX(), 1.0, found);
+  EXPECT_TRUE(found.empty());
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,101 @@
+#include "link/agreement_worker.h"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+
+#include <thread>
+#include <vector>
+
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using Where = AgreementWorker::Where;
+
+AgreementTask request_task(std::uint32_t number) {
+  EXPECT_TRUE(seal::start_crypto());
+  AgreementTask task;
+  task.number = number;
+  task.psk.fill(3);
+  return task;
+}
+
+void take_all(AgreementWorker& worker, std::vector<AgreementTask>& tasks, std::size_t count) {
+  for (AgreementTask task; tasks.size() < count;) {
+    if (worker.take(task)) tasks.push_back(task);
+  }
+}
+
+class AgreementWorkers : public testing::TestWithParam<Where> {};
+INSTANTIATE_TEST_SUITE_P(Each, AgreementWorkers, testing::Values(Where::caller, Where::own_thread));
+
+TEST_P(AgreementWorkers, FinishTasksInOrder) {
+  AgreementWorker worker(GetParam());
+  std::vector<AgreementTask> tasks;
+  for (std::uint32_t n = 0; n < AgreementWorker::kCapacity; ++n) ASSERT_TRUE(worker.submit(request_task(n)));
+  take_all(worker, tasks, AgreementWorker::kCapacity);
+  for (std::uint32_t n = 0; n < tasks.size(); ++n) {
+    EXPECT_EQ(tasks[n].number, n);
+    EXPECT_TRUE(tasks[n].went_well);
+    EXPECT_EQ(tasks[n].psk, seal::Secret{}) << "the key is still in it";
+  }
+  EXPECT_EQ(worker.under_way(), 0U);
+}
+
+TEST_P(AgreementWorkers, TakeNoMoreThanTheyHaveRoomFor) {
+  AgreementWorker worker(GetParam());
+  for (int round = 0; round < 3; ++round) {
+    std::size_t taken = 0;
+    while (worker.submit(request_task(0))) ++taken;
+    EXPECT_EQ(taken, AgreementWorker::kCapacity);
+    std::vector<AgreementTask> tasks;
+    take_all(worker, tasks, taken);
+  }
+}
+
+TEST_P(AgreementWorkers, EndWithWorkLeft) {
+  AgreementWorker worker(GetParam());
+  for (int n = 0; n < 10; ++n) worker.submit(request_task(0));
+}
+
+TEST_P(AgreementWorkers, AgreeOnOneSession) {
+  AgreementWorker node(GetParam());
+  AgreementWorker hub(GetParam());
+  std::vector<AgreementTask> done;
+  node.submit(request_task(1));
+  take_all(node, done, 1);
+  AgreementTask answer = request_task(2);
+  answer.kind = AgreementTask::Kind::answer_request;
+  answer.connection = 1234;
+  answer.first = done[0].first;
+  hub.submit(answer);
+  take_all(hub, done, 2);
+  ASSERT_TRUE(done[1].went_well);
+  AgreementTask read = done[0];
+  read.kind = AgreementTask::Kind::read_answer;
+  read.second = done[1].second;
+  node.submit(read);
+  take_all(node, done, 3);
+  ASSERT_TRUE(done[2].went_well);
+  EXPECT_EQ(done[2].connection, 1234U);
+  EXPECT_EQ(done[1].keys.client_to_hub, done[2].keys.client_to_hub);
+  EXPECT_EQ(done[1].keys.hub_to_client, done[2].keys.hub_to_client);
+  EXPECT_NE(done[1].keys.client_to_hub, done[1].keys.hub_to_client);
+}
+
+TEST(AgreementWorkerTest, HandsOverWithoutTheHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  AgreementWorker worker(Where::own_thread);
+  const AgreementTask task = request_task(0);
+  const AllocationGuard guard;
+  AgreementTask done;
+  for (int n = 0; n < 50; ++n) {
+    ASSERT_TRUE(worker.submit(task));
+    while (!worker.take(done)) std::this_thread::yield();
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,95 @@
+#include "link/refusal_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "link/memory_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+const Address kOne = memory_address(66, 6);
+const Address kOther = memory_address(67, 6);
+
+void note(RefusalWatch& watch, Refusal refusal, const Address& from, int count) {
+  for (int i = 0; i < count; ++i) watch.note(refusal, from);
+}
+
+TEST(RefusalWatchTest, SaysNothingOfAFew) {
+  RefusalWatch watch;
+  EXPECT_FALSE(watch.take(kSecond));
+  note(watch, Refusal::wrong_key, kOne, 900);
+  EXPECT_FALSE(watch.take(2 * kSecond));
+  note(watch, Refusal::replayed_handshake, kOne, 20);  // two nodes of one host that asked at the same time
+  EXPECT_FALSE(watch.take(3 * kSecond));
+}
+
+// Nodes of ours send none: someone who repeats a hundred a second is named, though a thousand of other kinds would pass.
+TEST(RefusalWatchTest, NamesASlowFloodOfHandshakes) {
+  for (const Refusal refusal : {Refusal::replayed_handshake, Refusal::too_many_handshakes}) {
+    RefusalWatch watch;
+    watch.take(kSecond);
+    note(watch, refusal, kOne, 100);
+    note(watch, Refusal::unknown_session, kOther, 900);
+    const auto flood = watch.take(2 * kSecond);
+    ASSERT_TRUE(flood);
+    EXPECT_EQ(flood->refusal, refusal);
+    EXPECT_EQ(flood->from, kOne);
+  }
+}
+
+TEST(RefusalWatchTest, TakesMoreThanOneAtATime) {
+  RefusalWatch watch;
+  watch.take(kSecond);
+  watch.note(Refusal::oversized, kOne, 700'000);
+  const auto flood = watch.take(2 * kSecond);
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::oversized);
+  EXPECT_DOUBLE_EQ(flood->per_second, 700'000.0);
+}
+
+TEST(RefusalWatchTest, NamesAFloodOnceASecondAndTheWorstAlone) {
+  RefusalWatch watch;
+  watch.take(kSecond);
+  note(watch, Refusal::malformed, kOther, 2000);
+  note(watch, Refusal::replayed_handshake, kOne, 50'000);
+  EXPECT_FALSE(watch.take(kSecond + kSecond / 2));
+  const auto flood = watch.take(2 * kSecond);
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::replayed_handshake);
+  EXPECT_EQ(flood->from, kOne);
+  EXPECT_FALSE(flood->is_from_several);
+  EXPECT_DOUBLE_EQ(flood->per_second, 50'000.0);
+  EXPECT_FALSE(watch.take(2 * kSecond));
+  EXPECT_FALSE(watch.take(3 * kSecond)) << "it is over";
+}
+
+TEST(RefusalWatchTest, ARateIsOfTheTimeThatPassed) {
+  RefusalWatch watch;
+  watch.take(0);
+  note(watch, Refusal::forged, kOne, 5000);
+  EXPECT_FALSE(watch.take(10 * kSecond));
+}
+
+TEST(RefusalWatchTest, SaysWhenThereAreSeveralSources) {
+  RefusalWatch watch;
+  watch.take(kSecond);
+  note(watch, Refusal::forged, kOne, 1);
+  note(watch, Refusal::forged, kOther, 5000);
+  const auto flood = watch.take(2 * kSecond);
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->from, kOther);
+  EXPECT_TRUE(flood->is_from_several);
+}
+
+TEST(RefusalWatchTest, EveryRefusalHasWordsOfItsOwn) {
+  std::set<std::string_view> words;
+  for (std::size_t n = 0; n < kRefusals; ++n) words.insert(describe(static_cast<Refusal>(n)));
+  EXPECT_EQ(words.size(), kRefusals);
+}
+
+}  // namespace
+}  // namespace hapton

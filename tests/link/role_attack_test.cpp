@@ -1,0 +1,186 @@
+// What the holder of one role's key can do to the others, with the hub's whole link between: he is on the line, hears every byte, and may
+// send from any address.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "link/hub_client.h"
+#include "link/hub_peers.h"
+#include "link/memory_endpoint.h"
+#include "link/sealed_client.h"
+#include "link/sealed_hub.h"
+#include "tests/link/tapped_endpoint.h"
+
+namespace hapton {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+constexpr double kTrueForceN = 1.0;
+constexpr double kFalseForceN = 3.0;
+
+struct Member {
+  Member(MemoryNetwork& network, const Clock& clock, const RoleKey& key, NodeRole role, std::uint8_t host, const Address& hub)
+      : endpoint(*network.open(memory_address(host, 9))),
+        sealed(endpoint, clock, key, hub, {.host = host}),
+        client(sealed, clock, role, hub) {}
+
+  TappedEndpoint endpoint;
+  SealedClient sealed;
+  HubClient client;
+};
+
+class RoleAttack : public testing::Test {
+ protected:
+  RoleAttack() {
+    EXPECT_TRUE(seal::start_crypto());
+    sealed_.emplace(hub_endpoint_, clock_, master_);
+    peers_.emplace(*sealed_, clock_, 7, 1000.0);
+    haptics_ = make_member(KeyRole::haptics, NodeRole::haptics, 2);
+  }
+
+  std::unique_ptr<Member> make_member(KeyRole key_role, NodeRole role, std::uint8_t host) {
+    return std::make_unique<Member>(network_, clock_, RoleKey(master_, key_role), role, host, hub_at_);
+  }
+
+  // A millisecond at a time: the hub sends a state, the haptics node answers, the attacker has his turn.
+  template <class Turn>
+  void run(int ms, Turn&& attacker) {
+    for (int i = 0; i < ms; ++i) {
+      clock_.advance_ns(kMs);
+      peers_->send_to_role(NodeRole::haptics, DeviceState{.sample = ++sample_});
+      turn(*haptics_);
+      attacker();
+      turn_hub();
+    }
+  }
+
+  void turn(Member& member) {
+    Datagram datagram;
+    while (member.client.receive(datagram, 0)) {
+      const auto* state = std::get_if<DeviceState>(&datagram.message);
+      if (state != nullptr) member.client.send(ForceCommand{.echo_sample = state->sample, .force_n = Vec3(kTrueForceN, 0, 0)});
+    }
+  }
+
+  void turn_hub() {
+    Datagram datagram;
+    std::uint64_t before = 0;
+    do {
+      before = peers_->counts().received;
+      const PeerEvent event = peers_->receive(datagram, 0);
+      const auto* force = std::get_if<ForceCommand>(&datagram.message);
+      if (event.kind != PeerEvent::Kind::message || force == nullptr) continue;
+      (force->force_n.x() == kTrueForceN ? true_forces_ : false_forces_) += 1;
+    } while (peers_->counts().received != before);
+  }
+
+  SimulatedClock clock_{1000 * kNanosecondsPerSecond};
+  MemoryNetwork network_{clock_};
+  Address hub_at_ = memory_address(1, 4950);
+  TappedEndpoint hub_endpoint_{*network_.open(hub_at_)};
+  LinkKey master_ = LinkKey::make_random();
+  std::optional<SealedHub> sealed_;
+  std::optional<HubPeers> peers_;
+  std::unique_ptr<Member> haptics_;
+  std::uint64_t sample_ = 0;
+  int true_forces_ = 0;
+  int false_forces_ = 0;
+};
+
+// The attack that found 3,399 of 3,399 forces its own: listen to the handshake, derive the session's keys, seal forces with them.
+TEST_F(RoleAttack, ForcesSealedWithWhatAVisionKeyDerivesAreRefused) {
+  run(300, [] {});
+  ASSERT_GT(true_forces_, 250);
+  // Of every request and answer on the line, and of everything he can do with them and his key: a handshake of his own on each request, as
+  // if he were the hub, with the vision key and with the tag and role that would belong to it.
+  const RoleKey vision(master_, KeyRole::vision);
+  Codec codec;
+  int tried = 0;
+  const auto connections = [&] {
+    std::vector<std::uint32_t> seen;
+    for (const auto& heard : hub_endpoint_.heard()) {
+      if (classify_sealed(heard.bytes).kind != seal::Kind::data) continue;
+      seen.push_back(seal::load<std::uint32_t>(seal::bytes_of(std::span(heard.bytes)) + seal::kConnectionAt));
+    }
+    return seen;
+  }();
+  ASSERT_FALSE(connections.empty());
+  const std::vector<TappedEndpoint::Heard> recorded = hub_endpoint_.heard();
+  const SealCounts before = sealed_->seal_counts();
+  for (const auto& heard : recorded) {
+    if (classify_sealed(heard.bytes).kind != seal::Kind::request) continue;
+    const std::uint8_t* const request = seal::bytes_of(std::span(heard.bytes));
+    AgreementTask task;
+    task.kind = AgreementTask::Kind::answer_request;
+    task.connection = connections.back();
+    task.psk = seal::derive_psk(vision);
+    std::copy_n(request, seal::kPrologueBytes, task.prologue.begin());
+    std::copy_n(request + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
+    run_agreement(task);
+    EXPECT_FALSE(task.went_well);
+    // Whatever is in the state now is the best he has.
+    const noise::TransportKeys guess = task.state.split();
+    seal::SessionKeys keys;
+    keys.client_to_hub = guess.initiator_to_responder;
+    keys.hub_to_client = guess.responder_to_initiator;
+    SealedChannel channel(keys, connections.back(), SealedChannel::Side::client);
+    for (std::uint64_t sequence = 1000; sequence < 1100; ++sequence, ++tried) {
+      Bytes plain(kMaxDatagramBytes);
+      plain.resize(codec.encode({{7, 1, sequence, clock_.now_ns()}, ForceCommand{.force_n = Vec3(kFalseForceN, 0, 0)}}, plain));
+      Bytes sealed(kMaxDatagramBytes);
+      for (int skip = 0; skip < 50; ++skip) channel.seal(plain, sealed);  // counters that the hub has not seen
+      sealed.resize(channel.seal(plain, sealed));
+      hub_endpoint_.put_in(heard.from, sealed);
+      turn_hub();
+    }
+  }
+  EXPECT_GE(tried, 200);
+  EXPECT_EQ(false_forces_, 0);
+  EXPECT_EQ(sealed_->seal_counts().forged - before.forged + sealed_->seal_counts().replayed - before.replayed,
+            static_cast<std::uint64_t>(tried));
+  const int had = true_forces_;
+  run(100, [] {});
+  EXPECT_GE(true_forces_, had + 99);
+}
+
+TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
+  for (const KeyRole key_role : {KeyRole::vision, KeyRole::tool, KeyRole::operator_role}) {
+    const std::uint8_t host = static_cast<std::uint8_t>(10 + static_cast<int>(key_role));
+    const std::uint64_t violations = peers_->counts().role_violations;
+    const auto liar = make_member(key_role, NodeRole::haptics, host);
+    run(300, [&] {
+      turn(*liar);
+      liar->client.send(ForceCommand{.echo_sample = sample_, .force_n = Vec3(kFalseForceN, 0, 0)});
+    });
+    EXPECT_NE(liar->client.state(), JoinState::joined);
+    EXPECT_GT(peers_->counts().role_violations, violations);
+    // Joined as what the key says, it still sends no force.
+    const std::uint64_t misplaced = peers_->counts().misplaced;
+    const NodeRole own = key_role == KeyRole::vision ? NodeRole::vision : NodeRole::tool;
+    const auto member = make_member(key_role, own, static_cast<std::uint8_t>(host + 100));
+    run(300, [&] {
+      turn(*member);
+      member->client.send(ForceCommand{.echo_sample = sample_, .force_n = Vec3(kFalseForceN, 0, 0)});
+    });
+    EXPECT_EQ(member->client.state(), JoinState::joined);
+    EXPECT_GT(peers_->counts().misplaced, misplaced);
+  }
+  EXPECT_EQ(false_forces_, 0);
+  EXPECT_GT(true_forces_, 1700);
+}
+
+TEST_F(RoleAttack, AnotherSystemsHapticsKeyIsAsGoodAsNone) {
+  run(100, [] {});
+  Member stranger(network_, clock_, RoleKey(LinkKey::make_random(), KeyRole::haptics), NodeRole::haptics, 66, hub_at_);
+  run(300, [&] { turn(stranger); });
+  EXPECT_EQ(stranger.client.state(), JoinState::joining);
+  EXPECT_EQ(stranger.sealed.seal_counts().opened, 0U);
+  EXPECT_GT(sealed_->seal_counts().wrong_key, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,313 @@
+// Replayed handshakes, floods, roles and changes of keys at the hub.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/link/sealed_hub_fixture.h"
+
+namespace hapton::sealed_hub {
+namespace {
+
+// --- handshakes that were recorded, and floods of them
+
+TEST_F(SealedHubTest, AReplayedHandshakeMeetsSilenceFromAnyAddressAndIsCounted) {
+  const auto node = make_node(2);
+  join(*node);
+  const auto recorded = hub_endpoint_.heard();
+  const std::size_t sent = hub_endpoint_.sent();
+  std::uint64_t replays = 0;
+  for (const Address& from : {node->endpoint.local_address(), memory_address(66, 6), memory_address(2, 10)}) {
+    for (const auto& heard : recorded) {
+      if (classify_sealed(heard.bytes).kind != seal::Kind::request) continue;
+      for (int times = 0; times < 100; ++times) {
+        hub_endpoint_.put_in(from, heard.bytes);
+        EXPECT_TRUE(hub_hears().empty());
+        ++replays;
+      }
+    }
+  }
+  EXPECT_EQ(replays, 600U);
+  EXPECT_EQ(hub_endpoint_.sent(), sent) << "a replay was answered";
+  EXPECT_EQ(hub_->seal_counts().replayed_handshakes, replays);
+}
+
+// A hub that was restarted has seen no timestamps: what it gives away then is one cookie, no longer than what came, for each recorded
+// request that is later than those before, within the rate; never a session.
+TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
+  const auto node = make_node(2);
+  join(*node);
+  const auto recorded = hub_endpoint_.heard();
+  start_hub();
+  const std::size_t sent = hub_endpoint_.sent();
+  for (int times = 0; times < 1000; ++times) {
+    for (const auto& heard : recorded) hub_endpoint_.put_in(memory_address(66, 6), heard.bytes);
+    EXPECT_TRUE(hub_hears().empty());
+  }
+  EXPECT_LE(hub_endpoint_.sent() - sent, 2U);
+  EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
+}
+
+TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
+  // The holder of a key, who can make as many good requests as he likes: one address, many ports and hosts.
+  for (int i = 0; i < 1000; ++i) {
+    ClientHandshake greedy(RoleKey(key_of(1), KeyRole::tool), static_cast<std::uint64_t>(i), AgreementWorker::Where::caller);
+    greedy.begin();
+    greedy.ask(1000 + i);
+    Bytes request(seal::kRequestBytes);
+    greedy.poll(request);
+    hub_endpoint_.put_in(memory_address(66, static_cast<std::uint16_t>(1000 + i)), request);
+    EXPECT_TRUE(hub_hears().empty());
+  }
+  EXPECT_EQ(hub_->seal_counts().retries, static_cast<std::uint64_t>(SealedHub::kHandshakeRates.source_burst));
+  EXPECT_EQ(hub_->seal_counts().retries + hub_->seal_counts().too_many_handshakes, 1000U);
+  EXPECT_EQ(hub_endpoint_.sent(), hub_->seal_counts().retries);
+  // Others are served meanwhile.
+  const auto node = make_node(2);
+  join(*node);
+}
+
+TEST_F(SealedHubTest, AFloodIsNamed) {
+  const auto node = make_node(2);
+  join(*node);
+  const auto recorded = hub_endpoint_.heard().front().bytes;
+  hub_->take_flood(clock_.now_ns());
+  for (int i = 0; i < 5000; ++i) hub_endpoint_.put_in(memory_address(66, 6), recorded);
+  while (hub_->seal_counts().replayed_handshakes < 5000) hub_hears();
+  clock_.advance_ns(kNanosecondsPerSecond);
+  const auto flood = hub_->take_flood(clock_.now_ns());
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::replayed_handshake);
+  EXPECT_EQ(flood->from, memory_address(66, 6));
+  EXPECT_NEAR(flood->per_second, 5000.0, 1.0);
+}
+
+TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
+  hub_->take_flood(clock_.now_ns());
+  hub_endpoint_.put_in_oversized(memory_address(66, 6), 740'000);
+  clock_.advance_ns(kNanosecondsPerSecond);
+  const auto flood = hub_->take_flood(clock_.now_ns());
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::oversized);
+  EXPECT_EQ(flood->from, memory_address(66, 6));
+  EXPECT_NEAR(flood->per_second, 740'000.0, 1.0);
+  EXPECT_EQ(hub_->seal_counts().oversized, 740'000U);
+  EXPECT_EQ(hub_->seal_counts().refused(), 740'000U);
+  clock_.advance_ns(kNanosecondsPerSecond);
+  EXPECT_FALSE(hub_->take_flood(clock_.now_ns())) << "it is over";
+}
+
+// --- roles
+
+// A request of a node that has only a key, from wherever it says.
+Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
+  ClientHandshake greedy(RoleKey(key_of(1), role), host, AgreementWorker::Where::caller);
+  greedy.begin();
+  greedy.ask(time_ns);
+  Bytes request(seal::kRequestBytes);
+  greedy.poll(request);
+  return request;
+}
+
+// Addresses can be anyone's: without the rates by role, whoever holds a tool's key keeps the haptics node from its cookie for ever.
+TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
+  std::unique_ptr<Node> haptics;  // comes when the flood has spent every burst
+  std::uint64_t made = 0;
+  for (int ms = 0; ms < 200; ++ms) {
+    clock_.advance_ns(kMs);
+    for (int i = 0; i < 5; ++i, ++made) {  // 5,000 a second, each from another host
+      hub_endpoint_.put_in(memory_address(static_cast<std::uint8_t>(20 + made % 200), 9), make_request(KeyRole::tool, made, 1));
+    }
+    hub_hears();
+    if (ms == 100) haptics = make_node(2, key_of(1), KeyRole::haptics);
+    if (haptics == nullptr) continue;
+    say(*haptics, "hello");
+    hub_hears();
+    node_hears(*haptics);
+  }
+  EXPECT_GT(hub_->seal_counts().too_many_handshakes, 500U);
+  EXPECT_TRUE(answer(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
+}
+
+// As many live sessions as a tool's key can have, kept busy: the haptics node still comes in, and changes its keys.
+TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoPlaceOfAnother) {
+  std::vector<std::unique_ptr<Node>> crowd;
+  for (std::size_t i = 0; i < SealedHub::kPlaces; ++i) {
+    crowd.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::tool));
+    say(*crowd.back(), "mine");
+    meet(*crowd.back());
+    for (const auto& node : crowd) node->sealed.send(hub_at_, text("still here"));
+    hub_hears();
+  }
+  EXPECT_EQ(hub_->seal_counts().handshakes, SealedHub::kRolePlaces[2]);
+  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
+  join(*haptics);
+  const auto again = make_node(3, key_of(1), KeyRole::haptics);
+  join(*again);
+  const auto vision = make_node(4, key_of(1), KeyRole::vision);
+  join(*vision);
+}
+
+TEST_F(SealedHubTest, WhatIsHandedOutWearsTheRoleOfItsKey) {
+  const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
+  const auto tool = make_node(3, key_of(1), KeyRole::tool);
+  std::array<std::byte, kMaxDatagramBytes> into;
+  for (const auto& [node, role] : {std::pair(haptics.get(), KeyRole::haptics), std::pair(tool.get(), KeyRole::tool)}) {
+    join(*node);
+    say(*node, "who am I");
+    EXPECT_EQ(hub_->receive(into, 0).role, role);
+  }
+}
+
+// Who holds the vision key and can play the haptics node's address does not end the haptics node's session.
+TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
+  const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
+  join(*haptics);
+  ClientHandshake intruder(RoleKey(key_of(1), KeyRole::vision), 5, AgreementWorker::Where::caller);
+  intruder.begin();
+  const Address at = haptics->endpoint.local_address();
+  Bytes request(seal::kRequestBytes);
+  const auto ask = [&](std::int64_t time_ns) {
+    intruder.ask(time_ns);
+    intruder.poll(request);
+    hub_endpoint_.put_in(at, request);
+    hub_hears();
+    node_hears(*haptics);  // takes the datagram off the wire
+    return haptics->endpoint.heard().back().bytes;
+  };
+  ASSERT_TRUE(intruder.read_retry(ask(1)));
+  const std::uint64_t refused = hub_->seal_counts().no_place;
+  ask(2);
+  EXPECT_EQ(hub_->seal_counts().no_place, refused + 1);
+  EXPECT_TRUE(answer(*haptics, "still yours"));
+  EXPECT_EQ(node_hears(*haptics), std::vector<std::string>{"still yours"});
+}
+
+// --- rekeying
+
+// A node at 1 kHz whose every word is answered, over a wire that delays, jitters and reorders: over many changes of keys no word and no
+// answer is lost, and none comes later than the wire makes it.
+TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
+  for (const std::int64_t jitter_ns : {std::int64_t{0}, 5 * kMs}) {
+    SCOPED_TRACE(jitter_ns);
+    start_hub();
+    network_.set_impairments({.seed = 5, .reorder = jitter_ns == 0 ? 0.0 : 0.2, .delay_ns = 2 * kMs, .jitter_ns = jitter_ns});
+    Node node(network_, clock_, memory_address(static_cast<std::uint8_t>(jitter_ns == 0 ? 20 : 21), 9), hub_at_,
+              RoleKey(key_of(1), KeyRole::haptics));
+    SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_at_,
+                        {.host = 1000 + static_cast<std::uint64_t>(jitter_ns), .rekey_every_ns = 300 * kMs});
+    std::array<std::byte, kMaxDatagramBytes> into;
+    std::map<int, std::int64_t> said_ns;
+    std::map<int, int> answered;
+    std::int64_t latest_ns = 0;
+    constexpr int kWarmUp = 50;
+    constexpr int kTurns = 5000;
+    for (int turn = 0; turn < kTurns + 50; ++turn) {
+      clock_.advance_ns(kMs);
+      if (turn < kTurns) {
+        said_ns[turn] = clock_.now_ns();
+        EXPECT_TRUE(sealed.send(hub_at_, text(std::to_string(turn))));
+      }
+      for (const auto& [what, from] : hub_hears()) hub_->send(from, text(what));
+      for (Received received = sealed.receive(into, 0); received.bytes != 0; received = sealed.receive(into, 0)) {
+        const int which = std::stoi(words(std::span(into).first(received.bytes)));
+        ++answered[which];
+        if (which >= kWarmUp) latest_ns = std::max(latest_ns, clock_.now_ns() - said_ns[which]);
+      }
+    }
+    EXPECT_GE(sealed.seal_counts().handshakes, 15U);
+    for (int turn = kWarmUp; turn < kTurns; ++turn) ASSERT_EQ(answered[turn], 1) << turn;
+    EXPECT_LE(latest_ns, 4 * kMs + 2 * jitter_ns + (jitter_ns == 0 ? 0 : 4 * kMs) + 2 * kMs);
+    EXPECT_EQ(sealed.seal_counts().refused(), 0U);
+    EXPECT_EQ(hub_->seal_counts().forged + hub_->seal_counts().unknown_session, 0U);
+  }
+}
+
+TEST_F(SealedHubTest, ASessionIsReplacedAfterSoManyDatagramsToo) {
+  Node node(network_, clock_, memory_address(20, 9), hub_at_, RoleKey(key_of(1), KeyRole::haptics));
+  SealedClient sealed(node.endpoint, clock_, RoleKey(key_of(1), KeyRole::haptics), hub_at_, {.host = 9, .rekey_after = 100});
+  std::array<std::byte, kMaxDatagramBytes> into;
+  int heard = 0;
+  for (int turn = 0; turn < 1000; ++turn) {
+    clock_.advance_ns(kMs);
+    sealed.send(hub_at_, text("x"));
+    for (const auto& [what, from] : hub_hears()) hub_->send(from, text(what));
+    while (sealed.receive(into, 0).bytes != 0) ++heard;
+  }
+  EXPECT_GE(sealed.seal_counts().handshakes, 8U);
+  EXPECT_GE(heard, 999);
+}
+
+TEST_F(SealedHubTest, TheOldSessionIsOverAfterTheOverlap) {
+  const auto node = make_node(2);
+  join(*node);
+  // On its way for very long: the network holds it while the keys change.
+  say(*node, "slow");
+  std::array<std::byte, kMaxDatagramBytes> into;
+  const Received slow = hub_endpoint_.receive(into, 0);
+  const Bytes held(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(slow.bytes));
+  say(*node, "slower");
+  const Received slower = hub_endpoint_.receive(into, 0);
+  const Bytes held_longer(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(slower.bytes));
+  clock_.advance_ns(SealedClient::kRekeyEveryNs);
+  say(*node, "wake");
+  meet(*node);
+  say(*node, "new keys");
+  EXPECT_EQ(hub_hears().count("new keys"), 1U);
+  EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
+  hub_endpoint_.put_in(slow.from, held);
+  EXPECT_EQ(hub_hears().count("slow"), 1U);
+  clock_.advance_ns(SealedHub::kOverlapNs);
+  hub_endpoint_.put_in(slow.from, held_longer);
+  EXPECT_TRUE(hub_hears().empty());
+}
+
+// --- with worker threads, as the nodes run
+
+TEST(SealedThreadsTest, ANodeThatHasAgreedAsksForNothingMore) {
+  SteadyClock clock;
+  MemoryNetwork network(clock);
+  const Address at = memory_address(1, 4950);
+  auto hub_end = *network.open(at);
+  SealedHub hub(*hub_end, clock, key_of(1), AgreementWorker::Where::own_thread);
+  TappedEndpoint node_end(*network.open(memory_address(2, 9)));
+  SealedClient node(node_end, clock, RoleKey(key_of(1), KeyRole::haptics), at, {.worker = AgreementWorker::Where::own_thread});
+  std::array<std::byte, kMaxDatagramBytes> into;
+  const std::int64_t end_ns = clock.now_ns() + 20 * kNanosecondsPerSecond;
+  node.send(at, text("x"));
+  while (node.seal_counts().handshakes == 0 && clock.now_ns() < end_ns) {
+    hub.receive(into, 0);
+    node.receive(into, clock.now_ns() + kMs / 4);
+  }
+  ASSERT_EQ(node.seal_counts().handshakes, 1U);
+  const std::size_t sent = node_end.sent();
+  for (int turn = 0; turn < 20; ++turn) node.receive(into, clock.now_ns() + kMs);
+  EXPECT_EQ(node_end.sent(), sent);
+}
+
+TEST(SealedThreadsTest, NodesJoinAndChangeKeysWithoutTheCallerWaiting) {
+  SteadyClock clock;
+  MemoryNetwork network(clock);
+  const Address at = memory_address(1, 4950);
+  auto hub_end = *network.open(at);
+  SealedHub hub(*hub_end, clock, key_of(1), AgreementWorker::Where::own_thread);
+  auto node_end = *network.open(memory_address(2, 9));
+  SealedClient node(*node_end, clock, RoleKey(key_of(1), KeyRole::haptics), at,
+                    {.worker = AgreementWorker::Where::own_thread, .rekey_every_ns = 20 * kMs});
+  std::array<std::byte, kMaxDatagramBytes> into;
+  std::uint64_t heard = 0;
+  const std::int64_t end_ns = clock.now_ns() + 20 * kNanosecondsPerSecond;
+  while (node.seal_counts().handshakes < 10 && clock.now_ns() < end_ns) {
+    node.send(at, text("x"));
+    if (hub.receive(into, clock.now_ns() + kMs).bytes != 0) hub.send(memory_address(2, 9), text("y"));
+    if (node.receive(into, clock.now_ns() + kMs).bytes != 0) ++heard;
+  }
+  EXPECT_GE(node.seal_counts().handshakes, 10U);
+  EXPECT_GT(heard, 10U);
+  EXPECT_EQ(node.seal_counts().forged + hub.seal_counts().forged, 0U);
+}
+
+}  // namespace
+}  // namespace hapton::sealed_hub

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "link/memory_endpoint.h"
+#include "link/sealed_client.h"
+#include "link/sealed_hub.h"
+#include "tests/link/tapped_endpoint.h"
+
+// A hub and its nodes over a network in memory, with someone on the line: what the tests of SealedHub begin with.
+namespace hapton::sealed_hub {
+
+using Bytes = std::vector<std::byte>;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+inline LinkKey key_of(std::uint8_t number) {
+  EXPECT_TRUE(seal::start_crypto());
+  LinkKey::Bytes bytes;
+  bytes.fill(number);
+  return LinkKey(bytes);
+}
+
+inline Bytes text(const std::string& words) {
+  Bytes bytes(words.size());
+  std::transform(words.begin(), words.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });
+  return bytes;
+}
+
+inline std::string words(std::span<const std::byte> bytes) {
+  std::string text;
+  for (const std::byte byte : bytes) text += static_cast<char>(byte);
+  return text;
+}
+
+// A node with a sealed way to the hub, on a host of its own for each address.
+struct Node {
+  Node(MemoryNetwork& network, const Clock& clock, const Address& at, const Address& hub, const RoleKey& key)
+      : endpoint(*network.open(at)), sealed(endpoint, clock, key, hub, {.host = at.ip[15]}) {}
+
+  TappedEndpoint endpoint;
+  SealedClient sealed;
+};
+
+class SealedHubTest : public testing::Test {
+ protected:
+  SealedHubTest() : hub_endpoint_(*network_.open(memory_address(1, 4950))) { start_hub(); }
+
+  void start_hub(const LinkKey& key = key_of(1)) { hub_.emplace(hub_endpoint_, clock_, key); }
+  const Address& at() { return hub_at_; }
+
+  std::unique_ptr<Node> make_node(std::uint8_t host, const LinkKey& key = key_of(1), KeyRole role = KeyRole::vision) {
+    return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_at_, RoleKey(key, role));
+  }
+
+  // All that is sealed for the hub now, by who said it.
+  std::multimap<std::string, Address> hub_hears() {
+    std::multimap<std::string, Address> all;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    for (Received received = hub_->receive(into, 0); received.bytes != 0; received = hub_->receive(into, 0)) {
+      all.emplace(words(std::span(into).first(received.bytes)), received.from);
+    }
+    return all;
+  }
+
+  static std::vector<std::string> node_hears(Node& node) {
+    std::vector<std::string> all;
+    std::array<std::byte, kMaxDatagramBytes> into;
+    for (Received received = node.sealed.receive(into, 0); received.bytes != 0; received = node.sealed.receive(into, 0)) {
+      all.push_back(words(std::span(into).first(received.bytes)));
+    }
+    return all;
+  }
+
+  void say(Node& node, const std::string& what) { EXPECT_TRUE(node.sealed.send(hub_at_, text(what))); }
+  bool answer(const Node& node, const std::string& what) { return hub_->send(node.endpoint.local_address(), text(what)); }
+
+  // Until both have said all they have to say by themselves.
+  std::multimap<std::string, Address> meet(Node& node) {
+    std::multimap<std::string, Address> all;
+    for (int turn = 0; turn < 4; ++turn) {
+      all.merge(hub_hears());
+      node_hears(node);
+    }
+    clock_.advance_ns(20 * kMs);  // what the handshake rates refill in
+    return all;
+  }
+
+  void join(Node& node) {
+    say(node, "first");
+    ASSERT_EQ(meet(node).count("first"), 1U);
+    ASSERT_TRUE(answer(node, "welcome"));
+    ASSERT_EQ(node_hears(node), std::vector<std::string>{"welcome"});
+  }
+
+  // Time in steps, the nodes speaking and listening as HubClient would, the hub answering every word.
+  void live(std::vector<Node*> nodes, int ms) {
+    for (int i = 0; i < ms; ++i) {
+      clock_.advance_ns(kMs);
+      for (Node* node : nodes) {
+        if (i % 100 == 0) say(*node, "hello");
+      }
+      for (const auto& [what, from] : hub_hears()) hub_->send(from, text("re " + what));
+      for (Node* node : nodes) answers_ += static_cast<int>(node_hears(*node).size());
+    }
+  }
+
+  SimulatedClock clock_{1000 * kNanosecondsPerSecond};
+  MemoryNetwork network_{clock_};
+  Address hub_at_ = memory_address(1, 4950);
+  TappedEndpoint hub_endpoint_;
+  std::optional<SealedHub> hub_;
+  int answers_ = 0;
+};
+
+}  // namespace hapton::sealed_hub
