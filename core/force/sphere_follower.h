@@ -121,6 +121,7 @@ class SphereFollower {
   bool climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   double find_stability(const Vec3& c, const Vec3& device) const noexcept;
   Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
+  double find_turn(const Vec3& move) const noexcept;
   bool solve(const Vec3& device, Vec3& c) const noexcept;
   bool solve_on_curve(const Vec3& device, Vec3& c) const noexcept;
   void guide(CentrePath& path) const noexcept;

@@ -66,6 +66,17 @@ double SphereFollower::find_stability(const Vec3& c, const Vec3& device) const n
   return stability;
 }
 
+// By how much the centre's move turns it about the edges and vertices that hold it, rad.
+double SphereFollower::find_turn(const Vec3& move) const noexcept {
+  double most = 0.0;
+  for (int i = 0; i < count_; ++i) {
+    if (!contacts_[i].is_curved()) continue;
+    const Vec3 axis = contacts_[i].part == Part::edge ? contacts_[i].axis() : Vec3(Vec3::Zero());
+    most = std::max(most, (move - axis.dot(move) * axis).norm());
+  }
+  return most / keep_.offset;
+}
+
 // The local minimum for the device on all that holds the centre. `c`: in, near it.
 bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
   constexpr double kLeastOff = 0x1p-40;
@@ -100,10 +111,10 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
     }
     if (!(stability > kLeastStability)) return false;
     const double ahead = frame.along.dot(device - c) / stability;
-    if (!is_line && std::fabs(ahead) > 2.0 * kTurn * keep_.offset) return false;
+    if (!is_line && find_turn(ahead * frame.along) > 2.0 * kTurn) return false;
     c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
-    if (step <= 0x1p-26 * keep_.offset) return step <= keep_.tolerance || restore(c);
+    if (step <= std::max(0x1p-26 * keep_.offset, 0x1p-50)) return step <= keep_.tolerance || restore(c);
   }
   return restore(c);
 }
@@ -131,7 +142,8 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
 bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
   constexpr int kMostHalvings = 40;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kUneven = 0x1p-20;
+  constexpr double kUneven = 0x1p-20;       // of the offset,
+  constexpr double kUnevenShare = 0x1p-24;  // and of the way
   const Vec3 device = on_way(from, to, time);
   const Vec3 motion = to - from;
   if (is_on_axis(device)) {
@@ -150,7 +162,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   const Vec3 rate = is_straight ? Vec3::Zero() : find_rate(centre_, device, motion);
   // So short that it turns by little, and that a cubic keeps time with it: where its speed at most doubles or halves, or where it is seen to.
   const auto is_even = [&](const Vec3& c, double then) {
-    if ((c - centre_).norm() > 2.0 * kTurn * keep_.offset) return false;
+    if (find_turn(c - centre_) > 2.0 * kTurn) return false;
     const double part = then - time;
     const Vec3 rate_there = find_rate(c, on_way(from, to, then), motion);
     const double slow = rate.norm();
@@ -158,10 +170,10 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     if (std::max(slow, fast) <= 2.0 * std::min(slow, fast)) return true;
     Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
     const Vec3 guess = middle;
-    return solve(on_way(from, to, time + 0.5 * part), middle) && (middle - guess).norm() <= kUneven * keep_.offset;
+    return solve(on_way(from, to, time + 0.5 * part), middle) && (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (c - centre_).norm();
   };
   double span = 1.0 - time;
-  if (!is_straight) span = std::min(span, kTurn * keep_.offset / std::max(rate.norm(), 0x1p-100));
+  if (!is_straight) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
   Vec3 end;
   for (int i = 0;; ++i) {
 #ifdef SPHERE_TRACE
@@ -288,7 +300,7 @@ bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, Cent
   double length = std::fabs(ahead);
   if (!is_straight) {
     const double stability = find_stability(centre_, device);
-    const double most = kTurn * keep_.offset;
+    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
     length = !is_unstable && stability > kLeastStability ? std::min(length / stability, most) : most;
   }
   for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
