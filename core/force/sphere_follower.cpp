@@ -96,6 +96,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     next = touching_ == 0    ? fly(from, to, time)
            : is_descending_ ? descend(on_way(from, to, time), to - from)
                             : slide(from, to, time);
+    if (next == Next::wait) next = wait(from, to, time);
 #ifdef SPHERE_TRACE
     if (trace_on && trace_left-- > 0) {
       const Vec3 d = on_way(from, to, time);
@@ -256,7 +257,13 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     return Next::again;
   }
   CentrePath path;
-  if (!make_descent(device, is_unstable, path)) return Next::unclear;
+  if (!make_descent(device, is_unstable, path)) {
+    if (!is_unstable) return Next::unclear;
+    is_descending_ = false;
+    touching_ = count_;
+    ++idle_;
+    return Next::wait;
+  }
   Event event;
   if (!cover(path, event.time) || !find_event(path, event)) return Next::unclear;
   const Vec3 before = centre_;
@@ -361,6 +368,13 @@ void SphereFollower::hold_against(const Vec3& device, const Vec3& motion) noexce
   }
 }
 
+// A minimum about to vanish moves too fast to be followed, and has not vanished yet: a little later it has.
+SphereFollower::Next SphereFollower::wait(const Vec3& from, const Vec3& to, double& time) const noexcept {
+  if (time >= 1.0) return Next::settled;
+  time = std::min(1.0, time + 4.0 * kAtAxis / (to - from).norm());
+  return Next::again;
+}
+
 // Whether the device is on the line or point that the centre is held off: then every place round it is as near.
 bool SphereFollower::is_on_axis(const Vec3& device) const noexcept {
   return count_ == 1 && contacts_[0].is_curved() && contacts_[0].stand(device).distance <= kAtAxis;
@@ -418,7 +432,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   double soonest = 1.0;
   for (int i = 0; i < 3; ++i) {
     const double at_end = frame.dual[i].dot(then);
-    if (!(at_end < 0.0)) continue;
+    if (!(at_end < -kLeastWay)) continue;
     const double at_start = std::max(0.0, frame.dual[i].dot(now));
     const double share = at_start / (at_start - at_end);
     if (released >= 0 && share >= soonest) continue;

@@ -78,11 +78,11 @@ class SphereFollower {
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
   static constexpr double kAtAxis = 0x1p-39;    // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
   static constexpr double kLeastRise = 0x1p-45;  // rad: faces of less are one plane, as far as borders can tell
-  static constexpr double kLeastGain = 0x1p-50;
+  static constexpr double kLeastGain = 0x1p-44;
   static constexpr int kMostIdle = 24;         // events that lead no nearer
   static constexpr int kMostExits = 128;
 
-  enum class Next : std::uint8_t { again, settled, unclear };
+  enum class Next : std::uint8_t { again, wait, settled, unclear };
   // Where the contact may leave its part of the triangle: what lies beyond.
   struct Exit {
     Vec3 origin, direction;
@@ -108,6 +108,7 @@ class SphereFollower {
   bool find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Next wait(const Vec3& from, const Vec3& to, double& time) const noexcept;
   bool find_way_off(const Vec3& motion) noexcept;
   void hold_against(const Vec3& device, const Vec3& motion) noexcept;
   bool is_on_axis(const Vec3& device) const noexcept;
@@ -119,6 +120,7 @@ class SphereFollower {
   bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   CentrePath roll(const OffsetContact& contact, const Vec3& device) const noexcept;
   bool climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
+  bool climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   double find_stability(const Vec3& c, const Vec3& device) const noexcept;
   Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
   double find_turn(const Vec3& move) const noexcept;

@@ -190,7 +190,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   for (int i = 0; i < count_; ++i) {
     double high = leg.time;
     double at_high = multiplier(end, on_way(from, to, high), i);
-    if (!(at_high < 0.0)) continue;
+    if (!(at_high < -kLeastWay)) continue;
     double low = time;
     double at_low = std::max(0.0, multiplier(centre_, device, i));
     Vec3 c = end;
@@ -288,21 +288,26 @@ CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device
   return path;
 }
 
-// Along the curve where two offset surfaces meet.
+// Along the curve where two offset surfaces meet. From a minimum that is none any more: by the hint, or else the other way, whichever leads
+// nearer to the device. False: neither does.
 bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
-  constexpr int kMostHalvings = 24;
   ContactFrame frame;
   if (!find_frame(centre_, frame)) return false;
-  double ahead = frame.along.dot(device - centre_);
-  if (is_unstable) ahead = frame.along.dot(hint_) < 0.0 ? -2.0 * kLeastWay : 2.0 * kLeastWay;
-  const Vec3 way = ahead < 0.0 ? Vec3(-frame.along) : frame.along;
+  const double ahead = frame.along.dot(device - centre_);
+  if (!is_unstable) return climb(ahead < 0.0 ? Vec3(-frame.along) : frame.along, std::fabs(ahead), device, false, path);
+  const Vec3 way = frame.along.dot(hint_) < 0.0 ? Vec3(-frame.along) : frame.along;
+  return climb(way, 2.0 * kLeastWay, device, true, path) || climb(-way, 2.0 * kLeastWay, device, true, path);
+}
+
+bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
+  constexpr int kMostHalvings = 24;
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
-  double length = std::fabs(ahead);
   if (!is_straight) {
     const double stability = find_stability(centre_, device);
     const double most = kTurn / std::max(find_turn(way), 0x1p-10);
     length = !is_unstable && stability > kLeastStability ? std::min(length / stability, most) : most;
   }
+  const double distance = (device - centre_).norm();
   for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
     Vec3 end = centre_ + length * way;
     if (!restore(end)) continue;
@@ -310,6 +315,7 @@ bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, Cent
       path = CentrePath::straight(centre_, end);
       return true;
     }
+    if (is_unstable && !((device - end).norm() < distance)) continue;
     ContactFrame there;
     if (!find_frame(end, there)) continue;
     const Vec3 way_there = there.along.dot(way) < 0.0 ? Vec3(-there.along) : there.along;
