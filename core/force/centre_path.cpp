@@ -64,7 +64,8 @@ void CentrePath::bring_back(Vec3& p) const noexcept {
   const double cosine = normal[0].dot(normal[1]);
   const double sine_squared = (1.0 - cosine) * (1.0 + cosine);
   if (!(sine_squared > kParallel)) return;
-  p += ((short_by[0] - cosine * short_by[1]) / sine_squared) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine_squared) * normal[1];
+  p +=
+      ((short_by[0] - cosine * short_by[1]) / sine_squared) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine_squared) * normal[1];
 }
 
 Vec3 CentrePath::slope(double time) const noexcept { return rate_[0] + time * (2.0 * rate_[1] + 3.0 * time * rate_[2]); }
@@ -127,7 +128,8 @@ double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, 
 }
 
 // When the distance falls to `level`, to a tolerance.
-CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until, int& tests) const noexcept {
+CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until,
+                                         int& tests) const noexcept {
   constexpr int kMostRounds = 64;
   // Past a corner: the distance to an edge or face that begins there falls by less than the tolerance meanwhile.
   const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
@@ -164,7 +166,8 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
   return {time, false};
 }
 
-CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until, int& tests) const noexcept {
+CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until,
+                                         int& tests) const noexcept {
   ++tests;
   const Separation start = triangle.separation(start_);
   const Vec3 way = rate_[0];

@@ -17,10 +17,10 @@ struct OffsetContact {
   Part part = Part::face;
   std::uint32_t triangle = 0;
   ContactTriangle shape;
-  int index = 0;                // of the edge, or of the corner
-  Vec3 normal = Vec3::Zero();   // face: unit, towards the centre
-  double multiplier = 0.0;      // centre - device = sum of multiplier * normal
-  bool back = false;            // face: the side the normal does not show
+  int index = 0;               // of the edge, or of the corner
+  Vec3 normal = Vec3::Zero();  // face: unit, towards the centre
+  double multiplier = 0.0;     // centre - device = sum of multiplier * normal
+  bool back = false;           // face: the side the normal does not show
 
   // The part of the triangle that is nearest to c, with the face's side that c is on.
   static OffsetContact nearest(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& c) noexcept;

@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include "core/force/proxy_method.h"
 
 #include <algorithm>
@@ -65,7 +64,7 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.slack = 0.5 * kHover;
   clearance_.tolerance = 0x1p-10 * kHover;
   // A sphere hardly larger than the hover has too few digits for a surface of its own.
-  const double kLeastRadius = std::getenv("LEASTR") ? std::atof(std::getenv("LEASTR")) : 0x1p-20;
+  constexpr double kLeastRadius = 0x1p-20;
   if (clearance_.rest - kHover >= kLeastRadius && !has_friction_) {
     sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
   }
@@ -503,9 +502,10 @@ std::string ProxyMethod::describe_steps() const {
       counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged, surface_.events(),
       counters_.most_events, counters_.flights, counters_.careful, counters_.exhausted);
   if (sphere_ != nullptr) {
-    text += fmt::format("proxy: sphere: {:.2f} events a contact step, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a step\n",
-                        static_cast<double>(sphere_->events()) / c, sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
-                        static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);
+    text += fmt::format(
+        "proxy: sphere: {:.2f} events a contact step, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a step\n",
+        static_cast<double>(sphere_->events()) / c, sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
+        static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);
   }
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,

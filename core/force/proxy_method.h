@@ -199,8 +199,8 @@ class ProxyMethod final : public ForceMethod {
   bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
-  SurfaceFollower surface_;     // while it stands, it holds the proxy
-  bool short_of_rest_ = false;  // it ran out of events
+  SurfaceFollower surface_;                 // while it stands, it holds the proxy
+  bool short_of_rest_ = false;              // it ran out of events
   std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius, without friction
 
   Vec3 proxy_ = Vec3::Zero();             // local

@@ -34,7 +34,9 @@ void ProxyMethod::stand_at_sphere(const Vec3& device) noexcept {
     touch.shape = contact.shape;
     const bool is_face = contact.part == OffsetContact::Part::face;
     touch.separation = {stand.distance, stand.normal, proxy_ - stand.distance * stand.normal,
-                        is_face ? Feature::face : contact.part == OffsetContact::Part::edge ? Feature::edge : Feature::vertex};
+                        is_face                                     ? Feature::face
+                        : contact.part == OffsetContact::Part::edge ? Feature::edge
+                                                                    : Feature::vertex};
     push_[pushing_count_++] = contact.multiplier;
   }
 }

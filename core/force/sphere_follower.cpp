@@ -7,11 +7,6 @@
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
 
-#ifdef SPHERE_TRACE
-#include <cstdio>
-bool trace_on = false;
-int trace_left = 0;
-#endif
 namespace hapton {
 namespace {
 
@@ -93,18 +88,8 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     ++events_;
     ++work_;
     if (idle_ > kMostIdle) break;
-    next = touching_ == 0    ? fly(from, to, time)
-           : is_descending_ ? descend(on_way(from, to, time), to - from)
-                            : slide(from, to, time);
+    next = touching_ == 0 ? fly(from, to, time) : is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     if (next == Next::wait) next = wait(from, to, time);
-#ifdef SPHERE_TRACE
-    if (trace_on && trace_left-- > 0) {
-      const Vec3 d = on_way(from, to, time);
-      std::printf("  t %.15g |c-d| %.15g free %d desc %d lost %d count %d touching %d idle %d:", time, (centre_ - d).norm(), touching_ == 0, is_descending_, has_lost_minimum_, count_, touching_, idle_);
-      for (int i = 0; i < touching_; ++i) std::printf(" [%d t%u i%d g %.2g]", static_cast<int>(contacts_[i].part), contacts_[i].triangle, contacts_[i].index, contacts_[i].stand(centre_).distance - keep_.offset);
-      std::printf("\n");
-    }
-#endif
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
   if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
@@ -148,7 +133,8 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
     const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
     if (!(t < time) || t > 1.0) return before;
     const ObjectGeometry::Corners corners = geometry_.corners(id);
-    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from)) return before;
+    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from))
+      return before;
     first = id;
     time = t;
     return std::min(before, t);
@@ -457,7 +443,8 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
   if (event.contact >= 0) {
     is_descending_ = true;
     const int rising = event.exit.part == Part::edge ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
-    if (rising >= 0) return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
+    if (rising >= 0)
+      return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
     leave_part(event.contact, event.exit, path.slope(event.time));
     return restore(centre_);
   } else if (event.slot >= 0) {

@@ -29,7 +29,7 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes. Bounded: kMostWork triangles looked at in a step.
 class SphereFollower {
  public:
-  static constexpr int kMostWork = 100000;
+  static constexpr int kMostWork = 8192;
   static constexpr int kMostContacts = 8;
 
   enum class Outcome : std::uint8_t {
@@ -71,15 +71,15 @@ class SphereFollower {
   // The contact leaves a face so far beyond its edge, and enters it so far inside, and so for edges and their ends: rounding does not lead
   // back and forth.
   static constexpr double kOnBorder = 0x1p-44;
-  static constexpr double kStill = 0x1p-42;    // a shorter way is none
-  static constexpr double kLeastWay = 0x1p-40; // at a local minimum no way is as long
-  static constexpr double kNudge = 0x1p-42;    // of what balances, the device's motion decides
-  static constexpr double kTurn = 0.125;       // rad, of one piece of the way
+  static constexpr double kStill = 0x1p-42;           // a shorter way is none
+  static constexpr double kLeastWay = 0x1p-40;        // at a local minimum no way is as long
+  static constexpr double kNudge = 0x1p-42;           // of what balances, the device's motion decides
+  static constexpr double kTurn = 0.125;              // rad, of one piece of the way
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
-  static constexpr double kAtAxis = 0x1p-39;    // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
-  static constexpr double kLeastRise = 0x1p-45;  // rad: faces of less are one plane, as far as borders can tell
+  static constexpr double kAtAxis = 0x1p-39;          // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
+  static constexpr double kLeastRise = 0x1p-45;       // rad: faces of less are one plane, as far as borders can tell
   static constexpr double kLeastGain = 0x1p-44;
-  static constexpr int kMostIdle = 24;         // events that lead no nearer
+  static constexpr int kMostIdle = 24;  // events that lead no nearer
   static constexpr int kMostExits = 128;
 
   enum class Next : std::uint8_t { again, wait, settled, unclear };
@@ -94,7 +94,7 @@ class SphereFollower {
     double time = 1.0;  // of the path
     int contact = -1;   // leaves its part, through `exit`
     Exit exit;
-    int slot = -1;      // is hit
+    int slot = -1;  // is hit
   };
   // A piece of the way with the device moving.
   struct Leg {
@@ -155,14 +155,14 @@ class SphereFollower {
   Vec3 centre_ = Vec3::Zero();
   std::array<OffsetContact, kMostContacts> contacts_;
   int count_ = 0;
-  int touching_ = 0;            // of contacts_: the first count_ hold, the others were met here
-  Vec3 hint_ = Vec3::Zero();    // which way it was going
+  int touching_ = 0;          // of contacts_: the first count_ hold, the others were met here
+  Vec3 hint_ = Vec3::Zero();  // which way it was going
   NearTriangles near_;
-  double reach_ = 0.0;          // of the next gathering
+  double reach_ = 0.0;  // of the next gathering
   std::array<Exit, kMostExits> exits_;
-  int work_ = 0;                // triangles looked at in this step
-  int idle_ = 0;                // events that led no nearer
-  double least_distance_ = 0.0; // to the device where it is
+  int work_ = 0;                 // triangles looked at in this step
+  int idle_ = 0;                 // events that led no nearer
+  double least_distance_ = 0.0;  // to the device where it is
   std::uint64_t events_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
 

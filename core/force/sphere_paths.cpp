@@ -4,12 +4,6 @@
 
 #include "core/force/sphere_follower.h"
 
-#ifdef SPHERE_TRACE
-#include <cstdio>
-#endif
-#ifdef SPHERE_TRACE
-extern bool trace_on;
-#endif
 namespace hapton {
 namespace {
 
@@ -160,7 +154,8 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     return find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;
   };
   const Vec3 rate = is_straight ? Vec3::Zero() : find_rate(centre_, device, motion);
-  // So short that it turns by little, and that a cubic keeps time with it: where its speed at most doubles or halves, or where it is seen to.
+  // So short that it turns by little, and that a cubic keeps time with it: where its speed at most doubles or halves, or where it is seen
+  // to.
   const auto is_even = [&](const Vec3& c, double then) {
     if (find_turn(c - centre_) > 2.0 * kTurn) return false;
     const double part = then - time;
@@ -170,15 +165,13 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     if (std::max(slow, fast) <= 2.0 * std::min(slow, fast)) return true;
     Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
     const Vec3 guess = middle;
-    return solve(on_way(from, to, time + 0.5 * part), middle) && (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (c - centre_).norm();
+    return solve(on_way(from, to, time + 0.5 * part), middle) &&
+           (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (c - centre_).norm();
   };
   double span = 1.0 - time;
   if (!is_straight) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
   Vec3 end;
   for (int i = 0;; ++i) {
-#ifdef SPHERE_TRACE
-    if (i > 30 || !(span > kLeastTime || time + span >= 1.0)) { Vec3 e2 = centre_; bool ok = solve(on_way(from, to, leg.time), e2); std::printf("   leg fails i %d span %g rate %g solve %d stab %g moved %g\n", i, span, rate.norm(), ok, find_stability(centre_, device), (e2-centre_).norm()); }
-#endif
     if (i == kMostHalvings || !(span > kLeastTime || span >= 1.0 - time)) return false;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
@@ -421,8 +414,10 @@ int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noex
   int count = 0;
   bool fits = true;
   const auto add = [&](const Vec3& origin, const Vec3& direction, int slot, int index, Part part) {
-    if (count == kMostExits) fits = false;
-    else exits_[count++] = {origin, direction, slot, index, part};
+    if (count == kMostExits)
+      fits = false;
+    else
+      exits_[count++] = {origin, direction, slot, index, part};
   };
   const ContactTriangle& own = contact.shape;
   if (contact.part == Part::face) {
@@ -433,7 +428,7 @@ int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noex
     const Vec3 axis = contact.axis();
     add(own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex);
     add(own.corner(contact.index), -axis, -1, contact.index, Part::vertex);
-    }
+  }
   near_.visit_near(c, c, keep_.offset + keep_.slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (!contact.is_part_of(shape)) return;
