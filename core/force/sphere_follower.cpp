@@ -84,9 +84,15 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   const Vec3 start = centre_;
   if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
   Next next = Next::again;
-  while (next == Next::again && work_ <= kMostWork) {
+  int most = kLeastWork;
+  bool has_touched = false;
+  while (next == Next::again && work_ <= most) {
     ++events_;
     ++work_;
+    if (!has_touched && touching_ != 0) {
+      has_touched = true;
+      most = most_work(from, to);
+    }
     if (idle_ > kMostIdle) break;
     next = touching_ == 0 ? fly(from, to, time) : is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     if (next == Next::wait) next = wait(from, to, time);
@@ -103,6 +109,12 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   if (next == Next::settled) return Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
+}
+
+int SphereFollower::most_work(const Vec3& from, const Vec3& to) const noexcept {
+  const double length = (to - from).norm() + 2.0 * (from - centre_).norm();
+  const double work = kLeastWork + kWorkPerEdge * geometry_.edges_per_length(contacts_[0].triangle) * length;
+  return static_cast<int>(std::min(work, static_cast<double>(kMostWork)));
 }
 
 // To the device, straight, and on with it.

@@ -26,10 +26,14 @@ namespace hapton {
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
-// Frame: TouchGeometry's local one. RT: yes. Bounded: kMostWork triangles looked at in a step.
+// Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A step
+// has kLeastWork of them, and kWorkPerEdge more for each edge that a straight way over the object's surface crosses on the average, as long
+// as the device's way and twice the pull; kMostWork in all.
 class SphereFollower {
  public:
-  static constexpr int kMostWork = 8192;
+  static constexpr int kLeastWork = 4096;
+  static constexpr double kWorkPerEdge = 256.0;
+  static constexpr int kMostWork = 131072;
   static constexpr int kMostContacts = 8;
 
   enum class Outcome : std::uint8_t {
@@ -103,6 +107,7 @@ class SphereFollower {
     int released = -1;  // the contact whose multiplier is zero there
   };
 
+  int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
   bool find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept;
