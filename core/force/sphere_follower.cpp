@@ -106,7 +106,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     return Outcome::unclear;
   }
   note_multipliers(to);
-  if (next == Next::settled) return Outcome::settled;
+  if (next == Next::settled) return is_shallow(to) ? Outcome::unclear : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
 }
@@ -499,6 +499,35 @@ void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexce
   } else {
     contact = OffsetContact::on_vertex(triangle, shape, exit.index);
   }
+}
+
+// Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
+// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
+bool SphereFollower::is_shallow(const Vec3& device) const noexcept {
+  constexpr double kShallow = 0x1p-30;
+  ContactFrame all;
+  if (touching_ < 2 || !find_frame(centre_, all)) return false;
+  for (int j = 0; j < count_; ++j) {
+    ContactFrame others;
+    std::array<const OffsetContact*, 2> by{};
+    for (int i = 0; i < count_; ++i) {
+      if (i == j) continue;
+      by[static_cast<std::size_t>(others.count)] = &contacts_[i];
+      others.normal[static_cast<std::size_t>(others.count++)] = all.normal[i];
+    }
+    if (!others.prepare()) continue;
+    const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
+    Vec3 way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
+    if (!(way.norm() > 0.0)) continue;
+    way.normalize();
+    const double slope = std::max(0.0, way.dot(centre_ - device));
+    double turn = -1.0;
+    for (int i = 0; i < others.count; ++i) {
+      turn += std::max(0.0, others.dual[i].dot(centre_ - device)) * by[static_cast<std::size_t>(i)]->curvature(way, keep_.offset);
+    }
+    if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
+  }
+  return false;
 }
 
 void SphereFollower::note_multipliers(const Vec3& device) noexcept {

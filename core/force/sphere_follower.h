@@ -149,6 +149,7 @@ class SphereFollower {
   bool holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept;
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
+  bool is_shallow(const Vec3& device) const noexcept;
   void note_multipliers(const Vec3& device) noexcept;
 
   const TouchGeometry& geometry_;
