@@ -239,8 +239,8 @@ bool SphereFollower::make_descent(const Vec3& device, bool is_unstable, CentrePa
   return true;
 }
 
-// Round an edge or a vertex, the steepest way. With z along the edge and a the angle to the device, at a distance q from the edge's line,
-// that is dz/ds = z_device - z, da/ds = -(q / offset) sin a, hence tan(a / 2) ~ exp(-q s / offset) and z - z_device ~ exp(-s).
+// Round an edge or a vertex, off in the steepest direction: along a helix, until it is level with the device along the edge, or nearest to it
+// round the edge. The distance is the sum of both parts, and neither grows on the way.
 CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device) const noexcept {
   const bool is_edge = contact.part == Part::edge;
   const Vec3 normal = contact.stand(centre_).normal;
@@ -259,24 +259,18 @@ CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device
   }
   const Vec3 way = sideways.normalized();
   const double angle = distance > kLeastWay ? std::atan2(side, ahead) : 0.0;
-  const double turn = std::min(angle, kTurn);
+  double turn = std::min(angle, kTurn);
   double share = 1.0;
-  if (angle > turn) {
-    const double ratio = std::tan(0.5 * (angle - turn)) / std::tan(0.5 * angle);
-    share = 1.0 - std::pow(std::max(ratio, 0.0), keep_.offset / distance);
+  if (side > kLeastWay) {
+    share = std::min(1.0, turn * keep_.offset / side);
+    if (std::fabs(rise) > kLeastWay) turn = share * side / keep_.offset;
   }
-  const Vec3 end = centre_ + share * rise * axis + keep_.offset * (std::sin(turn) * way - (1.0 - std::cos(turn)) * normal);
-  const auto steepest = [&](const Vec3& c) {
-    const Vec3 normal_there = contact.stand(c).normal;
-    const Vec3 pull = device - c;
-    return Vec3(pull - normal_there.dot(pull) * normal_there);
-  };
-  const double chord = (end - centre_).norm();
-  const auto slope = [&](const Vec3& direction) {
-    const double length = direction.norm();
-    return length > kLeastWay ? Vec3(direction * (chord / length)) : Vec3(end - centre_);
-  };
-  CentrePath path = CentrePath::curved(centre_, end, slope(side > kLeastWay ? steepest(centre_) : Vec3(way)), slope(steepest(end)));
+  const Vec3 up = share * rise * axis;
+  const double sine = std::sin(turn);
+  const double cosine = std::cos(turn);
+  const Vec3 end = centre_ + up + keep_.offset * (sine * way - (1.0 - cosine) * normal);
+  CentrePath path =
+      CentrePath::curved(centre_, end, up + keep_.offset * turn * way, up + keep_.offset * turn * (cosine * way - sine * normal));
   guide(path);
   return path;
 }
