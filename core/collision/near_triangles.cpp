@@ -20,7 +20,8 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
       return 0.0;
     }
     const bool is_sure = at.distance > kLeastDistance;
-    distance_[count_] = is_sure ? at.distance : -std::numeric_limits<double>::infinity();
+    // The normal may lean by normal_error: within the ball gathered that takes off at most as much.
+    distance_[count_] = is_sure ? at.distance - normal_error(at) * within : -std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) normal_[k][count_] = is_sure ? at.normal[k] : 0.0;
     triangle_[count_] = triangle;
     is_prepared_[count_] = false;

@@ -46,6 +46,7 @@ class NearTriangles {
   }
 
   // Calls visit(slot) for every triangle that may come within `distance` of the segment from p to q, and some that do not.
+  // Pre: covers(p, distance) and covers(q, distance).
   template <class Visit>
   void visit_near(const Vec3& p, const Vec3& q, double distance, Visit&& visit) const {
     const Vec3 from = p - centre_;
