@@ -37,38 +37,63 @@ Vec3 CentrePath::at(double time) const noexcept {
   return p;
 }
 
-// One step of Newton's: what a cubic is off is so little that nothing is left.
+// Newton's method. One step is exact on one guide. On two guides the first step leaves the square of the cubic's error over their radius,
+// which rounding does not explain.
 void CentrePath::bring_back(Vec3& p) const noexcept {
+  constexpr int kMostRounds = 3;
+  constexpr double kConverged = 0x1p-30;  // an error this small leaves less than rounding
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (bring_nearer(p) <= kConverged || guide_count_ == 1) return;
+  }
+}
+
+double CentrePath::Guide::distance_to(const Vec3& p, Vec3& normal) const noexcept {
+  Vec3 off = p - origin;
+  if (round == Round::plane) {
+    normal = direction;
+    return direction.dot(off);
+  }
+  if (round == Round::line) off -= direction.dot(off) * direction;
+  const double distance = off.norm();
+  normal = distance > 0.0 ? Vec3(off / distance) : Vec3::Zero();
+  return distance;
+}
+
+// Returns how far p was off.
+double CentrePath::bring_nearer(Vec3& p) const noexcept {
   std::array<Vec3, 2> normal;
   std::array<double, 2> short_by{};
-  for (int i = 0; i < guide_count_; ++i) {
-    const Guide& guide = guides_[static_cast<std::size_t>(i)];
-    Vec3 off = p - guide.origin;
-    double distance = 0.0;
-    if (guide.round == Guide::Round::plane) {
-      normal[i] = guide.direction;
-      distance = guide.direction.dot(off);
-    } else {
-      if (guide.round == Guide::Round::line) off -= guide.direction.dot(off) * guide.direction;
-      distance = off.norm();
-      if (!(distance > 0.0)) return;
-      normal[i] = off / distance;
-    }
-    short_by[i] = guide.offset - distance;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
+    short_by[i] = guides_[i].offset - guides_[i].distance_to(p, normal[i]);
   }
   if (guide_count_ == 1) {
     p += short_by[0] * normal[0];
-    return;
+    return std::fabs(short_by[0]);
   }
   constexpr double kParallel = 0x1p-24;
   const double cosine = normal[0].dot(normal[1]);
   const double sine_squared = (1.0 - cosine) * (1.0 + cosine);
-  if (!(sine_squared > kParallel)) return;
+  if (!(sine_squared > kParallel)) return 0.0;
   p +=
       ((short_by[0] - cosine * short_by[1]) / sine_squared) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine_squared) * normal[1];
+  return std::max(std::fabs(short_by[0]), std::fabs(short_by[1]));
 }
 
-Vec3 CentrePath::slope(double time) const noexcept { return rate_[0] + time * (2.0 * rate_[1] + 3.0 * time * rate_[2]); }
+Vec3 CentrePath::slope(double time) const noexcept { return guide_count_ > 0 ? slope(time, at(time)) : cubic_slope(time); }
+
+Vec3 CentrePath::slope(double time, const Vec3& p) const noexcept {
+  const Vec3 way = cubic_slope(time);
+  if (guide_count_ == 0) return way;
+  Vec3 normal;
+  guides_[0].distance_to(p, normal);
+  const Vec3 over_first = way - normal.dot(way) * normal;
+  if (guide_count_ == 1) return over_first;
+  Vec3 other;
+  guides_[1].distance_to(p, other);
+  const Vec3 along = normal.cross(other);
+  const double squared = along.squaredNorm();
+  return squared > 0.0 ? Vec3(along * (along.dot(way) / squared)) : over_first;
+}
 
 double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
   const auto beyond = [&](double time) { return direction.dot(at(time) - origin) - margin; };
@@ -131,12 +156,15 @@ double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, 
 CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until,
                                          int& tests) const noexcept {
   constexpr int kMostRounds = 64;
+  constexpr double kSlopeError = 0x1p-11;
+  const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
   // Past a corner: the distance to an edge or face that begins there falls by less than the tolerance meanwhile.
   const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
   double time = 0.0;
   for (int i = 0; i < kMostRounds; ++i) {
     ++tests;
-    const Separation now = triangle.separation(at(time));
+    const Vec3 place = at(time);
+    const Separation now = triangle.separation(place);
     if (held != 0 && now.feature == Feature::vertex) {
       int corner = 0;
       while (corner < 2 && triangle.corner(corner) != now.nearest) ++corner;
@@ -147,8 +175,9 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
         continue;
       }
     }
-    const Vec3 way = slope(time);
-    const double approach = now.normal.dot(way) - normal_error(now) * way.norm();
+    const Vec3 way = slope(time, place);
+    const double rate = now.normal.dot(way);
+    const double approach = rate - normal_error(now) * way.norm() - slope_error * std::fabs(rate);
     const double gap = now.distance - level.distance;
     if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return {time, true};
     // gap + approach x - bend / 2 x^2 = 0

@@ -26,6 +26,8 @@ class CentrePath {
     Vec3 origin = Vec3::Zero();
     Vec3 direction = Vec3::Zero();  // unit; of the plane: its normal, towards the centre
     double offset = 0.0;
+    // From the plane, line or point, with the direction in which that grows; zero where there is none.
+    double distance_to(const Vec3& p, Vec3& normal) const noexcept;
   };
   static constexpr double kNever = 2.0;
 
@@ -38,6 +40,7 @@ class CentrePath {
   const Vec3& start() const { return start_; }
   const Vec3& end() const { return end_; }
   Vec3 at(double time) const noexcept;
+  // The derivative: along the guides to rounding, its length to 2^-11 of itself.
   Vec3 slope(double time) const noexcept;
   // No point of the path is farther from the chord.
   double bulge() const { return 0.125 * bend_; }
@@ -66,6 +69,9 @@ class CentrePath {
   double time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 
   void bring_back(Vec3& p) const noexcept;
+  double bring_nearer(Vec3& p) const noexcept;
+  Vec3 slope(double time, const Vec3& p) const noexcept;  // p: at that time
+  Vec3 cubic_slope(double time) const { return rate_[0] + time * (2.0 * rate_[1] + 3.0 * time * rate_[2]); }
 
   Vec3 start_ = Vec3::Zero();
   Vec3 end_ = Vec3::Zero();
