@@ -32,6 +32,11 @@ bool SphereFollower::is_clear(double short_by) noexcept {
   return clear;
 }
 
+// What cannot go on may have left the triangles gathered.
+bool SphereFollower::is_clear_here(double short_by) noexcept {
+  return (near_.covers(centre_, keep_.offset) || gather(Vec3::Zero())) && is_clear(short_by);
+}
+
 bool SphereFollower::take(const Vec3& centre, bool is_free, double short_by) noexcept {
   holds_ = false;
   centre_ = centre;
@@ -82,6 +87,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   idle_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
+  const double began = time;
   if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
   Next next = Next::again;
   int most = kLeastWork;
@@ -98,13 +104,14 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     if (next == Next::wait) next = wait(from, to, time);
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
-  if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
-  if (touching_ != 0 && !is_clear(2.0 * keep_.slop)) {
+  if (touching_ != 0 && !is_clear_here(2.0 * keep_.slop)) {
     centre_ = start;
+    count_ = 0;
     touching_ = 0;
-    time = 0.0;
+    time = began;
     return Outcome::unclear;
   }
+  if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
   note_multipliers(to);
   if (next == Next::settled) return is_shallow(to) ? Outcome::unclear : Outcome::settled;
   is_descending_ = true;

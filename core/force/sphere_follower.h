@@ -26,9 +26,9 @@ namespace hapton {
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
-// Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A step
-// has kLeastWork of them, and kWorkPerEdge more for each edge that a straight way over the object's surface crosses on the average, as long
-// as the device's way and twice the pull; kMostWork in all.
+// Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A
+// step has kLeastWork of them, and kWorkPerEdge more for each edge that a straight way over the object's surface crosses on the average, as
+// long as the device's way and twice the pull; kMostWork in all.
 class SphereFollower {
  public:
   static constexpr int kLeastWork = 4096;
@@ -39,7 +39,7 @@ class SphereFollower {
   enum class Outcome : std::uint8_t {
     settled,    // at a local minimum for the device at the end of its motion, or free there
     exhausted,  // out of work: a valid place short of it, to go on from in the next step
-    unclear,    // cannot go on: the centre is where it was at `time`
+    unclear,    // cannot go on: the centre is at a valid place that it had with the device at `time`
   };
 
   // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
@@ -149,6 +149,7 @@ class SphereFollower {
   bool holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept;
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
+  bool is_clear_here(double short_by) noexcept;
   bool is_shallow(const Vec3& device) const noexcept;
   void note_multipliers(const Vec3& device) noexcept;
 

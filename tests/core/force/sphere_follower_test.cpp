@@ -340,6 +340,27 @@ TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumps, testing::Values(1, 2, 3, 4, 5, 6));
 
+// In each of these it cannot go on in one step: what was tried there must not be left as the centre.
+TEST(SphereFollower, TheCentreKeepsItsDistanceWhereTheOutcomeIsUnclear) {
+  int unclear = 0;
+  for (const std::uint64_t seed : {107U, 149U}) {
+    RecordProperty("seed", std::to_string(seed));
+    Stage stage(made::sphere(0.4, 16, 0.05), 0.03);
+    Wanderer wanderer(seed);
+    stage.put({0.3, 0.5, 0.7});
+    for (int i = 0; i < 210; ++i) {
+      const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
+      const Outcome outcome = stage.move_local(to);
+      ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "seed " << seed << " step " << i;
+      if (outcome != Outcome::unclear) continue;
+      ++unclear;
+      stage.follower->take_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
+      stage.device = stage.follower->centre();
+    }
+  }
+  EXPECT_GT(unclear, 0);
+}
+
 // A fine and bumpy sheet beside a large plain one: for its object on the average a way crosses few edges, here it crosses hundreds.
 TriangleMesh fine_patch() {
   TriangleMesh mesh = made::sheet(0.05, 0.0, 200);
