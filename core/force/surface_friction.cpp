@@ -27,11 +27,14 @@ SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend :
 struct Quadratic {
   double a = 0.0, b = 0.0, c = 0.0;
 
-  // When it next rises above zero: at once if it rises from there or above, after it has fallen below if it falls. Infinite: never.
+  // When it next rises above zero: at once if it rises from there or above, after it has fallen below if it falls. Where it falls, but
+  // stays above: when it is as high again. Infinite: never.
   double time_of_rise() const {
     if (!(c < 0.0)) {
       if (b > 0.0 || (b == 0.0 && a > 0.0)) return 0.0;
-      return a > 0.0 ? (std::sqrt(std::max(0.0, b * b - a * c)) - b) / a : kNever;
+      if (!(a > 0.0)) return kNever;
+      const double discriminant = b * b - a * c;
+      return (discriminant >= 0.0 ? std::sqrt(discriminant) - b : -2.0 * b) / a;
     }
     const double discriminant = b * b - a * c;
     if (!(discriminant >= 0.0)) return kNever;
