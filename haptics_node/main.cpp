@@ -46,6 +46,8 @@ int run(const HapticsOptions& options) {
   log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
+  // A flood at this node's port is not to take its time. Refused: it costs a look at each datagram.
+  (void)(*endpoint)->accept_only(*hub);
 
   SteadyClock clock;
   SealedClient::Options sealing;

@@ -9,6 +9,8 @@
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
 #include "io_node/vrpn/vrpn_server.h"
+#include "io_node/watchdog/watchdog_process.h"
+#include "link/budgeted_endpoint.h"
 #include "link/link_key.h"
 #include "link/metered_endpoint.h"
 #include "link/random_id.h"
@@ -119,13 +121,15 @@ struct DeviceHub::Parts {
         echo(std::move(bare_echo)),
         metrics(std::move(served)),
         metered(*endpoint, steady),
-        sealed(metered, steady, key, AgreementWorker::Where::own_thread),
+        budget(metered, clock),
+        sealed(budget, steady, key, AgreementWorker::Where::own_thread),
         recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
         peers(sealed, steady, session_id, options.rate_hz),
         servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),
         ways(metered),
         session(*servo, steady, options) {
     servo->set_way_meter(&ways);
+    servo->set_budget(&budget);
     servo->set_report_desk(&desk);
     session.set_report_desk(&desk);
     session.set_metrics(metrics.get());
@@ -148,6 +152,8 @@ struct DeviceHub::Parts {
   Echo echo;
   std::unique_ptr<MetricsEndpoint> metrics;
   MeteredEndpoint metered;
+  SteadyClock clock;
+  BudgetedEndpoint budget;
   SealedHub sealed;
   const std::uint64_t session_id = make_random_id();
   SessionRecorder recorder;
@@ -155,6 +161,8 @@ struct DeviceHub::Parts {
   std::unique_ptr<Servo> servo;
   WayMeter ways;
   ReportDesk desk;
+  GuardMemory guard;
+  WatchdogProcess watchdog;
   IoSession session;
 };
 
@@ -168,7 +176,7 @@ Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, con
   if (!address) return tl::unexpected(address.error());
   const auto key = find_link_key(options.key_file, *address);
   if (!key) return tl::unexpected(key.error());
-  auto endpoint = open_udp_endpoint(options.bind);
+  auto endpoint = open_udp_endpoint(options.bind, true);
   if (!endpoint) return tl::unexpected(endpoint.error());
   auto echo = open_echo(options, clock);
   if (!echo) return tl::unexpected(echo.error());
@@ -190,7 +198,25 @@ std::string DeviceHub::describe() const {
                      parts_->device->name(), options.rate_hz, parts_->servo->limits().max_force_n, options.device.seed);
 }
 
+// What it takes that another process lets go for this one. Without it this process still does.
+Result<void> DeviceHub::start_watchdog() {
+  const IoOptions& options = parts_->options;
+  if (options.watchdog == RealtimeMode::off) return {};
+  Result<void> started = parts_->guard.make();
+  if (started) {
+    parts_->device->use_guard(parts_->guard.page());
+    parts_->servo->device_loop().set_guard(&parts_->guard.page());
+    const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
+    started = parts_->watchdog.start(parts_->guard, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
+  }
+  if (started) parts_->session.set_watchdog(&parts_->watchdog);
+  if (started || options.watchdog == RealtimeMode::require) return started;
+  log_warning("{}{}", name_prefix(options), started.error().what);
+  return {};
+}
+
 Result<void> DeviceHub::run(const StopSignal& stop) {
+  if (auto watched = start_watchdog(); !watched) return watched;
   if (const auto started = parts_->recorder.start(); !started) return started;
   const auto ended = parts_->session.run(stop);
   const auto recorded = parts_->recorder.stop();

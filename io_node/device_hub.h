@@ -30,6 +30,7 @@ class DeviceHub {
  private:
   struct Parts;
   explicit DeviceHub(std::unique_ptr<Parts> parts);
+  Result<void> start_watchdog();
   std::unique_ptr<Parts> parts_;
 };
 

@@ -29,8 +29,8 @@ struct ServoEvent {
     back,
     reset_without_right,   // a tool whose key is not an operator's asked for a reset
     reset_without_person,  // ... an operator, and nobody is known to be at the device
-    flood,
-    role_violation,  // a node asked for a role, or sent what belongs to one, that its key does not allow
+    flood,                 // more datagrams were refused than anyone of good will sends
+    role_violation,        // a node asked for a role, or sent what belongs to one, that its key does not allow
   };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
@@ -40,6 +40,7 @@ struct ServoEvent {
   SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_refused
   Refusal flood = Refusal::malformed;     // of flood: what it is of
   bool is_from_several = false;           // of flood: from other addresses, too
+  bool is_kept_out = false;               // of flood: most of it in the kernel
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

@@ -31,6 +31,7 @@ std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
 std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv) {
   IoOptions options;
   std::string realtime = "try";
+  std::string watchdog = "try";
   CLI::App app{"Owns the force-feedback device, keeps its servo loop, guards every force, and is the hub that the other nodes join.",
                "io_node"};
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
@@ -97,6 +98,11 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Pin the servo loop to this CPU, -1: any")->check(between(-1, 4095))->capture_default_str();
 
+  app.add_option("--watchdog", watchdog,
+                 "A process of its own that takes the force away when this one is frozen or killed: try, require or off")
+      ->check(CLI::IsMember({"try", "require", "off"}))
+      ->capture_default_str();
+
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   if (!options.devices_file.empty()) {
     if (const auto flag = find_flag_of_one_device(app)) {
@@ -106,6 +112,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
     }
   }
   options.realtime.mode = *parse_realtime_mode(realtime);
+  options.watchdog = *parse_realtime_mode(watchdog);
   return options;
 }
 

@@ -29,6 +29,7 @@ struct IoOptions {
   std::string echo_probe;      // responder of the bare echo; empty: not measured
   std::string key_file;        // empty: the user's own, on loopback
   RealtimeSettings realtime;
+  RealtimeMode watchdog = RealtimeMode::attempt;  // the watchdog process: try, require or off
 };
 
 // "NAME: " in front of what people are told of one of several devices.

@@ -1,5 +1,7 @@
 #include "io_node/io_session.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <chrono>
 #include <limits>
@@ -56,8 +58,9 @@ std::string describe(const ServoEvent& event) {
           "holds the switch (--hold-button)",
           to_string(event.address));
     case ServoEvent::Kind::flood:
-      return fmt::format("flood of {} from {}{}, {:.0f} a second; refused, the force does not wait for it", describe(event.flood),
-                         to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz);
+      return fmt::format("flood of {} from {}{}, {:.0f} a second; {}, the force does not wait for it", describe(event.flood),
+                         to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz,
+                         event.is_kept_out ? "kept out in the kernel (nodes that join may take longer)" : "refused");
     case ServoEvent::Kind::role_violation:
       return "a node asks for a role that its key does not allow; if it is a node of yours, give it the key of its role: hapton keygen "
              "--role ROLE --master MASTER FILE";
@@ -82,10 +85,17 @@ std::string_view main_cause(const ServoStats& stats) {
 }  // namespace
 
 IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
-    : servo_(servo), clock_(clock), options_(options), prefix_(name_prefix(options)), watch_(options.spin_share, read_realtime_share()) {}
+    : servo_(servo),
+      clock_(clock),
+      options_(options),
+      prefix_(name_prefix(options)),
+      device_(servo.device_loop(), clock),
+      release_watch_(servo.device_loop(), clock),
+      watch_(options.spin_share, read_realtime_share()) {}
 
 void IoSession::servo_thread() {
   servo_thread_ = current_thread_id();
+  ::pthread_setname_np(::pthread_self(), "hapton-network");
   const auto realtime = enter_realtime(options_.realtime);
   if (realtime) {
     realtime_ = realtime->to_text();
@@ -107,6 +117,9 @@ bool IoSession::is_over(const StopSignal& stop) const {
 }
 
 Result<void> IoSession::run(const StopSignal& stop) {
+  servo_.use_device_thread();
+  if (auto begun = device_.start(options_.realtime); !begun) return begun;
+  release_watch_.start(options_.realtime.mode != RealtimeMode::off);
   std::thread servo([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
@@ -114,6 +127,8 @@ Result<void> IoSession::run(const StopSignal& stop) {
   Result<void> reported = started_ ? look_after(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
   servo.join();
+  device_.stop();
+  release_watch_.stop();
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();
@@ -130,11 +145,13 @@ Result<void> IoSession::run(const StopSignal& stop) {
 Result<void> IoSession::look_after(const StopSignal& stop) {
   Result<void> reported;
   log_info("{}{}", prefix_, realtime_lines_.front());
+  if (device_.realtime_lines().front() != realtime_lines_.front()) log_info("{}device loop, {}", prefix_, device_.realtime_lines().front());
   for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}{}", prefix_, realtime_lines_[n]);
   while (!is_over(stop)) {
     std::this_thread::sleep_for(kLookEvery);
     print_events();
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
+    tell_service();
     note_wishes(stop);
     if (!servo_.take_snapshot()) continue;
     if (const auto granted = grant_wishes(servo_.snapshot()); !granted && reported) reported = granted;
@@ -146,14 +163,43 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
 void IoSession::watch_scheduling(bool now) {
   if (!now) return;
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
-  const auto usage = read_thread_usage(servo_thread_);
-  if (!usage) return;
+  look_after_watchdog();
+  // Both together: the kernel counts real-time threads by CPU, and they may share one.
+  auto usage = read_thread_usage(servo_thread_);
+  const auto device = read_thread_usage(device_.id());
+  if (!usage || !device) return;
+  usage->run_s += device->run_s;
+  usage->waited_s += device->waited_s;
+  usage->voluntary_switches += device->voluntary_switches;
+  usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
   servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
   if (!was_near && watch_.figures().near_throttling > 0) {
     log_warning("{}the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);
   }
+}
+
+void IoSession::look_after_watchdog() {
+  if (watchdog_ == nullptr) return;
+  if (watchdog_->look_after(clock_.now_ns())) {
+    log_warning("{}the watchdog process had ended or stood still; started again: see why, for without it a frozen io_node is on its own",
+                prefix_);
+  }
+  const std::uint64_t told = std::exchange(cuts_told_, watchdog_->cuts());
+  if (cuts_told_ != told) {
+    log_warning("{}the watchdog process took the force away: this program stood still or held a force too long; see hapton doctor",
+                prefix_);
+  }
+}
+
+// The service manager hears of life only while the device side lives: that is what has to be started again when it hangs.
+void IoSession::tell_service() {
+  if (!service_.is_wanted() || clock_.now_ns() < next_sign_ns_) return;
+  if (next_sign_ns_ == 0) service_.send("READY=1");
+  next_sign_ns_ = clock_.now_ns() + kWatchEveryNs;
+  const bool lives = clock_.now_ns() - servo_.device_loop().heartbeat_ns() < kWatchEveryNs;
+  if (service_.watchdog_ns() > 0 && lives) service_.send("WATCHDOG=1");
 }
 
 void IoSession::note_wishes(const StopSignal& stop) {

@@ -5,11 +5,15 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "io_node/device_thread.h"
 #include "io_node/io_options.h"
+#include "io_node/release_watch.h"
 #include "io_node/report_desk.h"
 #include "io_node/scheduling_watch.h"
 #include "io_node/servo.h"
+#include "io_node/watchdog/watchdog_process.h"
 #include "link/metrics_endpoint.h"
+#include "runtime/service_notify.h"
 #include "runtime/stop_signal.h"
 
 namespace hapton {
@@ -25,6 +29,8 @@ class IoSession {
   // Set up before run: hands out the report to tools; serves it as metrics. Pre: they outlive the session.
   void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
+  // ... and looks after the watchdog process.
+  void set_watchdog(WatchdogProcess* watchdog) noexcept { watchdog_ = watchdog; }
 
   // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and refused, the device
   // failed, or a report could not be written.
@@ -41,6 +47,8 @@ class IoSession {
   void print_events();
   std::string described(const ServoStats& stats) const;
   void watch_scheduling(bool now);
+  void look_after_watchdog();
+  void tell_service();
   Result<void> write_report_of(const ServoStats& stats);
 
   Servo& servo_;
@@ -49,6 +57,10 @@ class IoSession {
   const std::string prefix_;  // of every line for people
   ReportDesk* desk_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
+  WatchdogProcess* watchdog_ = nullptr;
+  ServiceNotify service_;
+  std::int64_t next_sign_ns_ = 0;
+  std::uint64_t cuts_told_ = 0;
   // What the next copy of the figures is for.
   bool file_wished_ = false;
   bool desk_wished_ = false;
@@ -63,6 +75,8 @@ class IoSession {
   std::atomic<bool> has_ended_{false};
   std::int64_t end_ns_ = 0;
   pid_t servo_thread_ = 0;
+  DeviceThread device_;
+  ReleaseWatch release_watch_;
   SchedulingWatch watch_;
   std::int64_t next_watch_ns_ = 0;
 };

@@ -21,151 +21,125 @@ void relax() noexcept {
 #endif
 }
 
+// Cycles in a row that found the next one there already: then this thread sleeps for a moment all the same. One that never does is ended by
+// LimitRTTIME, and throttled.
+constexpr std::uint32_t kMostBehind = 8;
 constexpr int kMostPolls = 32;  // datagrams taken in a cycle that is late already
 
 }  // namespace
 
 Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo, ServoTap* tap)
-    : device_(device),
+    : loop_(device, clock,
+            {.rate_hz = options.rate_hz,
+             .tighter = options.tighter,
+             .hold_button = options.hold_button,
+             .overrun = options.overrun,
+             .spin_share = options.spin_share}),
       peers_(peers),
       clock_(clock),
       echo_(echo),
       tap_(tap),
-      policy_(options.overrun),
-      governor_(device.limits()),
       pace_(options.vision_rate_hz),
-      spin_(options.spin_share) {
-  governor_.tighten(options.tighter);
-  governor_.require_button(options.hold_button);
-  stats_.rate_hz = options.rate_hz;
+      rate_hz_(options.rate_hz) {
   peers_.set_tap(tap_);
   start();
 }
 
-std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / stats_.rate_hz); }
+std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / rate_hz_); }
 
 void Servo::start() noexcept {
-  tick_ns_ = clock_.now_ns() + period_ns();
-  stats_.start_ns = stats_.end_ns = tick_ns_;
-  next_view_repeat_ns_ = tick_ns_;
-  figures_since_ns_ = status_since_ns_ = stats_.start_ns;
+  if (!has_device_thread_) loop_.start();
+  cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns = clock_.now_ns() + period_ns();
+  next_view_repeat_ns_ = figures_since_ns_ = status_since_ns_ = stats_.start_ns;
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
 
 void Servo::step() noexcept {
-  is_behind_ = clock_.now_ns() >= tick_ns_;
-  if (is_behind_) drain();
-  wait_for_tick();
-  begin_cycle();
-  sample_device();
-  const std::int64_t period = period_ns();
-  const std::int64_t middle_ns = tick_ns_ + period / 2;
+  renew_budget();
+  if (!has_device_thread_) run_device_cycle();
+  if (has_device_thread_ && !await_cycle()) return;
+  take_cycles();
+  send_state();
+  const std::int64_t period = cycle_.next_tick_ns - cycle_.tick_ns;
+  const std::int64_t middle_ns = cycle_.tick_ns + period / 2;
   await_force(middle_ns);
   do_spare_work();
   if (echo_ != nullptr && (ledger_.is_newest_answered() || !peers_.has_haptics())) {
     receive_until(middle_ns);
-    const std::int64_t end_ns = tick_ns_ + period - period / 8;
+    const std::int64_t end_ns = cycle_.tick_ns + period - period / 8;
     echo_->probe(end_ns);
     note_waited(end_ns, clock_.now_ns());
   }
-  tick_ns_ += period_ns();
+  if (!has_device_thread_) return;
+  // Here, where nobody waits: setting a timer is dear.
+  peers_.prepare_wait(cycle_.next_wake_ns);
+  peers_.prepare_wait(cycle_.next_tick_ns + period / 2);
 }
 
-// Sleeps in the socket until shortly before the tick, then spins: no sleep ends to the microsecond.
-void Servo::wait_for_tick() noexcept {
-  const std::int64_t wake_ns = tick_ns_ - spin_.margin_ns(period_ns());
-  std::int64_t now_ns = clock_.now_ns();
-  if (now_ns < wake_ns) {
+void Servo::renew_budget() noexcept {
+  if (budget_ == nullptr) return;
+  budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns() / kNanosecondsPerMillisecond, std::int64_t{32})));
+}
+
+// The device side in this thread. Sleeps in the socket until shortly before the tick, then the device side spins: no sleep ends to the
+// microsecond.
+void Servo::run_device_cycle() noexcept {
+  const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
+  loop_.note_behind(is_behind);
+  if (is_behind) drain();
+  const std::int64_t wake_ns = loop_.wake_ns();
+  if (clock_.now_ns() < wake_ns) {
     receive_until(wake_ns);
-    now_ns = clock_.now_ns();
-    spin_.note_wake_up(now_ns - wake_ns);
+    loop_.note_wake_up(clock_.now_ns() - wake_ns);
   }
-  const std::int64_t begin_ns = now_ns;
-  for (; now_ns < tick_ns_; now_ns = clock_.now_ns()) relax();
-  spin_.note_spun(now_ns - begin_ns);
+  loop_.begin_cycle();
+  loop_.run_cycle();
 }
 
-void Servo::begin_cycle() noexcept {
-  const std::int64_t late_ns = clock_.now_ns() - tick_ns_;
-  const std::int64_t period = period_ns();
-  stats_.wake_lateness.record(late_ns);
-  cycle_.late_ns = late_ns;
-  // A period changed while waiting may put the tick into the future: then this cycle is simply early.
-  if (late_ns >= period) {
-    overrun(late_ns);
-  } else {
-    cycle_.missed = 0;
-    cycle_.cause = MissCause::none;
+// Until the device side has made a cycle; false: it is late, and meanwhile there is other work.
+bool Servo::await_cycle() noexcept {
+  if (loop_.has_cycle()) {
+    drain();
+    if (++cycles_behind_ % kMostBehind == 0 && budget_ != nullptr) budget_->rest();
+    return true;
   }
-  device_ns_ = 0;
-  overslept_ns_ = 0;
-  stats_.end_ns = tick_ns_ + period;
+  cycles_behind_ = 0;
+  // The same moment at which the device side wakes: one interrupt ends both sleeps, before the tick and not in the midst of its sample.
+  const std::int64_t wake_ns = cycle_.next_wake_ns;
+  const std::int64_t now_ns = clock_.now_ns();
+  receive_until(now_ns < wake_ns ? wake_ns : now_ns + kLongestSpinNs);
+  const std::int64_t end_ns = std::max(cycle_.next_tick_ns, clock_.now_ns()) + kLongestSpinNs;
+  while (!loop_.has_cycle() && clock_.now_ns() < end_ns) relax();
+  return loop_.has_cycle();
 }
 
-// One cycle or more is missed.
-void Servo::overrun(std::int64_t late_ns) noexcept {
-  const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
-  if (!is_catching_up) cycle_.cause = cause_of(late_ns);
-  const std::int64_t missed = late_ns / period_ns();
-  const std::int64_t kept = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMostCaughtUp) : 0;
-  tick_ns_ += (missed - kept) * period_ns();
-  cycle_.missed = static_cast<std::uint32_t>(missed - kept);
-  stats_.missed_cycles += static_cast<std::uint64_t>(missed - kept);
-  stats_.caught_up_cycles += kept > 0 ? 1 : 0;
-  stats_.missed_by_cause[static_cast<std::size_t>(cycle_.cause)] += static_cast<std::uint64_t>(missed - kept) + (kept > 0 ? 1 : 0);
-  has_overrun_ = has_overrun_ || policy_ == OverrunPolicy::stop;
+void Servo::take_cycles() noexcept {
+  while (loop_.take_cycle(cycle_)) on_cycle(!loop_.has_cycle());
 }
 
-// By the clock readings of the cycle before alone: nothing is asked of the system.
-MissCause Servo::cause_of(std::int64_t late_ns) const noexcept {
-  if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
-  if (late_ns >= kStallNs) return MissCause::machine_stalled;
-  return is_behind_ && overslept_ns_ <= period_ns() / 2 ? MissCause::work_long : MissCause::late_wake_up;
+// A sample that a newer one has overtaken before it was sent is answered by nobody.
+void Servo::on_cycle(bool is_newest) noexcept {
+  const DeviceSample& sample = cycle_.sample;
+  const bool is_expected = is_newest && haptics_alive(sample.time_ns) &&
+                           sample.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
+  ledger_.take(cycle_.number, sample.time_ns, is_expected);
+  poses_[cycle_.number % poses_.size()] = {sample.time_ns, sample.p_WD, sample.q_WT};
+  if (!is_newest && tap_ != nullptr) note_cycle(sample.time_ns);
 }
 
-void Servo::sample_device() noexcept {
-  const std::int64_t begin_ns = clock_.now_ns();
-  sample_ = device_.read(begin_ns);
-  // A sample is taken when the device has given it; how long that takes is a figure of its own.
-  sample_.time_ns = clock_.now_ns();
-  stats_.device_read.record(sample_.time_ns - begin_ns);
-  device_ns_ += sample_.time_ns - begin_ns;
-  governor_.observe(sample_, device_.status());
-  ++sample_number_;
-  ++stats_.samples;
-  const bool is_expected =
-      haptics_alive(sample_.time_ns) && sample_.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
-  ledger_.take(sample_number_, sample_.time_ns, is_expected);
-  poses_[sample_number_ % poses_.size()] = {sample_.time_ns, sample_.p_WD, sample_.q_WT};
-  DeviceState state{sample_number_, sample_.time_ns, sample_.p_WD, sample_.q_WT, sample_.buttons};
-  state.is_resumed = is_haptics_new_ && p_WP_ && (*p_WP_ - sample_.p_WD).norm() <= kResumeReachM;
+void Servo::send_state() noexcept {
+  const DeviceSample& sample = cycle_.sample;
+  DeviceState state{cycle_.number, sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons};
+  state.is_resumed = is_haptics_new_ && p_WP_ && (*p_WP_ - sample.p_WD).norm() <= kResumeReachM;
   if (state.is_resumed) state.p_WP = *p_WP_;
   const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
   stats_.states_sent += reached;
-  if (ways_ != nullptr && reached > 0) ways_->on_state_sent(sample_number_, sample_.time_ns);
-  if (!std::exchange(is_force_new_, false)) hold_force();
-}
-
-// Without news the governor may still have to let the force sink or rise. With news every cycle it must not be asked in between: it would
-// spend the cycle's share of the slew on nothing.
-void Servo::hold_force() noexcept {
-  const Wrench& held = governor_.step(std::nullopt, clock_.now_ns());
-  if (held.force_n != written_.force_n || held.torque_nm != written_.torque_nm) write(held);
+  if (ways_ != nullptr && reached > 0) ways_->on_state_sent(cycle_.number, sample.time_ns);
 }
 
 // A node that has not been heard for so long gives up its place to the first who asks: it counts as gone.
 bool Servo::haptics_alive(std::int64_t now_ns) const noexcept {
   return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsPlace).last_heard_ns < HubPeers::kHapticsSilenceNs;
-}
-
-void Servo::write(const Wrench& wrench) noexcept {
-  const std::int64_t begin_ns = clock_.now_ns();
-  device_.write(wrench, begin_ns);
-  device_ns_ += clock_.now_ns() - begin_ns;
-  const bool is_let_go = !is_finished_ && wrench.force_n == Vec3::Zero() && written_.force_n != Vec3::Zero() && governor_.is_silent();
-  if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
-  written_ = wrench;
-  stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
 }
 
 void Servo::receive_one(std::int64_t deadline_ns) noexcept {
@@ -181,7 +155,7 @@ void Servo::receive_until(std::int64_t deadline_ns) noexcept {
 }
 
 void Servo::note_waited(std::int64_t deadline_ns, std::int64_t woke_ns) noexcept {
-  overslept_ns_ = std::max(overslept_ns_, woke_ns - deadline_ns);
+  if (!has_device_thread_) loop_.note_overslept(woke_ns - deadline_ns);
 }
 
 // A loop too late to wait still hears what has come; not without end, or strangers could hold it up.
@@ -232,25 +206,36 @@ void Servo::on_force(const ForceCommand& command) noexcept {
   const SampleLedger::Verdict verdict = ledger_.answer(command);
   if (verdict == SampleLedger::Verdict::duplicate || verdict == SampleLedger::Verdict::unknown) return;
   const bool is_newest = verdict != SampleLedger::Verdict::reordered;
-  if (is_newest) governor_.step(WantedWrench{{.force_n = command.force_n}, command.echo_sample_time_ns}, clock_.now_ns());
-  const std::int64_t ready_ns = clock_.now_ns();
-  const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
   if (is_newest) {
-    if (!governor_.is_silent()) accepted_ns_ = ready_ns;
-    write(governor_.output());
-    is_force_new_ = true;
-    const std::int64_t written_ns = clock_.now_ns();
-    stats_.force_age.record(written_ns - command.echo_sample_time_ns);
-    if (ways_ != nullptr) ways_->on_force_written(ready_ns, written_ns);
+    note_written();
+    posted_number_ = loop_.post({{.force_n = command.force_n}, command.echo_sample_time_ns});
+    posted_ = command;
     last_force_ = command;
+    note_written();
     remember_probe(command);
+  } else {
+    note_round_trip(command, clock_.now_ns());
   }
+  ++stats_.forces;
+  stats_.contact_samples += command.contact ? 1 : 0;
+}
+
+// The device side has governed and written the force that was posted last: as a rule it is so when post returns.
+void Servo::note_written() noexcept {
+  const DeviceSide& side = loop_.look();
+  if (!posted_ || side.command != posted_number_) return;
+  stats_.force_age.record(side.written_ns - posted_->echo_sample_time_ns);
+  if (ways_ != nullptr) ways_->on_force_written(side.ready_ns, side.written_ns);
+  note_round_trip(*posted_, side.ready_ns);
+  posted_.reset();
+}
+
+void Servo::note_round_trip(const ForceCommand& command, std::int64_t ready_ns) noexcept {
+  const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
   if (ways_ != nullptr) ways_->on_force(incoming_.header, command, ready_ns);
   stats_.round_trip.record(round_trip_ns);
   stats_.haptics_compute.record(command.compute_ns);
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
-  ++stats_.forces;
-  stats_.contact_samples += command.contact ? 1 : 0;
 }
 
 // So that a haptics node that comes in its stead can go on from there.
@@ -270,7 +255,7 @@ void Servo::on_view(const ViewTransform& view) noexcept {
 void Servo::on_drawn(const Drawn& drawn, std::size_t peer) noexcept {
   const std::int64_t age_ns = clock_.now_ns() - drawn.echo_sample_time_ns;
   const bool is_ours =
-      drawn.echo_sample != 0 && drawn.echo_sample <= sample_number_ && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
+      drawn.echo_sample != 0 && drawn.echo_sample <= cycle_.number && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
   if (!is_ours) return;
   pace_.on_drawn(peer, drawn, clock_.now_ns());
   if (drawn.unchanged) return;
@@ -283,13 +268,14 @@ void Servo::on_drawn(const Drawn& drawn, std::size_t peer) noexcept {
 void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
   if (!hand.active && hand_leader_ != peer) return;
   hand_leader_ = hand.active ? peer : kNobody;
-  device_.lead_hand(hand.active ? std::optional(hand.p_WH) : std::nullopt);
+  loop_.lead_hand(hand.active ? std::optional(hand.p_WH) : std::nullopt);
 }
 
 void Servo::on_settings(const Settings& settings, const PeerEvent& event) noexcept {
   const NodeRole role = event.role;
   if (settings.servo_rate_hz >= kLowestRateHz && settings.servo_rate_hz <= kHighestRateHz) {
-    stats_.rate_hz = settings.servo_rate_hz;
+    rate_hz_ = settings.servo_rate_hz;
+    loop_.set_rate_hz(rate_hz_);
     peers_.set_servo_rate_hz(settings.servo_rate_hz);
     events_.push({ServoEvent::Kind::rate_changed, role, {}, settings.servo_rate_hz, {}, {}});
   } else if (settings.servo_rate_hz != 0.0) {
@@ -304,18 +290,18 @@ void Servo::on_settings(const Settings& settings, const PeerEvent& event) noexce
 }
 
 void Servo::reset_faults(const Peer& asker) noexcept {
-  const SafetyFault fault = governor_.fault();
-  if (fault == SafetyFault::none) return;
-  const ResetVerdict verdict = judge_reset(asker.key_role, is_loopback(asker.address), governor_.is_switch_held());
+  const DeviceSide& side = loop_.look();
+  if (side.governor.fault == SafetyFault::none) return;
+  const bool is_from_this_host = is_loopback(asker.address);
+  const ResetVerdict verdict = judge_reset(asker.key_role, is_from_this_host, side.is_switch_held);
   if (verdict != ResetVerdict::granted) {
-    ++stats_.resets_denied;
+    ++resets_denied_;
     if (clock_.now_ns() < next_denial_ns_) return;
     next_denial_ns_ = clock_.now_ns() + kNanosecondsPerSecond;
     const bool lacks_right = verdict == ResetVerdict::no_right;
     return tell(lacks_right ? ServoEvent::Kind::reset_without_right : ServoEvent::Kind::reset_without_person, asker.role, asker.address);
   }
-  const auto kind = governor_.reset_faults() ? ServoEvent::Kind::reset : ServoEvent::Kind::reset_refused;
-  events_.push({kind, NodeRole::tool, {}, 0.0, {}, fault});
+  loop_.reset_faults(is_from_this_host ? ResetPresence::known : ResetPresence::while_held);
 }
 
 void Servo::on_joined(const PeerEvent& event) noexcept {
@@ -356,14 +342,34 @@ void Servo::do_spare_work() noexcept {
   }
   if (desk_ != nullptr) desk_->serve(peers_);
   tell_of_safety(now_ns);
-  if (snapshot_asked_.exchange(false, std::memory_order_acq_rel)) snapshots_.publish(collect_stats());
+  note_written();
+  hand_out_snapshot();
+}
+
+// What the device side has measured comes with its next cycle.
+void Servo::hand_out_snapshot() noexcept {
+  if (snapshot_asked_.exchange(false, std::memory_order_acq_rel)) {
+    is_snapshot_due_ = true;
+    if (has_device_thread_) return loop_.ask_for_stats();
+  }
+  if (!is_snapshot_due_ || (has_device_thread_ && !loop_.take_stats())) return;
+  is_snapshot_due_ = false;
+  snapshots_.publish(fill_stats(has_device_thread_ ? loop_.stats_copy() : loop_.collect_stats()));
+}
+
+void Servo::note_cycle(std::int64_t now_ns) noexcept {
+  tap_->on_cycle({.sample = cycle_.number,
+                  .late_ns = cycle_.late_ns,
+                  .written_n = loop_.look().written.force_n,
+                  .missed = cycle_.missed,
+                  .cause = cycle_.cause},
+                 now_ns);
 }
 
 void Servo::tell_tap(std::int64_t now_ns) noexcept {
-  cycle_.sample = sample_number_;
-  cycle_.written_n = written_.force_n;
-  tap_->on_cycle(cycle_, now_ns);
-  const GovernorCounters& governor = governor_.counters();
+  note_cycle(now_ns);
+  const DeviceSide& side = loop_.look();
+  const GovernorCounters& governor = side.governor.counters;
   // A node that has said goodbye is no fault.
   const bool is_missed = last_force_.contact && peers_.has_haptics();
   tell_fault(SessionFault::silence, governor.silences > governor_told_.silences && is_missed, now_ns);
@@ -371,24 +377,30 @@ void Servo::tell_tap(std::int64_t now_ns) noexcept {
   tell_fault(SessionFault::refused_future, governor.refused_future > governor_told_.refused_future, now_ns);
   tell_fault(SessionFault::clamped, governor.clamped > governor_told_.clamped, now_ns);
   tell_fault(SessionFault::stalled, cycle_.late_ns >= kSilenceLimitNs, now_ns);
-  tell_fault(SessionFault::overrun, has_overrun_, now_ns);
-  tell_fault(SessionFault::energy, governor_.is_energy_gone(), now_ns);
-  if (governor.latched > governor_told_.latched) tap_->on_fault(session_fault_of(governor_.fault()), now_ns);
+  tell_fault(SessionFault::overrun, side.has_overrun, now_ns);
+  tell_fault(SessionFault::energy, side.is_energy_gone, now_ns);
+  if (governor.latched > governor_told_.latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
 }
 
 // People first: they may have to do something about it.
 void Servo::tell_of_safety(std::int64_t now_ns) noexcept {
-  if (governor_.counters().latched > governor_told_.latched) events_.push({ServoEvent::Kind::latched, {}, {}, 0.0, {}, governor_.fault()});
-  const DeviceStatus status = device_.status();
-  if (status == status_told_) status_since_ns_ = now_ns;
+  const DeviceSide& side = loop_.look();
+  const GovernorCounters& governor = side.governor.counters;
+  if (governor.latched > governor_told_.latched) events_.push({ServoEvent::Kind::latched, {}, {}, 0.0, {}, side.governor.fault});
+  if (governor.resets > governor_told_.resets) events_.push({ServoEvent::Kind::reset, NodeRole::tool, {}, 0.0, {}, fault_told_});
+  if (governor.resets_refused > governor_told_.resets_refused) {
+    events_.push({ServoEvent::Kind::reset_refused, NodeRole::tool, {}, 0.0, {}, side.governor.fault});
+  }
+  fault_told_ = side.governor.fault;
+  if (side.status == status_told_) status_since_ns_ = now_ns;
   if (now_ns - status_since_ns_ >= kStatusNs) {
-    if (status == DeviceStatus::away) tell(ServoEvent::Kind::away, NodeRole::io, {});
-    if (status == DeviceStatus::calibrating) tell(ServoEvent::Kind::calibrating, NodeRole::io, {});
-    if (status == DeviceStatus::ready) tell(ServoEvent::Kind::back, NodeRole::io, {});
-    status_told_ = status;
+    if (side.status == DeviceStatus::away) tell(ServoEvent::Kind::away, NodeRole::io, {});
+    if (side.status == DeviceStatus::calibrating) tell(ServoEvent::Kind::calibrating, NodeRole::io, {});
+    if (side.status == DeviceStatus::ready) tell(ServoEvent::Kind::back, NodeRole::io, {});
+    status_told_ = side.status;
   }
   if (tap_ != nullptr) tell_tap(now_ns);
-  governor_told_ = governor_.counters();
+  governor_told_ = governor;
 }
 
 // Once when it begins: a force that stays above the limit is one fault.
@@ -398,13 +410,13 @@ void Servo::tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) n
   faults_ = is_there ? faults_ | bit : faults_ & ~bit;
 }
 
-bool Servo::is_pose_known(std::uint64_t sample) const noexcept { return sample != 0 && sample_number_ - sample < poses_.size(); }
+bool Servo::is_pose_known(std::uint64_t sample) const noexcept { return sample != 0 && cycle_.number - sample < poses_.size(); }
 
 // Pose and visual offset are one sample's: the newest that was answered. An older answer's offset beside the newest pose would draw the
 // probe beside the surface by what the device moved meanwhile. While nobody answers it is the newest sample, as it is.
 void Servo::fill_probe() noexcept {
-  const bool is_live = !governor_.is_silent() && is_pose_known(last_force_.echo_sample);
-  const std::uint64_t shown = is_live ? last_force_.echo_sample : sample_number_;
+  const bool is_live = !loop_.look().is_silent && is_pose_known(last_force_.echo_sample);
+  const std::uint64_t shown = is_live ? last_force_.echo_sample : cycle_.number;
   if (shown >= probe_.sample) {  // an answer to a sample before the silence comes too late for the picture
     const Pose& pose = poses_[shown % poses_.size()];
     probe_.sample = shown;
@@ -414,8 +426,8 @@ void Servo::fill_probe() noexcept {
     probe_.contact = is_live && last_force_.contact;
     probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3(Vec3::Zero());
   }
-  probe_.buttons = sample_.buttons;
-  probe_.force_n = written_.force_n;
+  probe_.buttons = cycle_.sample.buttons;
+  probe_.force_n = loop_.look().written.force_n;
   probe_.view_revision = view_ ? view_->revision : 0;
 }
 
@@ -436,10 +448,9 @@ void Servo::tell_vision(std::int64_t now_ns) noexcept {
 void Servo::refresh_figures(std::int64_t now_ns) noexcept {
   next_figures_ns_ = now_ns + kFiguresNs;
   const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
-  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(stats_.samples - figures_samples_) / passed_s);
+  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(cycle_.number - figures_samples_) / passed_s);
   figures_since_ns_ = now_ns;
-  figures_samples_ = stats_.samples;
-  governor_.observe_temperature(device_.condition().motor_temperature);
+  figures_samples_ = cycle_.number;
   probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
   probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
 }
@@ -450,6 +461,7 @@ void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
     ServoEvent event{ServoEvent::Kind::flood, NodeRole::tool, flood->from, flood->per_second, {}, {}};
     event.flood = flood->refusal;
     event.is_from_several = flood->is_from_several;
+    event.is_kept_out = flood->is_kept_out;
     events_.push(event);
   }
   strangers_.look(peers_.seal_counts(), peers_.counts(), now_ns, [&](ServoEvent::Kind kind) { tell(kind, NodeRole::tool, {}); });
@@ -457,26 +469,46 @@ void Servo::tell_of_strangers(std::int64_t now_ns) noexcept {
 
 void Servo::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
-  stats_.governor = governor_.figures();
+  loop_.end();
   is_finished_ = true;
-  if (tap_ != nullptr && device_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
   const std::int64_t end_ns = clock_.now_ns() + kSilenceLimitNs + 2 * kStepNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
+    if (!has_device_thread_) loop_.hold();
     receive_until(now_ns + kStepNs);
-    hold_force();
   }
-  write({});
-  ledger_.close(haptics_alive(sample_.time_ns));
+  if (!has_device_thread_) loop_.finish();
+  if (tap_ != nullptr && loop_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
+  note_written();
+  ledger_.close(haptics_alive(cycle_.sample.time_ns));
 }
 
-const ServoStats& Servo::collect_stats() noexcept {
-  stats_.device_status = device_.status();
-  stats_.device = device_.condition();
+const ServoStats& Servo::collect_stats() noexcept { return fill_stats(loop_.collect_stats()); }
+
+const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {
+  stats_.start_ns = device.start_ns;
+  stats_.end_ns = device.end_ns;
+  stats_.rate_hz = device.rate_hz;
+  stats_.wake_lateness = device.wake_lateness;
+  stats_.device_read = device.device_read;
+  stats_.samples = device.samples;
+  stats_.missed_cycles = device.missed_cycles;
+  stats_.caught_up_cycles = device.caught_up_cycles;
+  stats_.missed_by_cause = device.missed_by_cause;
+  stats_.max_force_n = device.max_force_n;
+  stats_.longest_release_ns = device.longest_release_ns;
+  stats_.governor = device.governor;
+  stats_.device_status = device.status;
+  stats_.device = device.condition;
+  stats_.resets_denied = resets_denied_ + device.resets_denied;
+  stats_.cuts = device.cuts;
+  stats_.cycles_untold = device.cycles_untold;
   stats_.ledger = ledger_.counts();
-  // The silence at the end is our own doing.
-  if (!is_finished_) stats_.governor = governor_.figures();
   stats_.hub = peers_.counts();
   stats_.seal = peers_.seal_counts();
+  if (budget_ != nullptr) {
+    stats_.socket = budget_->socket_counts();
+    stats_.budget_spent = budget_->spent();
+  }
   stats_.events_dropped = events_.dropped();
   if (ways_ != nullptr) stats_.ways = ways_->collect(clock_.now_ns());
   for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {

@@ -55,12 +55,16 @@ struct ServoStats {
   std::uint64_t resets_denied = 0;      // asked for without the right, or without a person at the device
   double frame_rate_hz = 0.0;           // as the vision node heard last says
   double max_force_n = 0.0;             // written to the device
-  std::int64_t longest_release_ns = 0;  // last force accepted -> zero on the device, of all silences
+  std::int64_t longest_release_ns = 0;  // sample of the last force accepted -> zero on the device, of all silences
+  std::uint64_t cuts = 0;               // times the device side cut the device, as the network side was stuck in the middle of a write
+  std::uint64_t cycles_untold = 0;      // of the device side that the network side was too far behind to be told of
 
   SampleLedger::Counts ledger;
   GovernorFigures governor;
   HubCounts hub;
   SealCounts seal;
+  SocketCounts socket;
+  std::uint64_t budget_spent = 0;  // times the budget of datagrams was spent before the cycle was over
   EchoProbe::Counts echo;
   std::uint64_t events_dropped = 0;
   WayStats ways;

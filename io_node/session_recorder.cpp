@@ -103,7 +103,7 @@ Result<void> SessionRecorder::start() {
     }
   }
   if (!options_.record.empty()) {
-    file_.reset(std::fopen(options_.record.c_str(), "wb"));
+    file_.reset(open_file_for(options_.record, FileReaders::owner));
     if (!file_) return fail("{}: the session cannot be recorded there: {}", options_.record.string(), std::strerror(errno));
     unwritten_ = kSessionMagic;
     codec_.append(header_, unwritten_);
@@ -203,7 +203,7 @@ void SessionRecorder::write_flight() {
   const std::int64_t unix_ns = header_.start_unix_ns + (flight.fault_ns - header_.start_ns);
   const auto path = options_.flight_folder / fmt::format("flight-{}-{}.hapton", time_text(unix_ns), header.fault);
   ++counts_.flights;
-  if (const auto written = write_file_atomically(path, bytes); !written) {
+  if (const auto written = write_file_atomically(path, bytes, FileReaders::owner); !written) {
     log_error("{}: no flight record: {}", header.fault, written.error().what);
     return;
   }

@@ -22,6 +22,18 @@ struct Received {
   KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
 };
 
+// What a socket met besides datagrams for its owner.
+struct SocketCounts {
+  std::uint64_t oversized = 0;  // longer than kMaxDatagramBytes, or empty
+  std::uint64_t strangers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
+  std::uint64_t dropped = 0;    // by the kernel: kept out during a flood, or no room
+  std::uint64_t kept_out = 0;   // of these, those during a flood
+  std::uint64_t floods = 0;     // that began
+  double flood_per_s = 0.0;     // datagrams a second, of the newest flood
+  Address last_stranger;
+  Address last_oversized;
+};
+
 // A way to exchange datagrams. Real ones over UDP, in-memory ones for tests.
 // RT: send and receive yes (one bounded system call each, no heap, lock, log or throw).
 class Endpoint {
@@ -34,19 +46,23 @@ class Endpoint {
   // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
-  // Optional: sets the timer for later receives with exactly this deadline, so that they need not. Where setting a timer is dear (a
-  // virtual machine: 5 us), a loop calls this before it takes the time that it measures.
+  // Optional: sets a timer for later receives with exactly this deadline, so that they need not; the newest two of these are kept. Where
+  // setting a timer is dear (a virtual machine: 5 us), a loop calls this before it takes the time that it measures.
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 
   virtual Address local_address() const = 0;
 
+  // Optional, set-up only: from now on only what comes from there is received; all else is dropped where it costs least. False: this one
+  // does not do that.
+  virtual bool accept_only(const Address& /*peer*/) noexcept { return false; }
+
+  // Optional: data of this session (its connection number) is awaited from there, and is no stranger's. RT: yes.
+  virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
+
   // What a sealed endpoint has passed and refused; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
-
-  // Datagrams passed over because they were empty or too long to be ours.
-  virtual std::uint64_t oversized() const noexcept { return 0; }
-  // Where the newest of them came from.
-  virtual Address oversized_from() const noexcept { return {}; }
+  // What a socket has met; all zero for others.
+  virtual SocketCounts socket_counts() const noexcept { return {}; }
 
   // What is refused so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }

@@ -41,8 +41,8 @@ class MeteredEndpoint final : public Endpoint {
 
   void prepare_wait(std::int64_t deadline_ns) noexcept override { inner_.prepare_wait(deadline_ns); }
   Address local_address() const override { return inner_.local_address(); }
-  std::uint64_t oversized() const noexcept override { return inner_.oversized(); }
-  Address oversized_from() const noexcept override { return inner_.oversized_from(); }
+  void expect(const Address& from, std::uint32_t connection) noexcept override { inner_.expect(from, connection); }
+  SocketCounts socket_counts() const noexcept override { return inner_.socket_counts(); }
 
   const Counts& counts() const noexcept { return counts_; }
   // When the newest datagram was handed to the system, and when the newest one was taken from it.

@@ -2,11 +2,14 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/system/system_error.hpp>
 #include <chrono>
 #include <cstddef>
+#include <deque>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -26,6 +29,7 @@ using boost::system::error_code;
 
 constexpr auto kPatience = std::chrono::seconds(2);  // for a client to ask and to read
 constexpr std::size_t kMostClients = 16;
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);
 constexpr std::size_t kMostRequestBytes = 8192;
 
 asio::ip::address to_asio(const Address& address) {
@@ -34,15 +38,31 @@ asio::ip::address to_asio(const Address& address) {
   return asio::ip::address_v6(address.ip);
 }
 
+// A browser that was led here by a stranger's name (DNS rebinding) names that as Host. Who names none is no browser.
+bool is_host_ours(std::string_view host) {
+  if (host.empty()) return true;
+  const std::size_t end = host.starts_with('[') ? host.find(']') : host.find(':');
+  const std::string name(host.starts_with('[') ? host.substr(1, end - 1) : host.substr(0, end));
+  if (beast::iequals(name, "localhost")) return true;
+  error_code error;
+  const asio::ip::address literal = asio::ip::make_address(name, error);
+  return !error && literal.is_loopback();
+}
+
 using Response = http::response<http::string_body>;
 
 Response respond(const http::request<http::empty_body>& request, std::string text) {
   const bool is_get = request.method() == http::verb::get || request.method() == http::verb::head;
   const bool is_there = request.target() == "/metrics" || request.target() == "/";
-  const http::status status = !is_get ? http::status::method_not_allowed : is_there ? http::status::ok : http::status::not_found;
+  const auto host = request.find(http::field::host);
+  const bool is_ours = host == request.end() || is_host_ours(std::string_view(host->value().data(), host->value().size()));
+  const http::status status = !is_ours   ? http::status::forbidden
+                              : !is_get  ? http::status::method_not_allowed
+                              : is_there ? http::status::ok
+                                         : http::status::not_found;
   Response response(status, 11);
   response.set(http::field::content_type, status == http::status::ok ? "text/plain; version=0.0.4" : "text/plain");
-  response.body() = status == http::status::ok ? std::move(text) : "GET /metrics is what there is\n";
+  response.body() = status == http::status::ok ? std::move(text) : is_ours ? "GET /metrics is what there is\n" : "ask for localhost\n";
   response.keep_alive(false);
   response.prepare_payload();
   if (request.method() == http::verb::head) response.body().clear();
@@ -54,8 +74,7 @@ Response respond(const http::request<http::empty_body>& request, std::string tex
 struct MetricsEndpoint::State {
   // One question and its answer. Kept by its own callbacks.
   struct Client : std::enable_shared_from_this<Client> {
-    Client(State& state_in, tcp::socket socket) : state(state_in), stream(std::move(socket)) { ++state.clients; }
-    ~Client() { --state.clients; }
+    Client(State& state_in, tcp::socket socket) : state(state_in), stream(std::move(socket)) {}
 
     void start() {
       parser.body_limit(0);
@@ -85,10 +104,31 @@ struct MetricsEndpoint::State {
   void listen() {
     acceptor.async_accept([this](const error_code& error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      // One more than may be is let go without an answer.
-      if (!error && clients < kMostClients) std::make_shared<Client>(*this, std::move(socket))->start();
-      listen();
+      if (!error) {
+        make_room();
+        const auto client = std::make_shared<Client>(*this, std::move(socket));
+        order.push_back(client);
+        client->start();
+        return listen();
+      }
+      // No descriptor is left: the caller stays in line, and would be reported again at once.
+      pause.expires_after(kAcceptPause);
+      pause.async_wait([this](const error_code& ended) {
+        if (!ended) listen();
+      });
     });
+  }
+
+  // The one that has been here longest goes: who asks at once is answered, however many sit here and say nothing.
+  void make_room() {
+    std::erase_if(order, [](const std::weak_ptr<Client>& client) { return client.expired(); });
+    while (order.size() >= kMostClients) {
+      if (const auto longest = order.front().lock()) {
+        error_code ignored;
+        longest->stream.socket().close(ignored);
+      }
+      order.pop_front();
+    }
   }
 
   std::string text() {
@@ -96,12 +136,13 @@ struct MetricsEndpoint::State {
     return served;
   }
 
-  std::size_t clients = 0;
+  std::deque<std::weak_ptr<Client>> order;  // as they came
   std::mutex mutex;
   std::string served;
   Address local;
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
+  asio::steady_timer pause{context};
   std::thread thread;
 };
 

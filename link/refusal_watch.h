@@ -33,7 +33,8 @@ struct Flood {
   Refusal refusal = Refusal::malformed;
   Address from;                  // of the newest
   bool is_from_several = false;  // from other addresses as well
-  double per_second = 0.0;
+  double per_second = 0.0;       // with those that were kept out
+  bool is_kept_out = false;      // most of it before it was received
 };
 
 // Sees floods: what is refused more often than is_flood_above allows is told once a second, the worst kind of it alone.
@@ -55,6 +56,9 @@ class RefusalWatch {
     seen.count += count;
   }
 
+  // So many more were kept out unseen, by chance: of each kind in the share in which it was noted.
+  void note_kept_out(std::uint64_t count) noexcept { kept_out_ += count; }
+
   // Call it at least once a second, as often as you like.
   std::optional<Flood> take(std::int64_t now_ns) noexcept;
 
@@ -65,6 +69,7 @@ class RefusalWatch {
     bool is_from_several = false;
   };
   std::array<Seen, kRefusals> seen_ = {};
+  std::uint64_t kept_out_ = 0;
   std::int64_t since_ns_ = 0;
   bool has_begun_ = false;
 };

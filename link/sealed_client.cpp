@@ -20,7 +20,7 @@ SealedClient::SealedClient(Endpoint& endpoint, const Clock& clock, const RoleKey
 
 SealCounts SealedClient::seal_counts() const noexcept {
   SealCounts counts = counts_;
-  counts.oversized = endpoint_.oversized();
+  counts.oversized = endpoint_.socket_counts().oversized;
   return counts;
 }
 

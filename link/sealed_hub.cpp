@@ -76,7 +76,7 @@ SealedHub::SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& mast
 
 SealCounts SealedHub::seal_counts() const noexcept {
   SealCounts counts = counts_;
-  counts.oversized = endpoint_.oversized();
+  counts.oversized = endpoint_.socket_counts().oversized;
   return counts;
 }
 
@@ -85,11 +85,14 @@ void SealedHub::refuse(Refusal refusal, const Address& from) noexcept {
   watch_.note(refusal, from);
 }
 
-// The socket has passed these over; here they get a name.
+// What the socket has passed over, and what was kept out of it: here it gets a name.
 std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
-  const std::uint64_t oversized = endpoint_.oversized();
-  if (oversized != oversized_noted_) watch_.note(Refusal::oversized, endpoint_.oversized_from(), oversized - oversized_noted_);
-  oversized_noted_ = oversized;
+  const SocketCounts socket = endpoint_.socket_counts();
+  const std::uint64_t oversized = socket.oversized - oversized_noted_;
+  if (oversized != 0) watch_.note(Refusal::oversized, socket.last_oversized, oversized);
+  watch_.note_kept_out(socket.kept_out - kept_out_noted_);
+  oversized_noted_ = socket.oversized;
+  kept_out_noted_ = socket.kept_out;
   return watch_.take(now_ns);
 }
 
@@ -219,6 +222,7 @@ void SealedHub::take_agreements() noexcept {
     }
     session.state = State::candidate;
     session.channel = std::move(agreed.channel);
+    endpoint_.expect(session.address, session.connection);
     endpoint_.send(session.address, agreed.answer);
   }
 }

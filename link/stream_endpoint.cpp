@@ -21,6 +21,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::int64_t kAcceptPauseNs = 100'000'000;
 constexpr int kMostAcceptsAtOnce = 8;
 constexpr int kMostDatagramsAtOnce = 64;
 constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of what waits: what is older is of no use
@@ -140,6 +141,7 @@ class SocketStreams final : public StreamEndpoint {
 
   int open_at(const Address& at);
   Connection* find(Id id);
+  std::size_t count_open() const;
   void poll_until(std::int64_t deadline_ns);
   void accept_some(Listener& listener);
   void receive_datagrams(Listener& listener);
@@ -154,6 +156,7 @@ class SocketStreams final : public StreamEndpoint {
   std::vector<Connection> connections_;
   std::vector<pollfd> polled_;
   Id last_id_ = 0;
+  std::int64_t accepts_from_ns_ = 0;  // none before: the process has no descriptor left
   std::array<std::byte, 65536> buffer_;
 };
 
@@ -183,6 +186,11 @@ int SocketStreams::open(const Address& at) {
 SocketStreams::Connection* SocketStreams::find(Id id) {
   const auto found = std::find_if(connections_.begin(), connections_.end(), [&](const Connection& c) { return c.id == id; });
   return found != connections_.end() && !found->is_closing ? &*found : nullptr;
+}
+
+std::size_t SocketStreams::count_open() const {
+  return static_cast<std::size_t>(
+      std::count_if(connections_.begin(), connections_.end(), [](const Connection& c) { return !c.is_closing; }));
 }
 
 void SocketStreams::wake() noexcept {
@@ -236,7 +244,11 @@ void SocketStreams::flush(Connection& connection) {
 }
 
 void SocketStreams::poll_until(std::int64_t deadline_ns) {
-  const auto all = std::to_array<pollfd>({{waker_.get(), POLLIN, 0}, {listening_.get(), POLLIN, 0}, {datagrams_.get(), POLLIN, 0}});
+  // A negative descriptor is passed over.
+  const bool accepts = monotonic_ns() >= accepts_from_ns_;
+  const auto all =
+      std::to_array<pollfd>({{waker_.get(), POLLIN, 0}, {accepts ? listening_.get() : -1, POLLIN, 0}, {datagrams_.get(), POLLIN, 0}});
+  if (!accepts) deadline_ns = std::min(deadline_ns, accepts_from_ns_);
   polled_.assign(all.begin(), all.end());
   bool is_one_closing = false;
   for (const Connection& connection : connections_) {
@@ -302,9 +314,17 @@ void SocketStreams::accept_some(Listener& listener) {
   for (int n = 0; n < kMostAcceptsAtOnce; ++n) {
     SystemAddress from;
     Descriptor socket(::accept4(listening_.get(), from.get(), &from.size, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (socket.get() < 0) return;
+    if (socket.get() < 0) {
+      // Without a descriptor for it the caller stays in line, and would wake every wait at once.
+      if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) accepts_from_ns_ = monotonic_ns() + kAcceptPauseNs;
+      return;
+    }
     // One more than may be is let go without a word.
-    if (connections_.size() >= kMostConnections) continue;
+    if (count_open() >= kMostConnections) {
+      const Id given_up = listener.give_up_for_another();
+      if (given_up == 0) continue;
+      close(given_up);
+    }
     prepare(socket);
     Connection connection;
     connection.id = ++last_id_;

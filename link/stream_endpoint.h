@@ -27,6 +27,8 @@ class StreamEndpoint {
     virtual void on_bytes(Id id, std::span<const std::byte> bytes) = 0;
     virtual void on_closed(Id id) = 0;
     virtual void on_datagram(const Address& from, std::span<const std::byte> bytes) = 0;
+    // All places are taken and somebody else comes: whom to close for it; 0: nobody.
+    virtual Id give_up_for_another() { return 0; }
   };
 
   // Listens at the address, by TCP and UDP; port 0 takes one that is free for both. Error: one line: bad address, port in use.

@@ -1,5 +1,6 @@
 #include "link/udp_endpoint.h"
 
+#include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -17,6 +18,8 @@
 #include <optional>
 
 #include "link/asio_guard.h"
+#include "link/flood_filter.h"
+#include "link/source_filter.h"
 
 namespace hapton {
 namespace {
@@ -65,7 +68,7 @@ std::int64_t monotonic_ns() {
 
 class UdpEndpoint final : public Endpoint {
  public:
-  UdpEndpoint() : socket_(context_) {}
+  explicit UdpEndpoint(bool filters_floods) : socket_(context_), filters_floods_(filters_floods) {}
   ~UdpEndpoint() override;
 
   error_code open(const udp::endpoint& local);
@@ -74,8 +77,11 @@ class UdpEndpoint final : public Endpoint {
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override;
   Address local_address() const override { return local_; }
-  std::uint64_t oversized() const noexcept override { return oversized_; }
-  Address oversized_from() const noexcept override { return oversized_from_; }
+  bool accept_only(const Address& peer) noexcept override;
+  void expect(const Address& from, std::uint32_t connection) noexcept override {
+    if (filters_floods_) filter_.note_expected(from, connection, monotonic_ns());
+  }
+  SocketCounts socket_counts() const noexcept override { return filter_.counts(); }
 
  private:
   enum class Attempt : std::uint8_t {
@@ -84,31 +90,40 @@ class UdpEndpoint final : public Endpoint {
     nothing,
   };
 
+  // Set for a deadline, for the waits until then.
+  struct Timer {
+    int file = -1;
+    std::int64_t deadline_ns = kNothingPrepared;
+  };
+
   std::optional<udp::endpoint> remote(const Address& to) const noexcept;
+  const Timer* find_timer(std::int64_t deadline_ns) const noexcept;
   bool wait_readable(std::int64_t deadline_ns) noexcept;
-  bool wait_readable_prepared() noexcept;
+  bool wait_readable_prepared(const Timer& timer) noexcept;
+  void judge_flood(std::int64_t now_ns) noexcept;
+  std::uint32_t read_dropped() const noexcept;
   Attempt try_receive(std::span<std::byte> into, int flags, Received& received) noexcept;
 
   asio::io_context context_;
   udp::socket socket_;
   Address local_;
   bool is_v4_ = true;
-  int timer_ = -1;
-  std::int64_t prepared_ns_ = kNothingPrepared;
-  std::uint64_t oversized_ = 0;
-  Address oversized_from_;
+  std::array<Timer, 2> timers_;
+  std::size_t next_timer_ = 0;
+  bool filters_floods_;
+  FloodFilter filter_;
 };
 
 UdpEndpoint::~UdpEndpoint() {
-  if (timer_ >= 0) {
-    close(timer_);
+  for (const Timer& timer : timers_) {
+    if (timer.file >= 0) close(timer.file);
   }
 }
 
 error_code UdpEndpoint::open(const udp::endpoint& local) {
-  timer_ = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-  if (timer_ < 0) {
-    return {errno, boost::system::system_category()};
+  for (Timer& timer : timers_) {
+    timer.file = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+    if (timer.file < 0) return {errno, boost::system::system_category()};
   }
   error_code error;
   is_v4_ = local.address().is_v4();
@@ -155,6 +170,7 @@ bool UdpEndpoint::send(const Address& to, std::span<const std::byte> datagram) n
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (sendto(socket_.native_handle(), datagram.data(), datagram.size(), MSG_DONTWAIT, endpoint->data(),
                static_cast<socklen_t>(endpoint->size())) >= 0) {
+      if (filters_floods_) filter_.note_sent(to, datagram, monotonic_ns());
       return true;
     }
     if (errno != ECONNREFUSED) {
@@ -169,22 +185,27 @@ void UdpEndpoint::prepare_wait(std::int64_t deadline_ns) noexcept {
     return;
   }
   const itimerspec once = {.it_interval = {}, .it_value = {.tv_sec = deadline_ns / kSecondNs, .tv_nsec = deadline_ns % kSecondNs}};
+  Timer& timer = timers_[next_timer_];
+  next_timer_ = (next_timer_ + 1) % timers_.size();
   // On failure receive sets its own timer, as it does for a deadline that was not prepared.
-  prepared_ns_ = timerfd_settime(timer_, TFD_TIMER_ABSTIME, &once, nullptr) == 0 ? deadline_ns : kNothingPrepared;
+  timer.deadline_ns = timerfd_settime(timer.file, TFD_TIMER_ABSTIME, &once, nullptr) == 0 ? deadline_ns : kNothingPrepared;
 }
 
-bool UdpEndpoint::wait_readable_prepared() noexcept {
+const UdpEndpoint::Timer* UdpEndpoint::find_timer(std::int64_t deadline_ns) const noexcept {
+  const auto found = std::find_if(timers_.begin(), timers_.end(), [&](const Timer& timer) { return timer.deadline_ns == deadline_ns; });
+  return found == timers_.end() ? nullptr : &*found;
+}
+
+bool UdpEndpoint::wait_readable_prepared(const Timer& timer) noexcept {
   std::array<pollfd, 2> either = {
-      {{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0}, {.fd = timer_, .events = POLLIN, .revents = 0}}};
+      {{.fd = socket_.native_handle(), .events = POLLIN, .revents = 0}, {.fd = timer.file, .events = POLLIN, .revents = 0}}};
   while (ppoll(either.data(), either.size(), nullptr, nullptr) <= 0) {
   }
   return either[0].revents != 0;
 }
 
 bool UdpEndpoint::wait_readable(std::int64_t deadline_ns) noexcept {
-  if (deadline_ns == prepared_ns_) {
-    return wait_readable_prepared();
-  }
+  if (const Timer* timer = find_timer(deadline_ns); timer != nullptr) return wait_readable_prepared(*timer);
   pollfd readable = {.fd = socket_.native_handle(), .events = POLLIN, .revents = 0};
   while (true) {
     const std::int64_t left_ns = deadline_ns - monotonic_ns();
@@ -210,23 +231,52 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
   if (bytes < 0) {
     return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
+  const Address sender = address_of(from);
   // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
-  if (bytes == 0 || static_cast<std::size_t>(bytes) > into.size()) {
-    ++oversized_;
-    oversized_from_ = address_of(from);
-    return Attempt::passed_over;
-  }
-  received = {.bytes = static_cast<std::size_t>(bytes), .from = address_of(from)};
+  const bool is_oversized = bytes == 0 || static_cast<std::size_t>(bytes) > into.size();
+  filter_.note_received(sender, into.first(std::min(static_cast<std::size_t>(bytes), into.size())), is_oversized);
+  if (is_oversized) return Attempt::passed_over;
+  received = {.bytes = static_cast<std::size_t>(bytes), .from = sender};
   return Attempt::received;
+}
+
+std::uint32_t UdpEndpoint::read_dropped() const noexcept {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> info = {};
+  socklen_t size = sizeof info;
+  const int file = const_cast<udp::socket&>(socket_).native_handle();
+  return getsockopt(file, SOL_SOCKET, SO_MEMINFO, info.data(), &size) == 0 ? info[SK_MEMINFO_DROPS] : 0;
+}
+
+void UdpEndpoint::judge_flood(std::int64_t now_ns) noexcept {
+  const FloodFilter::Action action = filter_.judge(read_dropped(), now_ns);
+  if (action == FloodFilter::Action::install) {
+    const auto program = filter_.program();
+    const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
+    // Refused (no memory): the budget of the reader still bounds what a flood costs.
+    (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached);
+  } else if (action == FloodFilter::Action::remove) {
+    const int unused = 0;
+    (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_DETACH_FILTER, &unused, sizeof unused);
+  }
+}
+
+bool UdpEndpoint::accept_only(const Address& peer) noexcept {
+  SourceFilter filter(peer);
+  const auto program = filter.program();
+  const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
+  return setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached) == 0;
 }
 
 Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
   // Three ways to wait, the cheapest that will do: within recvfrom while the deadline is far, which sets no precise timer and is one system
   // call; by ppoll when it is near; not at all when it has passed.
   std::int64_t now_ns = monotonic_ns();
+  if (filters_floods_ && filter_.is_due(now_ns)) judge_flood(now_ns);
   for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
-    const bool is_far = now_ns + kFarNs < deadline_ns && deadline_ns != prepared_ns_;
-    const bool is_past = deadline_ns <= now_ns || (!is_far && !wait_readable(deadline_ns));
+    const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
+    const bool is_past = deadline_ns <= now_ns;
+    // Whoever waited and found nothing has been told so by the system: it need not be asked again.
+    if (!is_past && !is_far && !wait_readable(deadline_ns)) return {};
     Received received;
     const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);
     if (attempt == Attempt::received || (attempt == Attempt::nothing && is_past)) {
@@ -316,14 +366,14 @@ std::string to_string(const Address& address) {
   return fmt::format("[{}]:{}", asio::ip::address_v6(address.ip).to_string(), address.port);
 }
 
-Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_address) {
+Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_address, bool filters_floods) {
   const Result<Address> local = parse_address(bind_address);
   if (!local) {
     return tl::unexpected(local.error());
   }
   const udp::endpoint wanted =
       is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
-  auto made = make_with_context<UdpEndpoint>();
+  auto made = make_with_context<UdpEndpoint>(filters_floods);
   if (!made) return fail("cannot listen on UDP {}: {}", to_string(*local), made.error().what);
   std::unique_ptr<UdpEndpoint>& endpoint = *made;
   const error_code error = endpoint->open(wanted);
@@ -332,6 +382,10 @@ Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_addres
   }
   if (error == boost::system::errc::address_not_available) {
     return fail("cannot listen on UDP {}: this host has no such address; use one of its own, or 0.0.0.0 for all", to_string(*local));
+  }
+  if (error == boost::system::errc::too_many_files_open) {
+    return fail("cannot listen on UDP {}: {}; allow the process more open files (ulimit -n, LimitNOFILE)", to_string(*local),
+                error.message());
   }
   if (error) {
     return fail("cannot listen on UDP {}: {}", to_string(*local), error.message());

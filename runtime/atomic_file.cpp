@@ -1,5 +1,7 @@
 #include "runtime/atomic_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -16,8 +18,8 @@ tl::unexpected<Error> fail_to_write(const std::filesystem::path& path, int error
 }
 
 // 0, or the errno of what failed. Whatever is reported only on closing counts too.
-int write_text(const std::filesystem::path& path, std::string_view text) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+int write_text(const std::filesystem::path& path, std::string_view text, FileReaders readers) {
+  std::FILE* file = open_file_for(path, readers);
   if (file == nullptr) {
     return errno;
   }
@@ -30,7 +32,15 @@ int write_text(const std::filesystem::path& path, std::string_view text) {
 
 }  // namespace
 
-Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text) {
+std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers) {
+  const bool is_private = readers == FileReaders::owner;
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, is_private ? 0600 : 0666);
+  if (file < 0) return nullptr;
+  if (is_private) (void)::fchmod(file, 0600);  // refused on what is no file of ours, a device or a pipe: that has its own mode
+  return ::fdopen(file, "wb");
+}
+
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text, FileReaders readers) {
   std::error_code error;
   if (path.has_parent_path()) {
     std::filesystem::create_directories(path.parent_path(), error);
@@ -40,7 +50,7 @@ Result<void> write_file_atomically(const std::filesystem::path& path, std::strin
   }
   std::filesystem::path beside = path;
   beside += fmt::format(".{}.part", getpid());
-  if (const int failure = write_text(beside, text); failure != 0) {
+  if (const int failure = write_text(beside, text, readers); failure != 0) {
     std::filesystem::remove(beside, error);
     return fail_to_write(path, failure);
   }

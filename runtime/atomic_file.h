@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <string_view>
 
@@ -9,6 +11,11 @@ namespace hapton {
 
 // Puts `text` into the file at `path`, making its folder if need be. The file appears whole or not at all, and an older one stays until
 // then: the text is written beside it and renamed. RT: no. Error: one line naming the file and the reason.
-Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
+// For the user alone (mode 0600), or for all that the umask lets.
+enum class FileReaders : std::uint8_t { everyone, owner };
+Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text, FileReaders readers = FileReaders::everyone);
+
+// A new, empty file to write, or the one there is emptied; null and errno on failure. Its mode is set even where the file was there before.
+std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers);
 
 }  // namespace hapton

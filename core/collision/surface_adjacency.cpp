@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -18,14 +19,14 @@ Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-Box box_of(const Corners& c) { return {c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2])}; }
-
-// The height of a triangle over its longest edge.
-double least_height(const Corners& c) {
+// The height of a triangle over its longest edge is at least kLeastHeight. Far above that the rounding of a plain cross product is nothing.
+bool is_high(const Corners& c) {
   const Vec3 ab = c[1] - c[0];
   const Vec3 ac = c[2] - c[0];
   const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (c[2] - c[1]).squaredNorm()});
-  return longest > 0.0 ? std::sqrt(accurate_cross(ab, ac).squaredNorm() / longest) : 0.0;
+  constexpr double kLeast = SurfaceAdjacency::kLeastHeight;
+  if (ab.cross(ac).squaredNorm() > 16.0 * kLeast * kLeast * longest) return true;
+  return longest > 0.0 && accurate_cross(ab, ac).squaredNorm() >= kLeast * kLeast * longest;
 }
 
 // All points of b on one side of the plane through `at`, farther than `margin` away. The normal need not be unit.
@@ -101,55 +102,6 @@ bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
   return a.dot(b) > 0.0 && a.cross(b).norm() <= SurfaceAdjacency::kLeastAngle * a.norm() * b.norm();
 }
 
-// The edges of a closed fan, in order, turn the same way by more than kLeastAngle each and once in all, seen along the sum of the normals
-// between them; and none of these leans by more than 60 degrees from that. So the sectors between them lie side by side.
-bool is_even(std::span<const Vec3> edges) {
-  const auto normal = [&](std::size_t i) { return edges[i].cross(edges[(i + 1) % edges.size()]); };
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < edges.size(); ++i) sum += normal(i);
-  const double length = sum.norm();
-  if (!(length > 0.0)) return false;
-  const Vec3 axis = sum / length;
-  const Vec3 first = edges[0] - axis.dot(edges[0]) * axis;
-  const Vec3 second = axis.cross(first);
-  int turns = 0;  // how often the way round goes through the direction of the first edge
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const Vec3& next = edges[(i + 1) % edges.size()];
-    const double along = axis.dot(normal(i));
-    constexpr double kLeast = 8.0 * SurfaceAdjacency::kLeastAngle;
-    if (!(along > 0.5 * normal(i).norm()) || !(along > kLeast * edges[i].norm() * next.norm())) return false;
-    turns += second.dot(edges[i]) < 0.0 && (second.dot(next) >= 0.0 || i + 1 == edges.size()) ? 1 : 0;
-  }
-  return turns == 1;
-}
-
-// Whether two triangles of a mesh leave each other walkable.
-bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const Triangle& t, double margin) {
-  int shared = 0;
-  std::array<int, 3> in_s = {};
-  std::array<int, 3> in_t = {};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      if (s[i] != t[j]) continue;
-      if (shared == 3) return false;
-      in_s[shared] = i;
-      in_t[shared] = j;
-      ++shared;
-    }
-  }
-  if (shared == 3) return false;
-  if (shared == 0) return are_apart(corners_of(vertices, s), corners_of(vertices, t), margin);
-  const Vec3& apex = vertices[s[in_s[0]]];
-  if (shared == 2) {
-    const Vec3 edge = vertices[s[in_s[1]]] - apex;
-    return !is_folded_flat(edge, vertices[s[3 - in_s[0] - in_s[1]]] - apex, vertices[t[3 - in_t[0] - in_t[1]]] - apex);
-  }
-  const auto edges = [&](const Triangle& of, int k) -> std::array<Vec3, 2> {
-    return {vertices[of[(k + 1) % 3]] - apex, vertices[of[(k + 2) % 3]] - apex};
-  };
-  return are_sectors_apart(edges(s, in_s[0]), edges(t, in_t[0]));
-}
-
 }  // namespace
 
 bool are_apart(const Corners& a, const Corners& b, double margin) noexcept {
@@ -165,48 +117,81 @@ bool are_apart(const Corners& a, const Corners& b, double margin) noexcept {
   return true;
 }
 
+bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const Triangle& t, double margin) noexcept {
+  int shared = 0;
+  std::array<int, 3> in_s = {};
+  std::array<int, 3> in_t = {};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3 && shared < 3; ++j) {
+      if (s[i] != t[j]) continue;
+      in_s[shared] = i;
+      in_t[shared] = j;
+      ++shared;
+    }
+  }
+  if (shared > 0 && (repeats_vertex(s) || repeats_vertex(t))) return false;  // what sticks out there is no sector
+  if (shared == 3) return false;
+  if (shared == 0) return are_apart(corners_of(vertices, s), corners_of(vertices, t), margin);
+  const Vec3& apex = vertices[s[in_s[0]]];
+  if (shared == 2) {
+    const Vec3 edge = vertices[s[in_s[1]]] - apex;
+    return !is_folded_flat(edge, vertices[s[3 - in_s[0] - in_s[1]]] - apex, vertices[t[3 - in_t[0] - in_t[1]]] - apex);
+  }
+  const auto edges = [&](const Triangle& of, int k) -> std::array<Vec3, 2> {
+    return {vertices[of[(k + 1) % 3]] - apex, vertices[of[(k + 2) % 3]] - apex};
+  };
+  return are_sectors_apart(edges(s, in_s[0]), edges(t, in_t[0]));
+}
+
 SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Triangle> triangles)
     : across_(3 * triangles.size(), kNone), walkable_(triangles.size(), 0) {
   pair_edges(vertex_count, triangles);
 }
 
-// Half edges are gathered by their lower vertex; there the few with the same upper vertex are found.
+// Half edges are listed by their lower vertex; there the few with the same upper vertex are found. A list runs through the place of each
+// half edge's neighbour, until that is known.
 void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
-  struct HalfEdgeAt {
-    std::uint32_t high;
-    std::uint32_t code;  // (triangle << 3) | (edge << 1) | runs upwards
-  };
-  std::vector<std::uint32_t> first(vertex_count + 2, 0);
-  const auto for_each_edge = [&](auto&& visit) {
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      const Triangle& corner = triangles[t];
-      if (repeats_vertex(corner)) continue;
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t from = corner[k];
-        const std::uint32_t to = corner[k == 2 ? 0 : k + 1];
-        visit(std::min(from, to), HalfEdgeAt{std::max(from, to), t << 3 | k << 1 | (from < to ? 1U : 0U)});
-      }
-    }
-  };
-  for_each_edge([&](std::uint32_t low, const HalfEdgeAt&) { ++first[low + 2]; });
-  for (std::size_t v = 2; v < first.size(); ++v) first[v] += first[v - 1];
-  std::vector<HalfEdgeAt> edges(first.back());
-  for_each_edge([&](std::uint32_t low, const HalfEdgeAt& edge) { edges[first[low + 1]++] = edge; });
   const auto place = [&](std::uint32_t code) -> std::uint32_t& { return across_[3 * std::size_t{code >> 3} + (code >> 1 & 3U)]; };
+  std::vector<std::uint32_t> last(vertex_count, kNone);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Triangle& corner = triangles[t];
+    if (repeats_vertex(corner)) continue;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = corner[k];
+      const std::uint32_t to = corner[k == 2 ? 0 : k + 1];
+      const std::uint32_t code = t << 3 | k << 1 | (from < to ? 1U : 0U);
+      place(code) = std::exchange(last[std::min(from, to)], code);
+    }
+  }
+  std::vector<std::uint32_t> high;  // of each half edge of a list, with room for whole eights
+  std::vector<std::uint32_t> codes;
   for (std::size_t v = 0; v < vertex_count; ++v) {
-    const std::span<HalfEdgeAt> bucket(edges.data() + first[v], first[v + 1] - first[v]);
-    for (std::size_t i = 0; i < bucket.size(); ++i) {
-      std::size_t others = 0;
+    std::size_t count = 0;
+    for (std::uint32_t code = last[v]; code != kNone; ++count) {
+      if (count + 8 > high.size()) {
+        high.resize(2 * count + 16);
+        codes.resize(high.size());
+      }
+      const std::uint32_t k = code >> 1 & 3U;
+      high[count] = triangles[code >> 3][(code & 1U) == 0 ? k : k == 2 ? 0 : k + 1];
+      codes[count] = code;
+      code = std::exchange(place(code), kNone);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const __m256i own = _mm256_set1_epi32(static_cast<int>(high[i]));
+      int others = -1;
       std::size_t other = i;
-      for (std::size_t j = 0; j < bucket.size(); ++j) {
-        if (j == i || bucket[j].high != bucket[i].high) continue;
-        ++others;
-        other = j;
+      for (std::size_t j = 0; j < count; j += 8) {
+        const __m256i same = _mm256_cmpeq_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(&high[j])), own);
+        auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same)));
+        mask &= count - j < 8 ? (1U << (count - j)) - 1U : 0xFFU;
+        others += std::popcount(mask);
+        if (i - j < 8) mask &= ~(1U << (i - j));
+        other = mask != 0 ? j + static_cast<std::size_t>(std::countr_zero(mask)) : other;
       }
       if (others > 1) continue;
-      const std::uint32_t code = bucket[other].code & ~1U;
-      const bool flips = others == 0 || (bucket[i].code & 1U) == (bucket[other].code & 1U);
-      place(bucket[i].code) = code | (flips ? 1U : 0U);
+      const bool flips = others == 0 || ((codes[i] ^ codes[other]) & 1U) == 0;
+      place(codes[i]) = (codes[other] & ~1U) | (flips ? 1U : 0U);
     }
   }
 }
@@ -215,42 +200,99 @@ std::size_t SurfaceAdjacency::walkable_count() const {
   return static_cast<std::size_t>(std::count(walkable_.begin(), walkable_.end(), std::uint8_t{1}));
 }
 
-// From side to side round each vertex, always over the edge at it that was not come by.
+// From side to side round a vertex, always over the edge at it that was not come by. An open fan is gone through on both sides.
+bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const {
+  const std::uint32_t vertex = triangles[start][corner];
+  std::uint32_t t = start;
+  bool back = false;
+  bool open = false;
+  int by = corner;
+  for (std::uint32_t count = 1; count <= 2 * valence; ++count) {
+    const Across next = across(t, by);
+    if (!next.exists) return false;
+    back ^= next.flips;
+    open = open || next.triangle == t;
+    t = next.triangle;
+    by = triangles[t][next.edge] == vertex ? (next.edge + 2) % 3 : (next.edge + 1) % 3;
+    if (t == start && !back && by == corner) return count == (open ? 2 * valence : valence);
+  }
+  return false;
+}
+
+// With the axis the sum of the normals round a vertex: each of these leans by less than 60 degrees from it, each triangle turns by more
+// than kLeastAngle about it, and all of them together turn once. So there is one fan only, and the sectors of its triangles lie side by
+// side. Each triangle adds its part, in whatever order; turns are counted where they go through a half-plane that holds the axis. An edge
+// gives both of its triangles the same numbers. Other fans are left `broken` here.
+std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices,
+                                                                    std::span<const Triangle> triangles) const {
+  struct Round {
+    Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any would do, as long as it is the same for all
+    std::uint8_t valence = 0;
+    std::uint8_t turns = 0;
+    bool is_even = true;
+  };
+  static_assert(kMostValence < 255);
+  std::vector<Round> rounds(vertices.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const Triangle& corner = triangles[t];
+    const Vec3& a = vertices[corner[0]];
+    const Vec3 normal = (vertices[corner[1]] - a).cross(vertices[corner[2]] - a);
+    const bool repeats = repeats_vertex(corner);
+    for (int k = 0; k < 3; ++k) {
+      Round& round = rounds[corner[k]];
+      const Across next = across(t, k);
+      const bool runs_on = next.exists && !next.flips && !repeats;
+      round.axis += normal.cast<float>();
+      round.valence = static_cast<std::uint8_t>(std::min(round.valence + 1, kMostValence + 1));
+      round.is_even = round.is_even && runs_on;
+      if (!runs_on) rounds[corner[(k + 1) % 3]].is_even = false;
+    }
+  }
+  for (const Triangle& corner : triangles) {
+    const std::array<Vec3, 3> edge = {vertices[corner[1]] - vertices[corner[0]], vertices[corner[2]] - vertices[corner[1]],
+                                      vertices[corner[0]] - vertices[corner[2]]};
+    const std::array<double, 3> squared = {edge[0].squaredNorm(), edge[1].squaredNorm(), edge[2].squaredNorm()};
+    const Vec3 normal = edge[0].cross(edge[1]);
+    const double least_lean = 0.25 * normal.squaredNorm();
+    for (int k = 0; k < 3; ++k) {
+      Round& round = rounds[corner[k]];
+      const Vec3 axis = round.axis.cast<double>();
+      const int before = (k + 2) % 3;
+      constexpr double kLeast = 8.0 * kLeastAngle;
+      const double along = axis.dot(normal);
+      const double least = std::max(least_lean, kLeast * kLeast * squared[k] * squared[before]);
+      round.is_even = round.is_even && along > 0.0 && along * along > least * axis.squaredNorm();
+      // Along the cross product of the axis and the coordinate axis it leans from most, of the two a triangle cannot mistake.
+      const bool leans_from_x = std::fabs(axis.x()) <= std::fabs(axis.y());
+      const auto side = [&](const Vec3& e) {
+        return leans_from_x ? axis.z() * e.y() - axis.y() * e.z() : axis.x() * e.z() - axis.z() * e.x();
+      };
+      // Both triangles at an edge take it from the vertex outwards.
+      if (side(edge[k]) < 0.0 && side(-edge[before]) >= 0.0) ++round.turns;
+    }
+  }
+  std::vector<Fan> fans(vertices.size(), Fan::broken);
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const Round& round = rounds[v];
+    if (round.is_even && round.turns == 1 && round.valence <= kMostValence) fans[v] = Fan::even;
+  }
+  return fans;
+}
+
 std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
+  std::vector<Fan> fans = find_even_fans(vertices, triangles);
+  if (std::find(fans.begin(), fans.end(), Fan::broken) == fans.end()) return fans;
   std::vector<std::uint32_t> valence(vertices.size(), 0);
   for (const Triangle& t : triangles) {
     if (repeats_vertex(t)) continue;
-    for (const std::uint32_t v : t) ++valence[v];
+    for (const std::uint32_t v : t) valence[v] += fans[v] == Fan::even ? 0 : 1;
   }
-  std::vector<Fan> fans(vertices.size(), Fan::broken);
-  std::vector<std::uint8_t> seen(vertices.size(), 0);
-  std::array<Vec3, kMostValence> edges;
   for (std::uint32_t start = 0; start < triangles.size(); ++start) {
     if (repeats_vertex(triangles[start])) continue;
     for (int c = 0; c < 3; ++c) {
-      const std::uint32_t vertex = triangles[start][c];
-      if (seen[vertex] != 0) continue;
-      seen[vertex] = 1;
-      if (valence[vertex] > kMostValence) continue;
-      std::uint32_t t = start;
-      bool back = false;
-      int by = c;
-      std::uint32_t count = 0;
-      while (count <= 2 * valence[vertex]) {
-        const Triangle& here = triangles[t];
-        if (count < valence[vertex]) edges[count] = vertices[here[by] == vertex ? here[(by + 1) % 3] : here[by]] - vertices[vertex];
-        ++count;
-        const Across next = across(t, by);
-        if (!next.exists) break;
-        back ^= next.flips;
-        t = next.triangle;
-        const Triangle& corner = triangles[t];
-        by = corner[next.edge] == vertex ? (next.edge + 2) % 3 : (next.edge + 1) % 3;
-        if (t != start || back || by != c) continue;
-        if (count == valence[vertex]) fans[vertex] = is_even(std::span(edges).first(count)) ? Fan::even : Fan::whole;
-        if (count == 2 * valence[vertex]) fans[vertex] = Fan::whole;
-        break;
-      }
+      std::uint32_t& count = valence[triangles[start][c]];
+      if (count > 0 && count <= kMostValence && is_whole_fan(triangles, start, c, count)) fans[triangles[start][c]] = Fan::whole;
+      count = 0;  // each vertex once
     }
   }
   return fans;
@@ -263,28 +305,41 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
     const Triangle& corner = triangles[t];
     bool ok = !repeats_vertex(corner);
     for (int k = 0; k < 3 && ok; ++k) ok = across(t, k).exists && fans[corner[k]] != Fan::broken;
-    walkable_[t] = ok && least_height(corners_of(vertices, corner)) >= kLeastHeight;
+    walkable_[t] = ok && is_high(corners_of(vertices, corner));
   }
-  const auto is_settled = [&](const Triangle& s, const Triangle& t) {
-    int shared = 0;
-    std::uint32_t at = 0;
-    for (const std::uint32_t u : s) {
-      for (const std::uint32_t v : t) {
-        if (u != v) continue;
-        ++shared;
-        at = u;
-      }
-    }
-    return shared == 1 && fans[at] == Fan::even;
-  };
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    tree.for_each_overlapping(box_of(corners_of(vertices, triangles[t])).inflated(margin), [&](std::uint32_t u) {
-      if (u >= t || (walkable_[t] | walkable_[u]) == 0 || is_settled(triangles[t], triangles[u])) return;
-      if (is_pair_walkable(vertices, triangles[t], triangles[u], margin)) return;
-      walkable_[t] = 0;
-      walkable_[u] = 0;
-    });
-  }
+  // Triangles with a common vertex that has an even fan need no test: that fan holds both.
+  std::array<std::uint32_t, WideBvh::kWidth> item;
+  struct Corners8 {
+    __m256i first, second, third;
+  } of_items;
+  tree.for_each_near_pair(
+      margin,
+      [&](const std::array<std::uint32_t, WideBvh::kWidth>& items, unsigned lanes) {
+        item = items;
+        alignas(32) std::array<std::array<std::uint32_t, WideBvh::kWidth>, 3> corner;
+        for (int c = 0; c < WideBvh::kWidth; ++c) {
+          const Triangle& of = triangles[(lanes >> c & 1U) != 0 ? items[c] : 0];
+          for (int k = 0; k < 3; ++k) corner[k][c] = of[k];
+        }
+        const auto load = [&](int k) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(corner[k].data())); };
+        of_items = {load(0), load(1), load(2)};
+      },
+      [&](std::uint32_t t, unsigned near) {
+        __m256i settled = _mm256_setzero_si256();
+        for (const std::uint32_t v : triangles[t]) {
+          const __m256i vertex = _mm256_set1_epi32(static_cast<int>(fans[v] == Fan::even ? v : kNone));
+          settled = _mm256_or_si256(settled, _mm256_cmpeq_epi32(of_items.first, vertex));
+          settled = _mm256_or_si256(settled, _mm256_cmpeq_epi32(of_items.second, vertex));
+          settled = _mm256_or_si256(settled, _mm256_cmpeq_epi32(of_items.third, vertex));
+        }
+        near &= ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(settled)));
+        for (; near != 0; near &= near - 1) {
+          const std::uint32_t u = item[std::countr_zero(near)];
+          if ((walkable_[t] | walkable_[u]) == 0 || is_pair_walkable(vertices, triangles[t], triangles[u], margin)) continue;
+          walkable_[t] = 0;
+          walkable_[u] = 0;
+        }
+      });
 }
 
 }  // namespace hapton

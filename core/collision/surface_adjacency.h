@@ -16,8 +16,8 @@ namespace hapton {
 // no neighbours here.
 //
 // A triangle is walkable when a point on either side of it can meet nothing but the neighbours across its edges and the triangles round its
-// vertices: every edge has at most two triangles, every vertex one fan of them, no other triangle intersects it or comes nearer than
-// `margin`, and no two that share a vertex come nearer than kLeastAngle to each other.
+// vertices: every edge has at most two triangles, every vertex one fan of them and none that repeats a vertex, no other triangle intersects
+// it or comes nearer than `margin`, and no two that share a vertex come nearer than kLeastAngle to each other.
 //
 // Frame and units: those of the vertices, whose extent is about 1.
 // Threads: immutable but for mark_unwalkable. RT: queries yes; construction, find_walkable and mark_unwalkable set-up only.
@@ -62,10 +62,15 @@ class SurfaceAdjacency {
     even     // one closed fan that lies side by side seen from above: none of its triangles comes near another but by their common edge
   };
   std::vector<Fan> find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
+  std::vector<Fan> find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
+  bool is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const;
 
   std::vector<std::uint32_t> across_;  // (neighbour << 3) | (its edge << 1) | flips
   std::vector<std::uint8_t> walkable_;
 };
+
+// Whether two triangles of a mesh leave each other walkable: apart, or apart but for the vertices they share. RT: yes.
+bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const Triangle& t, double margin) noexcept;
 
 // True when two triangles that share no vertex are surely farther apart than `margin`. RT: yes.
 bool are_apart(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b, double margin) noexcept;

@@ -41,6 +41,12 @@ class WideBvh {
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
+  // Every pair of items whose boxes come within `margin` of each other along each axis, once; some that only nearly do are visited too.
+  // Items are taken up to eight at a time: begin(items, lanes) names them, lane by lane, bit i of `lanes` set where lane i is one; then
+  // visit(item, lanes) is called with each item that comes near some of them, and which.
+  template <class Begin, class Visit>
+  void for_each_near_pair(double margin, Begin&& begin, Visit&& visit) const;
+
   // Calls visit(item, bound_squared) for items in roughly increasing distance from p, nearest boxes first, while a box may lie
   // nearer than sqrt(bound_squared); visit returns the new bound_squared (never larger).
   template <class Visit>
@@ -90,6 +96,38 @@ class WideBvh {
     const auto* bytes = reinterpret_cast<const char*>(&node);
     for (std::size_t at = 0; at < sizeof(Node); at += 64) _mm_prefetch(bytes + at, _MM_HINT_T0);
   }
+
+  // Eight boxes, or one of them eight times.
+  struct Boxes8 {
+    __m256 low[3];
+    __m256 high[3];
+
+    unsigned overlapping(const Boxes8& other) const {
+      __m256 hit = _mm256_and_ps(_mm256_cmp_ps(low[0], other.high[0], _CMP_LE_OQ), _mm256_cmp_ps(high[0], other.low[0], _CMP_GE_OQ));
+      for (int k = 1; k < 3; ++k) {
+        hit = _mm256_and_ps(hit, _mm256_cmp_ps(low[k], other.high[k], _CMP_LE_OQ));
+        hit = _mm256_and_ps(hit, _mm256_cmp_ps(high[k], other.low[k], _CMP_GE_OQ));
+      }
+      return static_cast<unsigned>(_mm256_movemask_ps(hit));
+    }
+  };
+  static Boxes8 boxes_of(const Node& node) {
+    Boxes8 boxes;
+    for (int k = 0; k < 3; ++k) {
+      boxes.low[k] = _mm256_load_ps(node.low[k].data());
+      boxes.high[k] = _mm256_load_ps(node.high[k].data());
+    }
+    return boxes;
+  }
+  static Boxes8 box_of(const Node& node, int c) {
+    Boxes8 box;
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = _mm256_set1_ps(node.low[k][c]);
+      box.high[k] = _mm256_set1_ps(node.high[k][c]);
+    }
+    return box;
+  }
+  static unsigned item_lanes(const Node& node);
 
   struct Builder;
 
@@ -143,6 +181,59 @@ void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
       } else {
         prefetch(nodes_[child]);
         stack[top++] = child;
+      }
+    }
+  }
+}
+
+inline unsigned WideBvh::item_lanes(const Node& node) {
+  const __m256i child = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(node.child.data()));
+  const __m256 used = _mm256_cmp_ps(_mm256_load_ps(node.low[0].data()), _mm256_load_ps(node.high[0].data()), _CMP_LE_OQ);
+  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_castsi256_ps(child), used)));
+}
+
+// A node comes before all below it, so a pair is found from the later of its two nodes: what lies below later nodes is left out.
+template <class Begin, class Visit>
+void WideBvh::for_each_near_pair(double margin, Begin&& begin, Visit&& visit) const {
+  std::array<std::uint32_t, kMaxStack> stack;
+  for (std::uint32_t own = 0; own < nodes_.size(); ++own) {
+    const Node& node = nodes_[own];
+    const unsigned lanes = item_lanes(node);
+    if (lanes == 0) continue;
+    std::array<std::uint32_t, kWidth> items;
+    for (int c = 0; c < kWidth; ++c) items[c] = node.child[c] & ~kItemBit;
+    begin(items, lanes);
+    Boxes8 boxes = boxes_of(node);
+    Box all;
+    for (unsigned mask = lanes; mask != 0; mask &= mask - 1) {
+      const int c = std::countr_zero(mask);
+      all.grow(Box{{node.low[0][c], node.low[1][c], node.low[2][c]}, {node.high[0][c], node.high[1][c], node.high[2][c]}});
+    }
+    Boxes8 around;
+    for (int k = 0; k < 3; ++k) {
+      around.low[k] = _mm256_set1_ps(detail::round_down(all.low[k] - margin));
+      around.high[k] = _mm256_set1_ps(detail::round_up(all.high[k] + margin));
+      const double size = std::max(std::abs(all.low[k]), std::abs(all.high[k])) + margin;
+      const __m256 wider = _mm256_set1_ps(detail::round_up(margin + size * 0x1p-22));
+      boxes.low[k] = _mm256_sub_ps(boxes.low[k], wider);
+      boxes.high[k] = _mm256_add_ps(boxes.high[k], wider);
+    }
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+      const std::uint32_t at = stack[--top];
+      const Node& other = nodes_[at];
+      const unsigned is_item = item_lanes(other);
+      for (unsigned mask = boxes_of(other).overlapping(around); mask != 0; mask &= mask - 1) {
+        const int c = std::countr_zero(mask);
+        const std::uint32_t child = other.child[c];
+        if ((is_item >> c & 1U) == 0) {
+          if (child <= own) stack[top++] = child;
+          continue;
+        }
+        const unsigned earlier = at == own ? (1U << c) - 1U : ~0U;
+        const unsigned near = boxes.overlapping(box_of(other, c)) & lanes & earlier;
+        if (near != 0) visit(child & ~kItemBit, near);
       }
     }
   }

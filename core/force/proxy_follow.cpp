@@ -22,6 +22,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.stands()) lift_off_surface();
   }
+  if (sphere_ != nullptr && follow_offset(last, device, time)) return;
   ++counters_.careful;
   const Vec3 from = on_way(last, device, time);
   if (free_ && is_point_) clear_start();

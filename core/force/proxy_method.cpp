@@ -63,6 +63,11 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.rest = settings.probe_radius_m / geometry_.unit_m() + kHover;
   clearance_.slack = 0.5 * kHover;
   clearance_.tolerance = 0x1p-10 * kHover;
+  // A sphere hardly larger than the hover has too few digits for a surface of its own.
+  constexpr double kLeastRadius = 0x1p-20;
+  if (clearance_.rest - kHover >= kLeastRadius && !has_friction_) {
+    sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
+  }
 }
 
 Material ProxyMethod::touched_material() const noexcept {
@@ -87,6 +92,7 @@ bool ProxyMethod::can_touch(std::uint32_t triangle, const Vec3& p) const noexcep
 
 void ProxyMethod::reset(const Vec3& p_SD) noexcept {
   surface_.leave();
+  if (sphere_ != nullptr) sphere_->leave();
   placed_ = p_SD.allFinite();
   settle_at(within_limits(geometry_.to_local(p_SD)));
   geometry_.place(proxy_);
@@ -495,6 +501,12 @@ std::string ProxyMethod::describe_steps() const {
       100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
       counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged, surface_.events(),
       counters_.most_events, counters_.flights, counters_.careful, counters_.exhausted);
+  if (sphere_ != nullptr) {
+    text += fmt::format(
+        "proxy: sphere: {:.2f} events a contact step, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a step\n",
+        static_cast<double>(sphere_->events()) / c, sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
+        static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);
+  }
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

@@ -9,6 +9,7 @@
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
 #include "core/force/force_method.h"
+#include "core/force/sphere_follower.h"
 #include "core/force/surface_follower.h"
 
 namespace hapton {
@@ -133,6 +134,8 @@ class ProxyMethod final : public ForceMethod {
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void follow_by_sweeps(const Vec3& last, const Vec3& device) noexcept;
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
+  bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
+  void stand_at_sphere(const Vec3& device) noexcept;
   enum class Met : std::uint8_t { nothing, walkable, other };
   Met fly(const Vec3& from, const Vec3& to, bool slides, double& time) noexcept;
   bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
@@ -196,8 +199,9 @@ class ProxyMethod final : public ForceMethod {
   bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
-  SurfaceFollower surface_;     // while it stands, it holds the proxy
-  bool short_of_rest_ = false;  // it ran out of events
+  SurfaceFollower surface_;                 // while it stands, it holds the proxy
+  bool short_of_rest_ = false;              // it ran out of events
+  std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius, without friction
 
   Vec3 proxy_ = Vec3::Zero();             // local
   Vec3 last_device_ = Vec3::Zero();       // local

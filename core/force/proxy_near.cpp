@@ -8,6 +8,7 @@ namespace hapton {
 void ProxyMethod::forget_near() noexcept {
   for (Neighbourhood& neighbourhood : neighbourhoods_) neighbourhood.clear();
   ahead_ = Ahead::nothing;
+  if (sphere_ != nullptr) sphere_->forget_near();
 }
 
 // Makes the neighbourhood cover the beginning of a motion with some room around it: all of a short one, a fair part of a long one. Its

@@ -204,7 +204,7 @@ MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD) no
   placed_ = true;
   proxy_->place_held(place, false);
   gather(device_, (place - device_).norm() + 4.0 * proxy_->rest());
-  proxy_->follow(device_, device_, {.friction = false, .tips_borders = false});
+  proxy_->follow(device_, device_, {.friction = false, .tips_borders = false, .keeps_to_surface = false});
   return compute_output(p_SD, proxy_->state().place, Vec3::Zero());
 }
 

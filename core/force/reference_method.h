@@ -31,7 +31,8 @@ struct ReferenceStep {
 // Definition. The proxy P follows the device D on its straight motion from sample to sample. In each of N equal sub-steps P moves, in
 // straight pieces that cross no triangle, to the constrained local minimum of |P - D|: the pull D - P is projected onto the half-spaces of
 // the triangles P is in contact with (Zilles & Salisbury 1995; a sphere's contact normals as Ruspini et al. 1997), the motion is followed
-// by continuous collision against every triangle, what it meets becomes a contact, and so on until nothing moves beyond rounding. Coulomb
+// by continuous collision against every triangle, what it meets becomes a contact, and so on until nothing moves beyond rounding. Where a
+// minimum ends P follows the gradient flow of |P - D|: its way keeps to the surface, and leaves a vertex the steepest way. Coulomb
 // friction holds P where the tangential part of the pull is within the cone, and drags it along its own lag else
 // (core/force/friction_drag.h). Force = stiffness (P - D), less damping along it, never pulling.
 //

@@ -24,13 +24,11 @@ constexpr double kLongestMotion = 4.0;          // a device far away must not co
 constexpr double kLeastRoll = 1e-10;            // rad
 constexpr double kLongestRoll = std::numbers::pi / 3.0;
 constexpr double kLongestTip = std::numbers::pi / 6.0;
-constexpr double kBorder = 1e-3;    // of the rest distance: a face's contact this near to its border may stand on the edge
-constexpr double kOpenFace = 16.0;  // rest distances from its border a point on a face has nothing else to be held by
+constexpr double kBorder = 1e-3;  // of the rest distance: a face's contact this near to its border may stand on the edge
 constexpr int kIdleMotions = 8;
-constexpr int kMostMotions = 4000;
+constexpr int kMostMotions = 16000;
 constexpr int kMostEscapes = 64;
-constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
-constexpr double kLocal = 0x1p-7;    // half the side of the cube whose faces are listed: some hundred of a million
+constexpr double kLocal = 0x1p-7;  // half the side of the cube whose faces are listed: some hundred of a million
 constexpr std::size_t kMostContacts = 256;
 constexpr double kSamePlane = 1e-14;  // normals of one plane differ by less in their cosine
 constexpr double kSteepest = 4.0;     // rest distances: farther off the surface, in a wedge of 29 degrees and less, it stays
@@ -53,6 +51,8 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   boxes_.reserve(most_faces);
   local_.reserve(most_faces);
   contacts_before_.reserve(kMostContacts);
+  vertex_contacts_.reserve(kMostContacts);
+  stays_.reserve(most_faces);
   near_.reserve(kMostNear);
   directions_.reserve(kMostDirections);
   half_spaces_.reserve(kMostContacts);
@@ -176,103 +176,13 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
       if (tip_over(device, pull)) continue;
       break;
     }
-    if (roll(device, pull)) continue;
+    if (roll(device, pull) || leave_vertex(device, pull)) continue;
     advance(motion);
   }
   update_contacts();
   counters_.motions += static_cast<std::uint64_t>(motions);
   counters_.most_motions = std::max(counters_.most_motions, static_cast<std::uint64_t>(motions));
   if (motions == kMostMotions) ++counters_.unconverged;
-}
-
-// A point probe is a sphere only for the sake of safety, and where a fold narrows at a corner the sphere may rest against a step no higher
-// than its own radius that is no obstacle to a point. So at rest the proxy is lifted by a few radii and sent along every direction the
-// corner offers: the pull, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that
-// ends nearer to the device by more than such a step; else it is put back.
-bool ReferenceProxy::escape(const Vec3& device) noexcept {
-  if (rest_ != kPointRadius || has_friction() || state_.contacts.empty() || state_.place == device || is_on_open_face()) return false;
-  const Vec3 start = state_.place;
-  const Vec3 pull = device - start;
-  const double least_gain = kEscapeGain * rest_;
-  contacts_before_ = state_.contacts;
-  for (const double height : {8.0 * rest_, 256.0 * rest_}) {
-    collect_near(start, 2.0 * height);
-    if (!lift(start, height)) continue;
-    const Vec3 lifted = state_.place;
-    for (const Vec3& direction : directions_out(start, pull, 2.0 * height)) {
-      state_.place = lifted;
-      state_.contacts.clear();
-      advance(direction);
-      if ((state_.place - start).norm() < 8.0 * height) continue;
-      descend(device);
-      if ((device - state_.place).norm() < pull.norm() - least_gain) return true;
-    }
-    state_.place = start;
-  }
-  state_.place = start;
-  state_.contacts = contacts_before_;
-  update_contacts();
-  return false;
-}
-
-// On one face alone and not at its border: there a rest is one for a point as well.
-bool ReferenceProxy::is_on_open_face() const noexcept {
-  if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::kFace) return false;
-  const PreparedTriangle& shape = state_.contacts[0].face.shape;
-  for (int k = 0; k < 3; ++k) {
-    if (shape.inward[k].dot(state_.place - shape.corner[k]) <= kOpenFace * rest_ * shape.edge[k].norm()) return false;
-  }
-  return true;
-}
-
-void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
-  near_.clear();
-  list_local_faces();
-  const bool local = is_local(p, local_reach_ - within);
-  const std::size_t count = local ? local_.size() : faces_.size();
-  for (std::size_t k = 0; k < count && near_.size() < kMostNear; ++k) {
-    const std::size_t i = local ? local_[k] : k;
-    const Box& box = boxes_[i];
-    if (!boxes_meet(box.low, box.high, p.array() - within, p.array() + within) || !can_meet(faces_[i])) continue;
-    const ClosestPoint near = closest_point(faces_[i].shape, p);
-    if (near.distance <= within && !near.direction.isZero(0.0)) near_.push_back({faces_[i], near});
-  }
-}
-
-// Moves the proxy by the shortest way to where it is `height` above the planes of all that is near. False when there is no such place.
-bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
-  half_spaces_.clear();
-  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
-  const HalfSpaceProjection way = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
-  if (!way.feasible || way.point.norm() > 64.0 * height) return false;
-  state_.place = start;
-  advance(way.point);
-  return true;
-}
-
-const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {
-  directions_.clear();
-  auto add_line = [&](const Vec3& line) {
-    const double length2 = line.squaredNorm();
-    if (length2 > 0.0) directions_.push_back((line.dot(pull) / length2) * line);
-  };
-  directions_.push_back(pull);
-  for (const Contact& contact : near_) {
-    const PreparedTriangle& shape = contact.face.shape;
-    if (shape.has_face) directions_.push_back(pull - pull.dot(shape.normal) * shape.normal);
-    for (int k = 0; k < 3; ++k) {
-      const double along = std::clamp(shape.edge[k].dot(start - shape.corner[k]) / std::max(shape.edge[k].squaredNorm(), 1e-300), 0.0, 1.0);
-      if ((start - shape.corner[k] - along * shape.edge[k]).norm() <= within) add_line(shape.edge[k]);
-    }
-  }
-  // Folds between faces that do not share an edge.
-  for (std::size_t i = 0; i < near_.size(); ++i) {
-    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMostDirections; ++j) {
-      const Vec3 fold = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
-      if (fold.squaredNorm() > 1e-12) add_line(fold);
-    }
-  }
-  return directions_;
 }
 
 // Far outside the scene there is nothing to meet: the proxy goes straight to the device, or to where its way enters the surroundings of the
@@ -301,11 +211,12 @@ void ReferenceProxy::update_contacts() noexcept {
   }
   std::erase_if(state_.contacts,
                 [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
-  if (has_friction()) forget_borders_of_faces();
+  forget_borders_of_faces();
 }
 
-// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion.
-// Friction would stop there.
+// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion. By the
+// edge between two triangles of one plane it would hold a proxy whose device draws it along the plane by less than its normal leans; and
+// friction would stop there.
 void ReferenceProxy::forget_borders_of_faces() noexcept {
   const auto is_of_face = [&](const Contact& contact) {
     if (contact.near.feature == TriangleFeature::kFace) return false;
@@ -377,22 +288,57 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   return motion * ((way - least) / way);
 }
 
-// Under friction the way counts, not only where it ends: it must not lead off the surface beyond the face that holds the proxy.
-Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) const noexcept {
+// Where the proxy jumps, the way counts, not only where it ends: it must not lead off the surface beyond what holds the proxy.
+Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
-  if (!has_friction() || pull.strongest == nullptr || !(length > rest_)) return motion;
+  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > rest_)) return motion;
   double until = 1.0;
-  if (pull.strongest->near.feature == TriangleFeature::kFace) {
-    const PreparedTriangle& shape = pull.strongest->face.shape;
+  for (int i = 0; i < pull.motion.count; ++i) until = std::min(until, share_on_feature(state_.contacts[pull.motion.active[i]], motion));
+  return std::min(1.0, until + rest_ / length) * motion;
+}
+
+// The share of a motion that stays by what the contact touches.
+double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& motion) noexcept {
+  const PreparedTriangle& shape = contact.face.shape;
+  if (contact.near.feature == TriangleFeature::kFace) return share_on_plane(contact, motion);
+  if (!is_edge(contact.near.feature)) return 0.0;
+  const Vec3 direction = edge_of(contact).normalized();
+  const double along = direction.dot(motion);
+  const double sideways = (motion - along * direction).norm();
+  const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0) + (along > 0.0)) % 3];
+  const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.place) / along) : 1.0;
+  return sideways * until > rest_ ? rest_ / sideways : until;
+}
+
+// The share of a motion over the faces near of one plane.
+double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion) noexcept {
+  const auto stay_over = [&](const PreparedTriangle& shape) {
+    Stay stay{0.0, 1.0};
     for (int k = 0; k < 3; ++k) {
       const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
-      const double outward = -shape.inward[k].dot(motion);
-      if (outward > 0.0) until = std::min(until, std::max(inside, 0.0) / outward);
+      const double rate = shape.inward[k].dot(motion);
+      if (rate < 0.0) stay.until = std::min(stay.until, std::max(inside, 0.0) / -rate);
+      if (inside < 0.0) stay.from = rate > 0.0 ? std::max(stay.from, -inside / rate) : 2.0;
     }
-  } else {
-    until = 0.0;
+    return stay;
+  };
+  stays_.clear();
+  list_local_faces();
+  for (const std::uint32_t i : local_) {
+    const PreparedTriangle& shape = faces_[i].shape;
+    if (!shape.has_face || std::abs(shape.normal.dot(contact.near.direction)) < 1.0 - kSamePlane) continue;
+    if (std::abs(std::abs(shape.normal.dot(state_.place - shape.corner[shape.base])) - contact.near.distance) > kSkin) continue;
+    const Stay stay = stay_over(shape);
+    if (stay.from < stay.until) stays_.push_back(stay);
   }
-  return std::min(1.0, until + rest_ / length) * motion;
+  std::sort(stays_.begin(), stays_.end(), [](const Stay& a, const Stay& b) { return a.from < b.from; });
+  double until = stay_over(contact.face.shape).until;
+  const double gap = rest_ / motion.norm();
+  for (const Stay& stay : stays_) {
+    if (stay.from > until + gap) break;
+    until = std::max(until, stay.until);
+  }
+  return until;
 }
 
 // A sphere over a single edge or corner goes round it to the point nearest to the device, or sixty degrees on.

@@ -40,6 +40,9 @@ class ReferenceProxy {
   struct Rules {
     bool friction = true;
     bool tips_borders = true;  // a proxy on the border of a face may stand on the edge
+    // Where a local minimum ends it follows the steepest way over the surface to the next. False: it may fly straight over convex edges, to
+    // whatever minimum that leads; with friction it never does.
+    bool keeps_to_surface = true;
   };
   struct Counters {
     std::uint64_t substeps = 0;      // that had triangles near
@@ -90,6 +93,10 @@ class ReferenceProxy {
     const Contact* strongest = nullptr;
   };
 
+  // Shares of a motion between which it is over a face.
+  struct Stay {
+    double from, until;
+  };
   struct FirstMet {
     double until = 1.0;  // share of the motion
     const Face* face = nullptr;
@@ -113,8 +120,13 @@ class ReferenceProxy {
   double pressure_of(double push) const noexcept;
   Material material_of(const Pull& pull) const noexcept;
   Vec3 limit_by_friction(const Pull& pull) noexcept;
-  Vec3 cut_at_border(const Pull& pull, const Vec3& motion) const noexcept;
+  Vec3 cut_at_border(const Pull& pull, const Vec3& motion) noexcept;
+  double share_on_feature(const Contact& contact, const Vec3& motion) noexcept;
+  double share_on_plane(const Contact& contact, const Vec3& motion) noexcept;
   bool has_friction() const { return !frictionless_ && rules_.friction; }
+  bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
+  bool leave_vertex(const Vec3& device, const Pull& pull) noexcept;
+  Vec3 find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept;
   bool roll(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Contact& contact) noexcept;
@@ -138,6 +150,8 @@ class ReferenceProxy {
   Vec3 local_centre_ = Vec3::Zero();
   bool has_local_ = false;
   std::vector<Contact> contacts_before_;
+  std::vector<Contact> vertex_contacts_;
+  std::vector<Stay> stays_;
   std::vector<Contact> near_;
   std::vector<Vec3> directions_;
   std::vector<HalfSpace> half_spaces_;

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "core/force/stress_parts.h"
 #include "core/force/stress_sealed_bodies.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
@@ -193,11 +194,21 @@ constexpr std::array kBodies = {
     Entry{"sealed-tears-fine", [] { return make_sealed_tears(1e-5); }},
     Entry{"sealed-star", [] { return make_sealed_star(0.9e-4); }},
     Entry{"sealed-star-fine", [] { return make_sealed_star(1e-5); }},
+    Entry{"sealed-ball", [] { return make_sealed_ball(0.9e-4); }},
+    Entry{"sealed-ball-fine", [] { return make_sealed_ball(1e-5); }},
+    Entry{"sealed-waves", [] { return make_sealed_waves(0.9e-4); }},
+    Entry{"sealed-waves-fine", [] { return make_sealed_waves(1e-5); }},
     Entry{"sealed-box", [] { return make_sealed_box(0.9e-4); }},
     Entry{"sealed-box-fine", [] { return make_sealed_box(1e-5); }},
     Entry{"room", [] { return room_of(make_box(Vec3(1.0, 0.8, 0.6) * kExtent, 3), 0.0); }},
     Entry{"turned-room", [] { return room_of(askew(make_box(Vec3(0.6, 0.5, 0.4) * kExtent, 2)), 0.0); }},
     Entry{"round-room", [] { return room_of(ball(), 0.0); }},
+    Entry{"slotted-part", [] { return clean(make_slotted_part(1, 0.0)); }},
+    Entry{"bent-part", [] { return clean(make_slotted_part(2, 0.6 * kExtent)); }},
+    Entry{"open-front", [] { return dirty(make_open_front(2), {}); }},
+    Entry{"touching-parts", [] { return clean(make_touching_parts()); }},
+    Entry{"overlapping-parts", [] { return clean(make_overlapping_parts(1)); }},
+    Entry{"overlapping-parts-2", [] { return clean(make_overlapping_parts(2)); }},
     Entry{"probe-sphere", [] { return with_probe(clean(ball()), 0.005); }},
     Entry{"probe-bumpy", [] { return with_probe(clean(bumps()), 0.005); }},
     Entry{"probe-star", [] { return with_probe(clean(star()), 0.01); }},

@@ -6,12 +6,14 @@
 #include <utility>
 
 #include "core/force/certain_rest.h"
+#include "core/force/close_up_rest.h"
 #include "core/force/reference_method.h"
 #include "core/force/smooth_method.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/point_in_mesh.h"
 #include "core/geometry/surface_walk.h"
+#include "core/geometry/winding_number.h"
 
 namespace hapton {
 namespace {
@@ -24,8 +26,10 @@ constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
 constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
-constexpr double kMouthShare = 1e-5;   // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
-constexpr double kRestHovers = 4.0;    // round a rest that may be proved to be one
+constexpr double kClearShare = 0.05;   // of what a proxy may hover by: above rounding, so the side is beyond doubt
+constexpr double kCloseUpShare = 0x1p-10;
+constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
+constexpr double kRestHovers = 4.0;   // round a rest that may be proved to be one
 constexpr double kThroughStep = 0.01;
 constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -49,6 +53,8 @@ std::optional<Vec3> find_crossing(const TriangleMesh& mesh, const Vec3& from, co
   }
   return std::nullopt;
 }
+
+Vec3 corner_direction(int corner) { return {corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0}; }
 
 }  // namespace
 
@@ -149,19 +155,38 @@ struct StressRun::Inside {
   // The reference, which asks every triangle, comes there too: round an edge or corner that the straight way cuts.
   bool leads_round(const Vec3& from, const Vec3& to) const { return (judge->settle_from(from, to).p_SP - to).norm() <= kRelative * extent; }
 
+  // A proxy may hover by so much and leave that out of the force.
+  double play() const { return extent * (kRelative + 1e-15 * settings.offset_extents); }
+
+  // Told exactly, however near the surface.
+  bool is_beyond(const Vec3& p) const { return (std::fabs(compute_winding_number(body.solid, p)) > 0.5) != body.room; }
+
+  // Where the reference begins: p, or beside it on the free side, if p lies on the closed surface itself to the last digits. There the
+  // reference would take either side for its own.
+  Vec3 clear_start(const Vec3& p) const {
+    const auto is_clear = [&](const Vec3& at) { return solid->compute_distance(at) > kClearShare * play() && !is_beyond(at); };
+    if (!solid || probe_radius > 0.0 || is_clear(p)) return p;
+    for (const double step : {0.25, 1.0}) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 start = p + step * play() * corner_direction(corner);
+        if (is_clear(start)) return start;
+      }
+    }
+    return p;
+  }
+
   // From a little farther off as well: begun within a hover of a corner, the reference may take the wrong side of a face for its own.
   bool gains_from_outside(const Vec3& p, const Vec3& device) const {
     const Vec3 stretch = p - device;
-    const Vec3 start = p + (kOutsideShare * extent / stretch.norm()) * stretch;
+    const Vec3 start = clear_start(p + (kOutsideShare * extent / stretch.norm()) * stretch);
     return stretch.norm() - (judge->settle_from(start, device).p_SP - device).norm() > kLagGain * extent;
   }
 
   // Wherever just beside it the device is. Where its way grazes a face, rounding says on which side of that it goes.
   bool gains_from_beside(const Vec3& p, const Vec3& device) const {
     for (int corner = 0; corner < 8; ++corner) {
-      const Vec3 aside(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
-      const Vec3 beside = device + kBesideShare * extent * aside;
-      if ((p - beside).norm() - (judge->settle_from(p, beside).p_SP - beside).norm() <= kLagGain * extent) return false;
+      const Vec3 beside = device + kBesideShare * extent * corner_direction(corner);
+      if ((p - beside).norm() - (judge->settle_from(clear_start(p), beside).p_SP - beside).norm() <= kLagGain * extent) return false;
     }
     return true;
   }
@@ -171,11 +196,17 @@ struct StressRun::Inside {
     return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
   }
 
+  // What holds the proxy may be lower than the reference lifts itself in the whole body: a point a thousand times smaller tells.
+  bool is_held_closely(const Vec3& p, const Vec3& device) const {
+    return probe_radius == 0.0 && rests_in_close_up(body.touched, settings.material, p, kCloseUpShare * extent, clear_start(p), device);
+  }
+
   // Asks the reference whether the proxy may stay at p.
   template <class Note>
   void judge_rest(const Vec3& p, const Vec3& device, const Note& note) const {
     const double length = (p - device).norm();
-    const Vec3 end = judge->settle_from(p, device).p_SP;
+    if (!(length - (judge->settle_from(p, device).p_SP - device).norm() > kLagGain * extent)) return;
+    const Vec3 end = judge->settle_from(clear_start(p), device).p_SP;
     const double gain = length - (end - device).norm();
     if (!(gain > kLagGain * extent)) return;
     // A judge that ends on the other side of a closed surface went through it, and proves nothing.
@@ -183,7 +214,7 @@ struct StressRun::Inside {
     // A device on the surface itself has two rightful proxies: at the ridge it came in by, and where it is.
     const double depth = solid ? solid->compute_distance(device) : extent;
     if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device) ||
-        !gains_from_beside(p, device))
+        !gains_from_beside(p, device) || is_held_closely(p, device))
       return;
     note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
   }
@@ -302,7 +333,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     }
     const Vec3 stretch = felt.p_SP - device;
     const double length = stretch.norm();
-    const double play = extent * (kRelative + 1e-15 * in.settings.offset_extents);
+    const double play = in.play();
     const bool undamped = in.settings.material.damping_ns_per_m == 0.0;
     if (felt.contact != (felt.force_n.norm() > 0.0)) note(StressFault::kBroken, 0.0);
     if (undamped && (felt.force_n - stiffness * stretch).norm() > stiffness * (play + kRelative * length + in.layer))

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/force/contact_qp.h"
 #include "core/math/side_sign.h"
@@ -277,7 +278,6 @@ SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
 }
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {
-  if (on_ == On::edge) return p_ + between(a().normal(), b().normal(), height);
   std::array<ContactPlane, kMostFan> planes;
   Vec3 sum = Vec3::Zero();
   int count = 0;
@@ -288,14 +288,41 @@ Vec3 SurfacePoint::lifted(double height) const noexcept {
   if (on_ == On::vertex) {
     for (int i = 0; i < fan_count_; ++i) add(fan_[i].normal, 0.0);
   } else {
-    add(a().normal(), 0.0);
     add_near_planes(height, add);
+    if (count == 0) return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+    add(a().normal(), 0.0);
+    if (on_ == On::edge) add(b().normal(), 0.0);
   }
-  if (count == 1) return p_ + height * a().normal();
   const ConstrainedMotion up =
       constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
   if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
+  if (on_ == On::edge) return p_ + between(a().normal(), b().normal(), height);
+  if (on_ == On::vertex) return p_ + over_widest_face(height);
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
+}
+
+// At a vertex where no way leads off all faces at once: over the middle of the face from which the others are farthest. A ball about that
+// middle which none of them enters is cut by the face alone, so half of it is on the free side.
+Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
+  const auto edge_before = [&](int i) -> const Vec3& { return fan_[(i + fan_count_ - 1) % fan_count_].direction; };
+  const auto distance_to = [&](int i, const Vec3& p) {
+    if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
+    const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
+    return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
+  };
+  double widest = 1.0 / kSteepest;
+  Vec3 way = 0.5 * widest * a().normal();
+  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
+    const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
+    double clear = 1.0;
+    for (int k = 0; k < fan_count_; ++k) {
+      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_to(k, middle));
+    }
+    if (clear <= widest) continue;
+    widest = clear;
+    way = middle + 0.5 * clear * fan_[i].normal;
+  }
+  return (2.0 * height / widest) * way;
 }
 
 // The least way to `height` over two planes through zero.
@@ -305,18 +332,42 @@ Vec3 SurfacePoint::between(const Vec3& normal_a, const Vec3& normal_b, double he
   return squared * kSteepest * kSteepest > 4.0 ? Vec3(sum * (2.0 * height / squared)) : Vec3(height * normal_a);
 }
 
-// On a face, by an edge that it meets another face at: as seen from there.
+bool SurfacePoint::is_near_edge(const Facet& facet, int k, double within) const noexcept {
+  const double inside = facet.shape.inside(k, p_);
+  const double length_squared = facet.shape.edge(k).squaredNorm();
+  if (inside > 0.0 && inside * inside > within * within * length_squared) return false;
+  const double along = std::clamp(facet.shape.along(k, p_), 0.0, 1.0);
+  return (p_ - facet.shape.corner(k) - along * facet.shape.edge(k)).squaredNorm() <= within * within;
+}
+
+// Faces that the point does not stand on, near enough to be in the way: from where it stands over edges near it, concave or all but flat.
+// By a vertex that may be several.
 template <class Add>
 void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
-  for (int k = 0; k < 3; ++k) {
-    const double inside = a().shape.inside(k, p_);
-    const double near = kSteepest * height;
-    if (inside > 0.0 && inside * inside > near * near * a().shape.edge(k).squaredNorm()) continue;
-    const TouchGeometry::Across across = geometry_.across(a().id, k);
-    if (!across.exists || across.id == a().id) continue;
-    Facet beyond;
-    load(across.id, a().is_back() != across.flips, beyond);
-    if (beyond.height(a().shape.corner((k + 2) % 3)) > 0.0) add(beyond.normal(), beyond.height(p_));
+  std::array<std::pair<std::uint32_t, bool>, kMostNear> faces;
+  int count = 0;
+  faces[count++] = {a().id, a().is_back()};
+  if (on_ == On::edge) faces[count++] = {b().id, b().is_back()};
+  for (int i = 0; i < count; ++i) {
+    Facet loaded;
+    const bool is_own = i == 0 || (i == 1 && on_ == On::edge);
+    if (!is_own) load(faces[i].first, faces[i].second, loaded);
+    const Facet& at = i == 0 ? a() : is_own ? b() : loaded;
+    for (int k = 0; k < 3; ++k) {
+      if (on_ == On::edge && is_own && k == (i == 0 ? edge_ : other_edge_)) continue;
+      if (!is_near_edge(at, k, kSteepest * height)) continue;
+      const TouchGeometry::Across across = geometry_.across(at.id, k);
+      if (!across.exists || across.id == at.id) continue;
+      const std::pair<std::uint32_t, bool> next{across.id, at.is_back() != across.flips};
+      if (std::find(faces.begin(), faces.begin() + count, next) != faces.begin() + count) continue;
+      Facet beyond;
+      load(next.first, next.second, beyond);
+      const bool is_concave = beyond.height(at.shape.corner((k + 2) % 3)) > 0.0;
+      if (!is_concave && beyond.normal().dot(at.normal()) < kAllButFlat) continue;
+      if (is_concave) add(beyond.normal(), beyond.height(p_));
+      if (count == kMostNear) return;
+      faces[count++] = next;
+    }
   }
 }
 

@@ -141,14 +141,18 @@ class SurfacePoint {
   SurfaceNext release(const Vec3& device, const Vec3& to) noexcept;
 
   Inside inside(double off_edges) const noexcept;
-  // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near.
+  // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near, at a vertex beside
+  // it as well: so never into a face that it only comes up to.
   Vec3 lifted(double height) const noexcept;
   // What holds the point, at most three faces; multipliers sum up only when it has settled without friction. Returns their number.
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
 
  private:
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
-  static constexpr double kSteepest = 4096.0;  // of a lift's height: how far it may lead
+  static constexpr double kSteepest = 4096.0;           // of a lift's height: how far it may lead
+  static constexpr int kMostTried = 16;                 // faces of a fan that a lift may lead over
+  static constexpr int kMostNear = 64;                  // faces looked at for a lift
+  static constexpr double kAllButFlat = 1.0 - 0x1p-21;  // the cosine of a milliradian
 
   Facet& face_a() { return facets_[first_]; }
   bool holds(std::uint32_t triangle, bool back) const noexcept;
@@ -159,6 +163,8 @@ class SurfacePoint {
   Vec3 vertex_normal() const noexcept;
   bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
+  Vec3 over_widest_face(double height) const noexcept;
+  bool is_near_edge(const Facet& facet, int k, double within) const noexcept;
   template <class Add>
   void add_near_planes(double height, Add&& add) const noexcept;
 

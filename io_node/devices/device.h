@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/math/types.h"
+#include "io_node/watchdog/guard_page.h"
 
 namespace hapton {
 
@@ -68,6 +69,16 @@ class Device {
 
   // Puts a wrench (N, N m, frame W) on the motors from now_ns on, until the next write. Must be finite and within the limits.
   virtual void write(const Wrench& wrench, std::int64_t now_ns) noexcept = 0;
+
+  // No force on the motors from now on, whatever write says, until restore; it needs nothing but the device, so it works while another
+  // thread is within write. restore is the owner's. False: the device cannot do that.
+  // RT: yes, wait-free. Threads: cut any, at any time.
+  virtual bool cut() noexcept { return false; }
+  virtual void restore() noexcept {}
+
+  // Set-up only, by the owner: says in the page how another process takes the force away (watchdog/guard_page.h), and keeps that up to
+  // date.
+  virtual void use_guard(GuardPage& /*page*/) noexcept {}
 
   virtual DeviceStatus status() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept { return {}; }

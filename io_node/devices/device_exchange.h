@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 
 #include "io_node/devices/device.h"
@@ -47,6 +48,10 @@ class DeviceExchange {
     wishes_.publish(wish_);
   }
 
+  // Any thread: the driver is told zero until restore, and then a ramp.
+  void cut() noexcept { is_cut_.store(true, std::memory_order_release); }
+  void restore() noexcept { is_cut_.store(false, std::memory_order_release); }
+
   // Servo: as of the last read.
   const Reading& reading() const noexcept { return readings_.value(); }
   DeviceStatus status() const noexcept {
@@ -73,7 +78,7 @@ class DeviceExchange {
     wishes_.take();
     const Wish& wish = wishes_.value();
     if (ready_since_ns_ < 0) return {};
-    if (now_ns - wish.time_ns > kServoSilenceNs) {
+    if (now_ns - wish.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
       ready_since_ns_ = now_ns;
       return {};
     }
@@ -95,6 +100,7 @@ class DeviceExchange {
   Wish wish_;                         // the servo's
   std::int64_t now_ns_ = 0;           // the servo's
   std::int64_t ready_since_ns_ = -1;  // the driver's
+  std::atomic<bool> is_cut_{false};
 };
 
 }  // namespace hapton

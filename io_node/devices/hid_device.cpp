@@ -64,6 +64,7 @@ Result<void> HidDevice::on_opened(HidTransport& transport) {
   reading_.status = DeviceStatus::calibrating;
   reading_.sample.time_ns = clock_.now_ns();
   exchange_.publish(reading_);
+  show_guard(transport.description().path);
   return {};
 }
 
@@ -91,6 +92,21 @@ void HidDevice::tell_status() noexcept {
   if (told_ == DeviceStatus::calibrating) log_warning("{}: its position is not known yet: {}", name(), backend_->advice());
   if (told_ == DeviceStatus::ready && was == DeviceStatus::calibrating) log_info("{}: calibrated", name());
   if (told_ == DeviceStatus::fault) log_error("{}: it reports a fault of its own; switch it off and on", name());
+}
+
+void HidDevice::use_guard(GuardPage& page) noexcept {
+  const auto transport = port_.transport();
+  const std::lock_guard lock(driver_mutex_);
+  guard_ = &page;
+  if (transport) show_guard(transport->description().path);
+}
+
+// Pre: the mutex is held. What the watchdog would write: the motors off.
+void HidDevice::show_guard(const std::string& path) noexcept {
+  if (guard_ == nullptr) return;
+  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  const std::size_t size = backend_->encode({}, false, clock_.now_ns(), report);
+  guard_->set_hid(path, std::span(report).first(size));
 }
 
 void HidDevice::on_gone() noexcept {

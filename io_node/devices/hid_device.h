@@ -36,6 +36,13 @@ class HidDevice final : public Device, private HidListener {
   const DeviceLimits& limits() const noexcept override { return backend_->limits(); }
   DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override {
+    exchange_.cut();
+    ::sem_post(&wishes_);
+    return true;
+  }
+  void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override;
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
@@ -54,6 +61,7 @@ class HidDevice final : public Device, private HidListener {
   void await_wish() noexcept;
   void write_newest() noexcept;
   void let_go() noexcept;
+  void show_guard(const std::string& path) noexcept;
 
   std::unique_ptr<HidBackend> backend_;
   std::optional<RealtimeSettings> realtime_;
@@ -64,8 +72,9 @@ class HidDevice final : public Device, private HidListener {
   DeviceExchange::Reading reading_;
   bool has_news_ = false;
   DeviceStatus told_ = DeviceStatus::ready;  // to people
-  int refused_ = 0;                          // of the writer
-  sem_t wishes_;                             // posted by the servo: a wrench is there
+  GuardPage* guard_ = nullptr;
+  int refused_ = 0;  // of the writer
+  sem_t wishes_;     // posted by the servo: a wrench is there
   std::atomic<bool> has_heard_{false};
   std::atomic<bool> ends_{false};
   HidPort port_;

@@ -73,6 +73,12 @@ class OpenHapticsDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
+  bool cut() noexcept override {
+    exchange_.cut();
+    return true;
+  }
+  void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
   bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }

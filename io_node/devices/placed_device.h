@@ -17,6 +17,9 @@ class PlacedDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override { return device_->cut(); }
+  void restore() noexcept override { device_->restore(); }
+  void use_guard(GuardPage& page) noexcept override { device_->use_guard(page); }
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;

@@ -45,6 +45,8 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
     device_ns_ = 0;
     begin_hand_step();
   }
+  const bool is_cut = is_cut_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load() != 0);
+  force_n_ = is_cut ? Vec3(Vec3::Zero()) : written_n_;
   zero_ns_ += std::max<std::int64_t>(0, now_ns - zero_ns_ - device_ns_ - kLongestPauseNs);
   const std::int64_t end_ns = now_ns - zero_ns_;
   while (device_ns_ < end_ns) {
@@ -74,7 +76,9 @@ DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
 
 void SimulatedPhantom::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   advance_to(now_ns);
-  force_n_ = wrench.force_n;
+  written_n_ = wrench.force_n;
+  for (std::size_t axis = 0; guard_ != nullptr && axis < 3; ++axis)
+    guard_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
 }
 
 }  // namespace hapton

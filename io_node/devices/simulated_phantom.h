@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 
 #include "io_node/devices/device.h"
 #include "io_node/devices/hand_script.h"
@@ -29,6 +30,19 @@ class SimulatedPhantom final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override {
+    is_cut_.store(true, std::memory_order_release);
+    if (guard_ != nullptr) guard_->is_cut_within.store(1, std::memory_order_release);
+    return true;
+  }
+  void restore() noexcept override {
+    is_cut_.store(false, std::memory_order_release);
+    if (guard_ != nullptr) guard_->is_cut_within.store(0, std::memory_order_release);
+  }
+  void use_guard(GuardPage& page) noexcept override {
+    page.set_means(CutMeans::simulated);
+    guard_ = &page;
+  }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
 
@@ -44,8 +58,11 @@ class SimulatedPhantom final : public Device {
   StylusDynamics dynamics_;
   HandScript script_;
   std::array<AxisState, 3> axes_;
-  Vec3 force_n_ = Vec3::Zero();
-  Vec3 hand_m_;  // intention at device_ns_
+  Vec3 written_n_ = Vec3::Zero();
+  Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
+  std::atomic<bool> is_cut_{false};
+  GuardPage* guard_ = nullptr;  // where its motors are seen, and cut, from outside
+  Vec3 hand_m_;                 // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
   std::int64_t zero_ns_ = 0;     // host time of device time 0

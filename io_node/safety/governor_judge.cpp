@@ -114,11 +114,11 @@ void GovernorJudge::see_motion(const DeviceSample& sample) noexcept {
 void GovernorJudge::hear(const HostileStep& step) noexcept {
   const bool is_accepted = governor_.counters().accepted != accepted_;
   accepted_ = governor_.counters().accepted;
-  if (is_live_ && now_ns_ - accepted_ns_ >= kSilenceNs) is_live_ = was_open_ = false;
+  if (is_live_ && now_ns_ - answered_ns_ >= kSilenceNs) is_live_ = was_open_ = false;
   if (step.wanted && !is_finite(step.wanted->wrench)) is_live_ = false;
   if (!is_accepted) return;
   is_live_ = true;
-  accepted_ns_ = now_ns_;
+  answered_ns_ = step.wanted->sample_time_ns;
 }
 
 void GovernorJudge::look(const HostileStep& step, bool was_reset, const Wrench& out) noexcept {
@@ -171,7 +171,7 @@ void GovernorJudge::judge_slew(const Wrench& out, double passed_s) noexcept {
 }
 
 void GovernorJudge::judge_silence(const Wrench& out) noexcept {
-  const bool is_silent = accepted_ == 0 || now_ns_ - accepted_ns_ >= kSilenceNs;
+  const bool is_silent = accepted_ == 0 || now_ns_ - answered_ns_ >= kSilenceNs;
   breach_if(GovernorBreach::silence, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
 }
 

@@ -16,7 +16,7 @@ enum class GovernorBreach : std::uint8_t {
   torque,       // as force
   force_slew,   // changed faster than max_slew; letting go may be as fast as the device's own
   torque_slew,  // as force_slew
-  silence,      // not zero 20 ms after the last force that counted
+  silence,      // not zero 20 ms after the sample of the last force that counted
   ramp,         // more than the ramp's share of max_force after an opening
   heat,         // more than the thermal budget allows
   energy,       // more than the energy budget allows
@@ -88,7 +88,7 @@ class GovernorJudge {
   std::int64_t out_ns_ = 0;  // of the output before
   Wrench out_;               // on the motors
   std::uint64_t accepted_ = 0;
-  std::int64_t accepted_ns_ = 0;
+  std::int64_t answered_ns_ = 0;  // the sample of the last that counted
   bool is_live_ = false;
   double time_constant_s_ = 0.0;
   double heat_n2_ = 0.0;

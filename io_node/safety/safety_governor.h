@@ -79,6 +79,12 @@ class SafetyGovernor {
   // The wrench to put out now: in answer to wanted, or without news. It must go to the motors as it is.
   const Wrench& step(const std::optional<WantedWrench>& wanted, std::int64_t now_ns) noexcept;
 
+  // Another barrier has taken the force off the motors: it sinks, and ramps in with the next one that is accepted.
+  void interrupt() noexcept {
+    intake_.let_go();
+    is_open_ = false;
+  }
+
   // A person says that the cause of the latched fault is mended. False: it is still there, and so is the fault. The force ramps in.
   bool reset_faults() noexcept;
   // A dead man's switch is asked for, and held: a person is at the device. A device that is away repeats its last sample, which says

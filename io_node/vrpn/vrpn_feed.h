@@ -66,6 +66,9 @@ class WatchedDevice final : public Device {
     wrench_ = wrench;
     device_->write(wrench, now_ns);
   }
+  bool cut() noexcept override { return device_->cut(); }
+  void restore() noexcept override { device_->restore(); }
+  void use_guard(GuardPage& page) noexcept override { device_->use_guard(page); }
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override { return device_->lead_hand(p_WH); }

@@ -77,6 +77,7 @@ struct Server::State final : StreamEndpoint::Listener {
   void on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) override;
   void on_closed(StreamEndpoint::Id id) override;
   void on_datagram(const Address& from, std::span<const std::byte> bytes) override;
+  StreamEndpoint::Id give_up_for_another() override;
 
   void answer(StreamEndpoint::Id id, Peer& peer);
   void follow_udp_wish(Peer& peer);
@@ -186,6 +187,18 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
     peer.address = to;
     peer.since_ns = clock.now_ns();
   }
+}
+
+// Of those who took a place and said nothing the one that did so longest: 16 of them must not keep everybody else out.
+StreamEndpoint::Id Server::State::give_up_for_another() {
+  StreamEndpoint::Id longest = 0;
+  std::int64_t since_ns = 0;
+  for (const auto& [id, peer] : peers) {
+    if (peer.client.is_connected() || (longest != 0 && peer.since_ns >= since_ns)) continue;
+    longest = id;
+    since_ns = peer.since_ns;
+  }
+  return longest;
 }
 
 // Who takes a place and says nothing.

@@ -124,6 +124,9 @@ TEST_F(Recorders, a_fault_is_followed_for_a_while_and_then_written_without_waiti
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (flight_files().empty() && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
   ASSERT_EQ(flight_files().size(), 1U);
+  EXPECT_EQ(std::filesystem::status(flight_files()[0]).permissions() & std::filesystem::perms::mask,
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write)
+      << "what a hand did is nobody else's to read";
   EXPECT_EQ(read(flight_files()[0]).size(), 2U);
   ASSERT_TRUE(recorder.stop());
 }

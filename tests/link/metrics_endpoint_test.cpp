@@ -47,13 +47,13 @@ TEST(MetricsEndpointTest, ServesTheNewestText) {
   ASSERT_NE(at.port, 0);
   for (const char* text : {"a 1\n", "a 2\n"}) {
     (*endpoint)->set_text(text);
-    const std::string heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+    const std::string heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
     EXPECT_THAT(heard, StartsWith("HTTP/1.1 200 OK\r\n"));
     EXPECT_THAT(heard, HasSubstr("text/plain; version=0.0.4"));
     EXPECT_THAT(heard, EndsWith(std::string("\r\n\r\n") + text));
   }
-  EXPECT_THAT(ask(at, "GET /secrets HTTP/1.1\r\nHost: x\r\n\r\n"), StartsWith("HTTP/1.1 404"));
-  EXPECT_THAT(ask(at, "POST /metrics HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n"), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(ask(at, "GET /secrets HTTP/1.1\r\nHost: localhost\r\n\r\n"), StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(ask(at, "POST /metrics HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"), StartsWith("HTTP/1.1 405"));
 }
 
 TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
@@ -68,10 +68,39 @@ TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
   for (const int client : silent) ::close(client);
   std::string heard;
   for (int n = 0; n < 200 && heard.find("alive 1") == std::string::npos; ++n) {
-    heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n");
+    heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
     if (heard.empty()) ::usleep(20'000);
   }
   EXPECT_THAT(heard, HasSubstr("alive 1"));
+}
+
+// A page from elsewhere whose name was made to mean 127.0.0.1 asks in that name.
+TEST(MetricsEndpointTest, AnswersToTheNamesOfThisMachineAlone) {
+  const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  (*endpoint)->set_text("alive 1\n");
+  const Address at = (*endpoint)->local_address();
+  for (const char* name : {"localhost", "LocalHost:9464", "127.0.0.1", "127.0.0.1:9464", "[::1]:9464", "127.8.8.8"}) {
+    EXPECT_THAT(ask(at, "GET /metrics HTTP/1.1\r\nHost: " + std::string(name) + "\r\n\r\n"), HasSubstr("alive 1")) << name;
+  }
+  for (const char* name : {"evil.example", "localhost.evil.example:9464", "192.0.2.1", "[2001:db8::1]", "127.0.0.1.evil.example", "["}) {
+    const std::string heard = ask(at, "GET /metrics HTTP/1.1\r\nHost: " + std::string(name) + "\r\n\r\n");
+    EXPECT_THAT(heard, StartsWith("HTTP/1.1 403")) << name;
+    EXPECT_THAT(heard, testing::Not(HasSubstr("alive"))) << name;
+  }
+  EXPECT_THAT(ask(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is no browser";
+}
+
+TEST(MetricsEndpointTest, ThoseWhoSitAndSayNothingKeepNobodyOut) {
+  const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  (*endpoint)->set_text("alive 1\n");
+  const Address at = (*endpoint)->local_address();
+  std::vector<int> silent;
+  for (int n = 0; n < 16; ++n) silent.push_back(say(at, "GET /met"));
+  ::usleep(50'000);
+  EXPECT_THAT(ask(at, "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"), HasSubstr("alive 1")) << "at the first try";
+  for (const int client : silent) ::close(client);
 }
 
 TEST(MetricsEndpointTest, StaysOnThisMachine) {

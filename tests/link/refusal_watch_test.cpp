@@ -67,6 +67,27 @@ TEST(RefusalWatchTest, NamesAFloodOnceASecondAndTheWorstAlone) {
   EXPECT_FALSE(watch.take(3 * kSecond)) << "it is over";
 }
 
+// A filter in the kernel lets a few through, by chance.
+TEST(RefusalWatchTest, WhatWasKeptOutCountsForEachKindInItsShare) {
+  RefusalWatch watch;
+  watch.take(kSecond);
+  note(watch, Refusal::malformed, kOne, 300);
+  note(watch, Refusal::unknown_session, kOther, 100);
+  watch.note_kept_out(99'600);
+  const auto flood = watch.take(2 * kSecond);
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::malformed);
+  EXPECT_NEAR(flood->per_second, 75'000.0, 1e-6);
+  EXPECT_TRUE(flood->is_kept_out);
+  watch.note_kept_out(1000);
+  EXPECT_FALSE(watch.take(3 * kSecond)) << "nobody knows what of";
+  note(watch, Refusal::malformed, kOne, 5000);
+  const auto next = watch.take(4 * kSecond);
+  ASSERT_TRUE(next);
+  EXPECT_NEAR(next->per_second, 5000.0, 1e-6);
+  EXPECT_FALSE(next->is_kept_out);
+}
+
 TEST(RefusalWatchTest, ARateIsOfTheTimeThatPassed) {
   RefusalWatch watch;
   watch.take(0);

@@ -98,6 +98,31 @@ TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
   EXPECT_FALSE(hub_->take_flood(clock_.now_ns())) << "it is over";
 }
 
+TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
+  hub_->take_flood(clock_.now_ns());
+  for (int i = 0; i < 500; ++i) hub_endpoint_.put_in(memory_address(66, 6), Bytes(40, std::byte{1}));
+  while (hub_->seal_counts().malformed < 500) hub_hears();
+  hub_endpoint_.keep_out(199'500);
+  clock_.advance_ns(kNanosecondsPerSecond);
+  const auto flood = hub_->take_flood(clock_.now_ns());
+  ASSERT_TRUE(flood);
+  EXPECT_EQ(flood->refusal, Refusal::malformed);
+  EXPECT_NEAR(flood->per_second, 200'000.0, 1e-3);
+  EXPECT_TRUE(flood->is_kept_out);
+}
+
+// What the answer says of the session is sealed: the filter must be told of it, or it keeps out the node that it is for.
+TEST_F(SealedHubTest, TheEndpointIsToldWhichSessionToExpectFromWhom) {
+  const auto node = make_node(2);
+  join(*node);
+  ASSERT_EQ(hub_endpoint_.expected().size(), 1U);
+  const auto& [from, connection] = hub_endpoint_.expected().front();
+  const auto& heard = hub_endpoint_.heard().back();
+  EXPECT_EQ(from, heard.from);
+  ASSERT_EQ(classify_sealed(heard.bytes).kind, seal::Kind::data);
+  EXPECT_EQ(connection, seal::load<std::uint32_t>(seal::bytes_of(std::span<const std::byte>(heard.bytes)) + seal::kConnectionAt));
+}
+
 // --- roles
 
 // A request of a node that has only a key, from wherever it says.

@@ -1,7 +1,12 @@
 #include "link/stream_endpoint.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <functional>
 #include <map>
@@ -133,6 +138,32 @@ TEST(StreamEndpoint, one_too_many_is_let_go) {
     return let_go == 3;
   }));
   EXPECT_EQ(server.peers.size(), StreamEndpoint::kMostConnections);
+}
+
+// A caller that cannot be let in for want of a descriptor used to wake every wait at once, for ever.
+TEST(StreamEndpoint, does_not_spin_when_no_descriptor_is_left) {
+  Party server;
+  const int caller = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  rlimit before = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = ::dup(0);  // the lowest that is free
+  ::close(next);
+  const rlimit none = {.rlim_cur = static_cast<rlim_t>(next), .rlim_max = before.rlim_max};
+  sockaddr_in to = {};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons(server.endpoint->local_address().port);
+  ASSERT_EQ(::connect(caller, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  SteadyClock clock;
+  const std::int64_t end_ns = clock.now_ns() + 300 * kNanosecondsPerMillisecond;
+  int waits = 0;
+  for (; clock.now_ns() < end_ns; ++waits) server.endpoint->wait(end_ns, server);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_LT(waits, 30);
+  // And it goes on when there is one again.
+  EXPECT_TRUE(until({&server}, [&] { return server.peers.size() == 1; }));
+  ::close(caller);
 }
 
 TEST(StreamEndpoint, a_wait_ends_when_it_is_woken) {

@@ -24,8 +24,8 @@ class TappedEndpoint final : public Endpoint {
   const std::vector<Heard>& heard() const { return heard_; }
   // As if the socket had passed over so many datagrams that are too long.
   void put_in_oversized(const Address& from, std::uint64_t count) {
-    oversized_from_ = from;
-    oversized_ += count;
+    counts_.last_oversized = from;
+    counts_.oversized += count;
   }
   // How many datagrams were sent from here.
   std::size_t sent() const { return sent_; }
@@ -50,16 +50,20 @@ class TappedEndpoint final : public Endpoint {
   }
 
   Address local_address() const override { return endpoint_->local_address(); }
-  std::uint64_t oversized() const noexcept override { return oversized_; }
-  Address oversized_from() const noexcept override { return oversized_from_; }
+  SocketCounts socket_counts() const noexcept override { return counts_; }
+  void expect(const Address& from, std::uint32_t connection) noexcept override { expected_.emplace_back(from, connection); }
+  // Whom the hub said that it awaits data from, in which session.
+  const std::vector<std::pair<Address, std::uint32_t>>& expected() const { return expected_; }
+  // As if a filter in the kernel had kept out so many.
+  void keep_out(std::uint64_t count) { counts_.kept_out += count; }
 
  private:
   std::unique_ptr<Endpoint> endpoint_;
   std::deque<Heard> put_in_;
   std::vector<Heard> heard_;
   std::size_t sent_ = 0;
-  std::uint64_t oversized_ = 0;
-  Address oversized_from_;
+  SocketCounts counts_;
+  std::vector<std::pair<Address, std::uint32_t>> expected_;
 };
 
 }  // namespace hapton

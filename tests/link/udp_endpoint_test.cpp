@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
 #include <sys/time.h>
+#include <unistd.h>
 
 #include <array>
 #include <csignal>
@@ -40,6 +42,26 @@ class UdpEndpointTest : public testing::Test {
   std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
   Received received_;
 };
+
+// Boost's context throws when it gets no descriptor: at eight of them io_node aborted.
+TEST(UdpEndpointLimits, TooFewDescriptorsAreOneClearLine) {
+  rlimit before = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = ::dup(0);
+  ::close(next);
+  int refused = 0;
+  for (int more = 0; more < 12; ++more) {
+    const rlimit few = {.rlim_cur = static_cast<rlim_t>(next + more), .rlim_max = before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+    const auto endpoint = open_udp_endpoint("127.0.0.1:0");
+    ::setrlimit(RLIMIT_NOFILE, &before);
+    if (endpoint) continue;
+    ++refused;
+    EXPECT_THAT(endpoint.error().what, HasSubstr("ulimit -n")) << more;
+  }
+  EXPECT_GT(refused, 3);
+  EXPECT_LT(refused, 12);
+}
 
 TEST(ParseAddressTest, ReadsWhatItWrites) {
   for (const char* text : {"127.0.0.1:4950", "255.255.255.255:65535", "0.0.0.0:0", "[::1]:4950", "[2001:db8::7]:1"}) {
@@ -173,10 +195,10 @@ TEST_F(UdpEndpointTest, PassesOverDatagramsThatAreTooLongOrEmpty) {
   const Received received = b->receive(small, clock_.now_ns() + 1000 * kMs);
   EXPECT_EQ(received.bytes, 4U);
   EXPECT_EQ(std::memcmp(small.data(), "fits", 4), 0);
-  EXPECT_EQ(b->oversized(), 2U);
-  EXPECT_EQ(MeteredEndpoint(*b, clock_).oversized(), 2U);
-  EXPECT_EQ(b->oversized_from(), a->local_address());
-  EXPECT_EQ(MeteredEndpoint(*b, clock_).oversized_from(), a->local_address());
+  EXPECT_EQ(b->socket_counts().oversized, 2U);
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).socket_counts().oversized, 2U);
+  EXPECT_EQ(b->socket_counts().last_oversized, a->local_address());
+  EXPECT_EQ(MeteredEndpoint(*b, clock_).socket_counts().last_oversized, a->local_address());
   EXPECT_FALSE(a->send(b->local_address(), std::vector<std::byte>(kMaxDatagramBytes + 1)));
 }
 

@@ -52,7 +52,7 @@ std::string read_metrics(int port) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   std::string heard;
   if (::connect(client, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
-    const std::string question = "GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n";
+    const std::string question = "GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n";
     ::send(client, question.data(), question.size(), MSG_NOSIGNAL);
     char buffer[4096];
     for (ssize_t bytes = 0; (bytes = ::recv(client, buffer, sizeof buffer, 0)) > 0;) heard.append(buffer, static_cast<std::size_t>(bytes));

@@ -139,12 +139,17 @@ TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
               IsEmpty());
 }
 
+// Two exceptions, which see no network: what is said to systemd goes by its socket, and the watchdog waits for the end of a process by
+// poll.
+bool may_see(const std::string& file, const std::string& socket) {
+  if (file == "runtime/service_notify.cpp") return socket == "sys/socket.h" || socket == "sys/un.h";
+  if (file == "io_node/watchdog/main.cpp") return socket == "poll.h";
+  return is_under(file, "link") && file_name(file).find("endpoint") != std::string::npos;
+}
+
 TEST(Layers, OnlyEndpointFilesSeeSockets) {
-  EXPECT_THAT(find_wrong(kFolders,
-                         [](const SourceFile& file, const Include& include) {
-                           return is_socket(include.path) &&
-                                  !(is_under(file.path, "link") && file_name(file.path).find("endpoint") != std::string::npos);
-                         }),
+  EXPECT_THAT(find_wrong(kFolders, [](const SourceFile& file,
+                                      const Include& include) { return is_socket(include.path) && !may_see(file.path, include.path); }),
               IsEmpty());
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -119,6 +120,12 @@ TEST(SurfaceAdjacency, TwoConesThatShareTheirTipAreNotWalkableThere) {
   for (std::uint32_t t = 0; t < both.triangles.size(); ++t) EXPECT_EQ(adjacency.is_walkable(t), t % 4 == 3) << t;
 }
 
+// Each of the two fans is gone round in as many steps, on both sides, as there are triangles.
+TEST(SurfaceAdjacency, TwoOpenFansThatShareAVertexAreNotWalkable) {
+  const TriangleMesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, .triangles = {{0, 1, 2}, {0, 3, 4}}};
+  EXPECT_EQ(adjacency_of(mesh).walkable_count(), 0U);
+}
+
 // Of triangles that share no vertex those are walkable that are apart, every pair asked.
 TEST(SurfaceAdjacency, WhereSurfacesMeetNothingIsWalkable) {
   const TriangleMesh mesh = joined(make_icosphere(0.3, 3), scaled_and_moved(make_icosphere(0.3, 3), 1.0, Vec3(0.31, 0.07, 0.02)));
@@ -151,6 +158,110 @@ TEST(SurfaceAdjacency, AVertexOfTooManyTrianglesIsNotWalkable) {
             make_cylinder(0.5, 0.4, SurfaceAdjacency::kMostValence - 2, 2).triangles.size());
   const TriangleMesh wheel = make_cylinder(0.5, 0.4, SurfaceAdjacency::kMostValence + 2, 2);
   EXPECT_LT(adjacency_of(wheel).walkable_count(), wheel.triangles.size());
+}
+
+// --- Every triangle against every other, without tree and without what is known of even fans ------------------------------------------
+
+bool has(const Triangle& t, std::uint32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }
+bool repeats(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
+// The triangles round a vertex hang together over edges of at most two triangles.
+bool is_one_fan(const TriangleMesh& mesh, std::uint32_t vertex) {
+  std::vector<std::uint32_t> round;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (has(mesh.triangles[t], vertex) && !repeats(mesh.triangles[t])) round.push_back(t);
+  }
+  if (round.empty() || round.size() > static_cast<std::size_t>(SurfaceAdjacency::kMostValence)) return false;
+  std::vector<std::uint32_t> reached = {round[0]};
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    for (const std::uint32_t v : mesh.triangles[reached[i]]) {
+      if (v == vertex) continue;
+      std::vector<std::uint32_t> at_edge;
+      for (const std::uint32_t t : round) {
+        if (has(mesh.triangles[t], v)) at_edge.push_back(t);
+      }
+      if (at_edge.size() > 2) return false;
+      for (const std::uint32_t t : at_edge) {
+        if (std::find(reached.begin(), reached.end(), t) == reached.end()) reached.push_back(t);
+      }
+    }
+  }
+  return reached.size() == round.size();
+}
+
+void expect_as_brute_force(const TriangleMesh& mesh, const char* name) {
+  std::vector<bool> one_fan(mesh.vertices.size());
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) one_fan[v] = is_one_fan(mesh, v);
+  std::vector<bool> walkable(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    const auto [p, q, r] = corners(mesh, t);
+    const double longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
+    walkable[t] = !repeats(mesh.triangles[t]) && one_fan[a] && one_fan[b] && one_fan[c] &&
+                  (q - p).cross(r - p).norm() >= SurfaceAdjacency::kLeastHeight * longest;
+  }
+  for (std::size_t s = 0; s < mesh.triangles.size(); ++s) {
+    for (std::size_t t = 0; t < s; ++t) {
+      if (is_pair_walkable(mesh.vertices, mesh.triangles[s], mesh.triangles[t], kMargin)) continue;
+      walkable[s] = false;
+      walkable[t] = false;
+    }
+  }
+  const SurfaceAdjacency adjacency = adjacency_of(mesh);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) ASSERT_EQ(adjacency.is_walkable(t), walkable[t]) << name << ": triangle " << t;
+}
+
+// A fan about a vertex that goes round so often, with every `flipped_every`-th triangle turned over.
+TriangleMesh fan(int triangles, int turns, double lift, int flipped_every) {
+  TriangleMesh mesh{.vertices = {Vec3::Zero()}, .triangles = {}};
+  for (int i = 0; i < triangles; ++i) {
+    const double angle = 2.0 * 3.14159265358979 * turns * i / triangles + 0.1;
+    mesh.vertices.emplace_back(0.4 * std::cos(angle), 0.4 * std::sin(angle), (i % 2 == 0 ? lift : -lift));
+    const auto here = static_cast<std::uint32_t>(i + 1);
+    const auto next = static_cast<std::uint32_t>((i + 1) % triangles + 1);
+    mesh.triangles.push_back(flipped_every > 0 && i % flipped_every == 0 ? Triangle{0, next, here} : Triangle{0, here, next});
+  }
+  return mesh;
+}
+
+TEST(SurfaceAdjacency, IsWalkableAsEveryPairAskedSays) {
+  const TriangleMesh ball = make_icosphere(0.3, 2);
+  const TriangleMesh box = make_box(Vec3(0.3, 0.2, 0.1), 2);
+  expect_as_brute_force(ball, "sphere");
+  expect_as_brute_force(make_bumpy_sphere(0.4, 0.6, 1000, 5), "bumpy");
+  expect_as_brute_force(joined(ball, scaled_and_moved(ball, 1.0, Vec3(0.21, 0.07, 0.02))), "two spheres that intersect");
+  expect_as_brute_force(joined(box, scaled_and_moved(box, 1.0, Vec3(0.3, 0.0, 0.0))), "two boxes that touch");
+  expect_as_brute_force(joined(box, scaled_and_moved(box, 0.5, Vec3(0.05, 0.05, 0.02))), "a box in a box");
+  expect_as_brute_force(joined(ball, ball), "a sphere twice");
+  for (const int triangles : {3, 4, 7, 12, 24, 128, 129}) {
+    for (const int turns : {1, 2, 3}) {
+      for (const double lift : {0.0, 0.02, 0.3, 3.0}) expect_as_brute_force(fan(triangles, turns, lift, 0), "fan");
+      expect_as_brute_force(fan(triangles, turns, 0.05, 2), "fan of both windings");
+    }
+  }
+  TriangleMesh mixed = ball;
+  for (std::size_t t = 0; t < mixed.triangles.size(); t += 3) std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
+  expect_as_brute_force(mixed, "mixed winding");
+  TriangleMesh repeated = ball;
+  for (std::uint32_t v = 0; v < 20; ++v) repeated.triangles.push_back({v, v, (v * 7 + 1) % 40});
+  expect_as_brute_force(repeated, "triangles of two corners");
+}
+
+// Triangles over few vertices at random: edges of many triangles, folds, copies, pairs of every kind.
+TEST(SurfaceAdjacency, IsWalkableAsEveryPairAskedSaysInASoup) {
+  std::mt19937_64 random(77);
+  std::uniform_real_distribution<double> place(-0.5, 0.5);
+  for (int round = 0; round < 60; ++round) {
+    TriangleMesh soup;
+    const std::uint32_t vertices = round % 2 == 0 ? 12 : 300;
+    for (std::uint32_t v = 0; v < vertices; ++v) soup.vertices.emplace_back(place(random), place(random), place(random) * (round % 3));
+    for (int t = 0; t < 40; ++t) {
+      soup.triangles.push_back({static_cast<std::uint32_t>(random() % vertices), static_cast<std::uint32_t>(random() % vertices),
+                                static_cast<std::uint32_t>(random() % vertices)});
+    }
+    if (round % 4 == 0) soup = joined(make_icosphere(0.4, 1), soup);
+    expect_as_brute_force(soup, "soup, seed 77");
+  }
 }
 
 // Against points sampled densely on both triangles.

@@ -57,6 +57,59 @@ TEST(WideBvh, OverlapQueriesAgreeWithBruteForce) {
   }
 }
 
+// Each pair once, from whichever of its two items, and none that is farther apart than the margin and single precision's rounding.
+void expect_near_pairs_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, double margin) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> found;
+  std::array<std::uint32_t, WideBvh::kWidth> item{};
+  unsigned used = 0;
+  tree.for_each_near_pair(
+      margin,
+      [&](const std::array<std::uint32_t, WideBvh::kWidth>& items, unsigned lanes) {
+        item = items;
+        used = lanes;
+      },
+      [&](std::uint32_t other, unsigned lanes) {
+        EXPECT_EQ(lanes & ~used, 0U);
+        for (int c = 0; c < WideBvh::kWidth; ++c) {
+          if ((lanes >> c & 1U) == 0) continue;
+          EXPECT_NE(item[c], other);
+          EXPECT_TRUE(found.insert(std::minmax(item[c], other)).second) << item[c] << " and " << other << " came twice";
+        }
+      });
+  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+    for (std::uint32_t j = 0; j < i; ++j) {
+      const bool here = found.count({j, i}) != 0;
+      if (boxes[i].inflated(margin).overlaps(boxes[j])) {
+        EXPECT_TRUE(here) << i << " and " << j << " were missed";
+      }
+      if (here) {
+        EXPECT_TRUE(boxes[i].inflated(margin + 1e-5).overlaps(boxes[j])) << i << " and " << j << " are far apart";
+      }
+    }
+  }
+}
+
+TEST(WideBvh, NearPairsAgreeWithBruteForce) {
+  constexpr unsigned kSeed = 2001;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  for (const std::size_t count : {0U, 1U, 2U, 7U, 8U, 9U, 64U, 65U, 300U, 1500U}) {
+    for (const double margin : {0.0, 1e-8, 0.05}) {
+      const std::vector<Box> boxes = random_boxes(count, 0.1, random);
+      expect_near_pairs_as_brute_force(boxes, WideBvh(boxes), margin);
+    }
+  }
+  // A tree whose boxes have moved far and grown empty.
+  std::vector<Box> boxes = random_boxes(200, 0.1, random);
+  WideBvh tree(boxes);
+  const WideBvh::Parents parents = tree.find_parents();
+  for (std::uint32_t i = 0; i < boxes.size(); i += 3) {
+    boxes[i] = i % 2 == 0 ? Box{} : random_boxes(1, 0.2, random).front();
+    tree.refit(i, boxes[i], parents);
+  }
+  expect_near_pairs_as_brute_force(boxes, tree, 0.01);
+}
+
 TEST(WideBvh, NearestAgreesWithBruteForce) {
   constexpr unsigned kSeed = 12;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

@@ -8,12 +8,15 @@
 namespace hapton {
 namespace {
 
-TEST(StressBody, EveryBodyHasAClosedJudgeOfPositiveVolumeOfSensibleSize) {
+TEST(StressBody, EveryBodyButAnOpenOneHasAClosedJudgeOfPositiveVolumeOfSensibleSize) {
   for (const std::string_view name : stress_body_names()) {
     const StressBody body = make_stress_body(name);
     EXPECT_EQ(body.name, name);
-    EXPECT_TRUE(count_edges(body.solid).closed()) << name;
-    EXPECT_GT(compute_volume(body.solid), 0.0) << name;
+    EXPECT_EQ(body.solid.triangles.empty(), name.starts_with("open-")) << name;
+    if (!body.solid.triangles.empty()) {
+      EXPECT_TRUE(count_edges(body.solid).closed()) << name;
+      EXPECT_GT(compute_volume(body.solid), 0.0) << name;
+    }
     EXPECT_GT(compute_bounds(body.touched).extent(), 0.03) << name;
     EXPECT_LT(compute_bounds(body.touched).extent(), 0.2) << name;
     EXPECT_FALSE(body.touched.triangles.empty());

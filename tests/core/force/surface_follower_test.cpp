@@ -176,6 +176,28 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
   EXPECT_NEAR(contacts[1].normal.dot(lift), 1e-6, 1e-12);
 }
 
+// In each corner of a room, on one wall or on two, and nearer to the third than the lift: it clears that, too, however the walls are
+// divided.
+TEST(SurfaceFollower, LiftedInACornerItClearsTheWallsItOnlyComesUpTo) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
+    for (int walls = 0; walls < 6; ++walls) {
+      Vec3 device = sign.cwiseProduct(Vec3::Constant(0.5 - 1e-9));
+      device[walls % 3] = 0.7 * sign[walls % 3];
+      if (walls >= 3) device[(walls + 1) % 3] = 0.6 * sign[(walls + 1) % 3];
+      Stage stage(flipped(make_box(Vec3::Constant(1.0), 3)));
+      const Vec3 from = stage.local(0.3 * sign.x(), 0.2 * sign.y(), 0.25 * sign.z());
+      Vec3 beyond = from;
+      beyond[walls % 3] = 0.6 * sign[walls % 3];
+      ASSERT_TRUE(stage.land(from, beyond));
+      ASSERT_EQ(stage.follower.descend(device), Outcome::settled);
+      const Vec3 lifted = sign.cwiseProduct(stage.follower.at().lifted(1e-6));
+      EXPECT_LT(lifted.maxCoeff(), 0.5 - 1e-6 + 1e-12) << "corner " << corner << " walls " << walls;
+      EXPECT_GT(lifted.minCoeff(), 0.5 - 2e-6) << "corner " << corner << " walls " << walls;
+    }
+  }
+}
+
 TEST(SurfaceFollower, NeverAllocates) {
   Stage stage(make_bumpy_sphere(0.5, 0.1, 5000, 3));
   ASSERT_TRUE(stage.land(stage.local(0.9, 0.0, 0.0), stage.local(0.4, 0.0, 0.0)));

@@ -124,6 +124,28 @@ TEST(SafetyGovernor, is_zero_after_twenty_milliseconds_of_silence_and_ramps_back
   }
 }
 
+// A force that was long on its way has used up its time: what counts is how old its sample is, not when it came.
+TEST(SafetyGovernor, is_zero_twenty_milliseconds_after_the_sample_however_late_its_force_came) {
+  for (const std::int64_t age_ns : {kMs, 8 * kMs, 15 * kMs, 18 * kMs}) {
+    Bench bench;
+    // Every force as old as that from the beginning on.
+    for (int n = 0; n < 300; ++n) {
+      bench.now_ns += kMs;
+      bench.sample.time_ns = bench.now_ns;
+      bench.governor.observe(bench.sample, bench.status);
+      bench.out = bench.governor.step(WantedWrench{{Vec3(0, 0, 1), Vec3::Zero()}, bench.now_ns - age_ns}, bench.now_ns);
+    }
+    ASSERT_NE(bench.out.force_n, Vec3::Zero()) << age_ns;
+    const std::int64_t sample_ns = bench.now_ns - age_ns;
+    while (bench.now_ns - sample_ns < 40 * kMs) {
+      bench.wait(1);
+      if (bench.now_ns - sample_ns >= 20 * kMs) {
+        ASSERT_EQ(bench.out.force_n, Vec3::Zero()) << age_ns << ", " << bench.now_ns - sample_ns;
+      }
+    }
+  }
+}
+
 TEST(SafetyGovernor, one_bad_number_lets_go_and_ramps_back) {
   for (const double bad : {kNan, kInf, -kInf}) {
     for (const bool is_torque : {false, true}) {

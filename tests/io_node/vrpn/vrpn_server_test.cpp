@@ -1,8 +1,12 @@
 // The server over loopback, seen by a program that speaks VRPN by either entry.
 #include "io_node/vrpn/vrpn_server.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -186,18 +190,52 @@ TEST_F(VrpnServer, lets_go_of_who_speaks_something_else) {
 TEST_F(VrpnServer, has_places_for_sixteen_and_lets_the_rest_go) {
   open();
   std::vector<std::unique_ptr<Program>> programs;
+  const auto look = [&] {
+    for (const auto& program : programs) program->look();
+  };
   for (int n = 0; n < 24; ++n) {
     programs.push_back(std::make_unique<Program>());
     programs.back()->connect(at());
+    // Who has said nothing yet would make room for the next.
+    if (n == 15) {
+      ASSERT_TRUE(feed_until(*programs.front(), [&] {
+        look();
+        return std::all_of(programs.begin(), programs.end(), [](const auto& p) { return p->has_heard(kPosition); });
+      }));
+    }
   }
   const auto count = [&](auto&& holds) {
     return std::count_if(programs.begin(), programs.end(), [&](const auto& p) { return holds(*p); });
   };
   ASSERT_TRUE(feed_until(*programs.front(), [&] {
-    for (const auto& program : programs) program->look();
+    look();
     return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_heard(kPosition); }) == 24;
   }));
   EXPECT_EQ(count([](const Program& p) { return p.has_heard(kPosition); }), 16);
+}
+
+// Each took a place for the whole patience, and sixteen of them all places.
+TEST_F(VrpnServer, those_who_say_nothing_keep_nobody_out) {
+  open();
+  std::vector<int> silent;
+  for (int n = 0; n < 16; ++n) {
+    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to = {};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(at().port);
+    ASSERT_EQ(::connect(client, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    silent.push_back(client);
+  }
+  ::usleep(50'000);
+  Program program;
+  program.connect(at());
+  EXPECT_TRUE(feed_until(program, [&] {
+    program.look();
+    return program.has_heard(kPosition) || program.is_closed();
+  }));
+  EXPECT_TRUE(program.has_heard(kPosition));
+  for (const int client : silent) ::close(client);
 }
 
 TEST_F(VrpnServer, cuts_off_who_reads_nothing_and_serves_the_next) {

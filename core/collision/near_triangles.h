@@ -1,0 +1,88 @@
+#pragma once
+
+#include <immintrin.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <memory>
+
+#include "core/collision/touch_geometry.h"
+#include "core/geometry/contact_triangle.h"
+
+namespace hapton {
+
+// All triangles within a distance of a centre, with a bound for each that tells at any place how near it can be.
+//
+// Distance to a convex set is convex, so what a triangle's distance and gradient at the centre give by Taylor's first two terms is a lower
+// bound everywhere, and a tight one near the centre. Four triangles are bounded by six vector instructions, and few need a look.
+//
+// Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives what was gathered from it.
+class NearTriangles {
+ public:
+  static constexpr int kCapacity = 1024;
+
+  // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance.
+  bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept;
+  void clear() {
+    count_ = 0;
+    within_ = -1.0;
+  }
+
+  // Whether every triangle within `distance` of p is here.
+  bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
+  int count() const { return count_; }
+  std::uint32_t triangle(int slot) const { return triangle_[slot]; }
+
+  // Prepared when first asked for.
+  const ContactTriangle& shape(int slot) noexcept {
+    if (!is_prepared_[slot]) {
+      const ObjectGeometry::Corners corners = geometry_->corners(triangle_[slot]);
+      std::construct_at(&shapes_[slot], corners.a, corners.b, corners.c);
+      is_prepared_[slot] = true;
+    }
+    return shapes_[slot];
+  }
+
+  // Calls visit(slot) for every triangle that may come within `distance` of the segment from p to q, and some that do not.
+  // Pre: covers(p, distance) and covers(q, distance).
+  template <class Visit>
+  void visit_near(const Vec3& p, const Vec3& q, double distance, Visit&& visit) const {
+    const Vec3 from = p - centre_;
+    const Vec3 to = q - centre_;
+    const double rounding = 0x1p-44 + 0x1p-40 * std::max(from.norm(), to.norm());
+    const __m256d limit = _mm256_set1_pd(distance + rounding);
+    __m256d a[3];
+    __m256d b[3];
+    for (int k = 0; k < 3; ++k) {
+      a[k] = _mm256_set1_pd(from[k]);
+      b[k] = _mm256_set1_pd(to[k]);
+    }
+    for (int i = 0; i < count_; i += 4) {
+      __m256d at_a = _mm256_load_pd(distance_.data() + i);
+      __m256d at_b = at_a;
+      for (int k = 0; k < 3; ++k) {
+        const __m256d n = _mm256_load_pd(normal_[k].data() + i);
+        at_a = _mm256_add_pd(at_a, _mm256_mul_pd(n, a[k]));
+        at_b = _mm256_add_pd(at_b, _mm256_mul_pd(n, b[k]));
+      }
+      auto mask = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(_mm256_min_pd(at_a, at_b), limit, _CMP_LE_OQ)));
+      for (; mask != 0; mask &= mask - 1) visit(i + std::countr_zero(mask));
+    }
+  }
+
+ private:
+  const TouchGeometry* geometry_ = nullptr;
+  Vec3 centre_ = Vec3::Zero();
+  double within_ = -1.0;
+  int count_ = 0;
+  // Unused lanes of the last four have an infinite distance.
+  alignas(32) std::array<double, kCapacity> distance_;
+  alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;
+  std::array<std::uint32_t, kCapacity> triangle_;
+  std::array<bool, kCapacity> is_prepared_;
+  std::array<ContactTriangle, kCapacity> shapes_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,319 @@
+#include "io_node/device_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kLookNs = 250 * kNanosecondsPerMillisecond;
+
+// Tells the CPU that this thread only waits.
+void relax() noexcept {
+#ifdef __x86_64__
+  __builtin_ia32_pause();
+#endif
+}
+
+}  // namespace
+
+DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& options)
+    : device_(device), clock_(clock), policy_(options.overrun), governor_(device.limits()), spin_(options.spin_share) {
+  governor_.tighten(options.tighter);
+  governor_.require_button(options.hold_button);
+  stats_.rate_hz = options.rate_hz;
+  start();
+}
+
+std::int64_t DeviceLoop::period_ns() const noexcept { return std::llround(1e9 / stats_.rate_hz); }
+
+void DeviceLoop::start() noexcept {
+  tick_ns_ = clock_.now_ns() + period_ns();
+  stats_.start_ns = stats_.end_ns = tick_ns_;
+  next_look_ns_ = tick_ns_ + kLookNs;
+}
+
+void DeviceLoop::begin_cycle() noexcept {
+  std::int64_t now_ns = clock_.now_ns();
+  const std::int64_t begin_ns = now_ns;
+  for (; now_ns < tick_ns_; now_ns = clock_.now_ns()) relax();
+  spin_.note_spun(now_ns - begin_ns);
+  const std::int64_t late_ns = now_ns - tick_ns_;
+  stats_.wake_lateness.record(late_ns);
+  cycle_.late_ns = late_ns;
+  // A period changed while waiting may put the tick into the future: then this cycle is simply early.
+  if (late_ns >= period_ns()) {
+    overrun(late_ns);
+  } else {
+    cycle_.missed = 0;
+    cycle_.cause = MissCause::none;
+  }
+  overslept_ns_ = 0;
+}
+
+// One cycle or more is missed.
+void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
+  const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
+  if (!is_catching_up) cycle_.cause = cause_of(late_ns);
+  const std::int64_t missed = late_ns / period_ns();
+  const std::int64_t kept = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMostCaughtUp) : 0;
+  tick_ns_ += (missed - kept) * period_ns();
+  cycle_.missed = static_cast<std::uint32_t>(missed - kept);
+  stats_.missed_cycles += static_cast<std::uint64_t>(missed - kept);
+  stats_.caught_up_cycles += kept > 0 ? 1 : 0;
+  stats_.missed_by_cause[static_cast<std::size_t>(cycle_.cause)] += static_cast<std::uint64_t>(missed - kept) + (kept > 0 ? 1 : 0);
+  if (policy_ == OverrunPolicy::stop) has_overrun_.store(true, std::memory_order_release);
+}
+
+// By the clock readings of the cycle before alone: nothing is asked of the system.
+MissCause DeviceLoop::cause_of(std::int64_t late_ns) const noexcept {
+  if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
+  if (late_ns >= kStallNs) return MissCause::machine_stalled;
+  return is_behind_ && overslept_ns_ <= period_ns() / 2 ? MissCause::work_long : MissCause::late_wake_up;
+}
+
+bool DeviceLoop::claim() noexcept {
+  bool expected = false;
+  return claimed_.compare_exchange_strong(expected, true);
+}
+
+bool DeviceLoop::run_cycle() noexcept {
+  if (!claim()) {
+    ++stats_.waits;
+    (void)cut_if_older(kSilenceLimitNs);
+    return false;
+  }
+  device_ns_ = 0;
+  stats_.end_ns = tick_ns_ + period_ns();
+  // First of all, and before the device takes its time: what the governor would not put out any more.
+  const std::int64_t now_ns = clock_.now_ns();
+  if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kSilenceLimitNs) hold_force();
+  sample_device();
+  // A force that came since the last tick has used the slew of this one; one from before a stall has not.
+  const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
+  governed_ns_ = -1;
+  // Whoever cut the device, the force that is still out sinks before it is given back.
+  const bool sinks = is_cut() && force_sample_ns() != 0;
+  if (sinks) governor_.interrupt();
+  if (!has_fresh_force || sinks) hold_force();
+  restore_if_cut();
+  grant_requests();
+  tick_ns_ += period_ns();
+  cycle_.next_tick_ns = tick_ns_;
+  cycle_.next_wake_ns = wake_ns();
+  const std::size_t end = cycles_end_.load(std::memory_order_relaxed);
+  if (end - cycles_begin_.load(std::memory_order_acquire) < kCyclesKept) {
+    cycles_[end % kCyclesKept] = cycle_;
+    cycles_end_.store(end + 1, std::memory_order_release);
+  } else {
+    ++stats_.cycles_untold;
+  }
+  show();
+  give_back();
+  serve();
+  const std::int64_t done_ns = clock_.now_ns();
+  heartbeat_ns_.store(done_ns, std::memory_order_release);
+  if (guard_ != nullptr) guard_->heartbeat_ns.store(done_ns, std::memory_order_release);
+  return true;
+}
+
+// By whomever: the cycle, a watch within this process, or the watchdog process.
+bool DeviceLoop::is_cut() const noexcept {
+  return is_cut_within_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load(std::memory_order_acquire) != 0);
+}
+
+// Only once nothing is left of the force: it then comes back with the governor's ramp, not with a jump.
+void DeviceLoop::restore_if_cut() noexcept {
+  if (!is_cut() || force_sample_ns() != 0) return;
+  device_.restore();
+  is_cut_within_.store(false, std::memory_order_release);
+  if (guard_ != nullptr) guard_->is_cut.store(0, std::memory_order_release);
+}
+
+void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
+  force_sample_ns_.store(sample_ns, std::memory_order_release);
+  if (guard_ != nullptr) guard_->force_sample_ns.store(sample_ns, std::memory_order_release);
+}
+
+// Without the claim the force cannot be written; what it takes to cut it is the device's own and atomic.
+bool DeviceLoop::cut_if_older(std::int64_t limit_ns) noexcept {
+  const std::int64_t sample_ns = force_sample_ns();
+  if (sample_ns == 0 || clock_.now_ns() - sample_ns < limit_ns) return false;
+  device_.cut();
+  if (!is_cut_within_.exchange(true)) cuts_.fetch_add(1, std::memory_order_relaxed);
+  return true;
+}
+
+void DeviceLoop::sample_device() noexcept {
+  const std::int64_t begin_ns = clock_.now_ns();
+  cycle_.tick_ns = tick_ns_;
+  cycle_.sample = device_.read(begin_ns);
+  // A sample is taken when the device has given it; how long that takes is a figure of its own.
+  cycle_.sample.time_ns = clock_.now_ns();
+  stats_.device_read.record(cycle_.sample.time_ns - begin_ns);
+  device_ns_ += cycle_.sample.time_ns - begin_ns;
+  const DeviceStatus status = device_.status();
+  status_.store(status, std::memory_order_release);
+  governor_.observe(cycle_.sample, status);
+  cycle_.number = ++stats_.samples;
+}
+
+// Without news the governor may still have to let the force sink or rise. With news every cycle it must not be asked in between: it would
+// spend the cycle's share of the slew on nothing.
+void DeviceLoop::hold_force() noexcept {
+  const Wrench& held = governor_.step(std::nullopt, clock_.now_ns());
+  if (held.force_n != written_.force_n || held.torque_nm != written_.torque_nm) write(held);
+}
+
+void DeviceLoop::write(const Wrench& wrench) noexcept {
+  const std::int64_t begin_ns = clock_.now_ns();
+  const bool is_zero = wrench.force_n == Vec3::Zero();
+  // A force is told of before it is there, zero once it is: whoever is stopped in between errs on the safe side.
+  const bool is_off = is_zero && wrench.torque_nm == Vec3::Zero();
+  if (!is_off) set_force_sample(answered_ns_);
+  device_.write(wrench, begin_ns);
+  if (is_off) set_force_sample(0);
+  device_ns_ += clock_.now_ns() - begin_ns;
+  const bool is_let_go = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.is_silent();
+  if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - answered_ns_);
+  written_ = wrench;
+  stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
+}
+
+void DeviceLoop::grant_requests() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (now_ns >= next_look_ns_) {
+    next_look_ns_ = now_ns + kLookNs;
+    governor_.observe_temperature(device_.condition().motor_temperature);
+  }
+  if (!requests_box_.take()) return;
+  const Requests& requests = requests_box_.value();
+  if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
+  if (std::exchange(hands_granted_, requests.hands) != requests.hands) device_.lead_hand(requests.p_WH);
+  const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
+  const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
+  if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
+    governor_.reset_faults();
+  } else if (is_reset_if_held) {
+    ++stats_.resets_denied;
+  }
+  if (requests.ends && !std::exchange(is_finished_, true)) stats_.governor = governor_.figures();
+  if (std::exchange(stats_granted_, requests.stats) != requests.stats) stats_copies_.publish(collect_stats());
+}
+
+const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
+  stats_.status = device_.status();
+  stats_.cuts = cuts_.load(std::memory_order_relaxed);
+  stats_.condition = device_.condition();
+  // The silence at the end is our own doing.
+  if (!is_finished_) stats_.governor = governor_.figures();
+  return stats_;
+}
+
+// As long as there is a command that nobody has taken: who finds the claim taken leaves it to its holder, who comes by here after giving it
+// back.
+void DeviceLoop::serve() noexcept {
+  while (served_.load() < posted_.load()) {
+    if (!claim()) return;
+    if (commands_.take()) govern(commands_.value());
+    served_.store(commands_.value().number);
+    show();
+    give_back();
+  }
+}
+
+void DeviceLoop::govern(const Command& command) noexcept {
+  const std::uint64_t accepted = governor_.counters().accepted;
+  governor_.step(command.wanted, clock_.now_ns());
+  ready_ns_ = clock_.now_ns();
+  if (governor_.counters().accepted != accepted) answered_ns_ = command.wanted.sample_time_ns;
+  write(governor_.output());
+  written_ns_ = clock_.now_ns();
+  governed_ns_ = written_ns_;
+  number_ = command.number;
+  ++stats_.commands;
+}
+
+void DeviceLoop::show() noexcept {
+  DeviceSide& side = sides_.draft();
+  side.written = written_;
+  side.status = status();
+  side.governor = governor_.figures();
+  side.is_silent = governor_.is_silent();
+  side.is_energy_gone = governor_.is_energy_gone();
+  side.is_switch_held = governor_.is_switch_held();
+  side.has_overrun = has_overrun();
+  side.command = number_;
+  side.ready_ns = ready_ns_;
+  side.written_ns = written_ns_;
+  sides_.publish_draft();
+}
+
+bool DeviceLoop::hold() noexcept {
+  if (!claim()) {
+    (void)cut_if_older(kSilenceLimitNs);
+    return false;
+  }
+  status_.store(device_.status(), std::memory_order_release);
+  grant_requests();
+  hold_force();
+  show();
+  give_back();
+  return true;
+}
+
+bool DeviceLoop::finish() noexcept {
+  if (!claim()) {
+    (void)cut_if_older(kSilenceLimitNs);
+    return false;
+  }
+  write({});
+  show();
+  give_back();
+  return true;
+}
+
+bool DeviceLoop::take_cycle(DeviceCycle& cycle) noexcept {
+  const std::size_t begin = cycles_begin_.load(std::memory_order_relaxed);
+  if (begin == cycles_end_.load(std::memory_order_acquire)) return false;
+  cycle = cycles_[begin % kCyclesKept];
+  cycles_begin_.store(begin + 1, std::memory_order_release);
+  return true;
+}
+
+std::uint64_t DeviceLoop::post(const WantedWrench& wanted) noexcept {
+  const std::uint64_t number = posted_.load(std::memory_order_relaxed) + 1;
+  commands_.publish({wanted, number});
+  posted_.store(number);
+  serve();
+  return number;
+}
+
+void DeviceLoop::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
+  requests_.p_WH = p_WH;
+  ++requests_.hands;
+  requests_box_.publish(requests_);
+}
+
+void DeviceLoop::reset_faults(ResetPresence presence) noexcept {
+  ++(presence == ResetPresence::known ? requests_.resets : requests_.resets_if_held);
+  requests_box_.publish(requests_);
+}
+
+void DeviceLoop::set_rate_hz(double rate_hz) noexcept {
+  requests_.rate_hz = rate_hz;
+  requests_box_.publish(requests_);
+}
+
+void DeviceLoop::end() noexcept {
+  requests_.ends = true;
+  requests_box_.publish(requests_);
+}
+
+void DeviceLoop::ask_for_stats() noexcept {
+  ++requests_.stats;
+  requests_box_.publish(requests_);
+}
+
+}  // namespace hapton

@@ -1,0 +1,250 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "io_node/devices/device.h"
+#include "io_node/safety/safety_governor.h"
+#include "link/session_entry.h"
+#include "runtime/adaptive_spin.h"
+#include "runtime/clock.h"
+#include "runtime/latency_histogram.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// What becomes of cycles that come too late:
+//   skip      whole periods are left out, and the next tick is on time again
+//   catch_up  the cycles that were missed run at once, one after the other, up to kMostCaughtUp of them; what is beyond that is skipped
+//   stop      a missed cycle ends the session: has_overrun() from then on
+enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
+
+// How a person's presence is known to whoever asks for a reset of a latched fault (reset_right.h): already, or by the dead man's switch,
+// which must still be held when the reset takes effect.
+enum class ResetPresence : std::uint8_t { known, while_held };
+
+// One cycle of the device loop, told to the network side.
+struct DeviceCycle {
+  std::uint64_t number = 0;  // of the sample, from 1
+  DeviceSample sample;
+  std::int64_t tick_ns = 0;
+  std::int64_t next_tick_ns = 0;
+  std::int64_t next_wake_ns = 0;  // when its thread ends its sleep for that tick
+  std::int64_t late_ns = 0;
+  std::uint32_t missed = 0;  // cycles left out before it
+  MissCause cause = MissCause::none;
+};
+
+// The device side as it is now.
+struct DeviceSide {
+  Wrench written;  // on the motors
+  DeviceStatus status = DeviceStatus::ready;
+  GovernorFigures governor;
+  bool is_silent = true;  // see SafetyGovernor::is_silent
+  bool is_energy_gone = false;
+  bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
+  bool has_overrun = false;
+  std::uint64_t command = 0;  // number of the newest force command that was governed, and when it was ready and written
+  std::int64_t ready_ns = 0;
+  std::int64_t written_ns = 0;
+};
+
+// What the device side has measured.
+struct DeviceLoopStats {
+  std::int64_t start_ns = 0;
+  std::int64_t end_ns = 0;
+  double rate_hz = 0.0;
+  LatencyHistogram wake_lateness;
+  LatencyHistogram device_read;
+  std::uint64_t samples = 0;
+  std::uint64_t missed_cycles = 0;
+  std::uint64_t caught_up_cycles = 0;
+  std::array<std::uint64_t, 5> missed_by_cause = {};
+  double max_force_n = 0.0;
+  std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, of all silences
+  std::uint64_t commands = 0;           // force commands governed
+  std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
+  std::uint64_t resets_denied = 0;      // the switch was let go before they took effect
+  std::uint64_t cuts = 0;               // times the device was cut, because that took too long or this loop stood still
+  std::uint64_t cycles_untold = 0;      // the network side was too far behind to be told of them
+  GovernorFigures governor;
+  DeviceStatus status = DeviceStatus::ready;
+  DeviceCondition condition;
+};
+
+// The hand's side of io_node: it owns the device and its safety governor and is the clock of the whole system. A cycle, begun at each tick
+// of absolute time: let go what is too old, read the device, tell the governor, hold or let sink the force that is out. It knows no
+// datagram, key, parser or socket, allocates nothing and waits for nobody. Forces come by a mailbox, the newest wins; the cycle needs none
+// of them to bring the motors to zero in time.
+//
+// A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 94). So the
+// thread that posts a force also governs and writes it, if the device side is not in the middle of its cycle; else the cycle does so at its
+// end. Who works on device and governor holds the claim, a flag that is tried and never waited for. A cycle that finds it taken (the
+// network side was displaced in the middle of its microsecond) tries again shortly, and cuts the device (Device::cut) when the force grows
+// too old meanwhile: that needs no claim. So does anyone else who watches it (cut_if_older), should this cycle not come.
+//
+// Units: ns of the clock. RT: all but making one. Threads: one for the cycle (start to finish), one for the network side; they may be the
+// same.
+class DeviceLoop {
+ public:
+  static constexpr std::int64_t kMostCaughtUp = 10;
+  // Later than any work, device or wake-up of a running machine makes a cycle.
+  static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
+  static constexpr std::size_t kCyclesKept = 64;
+
+  struct Options {
+    double rate_hz = 1000.0;
+    DeviceLimits tighter = {};
+    int hold_button = -1;
+    OverrunPolicy overrun = OverrunPolicy::skip;
+    double spin_share = 0.0;
+  };
+
+  // Pre: both outlive this.
+  DeviceLoop(Device& device, const Clock& clock, const Options& options);
+
+  // Set up before start: where the watchdog process sees that this side lives. Pre: outlives this.
+  void set_guard(GuardPage* guard) noexcept { guard_ = guard; }
+
+  // --- the cycle's thread
+
+  // Sets the first tick one period from now.
+  void start() noexcept;
+  std::int64_t tick_ns() const noexcept { return tick_ns_; }
+  // When to end a sleep before the next tick; the rest is spun.
+  std::int64_t wake_ns() const noexcept { return tick_ns_ - spin_.margin_ns(period_ns()); }
+  std::int64_t wake_after_next_ns() const noexcept { return wake_ns() + period_ns(); }
+  // Before the wait: the tick has passed already. After it: it ended so late after wake_ns(), or another wait so late after its end.
+  void note_behind(bool is_behind) noexcept { is_behind_ = is_behind; }
+  void note_wake_up(std::int64_t late_ns) noexcept { spin_.note_wake_up(late_ns); }
+  void note_overslept(std::int64_t late_ns) noexcept { overslept_ns_ = late_ns > overslept_ns_ ? late_ns : overslept_ns_; }
+  // Spins to the tick and settles what was missed before it.
+  void begin_cycle() noexcept;
+  // The cycle. False: the network side is writing a force, call again in a moment; nothing was done but what is_cut() says.
+  bool run_cycle() noexcept;
+  // A cycle without a sample, which only lets the force sink; then zero on the motors, for the end. False as above.
+  bool hold() noexcept;
+  bool finish() noexcept;
+  const DeviceLoopStats& collect_stats() noexcept;
+
+  // --- the network side
+
+  // The next cycle that was not told yet, in their order; false: there is none.
+  bool take_cycle(DeviceCycle& cycle) noexcept;
+  bool has_cycle() const noexcept { return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire); }
+  // The newest state of the device side; stays as it is until the next call.
+  const DeviceSide& look() noexcept {
+    sides_.take();
+    return sides_.value();
+  }
+  // A force to be put out. Returns its number, see DeviceSide::command: governed and written when this returns, as a rule.
+  std::uint64_t post(const WantedWrench& wanted) noexcept;
+  // These take effect with the next cycle.
+  void lead_hand(const std::optional<Vec3>& p_WH) noexcept;
+  void reset_faults(ResetPresence presence) noexcept;
+  void set_rate_hz(double rate_hz) noexcept;
+  void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
+  // Asks for a copy of what was measured; take_stats is true once when it is there.
+  void ask_for_stats() noexcept;
+  bool take_stats() noexcept { return stats_copies_.take(); }
+  const DeviceLoopStats& stats_copy() const noexcept { return stats_copies_.value(); }
+  const DeviceLimits& limits() const noexcept { return governor_.limits(); }
+
+  // --- anyone
+  // Cuts the device (Device::cut) when the force on it answers a sample as old as that: for who watches this loop from a thread of another
+  // kind, which runs when this one cannot. The force comes back with a ramp. True: it was, and is cut now. RT: yes, wait-free.
+  bool cut_if_older(std::int64_t limit_ns) noexcept;
+  // The end of the newest cycle.
+  std::int64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(std::memory_order_acquire); }
+  AdaptiveSpin& spin() noexcept { return spin_; }
+  // Of the force on the motors, the time of the sample that it answers; 0: no force is out.
+  std::int64_t force_sample_ns() const noexcept { return force_sample_ns_.load(std::memory_order_acquire); }
+  DeviceStatus status() const noexcept { return status_.load(std::memory_order_acquire); }
+  bool has_overrun() const noexcept { return has_overrun_.load(std::memory_order_acquire); }
+
+ private:
+  struct Command {
+    WantedWrench wanted;
+    std::uint64_t number = 0;
+  };
+  struct Requests {
+    double rate_hz = 0.0;  // 0: as it is
+    std::optional<Vec3> p_WH;
+    std::uint32_t hands = 0;
+    std::uint32_t resets = 0;          // by someone known to be present
+    std::uint32_t resets_if_held = 0;  // ... if the switch is held
+    std::uint32_t stats = 0;
+    bool ends = false;
+  };
+
+  std::int64_t period_ns() const noexcept;
+  bool claim() noexcept;
+  void give_back() noexcept { claimed_.exchange(false); }
+  void serve() noexcept;
+  void govern(const Command& command) noexcept;
+  void overrun(std::int64_t late_ns) noexcept;
+  MissCause cause_of(std::int64_t late_ns) const noexcept;
+  void grant_requests() noexcept;
+  void sample_device() noexcept;
+  void hold_force() noexcept;
+  void write(const Wrench& wrench) noexcept;
+  void show() noexcept;
+  void set_force_sample(std::int64_t sample_ns) noexcept;
+  bool is_cut() const noexcept;
+  void restore_if_cut() noexcept;
+
+  Device& device_;
+  const Clock& clock_;
+  OverrunPolicy policy_;
+  GuardPage* guard_ = nullptr;
+  SafetyGovernor governor_;
+  DeviceLoopStats stats_;
+  AdaptiveSpin spin_;
+
+  // The cycle's thread.
+  std::int64_t tick_ns_ = 0;
+  std::int64_t overslept_ns_ = 0;  // by the wait since then that ended latest
+  bool is_behind_ = false;         // the loop came to wait for this tick when it had passed
+  bool is_finished_ = false;
+  DeviceCycle cycle_;
+  std::int64_t next_look_ns_ = 0;  // at the motors' temperature
+  std::uint32_t hands_granted_ = 0;
+  std::uint32_t resets_granted_ = 0;
+  std::uint32_t resets_if_held_granted_ = 0;
+  std::uint32_t stats_granted_ = 0;
+
+  // Whoever holds the claim.
+  std::int64_t device_ns_ = 0;  // spent on the device since the last tick
+  Wrench written_;
+  std::int64_t answered_ns_ = 0;   // the sample of the last force that the governor accepted
+  std::int64_t governed_ns_ = -1;  // the last force since the last cycle; below 0: none
+  std::uint64_t number_ = 0;       // of the last command, when it was ready and written
+  std::int64_t ready_ns_ = 0;
+  std::int64_t written_ns_ = 0;
+
+  std::atomic<bool> claimed_{false};
+  std::atomic<std::uint64_t> posted_{0};
+  std::atomic<std::uint64_t> served_{0};
+  std::atomic<std::int64_t> force_sample_ns_{0};
+  std::atomic<std::int64_t> heartbeat_ns_{0};
+  std::atomic<DeviceStatus> status_{DeviceStatus::ready};
+  std::atomic<bool> has_overrun_{false};
+  std::atomic<bool> is_cut_within_{false};
+  std::atomic<std::uint64_t> cuts_{0};
+  Mailbox<Command> commands_;
+  Mailbox<DeviceSide> sides_;
+  Mailbox<DeviceLoopStats> stats_copies_;
+
+  // The network side.
+  Requests requests_;
+  Mailbox<Requests> requests_box_;
+
+  std::array<DeviceCycle, kCyclesKept> cycles_ = {};
+  alignas(64) std::atomic<std::size_t> cycles_begin_{0};
+  alignas(64) std::atomic<std::size_t> cycles_end_{0};
+};
+
+}  // namespace hapton

@@ -1,0 +1,70 @@
+#include "io_node/device_thread.h"
+
+#include <pthread.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "runtime/thread_usage.h"
+
+namespace hapton {
+namespace {
+
+// The network side is in the middle of a microsecond of work with the device; where it shares this CPU it needs this thread to sleep.
+constexpr std::int64_t kMomentNs = 20'000;
+constexpr int kHighestPriority = 99;
+
+}  // namespace
+
+Result<void> DeviceThread::start(const RealtimeSettings& network) {
+  if (auto opened = timer_.open(); !opened) return opened;
+  RealtimeSettings settings = network;
+  if (settings.priority > 0) settings.priority = std::min(settings.priority + 1, kHighestPriority);
+  thread_ = std::thread([this, settings] { run(settings); });
+  while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return started_;
+}
+
+void DeviceThread::stop() {
+  ends_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+void DeviceThread::run(const RealtimeSettings& settings) {
+  id_ = current_thread_id();
+  ::pthread_setname_np(::pthread_self(), "hapton-device");
+  if (const auto realtime = enter_realtime(settings); realtime) {
+    realtime_lines_ = realtime->to_lines();
+  } else {
+    started_ = tl::unexpected(realtime.error());
+    is_started_.store(true, std::memory_order_release);
+    return;
+  }
+  loop_.start();
+  timer_.set(loop_.wake_ns());
+  is_started_.store(true, std::memory_order_release);
+  while (!ends_.load(std::memory_order_acquire)) {
+    await_tick();
+    loop_.begin_cycle();
+    // Before the sample is taken: what the network side waits for is not to wait for a timer to be set.
+    timer_.set(loop_.wake_after_next_ns());
+    while (!loop_.run_cycle()) SteadyClock().sleep_until_ns(clock_.now_ns() + kMomentNs);
+  }
+  while (!loop_.finish()) SteadyClock().sleep_until_ns(clock_.now_ns() + kMomentNs);
+}
+
+// A cycle that is late already waits all the same, for a moment: a thread that never blocks is stopped by LimitRTTIME and by the kernel's
+// throttling, and lets nobody else have its CPU.
+void DeviceThread::await_tick() noexcept {
+  const std::int64_t wake_ns = loop_.wake_ns();
+  const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
+  loop_.note_behind(is_behind);
+  timer_.wait();
+  const std::int64_t now_ns = clock_.now_ns();
+  // A timer that has expired, or could not be set, lets nobody sleep.
+  if (is_behind) return SteadyClock().sleep_until_ns(now_ns + kMomentNs);
+  if (now_ns < wake_ns) SteadyClock().sleep_until_ns(wake_ns);
+  loop_.note_wake_up(clock_.now_ns() - wake_ns);
+}
+
+}  // namespace hapton

@@ -1,0 +1,32 @@
+#include "io_node/release_watch.h"
+
+#include <pthread.h>
+
+#include "runtime/deadline_thread.h"
+
+namespace hapton {
+
+void ReleaseWatch::start(bool is_realtime) {
+  thread_ = std::thread([this, is_realtime] {
+    ::pthread_setname_np(::pthread_self(), "hapton-release");
+    if (is_realtime) (void)enter_deadline(kRuntimeNs, kPeriodNs);
+    SteadyClock clock;
+    while (!ends_.load(std::memory_order_acquire)) clock.sleep_until_ns(look());
+  });
+}
+
+void ReleaseWatch::stop() {
+  ends_.store(true, std::memory_order_release);
+  if (thread_.joinable()) thread_.join();
+}
+
+// Forces that come later answer later samples: the one that is out is the first to be too old.
+std::int64_t ReleaseWatch::look() noexcept {
+  (void)loop_.cut_if_older(kLimitNs);
+  const std::int64_t now_ns = clock_.now_ns();
+  const std::int64_t sample_ns = loop_.force_sample_ns();
+  const std::int64_t due_ns = sample_ns + kLimitNs;
+  return sample_ns != 0 && due_ns > now_ns ? due_ns : now_ns + kIdleNs;
+}
+
+}  // namespace hapton

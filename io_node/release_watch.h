@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "io_node/device_loop.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// The second barrier within io_node: a thread that cuts the device when its force gets older than the device loop lets it. It sleeps until
+// the force that is out would be too old, so it costs fifty wake-ups a second. Other than the device loop's it is no SCHED_FIFO thread:
+// those of one CPU are all throttled together, and displaced together by one that has run wild (docs/realtime.md). It asks for
+// SCHED_DEADLINE, which comes before them and is not throttled; where that is refused it stays an ordinary thread, which runs when they are
+// throttled. RT: no. Threads: one; device_loop.h says why its own may cut.
+class ReleaseWatch {
+ public:
+  // Half a cycle of 1 kHz later than the loop itself lets go.
+  static constexpr std::int64_t kLimitNs = kSilenceLimitNs + 500'000;
+  // While no force is out: a force that comes may have been long on its way.
+  static constexpr std::int64_t kIdleNs = 5 * kNanosecondsPerMillisecond;
+  // Of SCHED_DEADLINE: a look takes 2 us, a cut within a library more.
+  static constexpr std::int64_t kRuntimeNs = 50'000;
+  static constexpr std::int64_t kPeriodNs = 500'000;
+
+  // Pre: both outlive this.
+  ReleaseWatch(DeviceLoop& loop, const Clock& clock) : loop_(loop), clock_(clock) {}
+  ~ReleaseWatch() { stop(); }
+  ReleaseWatch(const ReleaseWatch&) = delete;
+  ReleaseWatch& operator=(const ReleaseWatch&) = delete;
+
+  // is_realtime: asks for SCHED_DEADLINE.
+  void start(bool is_realtime);
+  void stop();
+
+  // One look, and when to look again.
+  std::int64_t look() noexcept;
+
+ private:
+  DeviceLoop& loop_;
+  const Clock& clock_;
+  std::thread thread_;
+  std::atomic<bool> ends_{false};
+};
+
+}  // namespace hapton

@@ -1,0 +1,187 @@
+#include "link/flood_filter.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "link/codec.h"
+#include "link/seal_format.h"
+
+namespace hapton {
+namespace {
+
+// Where the filter of a UDP socket begins to read, and what lies in front of that (linux/filter.h).
+constexpr std::uint32_t kUdpHeaderBytes = 8;
+constexpr std::uint32_t kNetwork = static_cast<std::uint32_t>(SKF_NET_OFF);
+constexpr std::uint32_t kRandom = static_cast<std::uint32_t>(SKF_AD_OFF + SKF_AD_RANDOM);
+constexpr std::uint32_t kAll = 0xFFFFFFFF;
+
+// Filters load big-endian words.
+std::uint32_t word_at(const Address& address, std::size_t byte) {
+  return static_cast<std::uint32_t>(address.ip[byte]) << 24 | static_cast<std::uint32_t>(address.ip[byte + 1]) << 16 |
+         static_cast<std::uint32_t>(address.ip[byte + 2]) << 8 | address.ip[byte + 3];
+}
+
+bool is_v4(const Address& address) {
+  return std::all_of(address.ip.begin(), address.ip.begin() + 10, [](std::uint8_t byte) { return byte == 0; }) && address.ip[10] == 0xFF &&
+         address.ip[11] == 0xFF;
+}
+
+bool is_kind(std::span<const std::byte> datagram, seal::Kind kind) {
+  return datagram.size() >= seal::kCounterAt && datagram[2] == static_cast<std::byte>(kind);
+}
+
+// As a filter loads it.
+std::uint32_t session_of(std::span<const std::byte> datagram) {
+  std::uint32_t session = 0;
+  for (const std::byte byte : datagram.subspan(seal::kConnectionAt, 4)) session = session << 8 | static_cast<std::uint32_t>(byte);
+  return session;
+}
+
+}  // namespace
+
+void FloodFilter::note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept {
+  std::array<std::byte, seal::kCounterAt> header = {};
+  seal::store(connection, seal::bytes_of(std::span<std::byte>(header)) + seal::kConnectionAt);
+  remember({from, session_of(header), now_ns, false});
+}
+
+void FloodFilter::note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept {
+  if (is_kind(datagram, seal::Kind::data)) remember({to, session_of(datagram), now_ns, true});
+}
+
+// Who agrees on sessions without end displaces others of that kind, and nobody who is sent data.
+void FloodFilter::remember(const Known& known) noexcept {
+  Known* place = &known_[last_known_];
+  if (!place->is(known.address, known.session)) {
+    const auto found =
+        std::find_if(known_.begin(), known_.end(), [&](const Known& other) { return other.is(known.address, known.session); });
+    const auto goes_first = [&](const Known& a, const Known& b) {
+      const bool is_a_kept = a.was_sent_data && known.time_ns - a.time_ns <= kKnownNs;
+      const bool is_b_kept = b.was_sent_data && known.time_ns - b.time_ns <= kKnownNs;
+      return is_a_kept != is_b_kept ? is_b_kept : a.time_ns < b.time_ns;
+    };
+    place = found != known_.end() ? &*found : &*std::min_element(known_.begin(), known_.end(), goes_first);
+  }
+  const bool is_same = place->is(known.address, known.session);
+  if (!is_same || known.time_ns - place->time_ns > kKnownNs) ++known_changes_;
+  const bool was_sent_data = known.was_sent_data || (is_same && place->was_sent_data);
+  *place = known;
+  place->was_sent_data = was_sent_data;
+  last_known_ = static_cast<std::size_t>(place - known_.data());
+}
+
+bool FloodFilter::is_known(const Address& from, std::uint32_t session) const noexcept {
+  if (known_[last_known_].is(from, session)) return true;
+  return std::any_of(known_.begin(), known_.end(), [&](const Known& known) { return known.is(from, session); });
+}
+
+void FloodFilter::note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept {
+  counts_.oversized += is_oversized ? 1 : 0;
+  if (!is_oversized && is_kind(datagram, seal::Kind::data) && is_known(from, session_of(datagram))) return;
+  if (is_oversized) counts_.last_oversized = from;
+  ++strangers_;
+  ++counts_.strangers;
+  counts_.last_stranger = from;
+}
+
+FloodFilter::Action FloodFilter::judge(std::uint32_t dropped, std::int64_t now_ns) noexcept {
+  if (now_ns < due_ns_) {
+    may_hasten_ = false;
+    return install();
+  }
+  may_hasten_ = true;
+  const std::uint32_t newly_dropped = window_ns_ == 0 ? 0 : dropped - dropped_;
+  dropped_ = dropped;
+  counts_.dropped += newly_dropped;
+  counts_.kept_out += is_shut_ ? newly_dropped : 0;
+  const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - window_ns_, 1));
+  const double rate_per_s = static_cast<double>(strangers_ + newly_dropped) / passed_s;
+  const bool is_loud = strangers_ + newly_dropped >= kFlood;
+  strangers_ = 0;
+  window_ns_ = now_ns;
+  due_ns_ = now_ns + kWindowNs;
+  // A flood swells within a window and ebbs over some: the share that passes must not swing with the scheduler.
+  rate_per_s_ = std::max(rate_per_s, 0.98 * rate_per_s_);
+  if (is_loud) {
+    loud_ns_ = now_ns;
+    counts_.flood_per_s = rate_per_s_;
+  }
+  if (!is_shut_ && !is_loud) return Action::none;
+  if (is_shut_ && now_ns - loud_ns_ > kQuietNs) {
+    is_shut_ = false;
+    rate_per_s_ = 0.0;
+    return Action::remove;
+  }
+  counts_.floods += is_shut_ ? 0 : 1;
+  const bool is_same =
+      is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
+  is_shut_ = true;
+  return is_same ? Action::none : install();
+}
+
+FloodFilter::Action FloodFilter::install() noexcept {
+  built_changes_ = known_changes_;
+  built_rate_per_s_ = rate_per_s_;
+  build(std::min(1.0, kPassedPerS / std::max(rate_per_s_, 1.0)));
+  return Action::install;
+}
+
+void FloodFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_true, std::uint8_t jump_false) noexcept {
+  if (program_size_ < program_.size()) program_[program_size_++] = {code, jump_true, jump_false, k};
+}
+
+// Passes what comes from there in that session; what does not goes on behind it.
+void FloodFilter::add_known(const Known& known) noexcept {
+  const bool v4 = is_v4(known.address);
+  const std::uint8_t words = v4 ? 1 : 4;
+  const std::uint32_t source = kNetwork + (v4 ? 12 : 8);
+  // Behind the port: version 3, two for each word, session 2, 1 to pass.
+  const auto left = [&](std::uint8_t done) { return static_cast<std::uint8_t>(3 + 2 * words + 2 + 1 - done); };
+  add(BPF_LD | BPF_H | BPF_ABS, 0);
+  add(BPF_JMP | BPF_JEQ | BPF_K, known.address.port, 0, left(0));
+  add(BPF_LD | BPF_B | BPF_ABS, kNetwork);
+  add(BPF_ALU | BPF_AND | BPF_K, 0xF0);
+  add(BPF_JMP | BPF_JEQ | BPF_K, v4 ? 0x40 : 0x60, 0, left(3));
+  std::uint8_t done = 3;
+  for (std::uint8_t word = 0; word < words; ++word) {
+    done = static_cast<std::uint8_t>(done + 2);
+    add(BPF_LD | BPF_W | BPF_ABS, source + 4U * word);
+    add(BPF_JMP | BPF_JEQ | BPF_K, word_at(known.address, v4 ? 12 : 4U * word), 0, left(done));
+  }
+  add(BPF_LD | BPF_W | BPF_ABS, kUdpHeaderBytes + static_cast<std::uint32_t>(seal::kConnectionAt));
+  add(BPF_JMP | BPF_JEQ | BPF_K, known.session, 0, 1);
+  add(BPF_RET | BPF_K, kAll);
+}
+
+void FloodFilter::build(double passed_share) noexcept {
+  program_size_ = 0;
+  // Data of our version and of a length that fits goes on to the known addresses and sessions, all else to chance.
+  const std::uint32_t lead =
+      0x08000000U | (static_cast<std::uint32_t>(kProtocolVersion) << 16) | (static_cast<std::uint32_t>(seal::Kind::data) << 8);
+  std::array<const Known*, kKnown> passing = {};
+  std::size_t count = 0;
+  for (const Known& known : known_) {
+    if (known.time_ns > 0 && window_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
+  }
+  // Jumps of a filter reach 255 instructions; an unconditional one reaches all of it.
+  add(BPF_LD | BPF_W | BPF_LEN, 0);
+  add(BPF_JMP | BPF_JGE | BPF_K, kUdpHeaderBytes + seal::kOverheadBytes, 1, 0);
+  const std::size_t too_short = program_size_;
+  add(BPF_JMP | BPF_JA, 0);
+  add(BPF_JMP | BPF_JGT | BPF_K, kUdpHeaderBytes + kMaxDatagramBytes, 0, 1);
+  const std::size_t too_long = program_size_;
+  add(BPF_JMP | BPF_JA, 0);
+  add(BPF_LD | BPF_W | BPF_ABS, kUdpHeaderBytes);
+  add(BPF_JMP | BPF_JEQ | BPF_K, lead, 1, 0);
+  const std::size_t other_kind = program_size_;
+  add(BPF_JMP | BPF_JA, 0);
+  for (std::size_t n = 0; n < count; ++n) add_known(*passing[n]);
+  const std::size_t chance = program_size_;
+  for (const std::size_t jump : {too_short, too_long, other_kind}) program_[jump].k = static_cast<std::uint32_t>(chance - jump - 1);
+  add(BPF_LD | BPF_W | BPF_ABS, kRandom);
+  add(BPF_JMP | BPF_JGT | BPF_K, static_cast<std::uint32_t>(passed_share * std::numeric_limits<std::uint32_t>::max()), 1, 0);
+  add(BPF_RET | BPF_K, kAll);
+  add(BPF_RET | BPF_K, 0);
+}
+
+}  // namespace hapton

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <linux/filter.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "link/endpoint.h"
+
+namespace hapton {
+
+// When a hub's socket is flooded by unknown peers, and which program in the kernel then keeps them out before they cost this process a
+// system call each. Known are the addresses that a session was agreed on with, or that were sent data, within kKnownNs, and that session;
+// data from them in that session passes, all else passes at random, so rarely that about kPassedPerS get through: nodes still join,
+// and what is refused is still seen and counted, as a sample. Without a flood nothing is filtered. The filter looks at source, version,
+// kind, session and length; whether a datagram is authentic is the sealing's to say. Units: ns of the caller's clock, datagrams. RT: yes,
+// no heap; installing the program is the caller's. Threads: one.
+class FloodFilter {
+ public:
+  static constexpr std::size_t kKnown = 32;
+  static constexpr std::int64_t kKnownNs = 5'000'000'000;
+  // Judged so often; more strangers than this in that time are a flood (10,000 a second), and it is over when there were fewer than a tenth
+  // of it for kQuietNs.
+  static constexpr std::int64_t kWindowNs = 5'000'000;
+  static constexpr std::uint64_t kFlood = 50;
+  static constexpr std::int64_t kQuietNs = 2'000'000'000;
+  static constexpr double kPassedPerS = 5000.0;
+  static constexpr std::size_t kMostInstructions = 640;
+
+  // What the socket is to be told.
+  enum class Action : std::uint8_t { none, install, remove };
+
+  // Data of this session will come from there: what an answer to a handshake says is sealed.
+  void note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept;
+  void note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
+  // A datagram came; an oversized one with the part of it that was read.
+  void note_received(const Address& from, std::span<const std::byte> datagram, bool is_oversized) noexcept;
+
+  bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_ || has_news(); }
+  bool is_shut() const noexcept { return is_shut_; }
+  // dropped: what the kernel has dropped at this socket so far, by the filter or for want of room; modulo 2^32.
+  Action judge(std::uint32_t dropped, std::int64_t now_ns) noexcept;
+  // After Action::install: the program, valid until the next judge.
+  std::span<sock_filter> program() noexcept { return std::span(program_).first(program_size_); }
+
+  const SocketCounts& counts() const noexcept { return counts_; }
+
+ private:
+  struct Known {
+    Address address;
+    std::uint32_t session = 0;  // its number's bytes as a filter loads them
+    std::int64_t time_ns = 0;
+    bool was_sent_data = false;
+    bool is(const Address& at, std::uint32_t in) const noexcept { return session == in && address == at; }
+  };
+
+  // Someone has become known whom the program does not let in yet.
+  bool has_news() const noexcept { return is_shut_ && may_hasten_ && built_changes_ != known_changes_; }
+  void remember(const Known& known) noexcept;
+  Action install() noexcept;
+  bool is_known(const Address& from, std::uint32_t session) const noexcept;
+  void build(double passed_share) noexcept;
+  void add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_true = 0, std::uint8_t jump_false = 0) noexcept;
+  void add_known(const Known& known) noexcept;
+
+  std::array<Known, kKnown> known_ = {};
+  std::size_t last_known_ = 0;  // sent to last
+  std::uint64_t known_changes_ = 0;
+  std::uint64_t built_changes_ = 0;
+  SocketCounts counts_;
+  std::uint64_t strangers_ = 0;  // in this window
+  std::uint32_t dropped_ = 0;
+  std::int64_t due_ns_ = 0;
+  std::int64_t window_ns_ = 0;  // its beginning
+  std::int64_t loud_ns_ = 0;    // the last window with a flood
+  double rate_per_s_ = 0.0;
+  double built_rate_per_s_ = 0.0;
+  bool is_shut_ = false;
+  bool may_hasten_ = false;  // once a window: what is agreed on within it is let in at once
+  std::array<sock_filter, kMostInstructions> program_ = {};
+  std::size_t program_size_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,339 @@
+#include "tests/attack/attack_list.h"
+
+#include <fmt/core.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "runtime/clock.h"
+#include "runtime/deadline_thread.h"
+#include "runtime/realtime.h"
+#include "tests/attack/fault_means.h"
+#include "tests/attack/test_bed.h"
+
+namespace hapton::attack {
+namespace {
+
+using process::Program;
+
+constexpr int kMostStalls = 2;
+constexpr double kFastest = 1e7;  // a second: as fast as the machine sends
+
+void sleep_s(double seconds) {
+  SteadyClock clock;
+  clock.sleep_until_ns(clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds));
+}
+
+// In a thread that is there in time, where this user may have one; it starts no programs, which would inherit that.
+void observe(const std::function<void()>& what, bool in_realtime = true) {
+  std::thread thread([&] {
+    // Before all that is observed, where that is granted: not even a real-time program run wild keeps it from looking.
+    if (in_realtime && !enter_deadline(100'000, 200'000))
+      (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .lock_memory = false, .low_dma_latency = false});
+    what();
+  });
+  thread.join();
+}
+
+// Over its bound by no more than this machine, in which nothing runs without a hypervisor, let nobody run: not even the observers.
+bool is_stalled(const Row& row) { return row.is_over && row.release_ms() - row.blind_ms <= row.bound_ms; }
+
+class List {
+ public:
+  List(const Settings& settings, const std::function<void(const Row&)>& told) : settings_(settings), told_(told) {}
+  std::vector<Row> run();
+
+ private:
+  bool is_wanted(const std::string& name) const { return settings_.only.empty() || name.find(settings_.only) != std::string::npos; }
+  // A bed where a force is out; null when that cannot be, and the row says why.
+  std::unique_ptr<TestBed> make_bed(Row& row);
+  void finish(Row row);
+  void note(Row& row, const MotorObserver::Release& release);
+  void note(Row& row, const MotorObserver::Watched& watched);
+  // Watched by two: one with real time, and an ordinary one, which sees when real time is throttled.
+  MotorObserver::Watched watch(TestBed& bed, double seconds);
+
+  void haptics_dies(const std::string& name, int signal);
+  void thread_hangs(const std::string& name, const std::vector<std::string>& threads, Kind kind);
+  void thread_is_missed_by_nobody(const std::string& name, const std::string& thread);
+  void watchdog_dies(const std::string& name, int signal);
+  void io_node_freezes();
+  void io_node_dies(const std::string& name, int signal);
+  void realtime_is_taken();
+  void flood(const std::string& name, const std::string& kind, double rate_per_s, int sources, bool at_haptics = false);
+
+  const Settings& settings_;
+  const std::function<void(const Row&)>& told_;
+  std::vector<Row> rows_;
+};
+
+std::unique_ptr<TestBed> List::make_bed(Row& row) {
+  auto bed = std::make_unique<TestBed>();
+  const std::string problem = bed->await_contact();
+  if (problem.empty()) return bed;
+  row.is_broken = true;
+  row.note = problem;
+  return nullptr;
+}
+
+void List::finish(Row row) {
+  const double release_ms = row.release_ms();
+  if (!row.is_skipped && release_ms > row.bound_ms) {
+    row.is_over = true;
+    if (release_ms > row.bound_ms + settings_.slack_ms) row.is_broken = true;
+  }
+  rows_.push_back(std::move(row));
+}
+
+void List::note(Row& row, const MotorObserver::Release& release) {
+  if (release.after_event_ms < 0.0) {
+    row.is_broken = true;
+    row.note = "the force stayed";
+    return;
+  }
+  row.after_event_ms = std::max(row.after_event_ms, release.after_event_ms);
+  row.after_sample_ms = std::max(row.after_sample_ms, release.after_sample_ms);
+  row.blind_ms = std::max(row.blind_ms, release.blind_ms);
+}
+
+void List::note(Row& row, const MotorObserver::Watched& watched) {
+  row.after_sample_ms = std::max(row.after_sample_ms, watched.oldest_force_ms);
+  row.blind_ms = std::max(row.blind_ms, watched.blind_ms);
+}
+
+MotorObserver::Watched List::watch(TestBed& bed, double seconds) {
+  MotorObserver::Watched ordinary;
+  MotorObserver::Watched realtime;
+  std::thread beside([&] { observe([&] { ordinary = bed.observer().watch(seconds); }, false); });
+  observe([&] { realtime = bed.observer().watch(seconds); });
+  beside.join();
+  realtime.oldest_force_ms = std::max(realtime.oldest_force_ms, ordinary.oldest_force_ms);
+  realtime.blind_ms = std::min(realtime.blind_ms, ordinary.blind_ms);
+  return realtime;
+}
+
+void List::haptics_dies(const std::string& name, int signal) {
+  Row row{.name = name};
+  std::unique_ptr<TestBed> bed;
+  for (int n = 0; n < settings_.repeat && !row.is_broken; ++n) {
+    if (!bed && !(bed = make_bed(row))) break;
+    MotorObserver::Release release;
+    observe([&] { release = bed->observer().release_after([&] { bed->haptics().send_signal(signal); }); });
+    note(row, release);
+    bed->haptics().send_signal(SIGCONT);
+    if (signal == SIGKILL || n + 1 == settings_.repeat) {
+      bed.reset();
+    } else if (!bed->observer().await_force(TestBed::kForceN, 30.0)) {
+      row.is_broken = true;
+      row.note = "no force came again";
+    }
+  }
+  finish(row);
+}
+
+// Of several threads all at once.
+void List::thread_hangs(const std::string& name, const std::vector<std::string>& threads, Kind kind) {
+  Row row{.name = name, .kind = kind, .bound_ms = kind == Kind::inside ? kInsideMs : kOutsideMs};
+  auto bed = make_bed(row);
+  for (int n = 0; bed && n < settings_.repeat && !row.is_broken && !row.is_skipped; ++n) {
+    if (!bed->observer().await_force(TestBed::kForceN, 30.0)) {
+      row.is_broken = true;
+      row.note = "no force came again";
+      break;
+    }
+    observe([&] {
+      std::vector<std::unique_ptr<StoppedThread>> stopped;
+      const auto release = bed->observer().release_after([&] {
+        for (const std::string& thread : threads) {
+          stopped.push_back(std::make_unique<StoppedThread>(find_thread(bed->io().pid(), thread).value_or(0)));
+        }
+      });
+      row.is_skipped = !std::all_of(stopped.begin(), stopped.end(), [](const auto& thread) { return thread->is_stopped(); });
+      if (row.is_skipped) {
+        row.note = "a thread cannot be stopped here (ptrace)";
+        return;
+      }
+      note(row, release);
+      sleep_s(0.05);
+    });
+  }
+  finish(row);
+}
+
+void List::thread_is_missed_by_nobody(const std::string& name, const std::string& thread) {
+  Row row{.name = name};
+  if (auto bed = make_bed(row)) {
+    observe([&] {
+      const StoppedThread stopped(thread.empty() ? bed->io().pid() : find_thread(bed->io().pid(), thread).value_or(0));
+      row.is_skipped = !stopped.is_stopped();
+      if (row.is_skipped) return;
+      const auto watched = bed->observer().watch(1.0);
+      note(row, watched);
+      row.is_broken = watched.force_share == 0.0 && !bed->observer().await_force(TestBed::kForceN, 30.0);
+      row.note = row.is_broken ? "no force any more" : "touch goes on";
+    });
+  }
+  finish(row);
+}
+
+void List::watchdog_dies(const std::string& name, int signal) {
+  Row row{.name = name};
+  if (auto bed = make_bed(row)) {
+    const auto before = find_children(bed->io().pid());
+    for (const pid_t child : before) ::kill(child, signal);
+    note(row, watch(*bed, 1.0));
+    const bool is_back = wait_until([&] {
+      const auto now = find_children(bed->io().pid());
+      return !now.empty() && now != before;
+    });
+    row.is_broken = before.empty() || !is_back;
+    row.note = is_back ? "touch goes on, it is started again" : "it is not started again";
+  }
+  finish(row);
+}
+
+void List::io_node_freezes() {
+  Row row{.name = "io_node frozen (SIGSTOP), then continued", .kind = Kind::outside, .bound_ms = kOutsideMs};
+  auto bed = make_bed(row);
+  double thawed_n = 0.0;
+  for (int n = 0; bed && n < settings_.repeat && !row.is_broken; ++n) {
+    if (!bed->observer().await_force(TestBed::kForceN, 30.0)) {
+      row.is_broken = true;
+      row.note = "no force came again";
+      break;
+    }
+    observe([&] {
+      note(row, bed->observer().release_after([&] { ::kill(bed->io().pid(), SIGSTOP); }));
+      sleep_s(0.2);
+      ::kill(bed->io().pid(), SIGCONT);
+      // What was out before must not come back: the first 10 ms bring at most the beginning of a ramp.
+      thawed_n = std::max(thawed_n, bed->observer().watch(0.01).strongest_n);
+    });
+  }
+  if (!row.is_broken) {
+    row.note = fmt::format("continued: at most {:.2f} N in the first 10 ms", thawed_n);
+    row.is_broken = thawed_n > 1.0;
+  }
+  finish(row);
+}
+
+void List::io_node_dies(const std::string& name, int signal) {
+  Row row{.name = name, .kind = Kind::outside, .bound_ms = kOutsideMs};
+  for (int n = 0; n < settings_.repeat && !row.is_broken; ++n) {
+    const auto bed = make_bed(row);
+    if (!bed) break;
+    observe([&] { note(row, bed->observer().release_after([&] { ::kill(bed->io().pid(), signal); })); });
+  }
+  finish(row);
+}
+
+void List::realtime_is_taken() {
+  Row row{.name = fmt::format("a real-time program runs wild on every CPU (FIFO {})", RealtimeHog::kPriority)};
+  if (auto bed = make_bed(row)) {
+    const RealtimeHog hog;
+    row.is_skipped = !hog.is_running();
+    if (!row.is_skipped) {
+      const auto watched = watch(*bed, 3.5);
+      note(row, watched);
+      row.is_broken = !bed->io().is_running();
+      row.note = row.is_broken ? "io_node died" : fmt::format("a force in {:.0f} % of the looks", 100.0 * watched.force_share);
+    } else {
+      row.note = "this user may not have real time";
+    }
+  }
+  finish(row);
+}
+
+// The counters of a report; 0 for what is not there.
+double counter(const nlohmann::json& report, const char* name) {
+  const auto counters = report.find("counters");
+  return report.is_object() && counters != report.end() ? counters->value(name, 0.0) : 0.0;
+}
+
+void List::flood(const std::string& name, const std::string& kind, double rate_per_s, int sources, bool at_haptics) {
+  Row row{.name = name};
+  auto bed = make_bed(row);
+  if (!bed) return finish(row);
+  std::vector<std::string> words = {
+      "--kind",    kind == "spoofed" ? "data" : kind, "--rate",    fmt::format("{:.0f}", rate_per_s),
+      "--sources", std::to_string(sources),           "--seconds", fmt::format("{}", settings_.flood_s + 1.0)};
+  words.insert(words.end(), {"--to", at_haptics ? bed->haptics_address() : bed->hub()});
+  if (kind != "junk" && kind != "oversized") words.insert(words.end(), {"--capture", bed->capture()});
+  if (kind == "spoofed") words.insert(words.end(), {"--spoof", bed->haptics_address()});
+  const auto before = bed->ask_for_report();
+  Program flooding("hapton_flood", words, bed->folder());
+  sleep_s(0.3);
+  const auto watched = watch(*bed, settings_.flood_s);
+  const auto after = bed->ask_for_report();
+  const auto ended = flooding.wait(process::kPatience);
+  note(row, watched);
+  if (!ended || ended->exit_code != 0) {
+    row.is_skipped = ended && ended->exit_code == 77;
+    row.is_broken = !row.is_skipped;
+    row.note = ended ? ended->err.substr(0, ended->err.find('\n')) : "the flood does not end";
+    return finish(row);
+  }
+  const auto of = [&](const char* counted) { return counter(after, counted) - counter(before, counted); };
+  const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
+  const double asked = of("forces_in_time") + of("late") + of("lost") + of("superseded");
+  const double late_share = asked > 0.0 ? (asked - of("forces_in_time")) / asked : 1.0;
+  row.note =
+      fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k refused or dropped",
+                  1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share, 1e-3 * (of("strangers") + of("dropped_by_kernel")));
+  if (!bed->io().is_running()) {
+    row.is_broken = true;
+    row.note = "io_node died; " + row.note;
+  }
+  if (sent_per_s <= 1.1 * kBearablePerS && late_share > kMostLateShare) {
+    row.is_over = true;
+    row.is_broken = row.is_broken || settings_.slack_ms == 0.0;
+  }
+  finish(row);
+}
+
+std::vector<Row> List::run() {
+  const auto row = [&](const std::string& name, const std::function<void(const std::string&)>& make) {
+    if (!is_wanted(name)) return;
+    int stalls = 0;
+    for (make(name); is_stalled(rows_.back()) && stalls < kMostStalls; make(name)) {
+      rows_.pop_back();
+      ++stalls;
+    }
+    if (stalls > 0) rows_.back().note += fmt::format(" (made anew {} times: the machine stood still)", stalls);
+    told_(rows_.back());
+  };
+  row("haptics_node killed", [&](const auto& name) { haptics_dies(name, SIGKILL); });
+  row("haptics_node frozen (SIGSTOP)", [&](const auto& name) { haptics_dies(name, SIGSTOP); });
+  row("io_node's network thread hangs", [&](const auto& name) { thread_hangs(name, {"hapton-network"}, Kind::inside); });
+  row("io_node's device thread hangs", [&](const auto& name) { thread_hangs(name, {"hapton-device"}, Kind::inside); });
+  row("io_node's release watch hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, "hapton-release"); });
+  row("io_node's main thread hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, ""); });
+  row("device thread and release watch both hang (double fault)", [&](const auto& name) {
+    thread_hangs(name, {"hapton-device", "hapton-release"}, Kind::outside);
+  });
+  row("the watchdog process killed", [&](const auto& name) { watchdog_dies(name, SIGKILL); });
+  row("the watchdog process frozen (SIGSTOP)", [&](const auto& name) { watchdog_dies(name, SIGSTOP); });
+  row("io_node frozen (SIGSTOP), then continued", [&](const auto&) { io_node_freezes(); });
+  row("io_node killed (SIGKILL)", [&](const auto& name) { io_node_dies(name, SIGKILL); });
+  row("io_node crashes (SIGSEGV)", [&](const auto& name) { io_node_dies(name, SIGSEGV); });
+  row("a real-time program runs wild", [&](const auto&) { realtime_is_taken(); });
+  row("flood: junk, 100 k/s from one port", [&](const auto& name) { flood(name, "junk", 100'000, 1); });
+  row("flood: junk, as fast as can be from one port", [&](const auto& name) { flood(name, "junk", kFastest, 1); });
+  row("flood: junk, as fast as can be from 256 ports", [&](const auto& name) { flood(name, "junk", kFastest, 256); });
+  row("flood: oversized, as fast as can be from 16 ports", [&](const auto& name) { flood(name, "oversized", kFastest, 16); });
+  row("flood: one handshake replayed, 200 k/s from one port", [&](const auto& name) { flood(name, "handshake", 200'000, 1); });
+  row("flood: one handshake replayed, as fast as can be, 256 ports", [&](const auto& name) { flood(name, "handshake", kFastest, 256); });
+  row("flood: data replayed, as fast as can be from 16 ports", [&](const auto& name) { flood(name, "data", kFastest, 16); });
+  row("flood: data as from the haptics node, as fast as can be", [&](const auto& name) { flood(name, "spoofed", kFastest, 1); });
+  row("flood: junk at the haptics node, as fast as can be", [&](const auto& name) { flood(name, "junk", kFastest, 16, true); });
+  return std::move(rows_);
+}
+
+}  // namespace
+
+std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& told) { return List(settings, told).run(); }
+
+}  // namespace hapton::attack

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace hapton::attack {
+
+// What is promised (docs/safety-case.md): 20 ms after its sample, and a cycle of 1 kHz, while the process runs; when it is frozen or
+// killed, so long after that.
+constexpr double kInsideMs = 21.0;
+constexpr double kOutsideMs = 50.0;
+// A flood that a hub must bear without more late forces than this share.
+constexpr double kBearablePerS = 200'000.0;
+constexpr double kMostLateShare = 0.01;
+
+enum class Kind { inside, outside };
+
+struct Settings {
+  int repeat = 3;
+  double flood_s = 3.0;
+  double slack_ms = 0.0;
+  std::string only;
+};
+
+// One attack or fault, and what became of the force. Times below 0: not measured.
+struct Row {
+  std::string name;
+  Kind kind = Kind::inside;
+  double bound_ms = kInsideMs;
+  double after_sample_ms = -1.0;  // the oldest force seen on the motors, counted from the sample that it answers
+  double after_event_ms = -1.0;   // the fault -> nothing on the motors
+  double blind_ms = -1.0;         // the longest time between two looks: so much longer it may have been
+  bool is_skipped = false;
+  bool is_over = false;    // the bound, by less than the slack
+  bool is_broken = false;  // the bound, or what else is promised: see the note
+  std::string note = {};
+
+  double release_ms() const { return kind == Kind::inside ? after_sample_ms : after_event_ms; }
+};
+
+// All of the list in its order; told is called with each as it is done.
+std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& told);
+
+}  // namespace hapton::attack

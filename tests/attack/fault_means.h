@@ -1,0 +1,46 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hapton::attack {
+
+// One thread of another process, stopped as if it hung; it goes on when this object ends. The others do not notice.
+class StoppedThread {
+ public:
+  explicit StoppedThread(pid_t thread);
+  ~StoppedThread();
+  StoppedThread(const StoppedThread&) = delete;
+  StoppedThread& operator=(const StoppedThread&) = delete;
+  // False: this user may not (ptrace(2)).
+  bool is_stopped() const { return is_stopped_; }
+
+ private:
+  pid_t thread_;
+  bool is_stopped_ = false;
+};
+
+// The thread of that name; none when there is none.
+std::optional<pid_t> find_thread(pid_t process, const std::string& name);
+// Its children.
+std::vector<pid_t> find_children(pid_t process);
+
+// A real-time program that has run wild: on each CPU of this machine one that never sleeps, of lower priority than ours.
+class RealtimeHog {
+ public:
+  static constexpr int kPriority = 50;
+  RealtimeHog();
+  ~RealtimeHog();
+  RealtimeHog(const RealtimeHog&) = delete;
+  RealtimeHog& operator=(const RealtimeHog&) = delete;
+  // False: this user may not.
+  bool is_running() const { return !children_.empty(); }
+
+ private:
+  std::vector<pid_t> children_;
+};
+
+}  // namespace hapton::attack

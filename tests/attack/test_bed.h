@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/process/program.h"
+#include "tests/support/motor_observer.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton::attack {
+
+// io_node with a simulated device under the limits of its unit, a haptics node, and someone who looks at the motors from outside.
+class TestBed {
+ public:
+  // A force of that size is waited for before anything is done to it.
+  static constexpr double kForceN = 0.3;
+
+  TestBed();
+
+  // A line when something does not start or no force comes; "" when a force is out.
+  std::string await_contact();
+
+  process::Program& io() { return *io_; }
+  process::Program& haptics() { return *haptics_; }
+  MotorObserver& observer() { return observer_; }
+  const std::string& hub() const { return hub_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
+  // Where the haptics node sends from, as io_node saw it; "" before it has joined.
+  std::string haptics_address() const;
+  // The sample of a handshake and of data of a tool that holds the key, as whoever listens has it.
+  std::string capture();
+  // A report of io_node as of now; null when none comes.
+  nlohmann::json ask_for_report();
+
+ private:
+  ScratchFolder folder_;
+  std::string hub_ = "127.0.0.1:" + process::find_free_port();
+  std::unique_ptr<process::Program> io_;
+  std::unique_ptr<process::Program> haptics_;
+  MotorObserver observer_;
+};
+
+// Waits until it holds; false: not within 30 s.
+bool wait_until(const std::function<bool()>& holds);
+
+}  // namespace hapton::attack

@@ -1,0 +1,181 @@
+#include "core/collision/near_triangles.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+std::vector<std::uint32_t> all_triangles(const TouchGeometry& geometry) {
+  std::vector<std::uint32_t> all;
+  geometry.for_each_overlapping({Vec3::Constant(-10.0), Vec3::Constant(10.0)}, [&](std::uint32_t id) { all.push_back(id); });
+  EXPECT_EQ(all.size(), geometry.triangle_count());
+  return all;
+}
+
+// The distance along the segment is convex: a ternary search finds its least.
+double distance_to_segment(const ContactTriangle& shape, const Vec3& p, const Vec3& q) {
+  const auto at = [&](double time) { return shape.separation(p + time * (q - p)).distance; };
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double left = low + (high - low) / 3.0;
+    const double right = high - (high - low) / 3.0;
+    (at(left) < at(right) ? high : low) = at(left) < at(right) ? right : left;
+  }
+  return std::min({at(0.0), at(1.0), at(low)});
+}
+
+class NearTrianglesTest : public testing::TestWithParam<int> {
+ protected:
+  static std::vector<TriangleMesh> meshes(int which) {
+    switch (which) {
+      case 0:
+        return {made::soup(71, 700, 0.3, 0.2)};
+      case 1:
+        return {made::sphere(0.4, 16, 0.1)};
+      case 2:
+        return {made::sheet(0.4, 0.0, 12)};
+      default:
+        return {made::sphere(0.3, 10, 0.1), made::box({0.1, -0.2, -0.2}, {0.5, 0.2, 0.2})};
+    }
+  }
+};
+
+TEST_P(NearTrianglesTest, NothingNearIsMissed) {
+  const std::uint64_t seed = 100U + static_cast<std::uint64_t>(GetParam());
+  RecordProperty("seed", std::to_string(seed));
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+
+  const std::vector<TriangleMesh> made = meshes(GetParam());
+  std::vector<const TriangleMesh*> pointers;
+  for (const TriangleMesh& mesh : made) pointers.push_back(&mesh);
+  const TouchGeometry geometry(pointers);
+  const std::vector<std::uint32_t> all = all_triangles(geometry);
+  const auto near = std::make_unique<NearTriangles>();
+  std::size_t gathered = 0;
+  std::size_t visited = 0;
+  std::size_t asked = 0;
+  for (int round = 0; round < 25; ++round) {
+    // Also from a place on a triangle, where no direction bounds anything.
+    Vec3 centre = 0.6 * vector();
+    if (round % 4 == 1) centre = geometry.corner(all[random() % all.size()], 0);
+    if (round % 4 == 3) centre += 0.01 * vector();
+    const double within = 0.03 + 0.3 * std::fabs(unit(random));
+    int looked_at = 0;
+    ASSERT_TRUE(near->gather(geometry, centre, within, looked_at));
+    std::set<std::uint32_t> ids;
+    for (int slot = 0; slot < near->count(); ++slot) ids.insert(near->triangle(slot));
+    ASSERT_EQ(ids.size(), static_cast<std::size_t>(near->count())) << "one twice";
+    EXPECT_GE(looked_at, near->count());
+    gathered += ids.size();
+    for (const std::uint32_t id : all) ASSERT_EQ(ids.count(id) != 0, geometry.separation(id, centre).distance <= within) << id;
+
+    for (int i = 0; i < 3; ++i) {
+      const double distance = 0.3 * within * std::fabs(unit(random));
+      const Vec3 p = centre + (within - distance) * vector() / 2.0;
+      const Vec3 q = i == 0 ? p : Vec3(centre + (within - distance) * vector() / 2.0);
+      ASSERT_TRUE(near->covers(p, distance) && near->covers(q, distance));
+      std::set<int> slots;
+      near->visit_near(p, q, distance, [&](int slot) {
+        ASSERT_TRUE(slot >= 0 && slot < near->count());
+        ASSERT_TRUE(slots.insert(slot).second) << "one twice";
+      });
+      visited += slots.size();
+      asked += ids.size();
+      for (int slot = 0; slot < near->count(); ++slot) {
+        if (slots.count(slot) != 0) continue;
+        ASSERT_GT(distance_to_segment(near->shape(slot), p, q), distance) << "round " << round << " triangle " << near->triangle(slot);
+      }
+    }
+  }
+  EXPECT_GT(gathered, 200U);
+  EXPECT_LT(visited, asked / 2) << "the bounds tell little";
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, NearTrianglesTest, testing::Range(0, 4));
+
+// There the nearest point may count as one of the edge where it is one of the face: the direction to it leans, by more the nearer it is.
+TEST(NearTriangles, BoundsHoldFromCloseAboveABorder) {
+  constexpr std::uint64_t kSeed = 7;
+  RecordProperty("seed", std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto vector = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const auto near = std::make_unique<NearTriangles>();
+  int edges = 0;
+  for (int mesh_number = 0; mesh_number < 40; ++mesh_number) {
+    TriangleMesh mesh;
+    mesh.vertices = {vector(), vector(), vector()};
+    mesh.triangles = {{0, 1, 2}};
+    const TouchGeometry geometry({&mesh});
+    const ContactTriangle shape(geometry.corner(0, 0), geometry.corner(0, 1), geometry.corner(0, 2));
+    for (int i = 0; i < 60; ++i) {
+      const int k = i % 3;
+      const double height = std::exp2(-29.0 + 6.0 * std::fabs(unit(random)));
+      const Vec3 inward = shape.normal().cross(shape.edge(k)) / shape.length(k);
+      const Vec3 centre = shape.corner(k) + (0.5 + 0.4 * unit(random)) * shape.edge(k) + height * shape.normal() +
+                          std::exp2(-53.0 + unit(random)) * unit(random) * inward;
+      int looked_at = 0;
+      ASSERT_TRUE(near->gather(geometry, centre, 0.5, looked_at));
+      edges += geometry.separation(0, centre).feature == Feature::edge ? 1 : 0;
+      // A way over the face at the same height comes no nearer than that.
+      const Vec3 p = centre + 0.2 * inward;
+      bool is_visited = false;
+      near->visit_near(p, p, shape.separation(p).distance, [&](int) { is_visited = true; });
+      ASSERT_TRUE(is_visited) << "height " << height;
+    }
+  }
+  EXPECT_GT(edges, 100);
+}
+
+TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
+  const TriangleMesh mesh = made::sheet(0.5, 0.0, 40);
+  const TouchGeometry geometry({&mesh});
+  ASSERT_GT(geometry.triangle_count(), static_cast<std::size_t>(NearTriangles::kCapacity));
+  const auto near = std::make_unique<NearTriangles>();
+  int looked_at = 0;
+  ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, looked_at));
+  EXPECT_GT(near->count(), 0);
+  EXPECT_FALSE(near->gather(geometry, Vec3::Zero(), 4.0, looked_at));
+  EXPECT_EQ(near->count(), 0);
+  EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
+  EXPECT_GT(looked_at, NearTriangles::kCapacity);
+  bool any = false;
+  near->visit_near(Vec3::Zero(), Vec3::Zero(), 4.0, [&](int) { any = true; });
+  EXPECT_FALSE(any);
+  ASSERT_TRUE(near->gather(geometry, Vec3::Zero(), 0.05, looked_at));
+  EXPECT_TRUE(near->covers(Vec3(0.01, 0.0, 0.0), 0.04));
+  EXPECT_FALSE(near->covers(Vec3(0.02, 0.0, 0.0), 0.04));
+  near->clear();
+  EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
+}
+
+TEST(NearTriangles, ShapesAreThoseOfTheGeometryAndNothingAllocates) {
+  const TriangleMesh mesh = made::sphere(0.4, 12, 0.1);
+  const TouchGeometry geometry({&mesh});
+  const auto near = std::make_unique<NearTriangles>();
+  int looked_at = 0;
+  const AllocationGuard guard;
+  // Twice, elsewhere: what was prepared before is not what is there now.
+  for (const Vec3& centre : {Vec3(0.4, 0.0, 0.0), Vec3(0.0, 0.4, 0.0)}) {
+    ASSERT_TRUE(near->gather(geometry, centre, 0.3, looked_at));
+    ASSERT_GT(near->count(), 4);
+    for (int slot = 0; slot < near->count(); ++slot) {
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(near->shape(slot).corner(k), geometry.corner(near->triangle(slot), k));
+    }
+  }
+  EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,296 @@
+#include "io_node/device_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "io_node/device_thread.h"
+#include "io_node/devices/simulated_phantom.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/system_call_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+// Stands still, and remembers what was done to it. within_write is called in the middle of a write.
+class StillDevice final : public Device {
+ public:
+  StillDevice() {
+    limits_ = {8.0, 2000.0, 1000.0, Vec3::Constant(-0.1), Vec3::Constant(0.1)};
+    written.reserve(100'000);
+  }
+  std::string_view name() const noexcept override { return "still"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override { return {now_ns, place, Quat::Identity(), buttons, true}; }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override {
+    if (within_write) within_write();
+    written.emplace_back(wrench.force_n, now_ns);
+  }
+  bool cut() noexcept override {
+    is_cut = true;
+    return true;
+  }
+  void restore() noexcept override { is_cut = false; }
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+  double force_n() const { return is_cut || written.empty() ? 0.0 : written.back().first.norm(); }
+  Vec3 place = Vec3(0.01, 0.02, 0.03);
+  std::uint32_t buttons = 0;
+  std::vector<std::pair<Vec3, std::int64_t>> written;
+  std::function<void()> within_write;
+  bool is_cut = false;
+
+ private:
+  DeviceLimits limits_;
+};
+
+struct DeviceLoops : testing::Test {
+  // A cycle at its tick, and after that a force for its sample.
+  void cycle(const std::optional<Vec3>& force_n) {
+    clock.sleep_until_ns(loop.tick_ns());
+    loop.begin_cycle();
+    ASSERT_TRUE(loop.run_cycle());
+    DeviceCycle told;
+    while (loop.take_cycle(told)) newest = told;
+    clock.advance_ns(100'000);
+    if (force_n) loop.post({{.force_n = *force_n}, newest.sample.time_ns});
+  }
+  void press(int cycles = 200) {
+    for (int n = 0; n < cycles; ++n) cycle(Vec3(0, 0, 2));
+    ASSERT_NEAR(device.force_n(), 2.0, 1e-9);
+  }
+
+  SimulatedClock clock;
+  StillDevice device;
+  GuardPage page;
+  DeviceLoop loop{device, clock, {}};
+  DeviceCycle newest;
+};
+
+// Who holds the dead man's switch may have let it go between the request and the cycle that grants it.
+TEST_F(DeviceLoops, a_reset_that_needs_the_switch_takes_effect_only_while_it_is_held) {
+  DeviceLoop held(device, clock, {.hold_button = 1});
+  const auto run = [&](int cycles) {
+    for (int n = 0; n < cycles; ++n) {
+      clock.sleep_until_ns(held.tick_ns());
+      held.begin_cycle();
+      ASSERT_TRUE(held.run_cycle());
+      for (DeviceCycle told; held.take_cycle(told);) newest = told;
+    }
+  };
+  device.buttons = 1U << 1;
+  run(100);
+  EXPECT_TRUE(held.look().is_switch_held);
+  const auto latch = [&] {
+    device.place.x() = -device.place.x();
+    run(20);
+    ASSERT_NE(held.look().governor.fault, SafetyFault::none);
+  };
+  device.place.x() = 0.08;
+  run(1000);
+  (void)held.look();
+  latch();
+  device.buttons = 0;
+  held.reset_faults(ResetPresence::while_held);  // asked for while the newest cycle still had it held
+  EXPECT_TRUE(held.look().is_switch_held);
+  run(5);
+  EXPECT_NE(held.look().governor.fault, SafetyFault::none);
+  EXPECT_FALSE(held.look().is_switch_held);
+  EXPECT_EQ(held.collect_stats().resets_denied, 1U);
+  held.reset_faults(ResetPresence::known);
+  run(5);
+  EXPECT_EQ(held.look().governor.fault, SafetyFault::none) << "who is known to be here needs no switch";
+  device.buttons = 1U << 1;
+  run(1000);
+  latch();
+  held.reset_faults(ResetPresence::while_held);
+  run(5);
+  EXPECT_EQ(held.look().governor.fault, SafetyFault::none);
+  EXPECT_EQ(held.collect_stats().resets_denied, 1U);
+}
+
+TEST_F(DeviceLoops, a_posted_force_is_governed_and_written_at_once) {
+  press();
+  const DeviceSide& side = loop.look();
+  EXPECT_EQ(side.command, 200U);
+  EXPECT_EQ(side.written.force_n, Vec3(0, 0, 2));
+  EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
+}
+
+TEST_F(DeviceLoops, needs_nobody_to_come_to_zero_in_time) {
+  press();
+  const std::int64_t sample_ns = newest.sample.time_ns;
+  while (device.force_n() > 0.0 && clock.now_ns() - sample_ns < 100 * kMs) cycle(std::nullopt);
+  EXPECT_LE(clock.now_ns() - sample_ns, 21 * kMs);
+  EXPECT_LE(loop.collect_stats().longest_release_ns, 21 * kMs);
+}
+
+// The old force used to stay for one or two cycles: the first one after a stall took it for this cycle's.
+TEST_F(DeviceLoops, the_first_cycle_after_a_stall_writes_zero_before_it_does_anything_else) {
+  for (const std::int64_t stall_ns : {21 * kMs, 50 * kMs, 1116 * kMs}) {
+    press();
+    clock.advance_ns(stall_ns);
+    const std::int64_t thawed_ns = clock.now_ns();
+    loop.begin_cycle();
+    ASSERT_TRUE(loop.run_cycle());
+    EXPECT_EQ(device.force_n(), 0.0) << stall_ns;
+    EXPECT_EQ(device.written.back().second, thawed_ns) << stall_ns;
+    EXPECT_EQ(loop.force_sample_ns(), 0);
+  }
+}
+
+TEST_F(DeviceLoops, a_force_that_was_long_on_its_way_is_not_held_for_longer) {
+  press();
+  // Forces come 15 ms after their samples, then none any more.
+  std::vector<std::int64_t> samples;
+  std::int64_t last_sample_ns = 0;
+  for (int n = 0; n < 100; ++n) {
+    cycle(std::nullopt);
+    samples.push_back(newest.sample.time_ns);
+    if (samples.size() > 15) {
+      last_sample_ns = samples[samples.size() - 16];
+      loop.post({{.force_n = Vec3(0, 0, 2)}, last_sample_ns});
+    }
+  }
+  ASSERT_GT(device.force_n(), 0.0);
+  while (device.force_n() > 0.0 && clock.now_ns() - last_sample_ns < 100 * kMs) cycle(std::nullopt);
+  EXPECT_LE(clock.now_ns() - last_sample_ns, 21 * kMs);
+}
+
+// The network side is displaced in the middle of a write and does not come back: the device side neither waits nor fails.
+TEST_F(DeviceLoops, a_network_side_stuck_in_the_middle_of_a_write_does_not_keep_the_force) {
+  press();
+  const std::int64_t sample_ns = newest.sample.time_ns;
+  int turns = 0;
+  device.within_write = [&] {
+    device.within_write = nullptr;
+    while (!device.is_cut && turns < 1000) {
+      clock.advance_ns(kMs);
+      EXPECT_FALSE(loop.run_cycle()) << "the claim is taken";
+      ++turns;
+    }
+  };
+  loop.post({{.force_n = Vec3(0, 0, 2.5)}, sample_ns + 1});
+  EXPECT_TRUE(device.is_cut);
+  EXPECT_LE(turns, 21);
+  EXPECT_EQ(device.force_n(), 0.0);
+  EXPECT_EQ(loop.collect_stats().cuts, 1U);
+  // It comes back after all: no jump, and a ramp once forces come again.
+  for (int n = 0; n < 3; ++n) cycle(std::nullopt);
+  EXPECT_FALSE(device.is_cut);
+  EXPECT_EQ(device.force_n(), 0.0);
+  cycle(Vec3(0, 0, 2));
+  EXPECT_LT(device.force_n(), 0.1);
+  press();
+}
+
+TEST_F(DeviceLoops, a_force_posted_while_a_cycle_runs_is_served_at_its_end) {
+  press();
+  std::uint64_t number = 0;
+  clock.sleep_until_ns(loop.tick_ns());
+  loop.begin_cycle();
+  clock.advance_ns(25 * kMs);  // the cycle begins with a write: the release
+  device.within_write = [&] {
+    device.within_write = nullptr;
+    number = loop.post({{.force_n = Vec3(0, 0, 2)}, clock.now_ns() - 1});
+    EXPECT_NE(loop.look().command, number) << "within another's write";
+  };
+  ASSERT_TRUE(loop.run_cycle());
+  EXPECT_EQ(loop.look().command, number);
+}
+
+TEST_F(DeviceLoops, what_the_watchdog_process_cut_comes_back_with_a_ramp_and_only_from_zero) {
+  loop.set_guard(&page);
+  press();
+  EXPECT_GT(page.heartbeat_ns.load(), 0);
+  EXPECT_EQ(page.force_sample_ns.load(), newest.sample.time_ns);
+  page.is_cut = 1;
+  cycle(Vec3(0, 0, 2));
+  EXPECT_EQ(page.is_cut.load(), 1U) << "a force is out still";
+  clock.advance_ns(100 * kMs);
+  cycle(std::nullopt);
+  EXPECT_EQ(page.force_sample_ns.load(), 0);
+  EXPECT_EQ(page.is_cut.load(), 0U);
+  cycle(Vec3(0, 0, 2));
+  EXPECT_LT(device.force_n(), 0.1);
+}
+
+TEST_F(DeviceLoops, a_network_side_that_is_far_behind_loses_cycles_but_not_the_newest_order) {
+  for (std::size_t n = 0; n < 2 * DeviceLoop::kCyclesKept; ++n) {
+    clock.sleep_until_ns(loop.tick_ns());
+    loop.begin_cycle();
+    ASSERT_TRUE(loop.run_cycle());
+  }
+  DeviceCycle told;
+  std::uint64_t count = 0;
+  for (std::uint64_t last = 0; loop.take_cycle(told); last = told.number) {
+    EXPECT_EQ(told.number, last + 1);
+    ++count;
+  }
+  EXPECT_EQ(count, DeviceLoop::kCyclesKept);
+  EXPECT_EQ(loop.collect_stats().cycles_untold, DeviceLoop::kCyclesKept);
+}
+
+TEST_F(DeviceLoops, asks_for_neither_heap_nor_system_calls) {
+  if (AllocationGuard::is_available()) {
+    AllocationGuard guard;
+    press();
+    EXPECT_EQ(guard.count(), 0U);
+  }
+  if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
+  EXPECT_EQ(SystemCallGuard::run([] {}, [&] { press(500); }), "");
+}
+
+// Two threads, no network, and the network side stops for good: what the whole design is for.
+TEST(DeviceThreads, lets_go_when_the_network_side_stops) {
+  SteadyClock clock;
+  SimulatedPhantom device({});
+  const auto loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});
+  DeviceThread thread(*loop, clock);
+  ASSERT_TRUE(thread.start({.mode = RealtimeMode::off}));
+  DeviceCycle cycle;
+  std::uint64_t posted = 0;
+  const std::int64_t end_ns = clock.now_ns() + 300 * kMs;
+  while (clock.now_ns() < end_ns) {
+    while (loop->take_cycle(cycle)) posted = loop->post({{.force_n = Vec3(0, 0, 1)}, cycle.sample.time_ns});
+    clock.sleep_until_ns(clock.now_ns() + kMs / 4);
+  }
+  EXPECT_GT(posted, 100U);
+  // A busy machine may take its time; for ever is what must not be.
+  while (loop->force_sample_ns() != 0 && clock.now_ns() < end_ns + 5000 * kMs) clock.sleep_until_ns(clock.now_ns() + kMs);
+  EXPECT_EQ(loop->force_sample_ns(), 0);
+  thread.stop();
+  EXPECT_GE(loop->collect_stats().governor.counters.silences, 1U);
+}
+
+// As fast as both can: nothing is lost, nobody waits for ever, and ThreadSanitizer has something to look at.
+TEST(DeviceThreads, cycles_and_forces_from_two_threads_never_meet_in_the_device) {
+  SteadyClock clock;
+  StillDevice device;
+  std::atomic<int> within{0};
+  std::atomic<int> meetings{0};
+  device.within_write = [&] {
+    if (within.fetch_add(1) != 0) meetings.fetch_add(1);
+    within.fetch_sub(1);
+  };
+  const auto loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{.rate_hz = 10'000.0});
+  DeviceThread thread(*loop, clock);
+  ASSERT_TRUE(thread.start({.mode = RealtimeMode::off}));
+  std::uint64_t number = 0;
+  const std::int64_t end_ns = clock.now_ns() + 500 * kMs;
+  while (clock.now_ns() < end_ns) number = loop->post({{.force_n = Vec3(0, 0, 1)}, clock.now_ns()});
+  thread.stop();
+  EXPECT_EQ(loop->look().command, number) << "the last force was left lying";
+  EXPECT_EQ(meetings.load(), 0);
+}
+
+}  // namespace
+}  // namespace hapton

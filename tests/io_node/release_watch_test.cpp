@@ -1,0 +1,87 @@
+#include "io_node/release_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "io_node/devices/simulated_phantom.h"
+#include "io_node/watchdog/guard_page.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+struct ReleaseWatchTest : testing::Test {
+  ReleaseWatchTest() {
+    device.use_guard(*page);
+    loop->set_guard(page.get());
+  }
+  // So many cycles, each answered by a force.
+  void press(int cycles) {
+    for (DeviceCycle cycle; cycles > 0; --cycles) {
+      clock.sleep_until_ns(loop->tick_ns());
+      loop->begin_cycle();
+      ASSERT_TRUE(loop->run_cycle());
+      while (loop->take_cycle(cycle)) loop->post({{.force_n = Vec3(0, 0, 2)}, cycle.sample.time_ns});
+    }
+  }
+  bool is_cut() const { return page->is_cut_within.load() != 0; }
+
+  SimulatedClock clock;
+  SimulatedPhantom device{{}};
+  std::unique_ptr<GuardPage> page = std::make_unique<GuardPage>();
+  std::unique_ptr<DeviceLoop> loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});
+  ReleaseWatch watch{*loop, clock};
+};
+
+TEST_F(ReleaseWatchTest, LeavesALivingLoopAlone) {
+  for (int n = 0; n < 500; ++n) {
+    press(1);
+    watch.look();
+  }
+  EXPECT_FALSE(is_cut());
+  EXPECT_EQ(loop->collect_stats().cuts, 0U);
+}
+
+// The device loop's thread never comes again: displaced, throttled with its CPU, or hung in a library.
+TEST_F(ReleaseWatchTest, CutsInTimeWhenTheLoopStandsStill) {
+  press(200);
+  const std::int64_t sample_ns = loop->force_sample_ns();
+  ASSERT_NE(sample_ns, 0);
+  for (std::int64_t due_ns = watch.look(); !is_cut() && clock.now_ns() - sample_ns < 1000 * kMs; due_ns = watch.look()) {
+    clock.sleep_until_ns(due_ns);
+  }
+  EXPECT_TRUE(is_cut());
+  EXPECT_LE(clock.now_ns() - sample_ns, 21 * kMs) << "20 ms and a cycle";
+  EXPECT_EQ(loop->collect_stats().cuts, 1U);
+}
+
+TEST_F(ReleaseWatchTest, WithoutAForceItLooksSoonAgain) {
+  EXPECT_LE(watch.look() - clock.now_ns(), ReleaseWatch::kIdleNs);
+  EXPECT_FALSE(is_cut());
+}
+
+// A cut that came just after the loop had let go by itself must not last: the force sinks, and ramps in.
+TEST_F(ReleaseWatchTest, WhatItCutComesBackWithARampWhileForcesComeAllTheTime) {
+  press(200);
+  EXPECT_TRUE(loop->cut_if_older(0));
+  ASSERT_TRUE(is_cut());
+  press(3);
+  EXPECT_FALSE(is_cut());
+  EXPECT_LT(loop->look().written.force_n.norm(), 0.1) << "a ramp, no jump";
+  press(200);
+  EXPECT_GT(loop->look().written.force_n.norm(), 1.0);
+}
+
+TEST_F(ReleaseWatchTest, EndsWhenItIsTold) {
+  SteadyClock real;
+  const auto living = std::make_unique<DeviceLoop>(device, real, DeviceLoop::Options{});
+  ReleaseWatch watching(*living, real);
+  watching.start(true);
+  watching.stop();
+  EXPECT_EQ(living->collect_stats().cuts, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

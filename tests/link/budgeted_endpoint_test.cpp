@@ -1,0 +1,54 @@
+#include "link/budgeted_endpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/io_node/scripted_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+TEST(BudgetedEndpoint, hands_out_so_many_and_then_sleeps_to_the_deadline) {
+  SimulatedClock clock;
+  ScriptedEndpoint inner(clock);
+  BudgetedEndpoint budget(inner, clock);
+  const std::byte junk[] = {std::byte{1}};
+  for (int n = 0; n < 10; ++n) inner.arrive_raw(clock.now_ns(), {{9}, 9}, junk);
+  std::array<std::byte, kMaxDatagramBytes> into = {};
+  budget.renew(3);
+  const std::int64_t begin_ns = clock.now_ns();
+  for (int n = 0; n < 3; ++n) EXPECT_EQ(budget.receive(into, begin_ns + kMs).bytes, 1U);
+  EXPECT_EQ(clock.now_ns(), begin_ns);
+  EXPECT_EQ(budget.receive(into, begin_ns + kMs).bytes, 0U);
+  EXPECT_EQ(clock.now_ns(), begin_ns + kMs) << "it must sleep, or the loop never blocks";
+  EXPECT_EQ(budget.spent(), 1U);
+  budget.renew(3);
+  EXPECT_EQ(budget.receive(into, begin_ns + 2 * kMs).bytes, 1U);
+}
+
+TEST(BudgetedEndpoint, a_deadline_that_has_passed_is_slept_for_a_moment_all_the_same) {
+  SimulatedClock clock;
+  ScriptedEndpoint inner(clock);
+  BudgetedEndpoint budget(inner, clock);
+  budget.renew(0);
+  std::array<std::byte, kMaxDatagramBytes> into = {};
+  const std::int64_t begin_ns = clock.now_ns();
+  budget.receive(into, 0);
+  EXPECT_EQ(clock.now_ns(), begin_ns + BudgetedEndpoint::kShortestSleepNs);
+}
+
+TEST(BudgetedEndpoint, waiting_in_vain_costs_nothing) {
+  SimulatedClock clock;
+  ScriptedEndpoint inner(clock);
+  BudgetedEndpoint budget(inner, clock);
+  budget.renew(1);
+  std::array<std::byte, kMaxDatagramBytes> into = {};
+  for (int n = 0; n < 5; ++n) EXPECT_EQ(budget.receive(into, clock.now_ns() + kMs).bytes, 0U);
+  EXPECT_EQ(budget.spent(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,209 @@
+#include "link/flood_filter.h"
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <vector>
+
+#include "link/codec.h"
+#include "link/seal_format.h"
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+constexpr std::uint32_t kConnection = 0x11223344;
+using Bytes = std::vector<std::byte>;
+
+Bytes sealed(seal::Kind kind, std::size_t size = 100) {
+  Bytes bytes(size, std::byte{0x5A});
+  seal::write_lead(kind, seal::bytes_of(std::span<std::byte>(bytes)));
+  if (kind == seal::Kind::data) seal::store(kConnection, seal::bytes_of(std::span<std::byte>(bytes)) + seal::kConnectionAt);
+  return bytes;
+}
+
+// A socket that stays open under the filter, and nodes that send to it.
+struct Wire {
+  explicit Wire(const char* at = "127.0.0.1:0") : hub(std::move(*open_udp_endpoint(at, true))) {}
+
+  // How many of these came through.
+  int passed(Endpoint& from, const Bytes& datagram, int times) {
+    std::array<std::byte, 2048> into = {};
+    int count = 0;
+    for (int n = 0; n < times; ++n) {
+      from.send(hub->local_address(), datagram);
+      count += hub->receive(into, 0).bytes > 0 ? 1 : 0;
+    }
+    while (hub->receive(into, clock.now_ns() + 5 * kMs).bytes > 0) ++count;
+    return count;
+  }
+  // Until the hub keeps strangers out.
+  void flood(Endpoint& from) {
+    for (int n = 0; n < 100 && hub->socket_counts().floods == 0; ++n) {
+      passed(from, Bytes(50, std::byte{1}), 200);
+    }
+    ASSERT_EQ(hub->socket_counts().floods, 1U);
+    // The share that passes settles while it goes on.
+    for (int n = 0; n < 20; ++n) passed(from, Bytes(50, std::byte{1}), 2000);
+  }
+
+  SteadyClock clock;
+  std::unique_ptr<Endpoint> hub;
+  std::unique_ptr<Endpoint> node = std::move(*open_udp_endpoint("127.0.0.1:0"));
+  std::unique_ptr<Endpoint> stranger = std::move(*open_udp_endpoint("127.0.0.1:0"));
+};
+
+TEST(FloodFilter, keeps_strangers_out_in_the_kernel_and_lets_data_of_known_nodes_pass) {
+  Wire wire;
+  const Bytes data = sealed(seal::Kind::data);
+  wire.hub->expect(wire.node->local_address(), kConnection);
+  EXPECT_EQ(wire.passed(*wire.node, data, 100), 100);
+  EXPECT_EQ(wire.passed(*wire.stranger, data, 20), 20) << "without a flood nothing is kept out";
+  wire.flood(*wire.stranger);
+  EXPECT_EQ(wire.hub->socket_counts().last_stranger.port, wire.stranger->local_address().port);
+  EXPECT_EQ(wire.passed(*wire.node, data, 500), 500);
+  EXPECT_LT(wire.passed(*wire.stranger, data, 2000), 1000) << "data of an unknown address";
+  EXPECT_LT(wire.passed(*wire.stranger, Bytes(50, std::byte{1}), 2000), 1000) << "junk";
+  EXPECT_LT(wire.passed(*wire.node, sealed(seal::Kind::request), 2000), 1000) << "a handshake, from a known address too";
+  EXPECT_LT(wire.passed(*wire.node, sealed(seal::Kind::data, seal::kOverheadBytes - 1), 2000), 1000) << "too short";
+  Bytes other_session = data;
+  other_session[seal::kConnectionAt + 3] ^= std::byte{1};
+  EXPECT_LT(wire.passed(*wire.node, other_session, 2000), 1000) << "a known address in another session: its sender may be forged";
+  EXPECT_EQ(wire.passed(*wire.node, data, 500), 500);
+  EXPECT_GT(wire.hub->socket_counts().dropped, 2000U);
+}
+
+TEST(FloodFilter, knows_nodes_by_ipv6_as_well) {
+  if (!open_udp_endpoint("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
+  Wire wire("[::1]:0");
+  wire.node = std::move(*open_udp_endpoint("[::1]:0"));
+  wire.stranger = std::move(*open_udp_endpoint("[::1]:0"));
+  wire.hub->expect(wire.node->local_address(), kConnection);
+  wire.flood(*wire.stranger);
+  EXPECT_EQ(wire.passed(*wire.node, sealed(seal::Kind::data), 500), 500);
+  EXPECT_LT(wire.passed(*wire.stranger, sealed(seal::Kind::data), 2000), 1000);
+}
+
+TEST(FloodFilter, oversized_and_empty_datagrams_are_counted) {
+  Wire wire;
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in to = {};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(wire.hub->local_address().port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const Bytes large(1400);
+  ASSERT_GT(::sendto(socket, large.data(), large.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  ASSERT_EQ(::sendto(socket, large.data(), 0, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  ::close(socket);
+  std::array<std::byte, kMaxDatagramBytes> into = {};
+  EXPECT_EQ(wire.hub->receive(into, wire.clock.now_ns() + 20 * kMs).bytes, 0U);
+  EXPECT_EQ(wire.hub->socket_counts().oversized, 2U);
+}
+
+// Pure from here on: time and the kernel's count are handed in.
+struct Judged : testing::Test {
+  FloodFilter::Action window(std::uint64_t strangers, std::uint32_t dropped_more = 0) {
+    for (std::uint64_t n = 0; n < strangers; ++n) filter.note_received(stranger, junk, false);
+    now_ns += FloodFilter::kWindowNs;
+    dropped += dropped_more;
+    return filter.judge(dropped, now_ns);
+  }
+  static Address node_at(std::uint16_t port) { return {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 1}, port}; }
+  FloodFilter filter;
+  Bytes junk = Bytes(9);
+  Address stranger{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 9}, 9};
+  std::int64_t now_ns = 1'000'000'000'000;
+  std::uint32_t dropped = 0xFFFFFFF0;  // it wraps
+};
+
+TEST_F(Judged, a_few_strangers_are_no_flood) {
+  window(0);
+  for (int n = 0; n < 100; ++n) ASSERT_EQ(window(FloodFilter::kFlood - 1), FloodFilter::Action::none);
+  EXPECT_EQ(filter.counts().floods, 0U);
+}
+
+TEST_F(Judged, a_flood_shuts_and_its_end_opens_after_a_while) {
+  window(0);
+  EXPECT_EQ(window(500), FloodFilter::Action::install);
+  EXPECT_TRUE(filter.is_shut());
+  EXPECT_GT(filter.program().size(), 5U);
+  EXPECT_EQ(window(20, 480), FloodFilter::Action::none) << "the same flood needs no other program";
+  EXPECT_EQ(window(20, 5000), FloodFilter::Action::install) << "a tenfold one does";
+  int windows = 0;
+  for (FloodFilter::Action action = FloodFilter::Action::none; action != FloodFilter::Action::remove && windows < 10'000; ++windows) {
+    action = window(0);
+  }
+  EXPECT_NEAR(static_cast<double>(windows), static_cast<double>(FloodFilter::kQuietNs / FloodFilter::kWindowNs), 2.0);
+  EXPECT_FALSE(filter.is_shut());
+  EXPECT_EQ(filter.counts().floods, 1U);
+  EXPECT_EQ(window(500), FloodFilter::Action::install);
+  EXPECT_EQ(filter.counts().floods, 2U);
+}
+
+TEST_F(Judged, a_node_that_joins_during_a_flood_gets_a_new_program) {
+  window(0);
+  ASSERT_EQ(window(500), FloodFilter::Action::install);
+  const std::size_t before = filter.program().size();
+  EXPECT_FALSE(filter.is_due(now_ns));
+  filter.note_expected(node_at(77), kConnection, now_ns);
+  ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the answer";
+  ASSERT_EQ(filter.judge(dropped, now_ns), FloodFilter::Action::install);
+  EXPECT_GT(filter.program().size(), before);
+  // Not for everyone, or who agrees without end has a program made each time.
+  filter.note_expected(node_at(78), kConnection, now_ns);
+  EXPECT_FALSE(filter.is_due(now_ns));
+  EXPECT_EQ(window(500), FloodFilter::Action::install);
+}
+
+TEST_F(Judged, what_is_agreed_on_without_end_displaces_nobody_who_is_sent_data) {
+  const Bytes data = sealed(seal::Kind::data);
+  filter.note_sent(node_at(77), data, now_ns);
+  for (std::uint16_t n = 0; n < 1000; ++n) {
+    now_ns += kMs;
+    filter.note_expected(stranger, n, now_ns);
+  }
+  filter.note_received(node_at(77), data, false);
+  EXPECT_EQ(filter.counts().strangers, 0U) << "it was sent data a second ago";
+  now_ns += FloodFilter::kKnownNs;
+  for (std::uint16_t n = 0; n < 1000; ++n) filter.note_expected(stranger, 5000 + n, now_ns + n);
+  filter.note_received(node_at(77), data, false);
+  EXPECT_EQ(filter.counts().strangers, 1U) << "that is too long ago";
+}
+
+TEST_F(Judged, what_the_kernel_keeps_out_in_a_flood_is_told_apart_from_what_it_has_no_room_for) {
+  window(0);
+  EXPECT_EQ(window(0, 500), FloodFilter::Action::install);
+  EXPECT_EQ(filter.counts().kept_out, 0U);
+  window(20, 480);
+  EXPECT_EQ(filter.counts().kept_out, 480U);
+  EXPECT_EQ(filter.counts().dropped, 980U);
+}
+
+TEST_F(Judged, the_most_nodes_fit_into_a_program_and_an_attacker_cannot_crowd_them_out) {
+  for (std::uint16_t n = 1; n <= 100; ++n) {
+    filter.note_sent({{0x20, 1, 0xd, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, n}, sealed(seal::Kind::data), now_ns);
+    // Retries to strangers make nobody known.
+    filter.note_sent(stranger, sealed(seal::Kind::retry), now_ns);
+  }
+  window(0);
+  ASSERT_EQ(window(500), FloodFilter::Action::install);
+  EXPECT_LT(filter.program().size(), FloodFilter::kMostInstructions);
+  filter.note_received(stranger, sealed(seal::Kind::data), false);
+  EXPECT_GT(filter.counts().strangers, 500U);
+}
+
+TEST_F(Judged, takes_nothing_from_the_heap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  AllocationGuard guard;
+  for (int n = 0; n < 100; ++n) window(n % 2 == 0 ? 500 : 0, 5000);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,34 @@
+#include "runtime/deadline_thread.h"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <thread>
+
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
+  std::thread([] {
+    const int before = ::sched_getscheduler(0);
+    const bool is_granted = enter_deadline(kMs / 10, kMs);
+    EXPECT_EQ(::sched_getscheduler(0) & 0xFF, is_granted ? 6 : before);
+    // It sleeps and wakes as any.
+    SteadyClock clock;
+    const std::int64_t due_ns = clock.now_ns() + 5 * kMs;
+    clock.sleep_until_ns(due_ns);
+    EXPECT_GE(clock.now_ns(), due_ns);
+  }).join();
+  EXPECT_NE(::sched_getscheduler(0) & 0xFF, 6) << "the caller's alone";
+}
+
+TEST(DeadlineThread, WhatMakesNoSenseIsRefused) {
+  std::thread([] { EXPECT_FALSE(enter_deadline(2 * kMs, kMs)); }).join();
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,59 @@
+#include "runtime/service_notify.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+struct ServiceNotifyTest : testing::Test {
+  void TearDown() override {
+    ::unsetenv("NOTIFY_SOCKET");
+    ::unsetenv("WATCHDOG_USEC");
+  }
+  ScratchFolder folder;
+};
+
+TEST_F(ServiceNotifyTest, SaysNothingWhereNobodyListens) {
+  ::unsetenv("NOTIFY_SOCKET");
+  const ServiceNotify notify;
+  EXPECT_FALSE(notify.is_wanted());
+  EXPECT_EQ(notify.watchdog_ns(), 0);
+  EXPECT_FALSE(notify.send("READY=1"));
+}
+
+TEST_F(ServiceNotifyTest, TheManagerHearsItAndSaysHowOftenItWantsTo) {
+  const std::string path = (folder.path() / "notify").string();
+  const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un at = {};
+  at.sun_family = AF_UNIX;
+  std::memcpy(at.sun_path, path.data(), path.size());
+  ASSERT_EQ(::bind(manager, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
+  ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  ::setenv("WATCHDOG_USEC", "2000000", 1);
+  const ServiceNotify notify;
+  EXPECT_EQ(notify.watchdog_ns(), 2'000'000'000);
+  ASSERT_TRUE(notify.send("READY=1"));
+  std::array<char, 64> heard = {};
+  const ssize_t size = ::recv(manager, heard.data(), heard.size(), MSG_DONTWAIT);
+  ::close(manager);
+  ASSERT_GT(size, 0);
+  EXPECT_EQ(std::string(heard.data(), static_cast<std::size_t>(size)), "READY=1");
+}
+
+TEST_F(ServiceNotifyTest, NonsenseInTheEnvironmentIsNoPeriod) {
+  ::setenv("WATCHDOG_USEC", "soon", 1);
+  EXPECT_EQ(ServiceNotify().watchdog_ns(), 0);
+}
+
+}  // namespace
+}  // namespace hapton

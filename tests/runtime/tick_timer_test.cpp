@@ -1,0 +1,35 @@
+#include "runtime/tick_timer.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime/clock.h"
+
+namespace hapton {
+namespace {
+
+TEST(TickTimer, waits_until_the_time_that_was_set_last) {
+  SteadyClock clock;
+  TickTimer timer;
+  ASSERT_TRUE(timer.open());
+  const std::int64_t begin_ns = clock.now_ns();
+  timer.set(begin_ns + 500 * kNanosecondsPerMillisecond);
+  timer.set(begin_ns + 20 * kNanosecondsPerMillisecond);
+  timer.wait();
+  EXPECT_GE(clock.now_ns() - begin_ns, 20 * kNanosecondsPerMillisecond);
+  EXPECT_LT(clock.now_ns() - begin_ns, 400 * kNanosecondsPerMillisecond);
+}
+
+TEST(TickTimer, a_time_that_has_passed_or_was_never_set_is_not_waited_for) {
+  SteadyClock clock;
+  TickTimer timer;
+  ASSERT_TRUE(timer.open());
+  const std::int64_t begin_ns = clock.now_ns();
+  timer.wait();
+  timer.set(begin_ns - kNanosecondsPerMillisecond);
+  timer.wait();
+  timer.wait();
+  EXPECT_LT(clock.now_ns() - begin_ns, 400 * kNanosecondsPerMillisecond);
+}
+
+}  // namespace
+}  // namespace hapton

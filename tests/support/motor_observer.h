@@ -1,0 +1,127 @@
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "io_node/watchdog/guard_memory.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Sees what the simulated motors of a running io_node do, from outside: io_node may be stopped or killed meanwhile.
+class MotorObserver {
+ public:
+  struct Release {
+    bool was_out = false;          // a force was on the motors when it began
+    double after_event_ms = -1.0;  // the signal -> nothing on the motors; below 0: never
+    double after_sample_ms = -1.0;
+    double blind_ms = 0.0;  // the longest time that this observer itself did not look: so much longer it may have been
+  };
+  struct Watched {
+    double oldest_force_ms = 0.0;  // the most that a force on the motors was behind its sample
+    double longest_same_ms = 0.0;  // the longest that one force stayed, to the last bit
+    double strongest_n = 0.0;
+    double force_share = 0.0;  // of the looks that found a force
+    double blind_ms = 0.0;
+  };
+
+  // False: the process has no such memory (it has no watchdog, or its device is not simulated).
+  bool attach(int process) {
+    process_ = process;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/fd", error)) {
+      const auto target = std::filesystem::read_symlink(entry.path(), error);
+      if (error || target.string().find("hapton-guard") == std::string::npos) continue;
+      const int file = ::open(entry.path().c_str(), O_RDWR | O_CLOEXEC);
+      if (file >= 0 && memory_.open(file)) return true;
+    }
+    return false;
+  }
+
+  GuardPage& page() const { return memory_.page(); }
+  double force_n() const {
+    if (page().is_cut.load() != 0 || page().is_cut_within.load() != 0) return 0.0;
+    return std::hypot(page().motors_n[0].load(), page().motors_n[1].load(), page().motors_n[2].load());
+  }
+
+  // Waits for a force of that size, as long as that.
+  bool await_force(double at_least_n, double seconds) {
+    const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
+    while (clock_.now_ns() < end_ns) {
+      if (force_n() >= at_least_n) return true;
+      clock_.sleep_until_ns(clock_.now_ns() + 200'000);
+    }
+    return false;
+  }
+
+  // Lets it happen, then looks until nothing is on the motors, for that long at most.
+  Release release_after(const std::function<void()>& event, double at_most_s = 0.5) {
+    Release release;
+    release.was_out = force_n() > 0.0;
+    std::int64_t sample_ns = page().force_sample_ns.load();
+    event();
+    const std::int64_t begin_ns = clock_.now_ns();
+    std::int64_t looked_ns = begin_ns;
+    while (looked_ns - begin_ns < static_cast<std::int64_t>(1e9 * at_most_s)) {
+      if (const std::int64_t newest_ns = page().force_sample_ns.load(); newest_ns != 0) sample_ns = newest_ns;
+      const bool is_off = force_n() == 0.0;
+      const std::int64_t now_ns = clock_.now_ns();
+      release.blind_ms = std::max(release.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
+      if (is_off) {
+        // It was out at the look before for certain.
+        release.after_event_ms = 1e-6 * static_cast<double>(looked_ns - begin_ns);
+        release.after_sample_ms = 1e-6 * static_cast<double>(looked_ns - sample_ns);
+        break;
+      }
+      looked_ns = now_ns;
+      clock_.sleep_until_ns(now_ns + 100'000);
+    }
+    return release;
+  }
+
+  Watched watch(double seconds) {
+    Watched watched;
+    const std::int64_t begin_ns = clock_.now_ns();
+    const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);
+    std::int64_t looked_ns = begin_ns;
+    std::int64_t same_since_ns = begin_ns;
+    double last_n = 0.0;
+    std::uint64_t looks = 0;
+    std::uint64_t forces = 0;
+    while (looked_ns < end_ns) {
+      // The time first: what is seen after it was there then, however long this thread is displaced in between.
+      const std::int64_t now_ns = clock_.now_ns();
+      const std::int64_t sample_ns = page().force_sample_ns.load();
+      const double now_n = force_n();
+      watched.blind_ms = std::max(watched.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
+      looked_ns = now_ns;
+      ++looks;
+      if (now_n != last_n) same_since_ns = now_ns;
+      last_n = now_n;
+      if (now_n > 0.0 && sample_ns != 0) {
+        ++forces;
+        watched.oldest_force_ms = std::max(watched.oldest_force_ms, 1e-6 * static_cast<double>(now_ns - sample_ns));
+        watched.longest_same_ms = std::max(watched.longest_same_ms, 1e-6 * static_cast<double>(now_ns - same_since_ns));
+        watched.strongest_n = std::max(watched.strongest_n, now_n);
+      }
+      clock_.sleep_until_ns(now_ns + 100'000);
+    }
+    watched.force_share = looks > 0 ? static_cast<double>(forces) / static_cast<double>(looks) : 0.0;
+    return watched;
+  }
+
+ private:
+  GuardMemory memory_;
+  SteadyClock clock_;
+  int process_ = 0;
+};
+
+}  // namespace hapton
