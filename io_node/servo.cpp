@@ -113,8 +113,13 @@ bool Servo::await_cycle() noexcept {
   return loop_.has_cycle();
 }
 
+// Up to the one that is newest now: it is sent, whatever the device side does meanwhile.
 void Servo::take_cycles() noexcept {
-  while (loop_.take_cycle(cycle_)) on_cycle(!loop_.has_cycle());
+  bool is_newest = false;
+  while (!is_newest && loop_.take_cycle(cycle_)) {
+    is_newest = !loop_.has_cycle();
+    on_cycle(is_newest);
+  }
 }
 
 // A sample that a newer one has overtaken before it was sent is answered by nobody.
