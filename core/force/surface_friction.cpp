@@ -27,9 +27,12 @@ SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend :
 struct Quadratic {
   double a = 0.0, b = 0.0, c = 0.0;
 
-  // When it first rises above zero. Infinite: never. Pre: it is not above at 0, but for rounding.
+  // When it next rises above zero: at once if it rises from there or above, after it has fallen below if it falls. Infinite: never.
   double time_of_rise() const {
-    if (!(c < 0.0)) return b > 0.0 || (b == 0.0 && a > 0.0) ? 0.0 : a > 0.0 ? -2.0 * b / a : kNever;
+    if (!(c < 0.0)) {
+      if (b > 0.0 || (b == 0.0 && a > 0.0)) return 0.0;
+      return a > 0.0 ? (std::sqrt(std::max(0.0, b * b - a * c)) - b) / a : kNever;
+    }
     const double discriminant = b * b - a * c;
     if (!(discriminant >= 0.0)) return kNever;
     const double root = std::sqrt(discriminant);
