@@ -28,9 +28,9 @@ namespace hapton {
 // the average, as long as the device's way and twice the pull; kMostEvents in all.
 class SurfaceFollower {
  public:
-  static constexpr int kLeastEvents = 128;
-  static constexpr double kEventsPerEdge = 8.0;
-  static constexpr int kMostEvents = 8192;
+  static constexpr int kLeastEvents = 1024;
+  static constexpr double kEventsPerEdge = 32.0;
+  static constexpr int kMostEvents = 16384;
 
   enum class Outcome : std::uint8_t {
     settled,     // at a local minimum for the device where it is at `time`, or held by friction
