@@ -209,17 +209,17 @@ void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
 // where the device goes.
 bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept {
   const double length = motion.norm();
-  const Vec3 wish = length > 0.0 ? Vec3(pull + motion * (kNudge / length)) : pull;
+  const Vec3 goal = length > 0.0 ? Vec3(pull + motion * (kNudge / length)) : pull;
   if (touching_ == 1) {
     const Vec3 normal = contacts_[0].stand(centre_).normal;
-    const double height = normal.dot(wish);
+    const double height = normal.dot(goal);
     count_ = height < 0.0 ? 1 : 0;
-    way = wish - height * normal;
+    way = goal - height * normal;
     return true;
   }
   std::array<ContactPlane, kMostContacts> planes;
   for (int i = 0; i < touching_; ++i) planes[i] = {contacts_[i].stand(centre_).normal, 0.0};
-  const ConstrainedMotion held = constrain_motion(wish, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_)));
+  const ConstrainedMotion held = constrain_motion(goal, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_)));
   if (!held.solved) return false;
   way = held.motion;
   count_ = held.active_count;
@@ -462,7 +462,8 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
   if (event.contact >= 0) {
     is_descending_ = true;
     const bool is_plain = idle_ > kMostIdle / 4;  // that it rises led nowhere: the faces are one plane, as far as rounding can tell
-    const int rising = event.exit.part == Part::edge && !is_plain ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
+    const int rising =
+        event.exit.part == Part::edge && !is_plain ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
     if (rising >= 0)
       return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
     leave_part(event.contact, event.exit, path.slope(event.time));

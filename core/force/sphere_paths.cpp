@@ -239,8 +239,8 @@ bool SphereFollower::make_descent(const Vec3& device, bool is_unstable, CentrePa
   return true;
 }
 
-// Round an edge or a vertex, off in the steepest direction: along a helix, until it is level with the device along the edge, or nearest to it
-// round the edge. The distance is the sum of both parts, and neither grows on the way.
+// Round an edge or a vertex, off in the steepest direction: along a helix, until it is level with the device along the edge, or nearest to
+// it round the edge. The distance is the sum of both parts, and neither grows on the way.
 CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device) const noexcept {
   const bool is_edge = contact.part == Part::edge;
   const Vec3 normal = contact.stand(centre_).normal;
@@ -275,7 +275,7 @@ CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device
   return path;
 }
 
-// Along the curve where two offset surfaces meet. From a minimum that is none any more: by the hint, or else the other way, whichever leads
+// Along the curve where two offset surfaces meet. From a minimum that has vanished: by the hint, or else the other way, whichever leads
 // nearer to the device. False: neither does.
 bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
   ContactFrame frame;
