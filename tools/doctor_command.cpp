@@ -1,5 +1,3 @@
-#include "tools/doctor_command.h"
-
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -11,10 +9,11 @@
 #include <vector>
 
 #include "link/link_key.h"
+#include "tools/commands.h"
 #include "tools/doctor/diagnosis.h"
 #include "tools/doctor/display_check.h"
 #include "tools/doctor/library_check.h"
-#include "tools/hub_report.h"
+#include "tools/live/hub_report.h"
 
 namespace hapton {
 namespace {

@@ -29,6 +29,7 @@ Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& fol
     return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");
   }
   if (code != 0) {
+    std::filesystem::remove(folder / (picture + ".part"), error);
     return fail("gnuplot could not draw {}; what it said stands above", (folder / picture).string());
   }
   std::filesystem::rename(folder / (picture + ".part"), folder / picture, error);

@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// Runs a script of gnuplot's in the folder; it draws into PICTURE.part, which then becomes the picture.
-// RT: no. Error: one line: no gnuplot, what it could not draw, a folder that cannot be written to.
+// Runs a gnuplot script in `folder`. The script draws into PICTURE.part, which is renamed to the picture when gnuplot succeeds.
+// Returns the picture's path. Error: one line: gnuplot is missing, cannot draw, or the folder is not writable. RT: no.
 Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& folder, const std::string& picture, const std::string& script);
 
 }  // namespace hapton

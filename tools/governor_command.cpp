@@ -1,5 +1,3 @@
-#include "tools/governor_command.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 
 #include "io_node/safety/governor_stress.h"
 #include "runtime/clock.h"
+#include "tools/commands.h"
 
 namespace hapton {
 namespace {

@@ -11,25 +11,8 @@
 
 #include "runtime/config.h"
 #include "scene/near_miss.h"
-#include "tools/bench_command.h"
 #include "tools/command_line.h"
-#include "tools/doctor_command.h"
-#include "tools/echo_command.h"
-#include "tools/figures_command.h"
-#include "tools/governor_command.h"
-#include "tools/info_command.h"
-#include "tools/judge_command.h"
-#include "tools/keygen_command.h"
-#include "tools/latency_command.h"
-#include "tools/plot_command.h"
-#include "tools/relay_command.h"
-#include "tools/replay_command.h"
-#include "tools/session_command.h"
-#include "tools/set_command.h"
-#include "tools/soak_command.h"
-#include "tools/stress_command.h"
-#include "tools/top_command.h"
-#include "tools/trajectory_command.h"
+#include "tools/commands.h"
 
 namespace hapton {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/info_command.h"
-
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -7,6 +5,7 @@
 
 #include "scene/mesh_report.h"
 #include "scene/scene_report.h"
+#include "tools/commands.h"
 
 namespace hapton {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/keygen_command.h"
-
 #include <fmt/core.h>
 
 #include <cstdio>
@@ -7,6 +5,7 @@
 #include <string>
 
 #include "link/link_key.h"
+#include "tools/commands.h"
 
 namespace hapton {
 namespace {

@@ -1,0 +1,77 @@
+#include "tools/live/top_view.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "runtime/report.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TopLook look_after(double seconds, int slow_samples) {
+  LatencyReport report;
+  report.program = "io_node";
+  report.machine.host = "io-host";
+  report.seconds = seconds;
+  report.rates_hz = {{"servo_asked", 1000.0}};
+  const auto samples = static_cast<std::int64_t>(1000 * seconds);
+  report.counters = {{"samples", samples}, {"lost", 2 * static_cast<std::int64_t>(seconds)}, {"clamped", 0}, {"bytes_sent", 100 * samples}};
+  report.notes = {{"device", "simulated"}};
+  report.nodes = {{"haptics", "10.0.0.2:4444", seconds, samples, 2, 0, 0, samples, 0}};
+  LatencyHop hop{"round_trip", {}};
+  for (std::int64_t n = 0; n < samples; ++n) hop.histogram.record(20'000);
+  for (int n = 0; n < slow_samples; ++n) hop.histogram.record(700'000);
+  report.hops = {hop};
+  return *read_top_look(to_json(report), to_csv(report));
+}
+
+TEST(TopView, ShowsWhatHasBeenSinceTheStart) {
+  const std::string view = make_top_view("io-host:4950", look_after(10, 0), nullptr);
+  EXPECT_THAT(view, HasSubstr("hub io-host:4950 on io-host: up 10 s, device simulated, servo 1000.0 Hz of 1000 Hz asked"));
+  EXPECT_THAT(view, HasSubstr("100.0 kB/s"));
+  EXPECT_THAT(view, HasSubstr("haptics   10.0.0.2:4444"));
+  EXPECT_THAT(view, HasSubstr("round_trip             10000      20"));
+  EXPECT_THAT(view, HasSubstr("lost"));
+  EXPECT_THAT(view, Not(HasSubstr("clamped")));
+}
+
+TEST(TopView, SaysWhatTheGovernorDoes) {
+  TopLook look = look_after(10, 0);
+  EXPECT_THAT(make_top_view("h", look, nullptr), Not(HasSubstr("safety governor")));
+  look.report["notes"]["governor"] = "live";
+  look.report["ratios"] = {{"thermal_load", 0.123}, {"energy_spent", -0.05}};
+  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor live; thermal load 12 %, energy 0 % of its budget\n"));
+  look.report["notes"]["governor"] = "latched";
+  look.report["notes"]["safety_fault_is"] = "the motors are too hot";
+  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor latched: the motors are too hot; hapton set --reset-faults;"));
+}
+
+TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
+  const TopLook before = look_after(100, 0);
+  const TopLook now = look_after(102, 2000);
+  const std::string view = make_top_view("h", now, &before);
+  // Half of the 4,000 new ones are slow; of all 104,000 next to none.
+  EXPECT_THAT(view, HasSubstr("round_trip              4000"));
+  EXPECT_THAT(view, HasSubstr("servo 1000.0 Hz"));
+  EXPECT_THAT(view, HasSubstr("+4\n"));
+  EXPECT_THAT(make_top_view("h", now, nullptr), Not(HasSubstr("+4\n")));
+}
+
+TEST(TopView, AHubThatBeganAgainIsShownFromItsStart) {
+  const TopLook before = look_after(100, 0);
+  EXPECT_EQ(make_top_view("h", look_after(2, 0), &before), make_top_view("h", look_after(2, 0), nullptr));
+}
+
+TEST(TopView, RubbishIsNamedAndAnEmptyReportShown) {
+  EXPECT_FALSE(read_top_look("hello", ""));
+  EXPECT_FALSE(read_top_look("{\"schema\": \"other\"}", ""));
+  const auto empty = read_top_look("{\"schema\": \"hapton.report/1\"}", "");
+  ASSERT_TRUE(empty);
+  EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("none has joined"));
+}
+
+}  // namespace
+}  // namespace hapton

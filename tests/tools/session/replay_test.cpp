@@ -1,0 +1,120 @@
+#include "tools/session/replay.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+TouchStep make_touch() { return TouchStep(*make_method({.name = "sweep"}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}})); }
+
+std::vector<TrajectoryRow> press(const std::vector<double>& heights) {
+  std::vector<TrajectoryRow> rows;
+  for (const double height : heights) {
+    rows.push_back({.t_s = 1e-3 * static_cast<double>(rows.size()), .p_WD = Vec3(0.01, 0.02, height)});
+  }
+  return rows;
+}
+
+// Every look at it costs 7 ns, and each step's end comes later by what the test has in mind.
+class ScriptedClock final : public Clock {
+ public:
+  std::int64_t now_ns() const noexcept override { return now_ += 7; }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override { now_ = deadline_ns; }
+
+ private:
+  mutable std::int64_t now_ = 0;
+};
+
+TEST(Replay, RowsTellWhatTheStepFelt) {
+  TouchStep touch = make_touch();
+  const auto trajectory = press({0.001, -0.001, -0.003, 0.002});
+  const Replay replay = run_replay(touch, trajectory, {}, SteadyClock());
+  ASSERT_EQ(replay.rows.size(), 4U);
+  EXPECT_FALSE(replay.rows[0].contact);
+  EXPECT_TRUE(replay.rows[1].contact);
+  EXPECT_NEAR(replay.rows[2].force_n[2], 3.0, 1e-9);
+  EXPECT_NEAR((replay.rows[2].p_WP - Vec3(0.01, 0.02, 0.0)).norm(), 0.0, 1e-15);
+  EXPECT_FALSE(replay.rows[3].contact);
+  EXPECT_EQ(replay.rows[3].p_WP, trajectory[3].p_WD);
+  EXPECT_EQ(replay.rows[3].t_s, 0.003);
+}
+
+TEST(Replay, ResetEveryForgetsContactThere) {
+  TouchStep touch = make_touch();
+  const auto trajectory = press({0.001, -0.001, -0.001, -0.001, -0.001});
+  const Replay replay = run_replay(touch, trajectory, {.reset_every = 3}, SteadyClock());
+  EXPECT_TRUE(replay.rows[2].contact);
+  EXPECT_FALSE(replay.rows[3].contact);
+  EXPECT_FALSE(replay.rows[4].contact);
+}
+
+TEST(Replay, RepetitionsBeginAnewAndFeelTheSame) {
+  TouchStep touch = make_touch();
+  const Replay replay = run_replay(touch, press({0.001, -0.001, -0.002}), {.repeat = 5}, SteadyClock());
+  EXPECT_EQ(replay.rows_that_differ, 0U);
+  EXPECT_TRUE(replay.rows[2].contact);
+}
+
+TEST(Replay, TheClocksOwnCostIsTakenOff) {
+  TouchStep touch = make_touch();
+  const Replay replay = run_replay(touch, press({0.001, -0.001}), {.repeat = 2}, ScriptedClock());
+  EXPECT_EQ(replay.clock_cost_ns, 7);
+  EXPECT_EQ(replay.rows[0].step_ns, 0);
+}
+
+TEST(Replay, TheSummarySaysTheWorstStepAndTheTail) {
+  Replay replay;
+  for (int i = 1; i <= 2000; ++i) {
+    replay.rows.push_back({.force_n = Vec3(0, 0, i % 2), .contact = i % 2 == 1, .step_ns = i});
+  }
+  replay.rows.back().step_ns = 123456;
+  const std::string text = describe_replay(replay, {.repeat = 3});
+  EXPECT_THAT(text, ::testing::HasSubstr("2000 steps, 1000 in contact"));
+  EXPECT_THAT(text, ::testing::HasSubstr("all p50 1000 / p99 1980 / p99.9 1998 / worst 123456 ns"));
+  EXPECT_THAT(text, ::testing::HasSubstr("contact p50 999 / p99 1979 / p99.9 1997 / worst 1999 ns"));
+}
+
+TEST(Replay, CsvKeepsEveryBit) {
+  const auto path = std::filesystem::temp_directory_path() / ("hapton_replay_" + std::to_string(::getpid()) + ".csv");
+  const ReplayRow row = {.t_s = 0.1,
+                         .p_WD = Vec3(1.0 / 3, -1e-17, 2e300),
+                         .p_WP = Vec3(0.1, 0.2, 0.3),
+                         .force_n = Vec3(-1.0 / 7, 0, 5e-324),
+                         .contact = true,
+                         .step_ns = 42};
+  ASSERT_TRUE(write_replay_csv(path, std::vector<ReplayRow>{row}));
+  std::ifstream file(path);
+  std::string header;
+  std::string line;
+  std::getline(file, header);
+  std::getline(file, line);
+  std::filesystem::remove(path);
+  EXPECT_EQ(header, "t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns");
+  std::vector<std::string> fields;
+  std::stringstream stream(line);
+  for (std::string field; std::getline(stream, field, ',');) {
+    fields.push_back(field);
+  }
+  ASSERT_EQ(fields.size(), 12U);
+  const std::vector<double> expected = {0.1, 1.0 / 3, -1e-17, 2e300, 0.1, 0.2, 0.3, -1.0 / 7, 0, 5e-324, 1, 42};
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    EXPECT_EQ(std::strtod(fields[i].c_str(), nullptr), expected[i]) << i;
+  }
+}
+
+TEST(Replay, AFolderThatIsNotThereIsAnError) {
+  const auto written = write_replay_csv("/nonexistent/folder/r.csv", {});
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().what, ::testing::HasSubstr("/nonexistent/folder/r.csv"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,44 @@
+#include "tools/soak/soak_plot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const std::vector<std::string> kNodes = {"haptics_node", "io_node"};
+const SoakLook kLook = {.seconds = 2.0, .samples_hz = 1000.0, .round_trip_max_us = 90.0, .processes = {{2000, 9, 3}, {1000, 12, 2}}};
+
+TEST(SoakPlot, ARowHasAsManyColumnsAsTheHeader) {
+  const std::string header = soak_csv_header(kNodes);
+  const std::string row = soak_csv_row(kLook);
+  EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
+  EXPECT_THAT(header, HasSubstr(",io_node_resident_kib,io_node_descriptors,io_node_threads\n"));
+  EXPECT_THAT(row, StartsWith("2.000,1000.00,"));
+  EXPECT_THAT(row, HasSubstr(",2000,9,3,1000,12,2\n"));
+}
+
+TEST(SoakPlot, IsDrawnFromTheTable) {
+  const ScratchFolder folder;
+  SoakLook later = kLook;
+  later.seconds = 4.0;
+  folder.write("soak.csv", soak_csv_header(kNodes) + soak_csv_row(kLook) + soak_csv_row(later));
+  const auto picture = draw_soak_plot(folder.path(), kNodes);
+  if (!picture && picture.error().what.find("gnuplot-nox") != std::string::npos) GTEST_SKIP() << picture.error().what;
+  ASSERT_TRUE(picture) << picture.error().what;
+  std::ifstream file(*picture, std::ios::binary);
+  std::string head(4, '\0');
+  file.read(head.data(), 4);
+  EXPECT_EQ(head, "\x89PNG");
+}
+
+}  // namespace
+}  // namespace hapton

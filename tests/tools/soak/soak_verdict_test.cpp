@@ -1,0 +1,159 @@
+#include "tools/soak/soak_verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// An hour without an event, looked at every 30 s: some jitter in each figure, as a real one has.
+SoakRun an_hour() {
+  SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .looks = {}, .ended = {}};
+  for (int i = 1; i <= 120; ++i) {
+    const int jitter = (i * 37) % 11 - 5;
+    run.looks.push_back({.seconds = 30.0 * i,
+                         .samples_hz = 1000.0 + 0.1 * jitter,
+                         .forces_hz = 999.9 + 0.1 * jitter,
+                         .late = i / 40,
+                         .missed_cycles = i / 30,
+                         .round_trip_p50_us = 40.0,
+                         .round_trip_p99_us = 90.0 + jitter,
+                         .round_trip_max_us = i == 70 ? 5000.0 : 300.0,
+                         .drift_ms = 4.0 * jitter,
+                         .processes = {{20'000 + 8 * jitter, 9, 3}, {8'000 + 4 * jitter, 12, 2}}});
+  }
+  return run;
+}
+
+const SoakFinding& finding(const SoakVerdict& verdict, const std::string& what, const std::string& process = "") {
+  for (const SoakFinding& one : verdict.findings) {
+    if (one.what == what && one.process == process) return one;
+  }
+  throw std::out_of_range(what);
+}
+
+std::size_t count_bad(const SoakVerdict& verdict) {
+  return static_cast<std::size_t>(
+      std::count_if(verdict.findings.begin(), verdict.findings.end(), [](const SoakFinding& one) { return !one.flat; }));
+}
+
+TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
+  const SoakRun run = an_hour();
+  const SoakVerdict verdict = judge_soak(run);
+  EXPECT_TRUE(verdict.flat) << to_text(run, verdict);
+  EXPECT_THAT(to_text(run, verdict), HasSubstr("soak: flat over 3600 s"));
+  EXPECT_THAT(to_text(run, verdict), HasSubstr("slowest round trip 5000 us"));
+  const auto json = to_json(run, verdict);
+  EXPECT_EQ(json["schema"], "hapton.soak/1");
+  EXPECT_EQ(json["flat"], true);
+  EXPECT_EQ(json["findings"].size(), verdict.findings.size());
+  EXPECT_EQ(json["processes"][1]["name"], "io_node");
+}
+
+TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndItIsSaidWhoseAndHowMuch) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.processes[0].resident_kib += static_cast<std::int64_t>(look.seconds);
+  const SoakVerdict verdict = judge_soak(run);
+  EXPECT_FALSE(verdict.flat);
+  EXPECT_EQ(count_bad(verdict), 1U);
+  EXPECT_NEAR(finding(verdict, "memory", "haptics_node").value, 3240.0, 60.0);
+  EXPECT_THAT(to_text(run, verdict), HasSubstr("not flat: haptics_node memory +"));
+  EXPECT_THAT(to_text(run, verdict), Not(HasSubstr("io_node")));
+}
+
+TEST(SoakVerdict, MemoryThatJumpsOnceIsNotFlat) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.processes[1].resident_kib += look.seconds > 2200.0 ? 4096 : 0;
+  EXPECT_FALSE(finding(judge_soak(run), "memory", "io_node").flat);
+}
+
+TEST(SoakVerdict, MemoryThatGrowsInTheFirstTenthOnlyOrShrinksIsFlat) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.processes[0].resident_kib -= look.seconds < 300.0 ? 10'000 : 0;
+  for (SoakLook& look : run.looks) look.processes[1].resident_kib -= static_cast<std::int64_t>(look.seconds);
+  EXPECT_TRUE(judge_soak(run).flat);
+}
+
+TEST(SoakVerdict, OneLookThatIsOffIsNotHeeded) {
+  SoakRun run = an_hour();
+  run.looks.back().processes[0] = {90'000, 40, 12};
+  run.looks[60].processes[1].descriptors = 13;
+  run.looks[61].samples_hz = 400.0;
+  EXPECT_TRUE(judge_soak(run).flat) << to_text(run, judge_soak(run));
+}
+
+TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.processes[1].descriptors += look.seconds > 2200.0 ? 1 : 0;
+  const SoakVerdict verdict = judge_soak(run);
+  EXPECT_EQ(count_bad(verdict), 1U);
+  EXPECT_THAT(to_text(run, verdict), HasSubstr("io_node descriptors +1.0 of 12"));
+}
+
+TEST(SoakVerdict, AThreadLessIsNotFlat) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.processes[0].threads -= look.seconds > 1800.0 ? 1 : 0;
+  EXPECT_FALSE(finding(judge_soak(run), "threads", "haptics_node").flat);
+}
+
+TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.lost = 1;
+  const SoakVerdict verdict = judge_soak(run);
+  EXPECT_EQ(count_bad(verdict), 1U);
+  EXPECT_THAT(to_text(run, verdict), HasSubstr("forces lost: 1"));
+}
+
+TEST(SoakVerdict, ARateThatIsNotHeldIsNotFlat) {
+  SoakRun run = an_hour();
+  for (SoakLook& look : run.looks) look.forces_hz = 960.0;
+  EXPECT_EQ(finding(judge_soak(run), "rate").value, 960.0);
+  EXPECT_FALSE(judge_soak(run).flat);
+}
+
+TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
+  for (const double ppm : {-300.0, 300.0}) {
+    SoakRun run = an_hour();
+    for (SoakLook& look : run.looks) look.drift_ms += 1e-3 * ppm * look.seconds;
+    const SoakVerdict verdict = judge_soak(run);
+    EXPECT_EQ(count_bad(verdict), 1U) << ppm;
+    EXPECT_NEAR(finding(verdict, "drift").value, 3.24 * ppm, 20.0);
+  }
+}
+
+TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
+  SoakRun run = an_hour();
+  run.ended = "io_node ended with 139: Segmentation fault";
+  run.looks.resize(40);
+  EXPECT_FALSE(judge_soak(run).flat);
+  EXPECT_THAT(to_text(run, judge_soak(run)), HasSubstr("not flat: io_node ended with 139: Segmentation fault, after 1200 s"));
+}
+
+TEST(SoakVerdict, TooFewLooksAreNoProof) {
+  SoakRun run = an_hour();
+  run.looks.clear();
+  EXPECT_FALSE(judge_soak(run).flat);
+  EXPECT_EQ(to_json(run, judge_soak(run))["flat"], false);
+  EXPECT_THAT(to_text(run, judge_soak(run)), HasSubstr("too few looks"));
+}
+
+TEST(FindRise, OfALongSeriesIsThatOfAShortOne) {
+  std::vector<double> times(20'000);
+  std::iota(times.begin(), times.end(), 0.0);
+  std::vector<double> values;
+  for (const double t : times) values.push_back(0.5 * t + (static_cast<int>(t) % 7));
+  EXPECT_NEAR(find_rise(times, values), 10'000.0, 50.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,82 @@
+#include "tools/bench/bench_meshes.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "runtime/atomic_file.h"
+#include "scene/touch_mesh.h"
+#include "tools/mesh_choice.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kExtent_m = 0.1;
+constexpr std::string_view kBumpy = "bumpy:";
+constexpr std::size_t kMostBumpy = 20'971'520;  // icosphere level 10
+
+Result<BenchMesh> make_bumpy(const std::string& which) {
+  std::size_t triangles = 0;
+  const char* const end = which.data() + which.size();
+  const auto [at, error] = std::from_chars(which.data() + kBumpy.size(), end, triangles);
+  if (error != std::errc() || at != end || triangles < 20 || triangles > kMostBumpy) {
+    return fail("mesh '{}': give bumpy:N with N triangles, 20 to {}", which, kMostBumpy);
+  }
+  TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, 0.25, triangles, 1), kExtent_m);
+  const std::size_t made = mesh.triangles.size();
+  return BenchMesh{made >= 1'000'000 ? fmt::format("bumpy_{:.1f}M", 1e-6 * static_cast<double>(made))
+                                     : fmt::format("bumpy_{:.0f}k", 1e-3 * static_cast<double>(made)),
+                   std::make_shared<TriangleMesh>(std::move(mesh))};
+}
+
+}  // namespace
+
+Result<BenchMesh> make_bench_mesh(const std::string& which, const std::filesystem::path& mesh_folder) {
+  if (which.starts_with(kBumpy)) return make_bumpy(which);
+  std::error_code ignored;
+  const std::filesystem::path path = std::filesystem::exists(which, ignored) ? std::filesystem::path(which) : mesh_folder / which;
+  auto file = load_touch_mesh(path);
+  if (!file) return tl::unexpected(file.error());
+  if (!(compute_bounds(file->mesh).extent() > 0.0)) return fail("{}: the mesh has no extent; it cannot be scaled to 100 mm", path.string());
+  return BenchMesh{path.stem().string(), std::make_shared<TriangleMesh>(scaled_to(std::move(file->mesh), kExtent_m))};
+}
+
+std::filesystem::path find_mesh_folder() {
+  std::error_code ignored;
+  if (std::filesystem::is_directory("meshes", ignored)) return "meshes";
+  return std::filesystem::path(HAPTON_SOURCE_FOLDER) / "meshes";
+}
+
+std::vector<std::string> find_mesh_files(const std::filesystem::path& folder) {
+  constexpr std::array<std::string_view, 5> kMeshes = {".glb", ".gltf", ".obj", ".ply", ".stl"};
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    if (std::find(kMeshes.begin(), kMeshes.end(), entry.path().extension().string()) != kMeshes.end())
+      files.push_back(entry.path().filename().string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+Result<void> check_writable(const std::filesystem::path& folder) {
+  const std::filesystem::path probe = folder / ".hapton-bench";
+  if (auto written = write_file_atomically(probe, ""); !written) return written;
+  std::error_code ignored;
+  std::filesystem::remove(probe, ignored);
+  return {};
+}
+
+void print_progress(double seconds, const std::string& what) {
+  fmt::print(stderr, "{:7.1f} s  {}\n", seconds, what);
+  std::fflush(stderr);
+}
+
+}  // namespace hapton

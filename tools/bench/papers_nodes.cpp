@@ -1,0 +1,96 @@
+#include "tools/bench/papers_nodes.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "runtime/realtime.h"
+#include "tools/latency/latency_compare.h"
+#include "tools/latency/latency_run.h"
+#include "tools/local_node.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kDrawSeconds = 300.0;  // for software rendering on a slow machine
+
+Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, LocalVision& vision, std::string& line) {
+  std::vector<std::string> arguments = {"--scene", settings.scene.string(), "--bench-frames", fmt::format("{}", settings.frames)};
+  if (!culls) arguments.emplace_back("--no-cull");
+  const auto folder = settings.out / (culls ? "stereo_culled" : "stereo_unculled");
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail("{}: cannot be made: {}", folder.string(), error.message());
+  if (auto started = vision.start(folder, std::move(arguments)); !started) return tl::unexpected(started.error());
+  if (auto ended = vision.node().wait_for_end(kDrawSeconds); !ended) return tl::unexpected(ended.error());
+  line = vision.node().last_line();
+  const auto rate = parse_bench_rate(line);
+  if (!rate) return fail("vision_node printed no rate; see {}/vision_node.log", folder.string());
+  return *rate;
+}
+
+void measure_stereo(const PapersNodesSettings& settings, LocalVision& vision, PapersReport& report) {
+  for (const bool culls : {true, false}) {
+    PaperRow& row = report.row(culls ? kStereoCulled : kStereoUnculled);
+    std::string line;
+    const auto rate = draw_frames(settings, culls, vision, line);
+    if (rate) row.ours = *rate;
+    row.how =
+        rate ? fmt::format("vision_node {}; {}", culls ? "as it comes" : "--no-cull", line) : "could not be measured: " + rate.error().what;
+  }
+}
+
+std::optional<double> hop_ms(const nlohmann::ordered_json& report, const char* hop) {
+  const auto hops = report.value("hops", nlohmann::ordered_json::object());
+  if (!hops.contains(hop) || hops[hop].value("n", 0) == 0) return std::nullopt;
+  return 1e-3 * hops[hop].value("p50_us", 0.0);
+}
+
+// Once with all nodes; where that fails, once without vision, so that the round trip is measured at least.
+void measure_latencies(const PapersNodesSettings& settings, PapersReport& report) {
+  LatencyRunOptions run;
+  run.seconds = settings.seconds;
+  run.out = settings.out / "latency";
+  run.scene = settings.scene;
+  run.cpu = find_shared_cpu();
+  run.vision = true;
+  auto ran = run_latency(run);
+  PaperRow& round_trip = report.row(kRoundTrip);
+  PaperRow& system = report.row(kSystemLatency);
+  if (!ran) {
+    system.how = "could not be measured: " + ran.error().what;
+    run.vision = false;
+    run.out = settings.out / "latency_without_vision";
+    ran = run_latency(run);
+  }
+  const auto json = ran ? read_report_json(run.out) : tl::unexpected(ran.error());
+  if (!json) {
+    round_trip.how = "could not be measured: " + json.error().what;
+    if (run.vision) system.how = round_trip.how;
+    return;
+  }
+  round_trip.ours = hop_ms(*json, "round_trip");
+  round_trip.how =
+      fmt::format("p50, device sample taken to force ready to write, {:g} s at {:g} Hz, {} on one host, sealed UDP over loopback",
+                  run.seconds, run.rate_hz, run.vision ? "all three nodes" : "io_node and haptics_node");
+  if (!round_trip.ours) round_trip.how = "no force came back; see " + (run.out / "report.json").string();
+  if (!run.vision) return;
+  system.ours = hop_ms(*json, "motion_to_photon");
+  system.how = system.ours
+                   ? "p50 of motion_to_photon in the same run: device sample taken to vision_node having drawn the frame that shows it; "
+                     "the display's own delay is not in it"
+                   : "vision_node drew no frame; see " + (run.out / "vision_node.log").string();
+}
+
+}  // namespace
+
+void measure_paper_nodes(const PapersNodesSettings& settings, PapersReport& report) {
+  LocalVision vision;  // keeps a virtual display, where one is needed, for both
+  measure_stereo(settings, vision, report);
+  measure_latencies(settings, report);
+}
+
+}  // namespace hapton

@@ -1,0 +1,160 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "runtime/atomic_file.h"
+#include "scene/mesh_file.h"
+#include "scene/touch_mesh.h"
+#include "tools/bench/stress.h"
+#include "tools/commands.h"
+
+namespace hapton {
+namespace {
+
+struct StressOptions {
+  std::vector<std::string> bodies;
+  std::vector<std::string> files;
+  std::string out;
+  std::optional<double> scale, offset, friction_static, friction_dynamic;
+  std::optional<std::uint64_t> episode;
+  StressPlan plan;
+};
+
+std::string body_names() {
+  std::string names;
+  for (const std::string_view name : stress_body_names()) {
+    if (!names.empty()) names += ", ";
+    names += name;
+  }
+  return names;
+}
+
+Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
+  const CrackSealing sealing = options.plan.no_seal ? CrackSealing::off : CrackSealing::on;
+  std::vector<StressBody> bodies;
+  std::vector<std::string> names = options.bodies;
+  if (names.empty() && options.files.empty()) {
+    // Of all bodies those that the method has a probe for.
+    const std::string& method = options.plan.method.name;
+    const bool takes_spheres = method == "proxy" || method == "reference";
+    for (const std::string_view name : stress_body_names()) {
+      if (takes_spheres || !name.starts_with("probe-")) names.emplace_back(name);
+    }
+  }
+  for (const std::string& name : names) {
+    StressBody body = make_stress_body(name);
+    // What a finding calls a body may be a file, so that its command can be given again as it stands.
+    if (body.touched.triangles.empty() && is_mesh_file_name(name)) {
+      auto file = load_touch_mesh(name, std::nullopt, sealing);
+      if (!file) return tl::unexpected(file.error());
+      body = make_stress_body(name, std::move(file->mesh));
+    }
+    if (body.touched.triangles.empty()) return fail("body '{}' is not known; choose one of: {}; or give a mesh file", name, body_names());
+    bodies.push_back(std::move(body));
+  }
+  for (const std::string& path : options.files) {
+    auto file = load_touch_mesh(path, std::nullopt, sealing);
+    if (!file) return tl::unexpected(file.error());
+    bodies.push_back(make_stress_body(path, std::move(file->mesh)));
+  }
+  return bodies;
+}
+
+Result<void> choose_variant(StressOptions& options) {
+  if (!options.scale && !options.offset && !options.friction_static && !options.friction_dynamic) return {};
+  options.plan.variants = {{.scale = options.scale.value_or(1.0),
+                            .offset_extents = options.offset.value_or(0.0),
+                            .friction_static = options.friction_static.value_or(0.0),
+                            .friction_dynamic = options.friction_dynamic.value_or(0.0)}};
+  const StressVariant& variant = options.plan.variants.front();
+  if (variant.friction_dynamic > variant.friction_static) {
+    return fail("dynamic friction {} is above static friction {}; give --friction-static at least as much", variant.friction_dynamic,
+                variant.friction_static);
+  }
+  return {};
+}
+
+Result<bool> torture(StressOptions& options) {
+  if (auto chosen = choose_variant(options); !chosen) return tl::unexpected(chosen.error());
+  const auto bodies = make_bodies(options);
+  if (!bodies) return tl::unexpected(bodies.error());
+  fmt::print("stress: method {}, {} bodies, {} variants, at least {} steps a body, seed {}\n", options.plan.method.name, bodies->size(),
+             options.plan.variants.size(), options.plan.steps, options.plan.seed);
+  std::fflush(stdout);
+  const std::size_t jobs = bodies->size() * options.plan.variants.size();
+  std::size_t done = 0;
+  const auto results =
+      options.episode ? run_episode(*bodies, options.plan, *options.episode)
+                      : run_stress(*bodies, options.plan, [&](const StressResult& result) {
+                          fmt::print(stderr, "[{}/{}] {} x{:g} +{:g}: {} steps, {} faults\n", ++done, jobs, result.body,
+                                     result.variant.scale, result.variant.offset_extents, result.count.steps, result.count.total_faults());
+                        });
+  if (!results) return tl::unexpected(results.error());
+  fmt::print("{}", to_text(*results, options.plan));
+  const StressCount sum = sum_of(*results);
+  fmt::print("stress: {} faults in {} steps, seed {}\n", sum.total_faults(), sum.steps, options.plan.seed);
+  if (!options.out.empty()) {
+    if (auto written = write_file_atomically(options.out + "/stress.json", to_json(*results, options.plan)); !written)
+      return tl::unexpected(written.error());
+  }
+  return sum.total_faults() == 0;
+}
+
+}  // namespace
+
+void add_stress_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<StressOptions>();
+  options->plan.method.name = "proxy";
+  options->plan.threads = std::max(1U, std::thread::hardware_concurrency());
+  const CommandLine command = app.add_subcommand("stress", "Numerical torture of a force method; exit code 0 only without any fault");
+  command.add_option("--method", options->plan.method.name, "Which method, one of: " + method_names()).shows_default();
+  command
+      .add_option("--layer", options->plan.method.smooth_layer,
+                  "smooth: share of RADIUS over which force builds up outside; 1 is the FDH paper's Algorithm 1 at full strength")
+      .between(0.0, 1.0)
+      .shows_default();
+  command
+      .add_option("--steps", options->plan.steps,
+                  "At least so many a body, shared by all scales and places: an episode, of up to 400, is never cut short. Where one scale "
+                  "gets 10,000, walks of 20,000 steps come on top")
+      .positive()
+      .shows_default();
+  command.add_option("--seed", options->plan.seed, "Of every random choice").shows_default();
+  command.add_option("--body", options->bodies, "Only this body (again for more): " + body_names());
+  command.add_option("--mesh", options->files, "A mesh file instead (again for more)");
+  command.add_flag("--no-seal", options->plan.no_seal,
+                   "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
+  command.add_option("--probe-share", options->plan.probe_share, "Probe radius as a share of the longest side; 0: as the body says")
+      .between(0.0, 1.0);
+  command.add_option("--scale", options->scale, "Only this scale").positive();
+  command.add_option("--offset", options->offset, "Only this offset, in extents").not_negative();
+  command.add_option("--friction-static", options->friction_static, "Only with this friction").not_negative();
+  command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one").not_negative();
+  command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
+  command
+      .add_option("--rest-every", options->plan.rest_every,
+                  "Every how many steps the reference is asked whether the proxy is at rest; 0: on suspicion only")
+      .shows_default();
+  command.add_option("--substeps", options->plan.method.reference_substeps, "Of the reference, where it is the method")
+      .between(1, 10000)
+      .shows_default();
+  command.add_option("--threads", options->plan.threads, "Variants tortured at a time").between(1, 1024).shows_default();
+  command.add_option("--out", options->out, "Folder for stress.json");
+  command.on_run([options, &exit_code] {
+    const auto clean = torture(*options);
+    if (!clean) fmt::print(stderr, "hapton stress: {}\n", clean.error().what);
+    exit_code = clean && *clean ? 0 : 1;
+  });
+}
+
+}  // namespace hapton

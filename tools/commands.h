@@ -1,0 +1,85 @@
+#pragma once
+
+#include "tools/command_line.h"
+
+namespace hapton {
+
+// Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
+// only when what was asked for succeeded, 1 otherwise. RT: no.
+
+// hapton bench [numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
+void add_bench_command(CommandLine app, int& exit_code);
+
+// hapton doctor: problems of this machine for haptics, each with the command that fixes it. Exit code 0: none, 1: problems.
+void add_doctor_command(CommandLine app, int& exit_code);
+
+// hapton echo --bind ADDR:PORT [--seconds N] [--rt MODE]: returns every UDP datagram to its sender at the least cost there is.
+void add_echo_command(CommandLine app, int& exit_code);
+
+// hapton figures --out DIR: draws the pictures of docs/methods.md with gnuplot.
+void add_figures_command(CommandLine app, int& exit_code);
+
+// hapton governor: runs hostile force programs against the safety governor of io_node. Exit code 0 only when every limit held.
+void add_governor_command(CommandLine app, int& exit_code);
+
+// hapton info FILE: counts, size and flaws of a mesh, or the objects of a scene.
+void add_info_command(CommandLine app, int& exit_code);
+
+// hapton judge --mesh FILE --method proxy: a method's force error against the reference along a generated trajectory.
+void add_judge_command(CommandLine app, int& exit_code);
+
+// hapton keygen: a new key file for nodes on several machines.
+void add_keygen_command(CommandLine app, int& exit_code);
+
+// hapton latency [run] [--seconds N] [--rate HZ] [--size B] [--vision] [--out DIR]: starts io_node and haptics_node on this machine beside
+// a bare echo and reports the force round trip, its hops, its ratio to the bare echo of the same run and a verdict; with --hosts HUB it
+// measures a system that is already running. hapton latency compare A B: two such reports side by side.
+void add_latency_command(CommandLine app, int& exit_code);
+
+// hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
+void add_plot_command(CommandLine app, int& exit_code);
+
+// hapton relay --hub HOST:PORT [--listen ADDRESS:PORT] [faults | --script FILE]: a bad network between the nodes and their hub.
+void add_relay_command(CommandLine app, int& exit_code);
+
+// hapton replay: runs the haptic step of the live node along a recorded trajectory and writes each step's output.
+void add_replay_command(CommandLine app, int& exit_code);
+
+// hapton session info|export|replay FILE: works on a recorded session.
+void add_session_command(CommandLine app, int& exit_code);
+
+// hapton set --hub HOST:PORT: changes a running system: servo rate, force method, or a report now.
+void add_set_command(CommandLine app, int& exit_code);
+
+// hapton soak: runs the nodes for hours. Exit code 0: memory, descriptors, threads and losses stayed flat, 1: not.
+void add_soak_command(CommandLine app, int& exit_code);
+
+// hapton stress --method proxy --steps N --seed S: numerical stress test. Exit code 0 only when no fault was found.
+void add_stress_command(CommandLine app, int& exit_code);
+
+// hapton top [--hub HOST:PORT] [--once] [--interval S]: a running system's nodes, rates, latencies and counters, in the terminal.
+void add_top_command(CommandLine app, int& exit_code);
+
+// hapton trajectory --mesh FILE --kind slide|free|tap|walk --seed N --out T.csv: generates a trajectory for replay.
+void add_trajectory_command(CommandLine app, int& exit_code);
+
+// The children of `hapton bench`.
+
+// hapton bench haptons: how many triangle pairs a millisecond one core collides on edge, located to 0.1 % (memo 3.0). Exit code 0 only when
+// that accuracy held for every pair.
+void add_bench_haptons_command(CommandLine bench, int& exit_code);
+
+// hapton bench numbers: the numbers to beat, target and measurement side by side, in one run.
+void add_bench_numbers_command(CommandLine bench, int& exit_code);
+
+// hapton bench objects: what other objects in the scene add to the cost of a step.
+void add_bench_objects_command(CommandLine bench, int& exit_code);
+
+// hapton bench papers: the figures that the HP memo and the FDH paper give for their own systems, measured again on this machine. Exit code
+// 0 only when every requested row was measured.
+void add_bench_papers_command(CommandLine bench, int& exit_code);
+
+// hapton bench pareto: run time against force error of every method and structure, with a plot.
+void add_bench_pareto_command(CommandLine bench, int& exit_code);
+
+}  // namespace hapton

@@ -1,0 +1,538 @@
+#include "tools/figures/figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <optional>
+
+#include "core/collision/fdh_directions.h"
+#include "core/collision/swept_sphere.h"
+#include "core/force/force_method.h"
+#include "core/force/smooth_force.h"
+#include "core/force/smooth_scene.h"
+#include "core/geometry/mesh_shapes.h"
+
+// Most pictures are cross-sections: the scene is a prism along z, the probe moves in the plane z = kSlice (not 0, where triangles may share
+// an edge). Lengths are drawn in millimetres.
+
+namespace hapton {
+namespace {
+
+using Outline = std::vector<Eigen::Vector2d>;
+
+constexpr double kSlice = 0.0013;
+constexpr double kPi = 3.14159265358979323846;
+
+constexpr const char* kBlue = "#0050c8";
+constexpr const char* kRed = "#d02020";
+constexpr const char* kGreen = "#009e60";
+constexpr const char* kOrange = "#d07000";
+constexpr const char* kSolid = "#dcdcd4";
+
+// Points of one data block, in metres; written in millimetres.
+class Points {
+ public:
+  Points& add(const Vec3& p) {
+    fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g}\n", 1e3 * p.x(), 1e3 * p.y());
+    return *this;
+  }
+  Points& add(const Vec3& from, const Vec3& way) {  // for vectors
+    fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g} {:.6g} {:.6g}\n", 1e3 * from.x(), 1e3 * from.y(), 1e3 * way.x(),
+                   1e3 * way.y());
+    return *this;
+  }
+  Points& gap() {
+    text_ += "\n";
+    return *this;
+  }
+  Points& line(const Vec3& from, const Vec3& to) { return add(from).add(to).gap(); }
+  std::string block(std::string_view name) const { return fmt::format("${} << EOD\n{}EOD\n", name, text_); }
+
+ private:
+  std::string text_;
+};
+
+Points outline_of(const Outline& outline) {
+  Points points;
+  for (const auto& p : outline) points.add({p.x(), p.y(), 0.0});
+  return points.add({outline.front().x(), outline.front().y(), 0.0});
+}
+
+std::string begin(std::string_view name, int width, int height) {
+  return fmt::format(
+      "set terminal pngcairo size {},{} font 'sans,13' background '#ffffff'\n"
+      "set output '{}.png.part'\n"
+      "set border 3 linecolor rgb '#909090'\n"
+      "set tics nomirror textcolor rgb '#404040'\n"
+      "set key below height 1.2 samplen 2 width 1 textcolor rgb '#202020'\n",
+      width, height, name);
+}
+
+TouchScene scene_of(TriangleMesh mesh) {
+  TouchScene scene;
+  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), Material{}});
+  return scene;
+}
+
+Vec3 at(double x_mm, double y_mm) { return {1e-3 * x_mm, 1e-3 * y_mm, kSlice}; }
+
+struct Sample {
+  Vec3 device;
+  MethodOutput felt;
+};
+
+Result<std::vector<Sample>> follow(const MethodSettings& settings, const TouchScene& scene, const std::vector<Vec3>& way) {
+  auto method = make_method(settings, scene);
+  if (!method) return tl::unexpected(method.error());
+  (*method)->reset(way.front());
+  std::vector<Sample> samples;
+  for (const Vec3& p : way) samples.push_back({p, (*method)->step({p, 1e-3})});
+  return samples;
+}
+
+// --- sweep: figure 4 of the memo -------------------------------------------------------------------------------------------------
+
+Result<Figure> draw_sweep() {
+  const Outline outline = {{-0.006, -0.004}, {0.012, -0.004}, {0.012, 0.0}, {-0.006, 0.0}};
+  MethodSettings settings;
+  settings.name = "sweep";
+  settings.offset_m = 0.0008;  // 60 times the memo's, to be seen
+  const auto samples = follow(settings, scene_of(make_prism(outline, 0.03, 1)),
+                              {at(-4.5, 2.0), at(-2.5, -1.6), at(0.0, -1.6), at(2.5, -1.6), at(5.0, -1.6), at(7.5, -1.6)});
+  if (!samples) return tl::unexpected(samples.error());
+  Points lines, devices, collisions, offsets, visuals, forces;
+  Vec3 start = samples->front().device;
+  for (std::size_t i = 1; i < samples->size(); ++i) {
+    const Sample& s = (*samples)[i];
+    lines.add(start, s.device - start);
+    devices.add(s.device);
+    collisions.add(s.felt.p_SP);
+    visuals.add(s.device, s.felt.p_SP - s.device);
+    const Vec3 direction = s.felt.force_n.normalized();
+    forces.add(s.device, direction * s.felt.force_n.norm() / Material{}.stiffness_n_per_m);
+    start = s.felt.p_SP + settings.offset_m * direction;
+    offsets.add(s.felt.p_SP, start - s.felt.p_SP);
+  }
+  std::string script = begin("sweep", 1000, 540) + outline_of(outline).block("solid") + lines.block("lines") + devices.block("devices") +
+                       collisions.block("collisions") + offsets.block("offsets") + visuals.block("visuals") + forces.block("forces");
+  script += fmt::format(
+      "set title 'sweep: each line starts one offset above the last collision point, so the point lags behind the probe'\n"
+      "set size ratio -1\n"
+      "set xrange [-5.2:9]\n"
+      "set yrange [-2.6:2.4]\n"
+      "set xlabel 'mm' offset 0,0.4\n"
+      "set label 1 'p_{{t-1}}' at -4.4,2.1\n"
+      "set label 2 'p_t' at -2.6,-2.0 front\n"
+      "plot $solid with filledcurves closed fillcolor rgb '{0}' notitle, $solid with lines linecolor rgb '#404040' linewidth 2 notitle, "
+      "\\\n $forces using 1:2:3:4 with vectors head filled size 0.18,18 linewidth 3 linecolor rgb '#f0b070' title 'force / k: height under "
+      "the plane', \\\n $visuals using 1:2:3:4 with vectors nohead linewidth 9 linecolor rgb '#b8c8e8' title 'visual offset', \\\n $lines "
+      "using 1:2:3:4 with vectors head filled size 0.2,15 linewidth 2 linecolor rgb '{1}' title 'sweep line', \\\n $offsets using 1:2:3:4 "
+      "with vectors nohead linewidth 5 linecolor rgb '{2}' title 'offset vector (60 times as long as the memo''s)', \\\n $collisions with "
+      "points pointtype 7 pointsize 1.5 linecolor rgb '{3}' title 'collision point', \\\n $devices with points pointtype 7 pointsize 1.5 "
+      "linecolor rgb 'black' title 'probe'\n",
+      kSolid, kBlue, kGreen, kRed);
+  return Figure{"sweep", script};
+}
+
+// --- Fixed Direction Hulls against boxes -----------------------------------------------------------------------------------------
+
+Outline clipped(const Outline& polygon, const Eigen::Vector2d& normal, double limit) {  // keeps normal . p <= limit
+  Outline kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d& p = polygon[i];
+    const Eigen::Vector2d& q = polygon[(i + 1) % polygon.size()];
+    const double from = normal.dot(p) - limit;
+    const double to = normal.dot(q) - limit;
+    if (from <= 0.0) kept.push_back(p);
+    if ((from < 0.0) != (to < 0.0) && from != to) kept.push_back(p + from / (from - to) * (q - p));
+  }
+  return kept;
+}
+
+// What the plane z = 0 cuts out of a hull.
+template <int K>
+Outline slice_of(const FdhHull<K>& hull) {
+  Outline polygon = {{hull.low[0], hull.low[1]}, {hull.high[0], hull.low[1]}, {hull.high[0], hull.high[1]}, {hull.low[0], hull.high[1]}};
+  for (int i = 3; i < K / 2; ++i) {
+    const auto& axis = FdhDirections<K>::kAxis[i];
+    const Eigen::Vector2d normal(axis[0], axis[1]);
+    if (!normal.isZero(0.0)) polygon = clipped(clipped(polygon, normal, hull.high[i]), -normal, -hull.low[i]);
+  }
+  return polygon;
+}
+
+double area_of(const Outline& p) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto& q = p[(i + 1) % p.size()];
+    twice += p[i].x() * q.y() - p[i].y() * q.x();
+  }
+  return 0.5 * twice;
+}
+
+struct Hulls {
+  FdhHull<6> box;
+  FdhHull<14> hull;
+};
+
+Result<Figure> draw_hulls() {
+  const TriangleMesh mesh = make_torus(0.03, 0.009, 96, 40);
+  constexpr int kParts = 12;
+  std::array<Hulls, kParts> parts;
+  Points cut;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
+    // Pieces as a tree's level has them: a twelfth of the ring, the outer wall near the plane.
+    if (middle.head<2>().norm() > 0.03 && std::fabs(middle.z()) < 0.004) {
+      const double turn = std::atan2(middle.y(), middle.x()) / (2.0 * kPi) + 1.0;
+      Hulls& part = parts[static_cast<std::size_t>(turn * kParts) % kParts];
+      for (int k = 0; k < 3; ++k) {
+        part.box.add(mesh.corner(t, k));
+        part.hull.add(mesh.corner(t, k));
+      }
+    }
+    std::vector<Vec3> ends;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& p = mesh.corner(t, k);
+      const Vec3& q = mesh.corner(t, (k + 1) % 3);
+      if ((p.z() < 0.0) != (q.z() < 0.0)) ends.push_back(p + p.z() / (p.z() - q.z()) * (q - p));
+    }
+    if (ends.size() == 2) cut.line(ends[0], ends[1]);
+  }
+  Points boxes, hulls;
+  double box_area = 0.0;
+  double hull_area = 0.0;
+  const auto add = [](Points& points, const Outline& polygon) {
+    for (const auto& p : polygon) points.add({p.x(), p.y(), 0.0});
+    points.add({polygon.front().x(), polygon.front().y(), 0.0}).gap();
+    return area_of(polygon);
+  };
+  for (const Hulls& part : parts) {
+    box_area += add(boxes, slice_of(part.box));
+    hull_area += add(hulls, slice_of(part.hull));
+  }
+  std::string script = begin("hulls", 900, 780) + cut.block("cut") + boxes.block("boxes") + hulls.block("hulls");
+  script += fmt::format(
+      "set title 'Fixed Direction Hulls around twelve pieces of a ring''s outer wall, cut through the middle'\n"
+      "set size ratio -1\n"
+      "set xrange [-42:42]\n"
+      "set yrange [-42:42]\n"
+      "set xlabel 'mm' offset 0,0.4\n"
+      "plot $boxes with lines linewidth 2 dashtype 2 linecolor rgb '{0}' title 'boxes: 6 directions, {3:.0f} mm^2 of the plane', \\\n "
+      "$hulls with filledcurves closed fillcolor rgb '#c8dcf8' notitle, $hulls with lines linewidth 2.5 linecolor rgb '{1}' title 'FDH: 14 "
+      "directions, {4:.0f} mm^2', \\\n $cut with lines linewidth 2 linecolor rgb '{2}' title 'the mesh'\n",
+      kOrange, kBlue, "#202020", 1e6 * box_area, 1e6 * hull_area);
+  return Figure{"hulls", script};
+}
+
+// --- Algorithm 1: edge planes and VCPs --------------------------------------------------------------------------------------------
+
+Result<Figure> draw_algorithm_1() {
+  Outline outline;
+  for (int degree = 15; degree <= 165; degree += 30)
+    outline.emplace_back(0.02 * std::cos(degree * kPi / 180), 0.02 * std::sin(degree * kPi / 180) - 0.008);
+  const auto scene = SmoothScene::build(scene_of(make_prism(outline, 0.05, 1)), {});
+  if (!scene) return tl::unexpected(scene.error());
+  constexpr double kRadius = 0.006;
+  Points planes, smooth, probes, vcps, flat;
+  for (std::size_t i = 1; i + 1 < outline.size(); ++i) {  // R_i in the cross-section: the line from an edge along its n_i
+    const Eigen::Vector2d n = ((outline[i] - outline[i - 1]).normalized() + (outline[i + 1] - outline[i]).normalized()).normalized();
+    const Vec3 foot(outline[i].x(), outline[i].y(), 0.0);
+    planes.line(foot, foot + 0.0085 * Vec3(n.y(), -n.x(), 0.0));
+  }
+  for (double degree = 48; degree <= 132; degree += 4) {
+    const Vec3 P(0.0235 * std::cos(degree * kPi / 180), 0.0235 * std::sin(degree * kPi / 180) - 0.008, kSlice);
+    SmoothForceSum sum(P, kRadius);
+    scene->for_each_near(P, kRadius, [&](const SetTriangle& t) { sum.add(t); });
+    const SmoothForce force = sum.combine(kRadius);
+    if (force.away.isZero(0.0)) continue;
+    probes.add(P);
+    vcps.add(force.D);
+    smooth.add(force.D, P - force.D);
+    const SetTriangle* nearest = nullptr;
+    double least = 1.0;
+    std::vector<SetTriangle> kept;
+    scene->for_each_near(P, kRadius, [&](const SetTriangle& t) { kept.push_back(t); });
+    for (const SetTriangle& t : kept) {
+      const Separation s = separation_from_triangle(P, t.corner[0], t.corner[1], t.corner[2]);
+      if (t.kind != SurfaceKind::kFace || s.distance >= least) continue;
+      least = s.distance;
+      nearest = &t;
+    }
+    if (nearest != nullptr) flat.add(P, 0.0035 * nearest->face);
+  }
+  std::string script = begin("algorithm1", 1000, 660) + outline_of(outline).block("solid") + planes.block("planes") +
+                       smooth.block("smooth") + probes.block("probes") + vcps.block("vcps") + flat.block("flat");
+  script += fmt::format(
+      "set title 'Algorithm 1 over a faceted ridge: n turns smoothly where a face''s own normal jumps'\n"
+      "set size ratio -1\n"
+      "set xrange [-19:19]\n"
+      "set yrange [2:21]\n"
+      "set xlabel 'mm' offset 0,0.4\n"
+      "set label 1 'R_i' at -7.9,19.6 textcolor rgb '{2}'\n"
+      "set label 2 'R_{{i+1}}' at 7.6,19.6 textcolor rgb '{2}'\n"
+      "set label 3 'T' at -0.3,10.2 font 'sans,16'\n"
+      "plot $solid with filledcurves closed fillcolor rgb '{0}' notitle, $solid with linespoints pointtype 7 pointsize 0.8 linecolor rgb "
+      "'#404040' linewidth 2 notitle, \\\n $planes with lines linewidth 2 dashtype 2 linecolor rgb '{2}' title 'planes R_i: edge and "
+      "smooth normal n_i', \\\n $flat using 1:2:3:4 with vectors head filled size 0.4,15 linewidth 1.5 linecolor rgb '#a8a8a8' title "
+      "'normal of the nearest face', \\\n $smooth using 1:2:3:4 with vectors nohead linewidth 2 linecolor rgb '{1}' title 'n: from D to "
+      "P', \\\n $vcps with points pointtype 7 pointsize 1.1 linecolor rgb '{3}' title 'virtual contact points D', \\\n $probes with points "
+      "pointtype 7 pointsize 1.1 linecolor rgb 'black' title 'probe P'\n",
+      kSolid, kBlue, kGreen, kRed);
+  return Figure{"algorithm1", script};
+}
+
+// --- proxy: over a ridge, in a fold ----------------------------------------------------------------------------------------------
+
+Result<Figure> draw_proxy() {
+  const Outline outline = {{-0.022, -0.014}, {0.022, -0.014}, {0.022, 0.005}, {0.006, -0.003}, {-0.007, 0.006}, {-0.022, -0.002}};
+  std::vector<Vec3> corners = {at(-16, 4), at(-14.5, -1.5), at(-7, 0.5), at(-1.5, -4), at(5.5, -7.5), at(13.5, -2.0)};
+  std::vector<Vec3> way;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const int parts = std::max(1, static_cast<int>((corners[i + 1] - corners[i]).norm() / 0.0009));
+    for (int k = 0; k < parts; ++k) way.push_back(corners[i] + (corners[i + 1] - corners[i]) * (double(k) / parts));
+  }
+  way.push_back(corners.back());
+  MethodSettings settings;
+  settings.name = "proxy";
+  const auto samples = follow(settings, scene_of(make_prism(outline, 0.06, 1)), way);
+  if (!samples) return tl::unexpected(samples.error());
+  Points devices, proxies, springs;
+  for (const Sample& s : *samples) {
+    devices.add(s.device);
+    proxies.add(s.felt.p_SP);
+    if (s.felt.contact) springs.add(s.device, s.felt.p_SP - s.device);
+  }
+  const Vec3 fold(outline[3].x(), outline[3].y(), 0.0);
+  Points planes;
+  for (const int other : {2, 4}) {
+    const Vec3 wall = (Vec3(outline[other].x(), outline[other].y(), 0.0) - fold).normalized();
+    planes.line(fold - 0.006 * wall, fold + 0.011 * wall);
+  }
+  std::string script = begin("proxy", 1000, 580) + outline_of(outline).block("solid") + devices.block("devices") +
+                       proxies.block("proxies") + springs.block("springs") + planes.block("planes");
+  script += fmt::format(
+      "set title 'proxy: the nearest place to the device that can be reached without crossing the surface'\n"
+      "set size ratio -1\n"
+      "set xrange [-20:20]\n"
+      "set yrange [-11.5:8]\n"
+      "set xlabel 'mm' offset 0,0.4\n"
+      "set label 1 'held by one plane' at -14,3.7 rotate by 28\n"
+      "set label 2 'past the ridge it catches up' at -5.6,5.9\n"
+      "set label 3 \"held by two planes: one proxy\\nfor many device points\" at 7,2.6 center\n"
+      "plot $solid with filledcurves closed fillcolor rgb '{0}' notitle, $solid with lines linecolor rgb '#404040' linewidth 2 notitle, "
+      "\\\n $planes with lines linewidth 2 dashtype 2 linecolor rgb '{3}' title 'contact planes in the fold', \\\n $springs using 1:2:3:4 "
+      "with vectors nohead linewidth 1.2 linecolor rgb '#909090' title 'spring: force / k', \\\n $devices with linespoints pointtype 7 "
+      "pointsize 0.9 linewidth 1 linecolor rgb 'black' title 'device', \\\n $proxies with points pointtype 7 pointsize 1.2 linecolor rgb "
+      "'{1}' title 'proxy'\n",
+      kSolid, kBlue, kRed, kOrange);
+  return Figure{"proxy", script};
+}
+
+// --- proxy: hover -----------------------------------------------------------------------------------------------------------------
+
+// A wall over one edge of a cross-section, in units of hover.
+struct Wall {
+  Vec3 a, b, c;
+  Separation separation(const Vec3& p) const { return separation_from_triangle(p, a, b, c); }
+};
+
+std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& strokes) {
+  std::vector<Wall> walls;
+  for (const auto& stroke : strokes) {
+    for (std::size_t i = 0; i + 1 < stroke.size(); ++i) {
+      const Vec3 p(stroke[i].x(), stroke[i].y(), 0.0);
+      const Vec3 q(stroke[i + 1].x(), stroke[i + 1].y(), 0.0);
+      const Vec3 deep(0.0, 0.0, 40.0);
+      walls.push_back({p - deep, q - deep, q + deep});
+      walls.push_back({p - deep, q + deep, p + deep});
+    }
+  }
+  return walls;
+}
+
+// How far a proxy at hover over the ground gets to the right, as a part of the motion; 1: all the way.
+double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
+  const Clearance clearance = {.rest = 1.0, .slack = 0.5, .tolerance = 0x1p-10};
+  double first = 1.0;
+  for (const Wall& wall : walls) first = std::min(first, time_to_block(wall, from, motion, 1.0, clearance));
+  return first;
+}
+
+Result<Figure> draw_hover() {
+  const std::vector<std::vector<Eigen::Vector2d>> strokes = {
+      {{-14, 0}, {-10.2, 0}}, {{-9.8, 0}, {-7.5, 0}, {-5.0, 3.0}, {-2.5, 0}, {2, 0}, {2, 0.4}, {6, 0.4}, {6, 1.1}, {11, 1.1}}};
+  const std::vector<Wall> walls = walls_over(strokes);
+  Points surface;
+  for (const auto& stroke : strokes) {
+    for (const auto& p : stroke) surface.add(1e-3 * Vec3(p.x(), p.y(), 0.0));
+    surface.gap();
+  }
+  std::string field = "$field << EOD\n";
+  for (double y = -3.0; y <= 5.0; y += 0.1) {
+    for (double x = -14.0; x <= 11.001; x += 0.1) {
+      double nearest = 1e9;
+      for (const Wall& wall : walls) nearest = std::min(nearest, wall.separation({x, y, 0.3}).distance);
+      fmt::format_to(std::back_inserter(field), "{:.3g} {:.3g} {:.4g}\n", x, y, nearest);
+    }
+    field += "\n";
+  }
+  field += "EOD\n";
+  Points ways;
+  const Vec3 low(-1.0, 1.0, 0.3);
+  const double over_low = free_part(walls, low, {5.5, 0.0, 0.0});
+  ways.add(1e-3 * low, 1e-3 * Vec3(5.5 * over_low, 0.0, 0.0));
+  const Vec3 high(3.5, 1.4, 0.3);
+  const double over_high = free_part(walls, high, {5.5, 0.0, 0.0});
+  ways.add(1e-3 * high, 1e-3 * Vec3(5.5 * over_high, 0.0, 0.0));
+  std::string script = begin("hover", 1000, 490) + field + surface.block("surface") + ways.block("ways");
+  script += fmt::format(
+      "set table $levels\n"
+      "set contour base\n"
+      "set cntrparam levels discrete 1\n"
+      "unset surface\n"
+      "splot $field using 1:2:3\n"
+      "unset table\n"
+      "set table $low\n"
+      "set cntrparam levels discrete 0.5\n"
+      "splot $field using 1:2:3\n"
+      "unset table\n"
+      "set title 'A point probe is a sphere of one hover, 2^{{-30}} of the scene: cracks are as tight as faces'\n"
+      "set size ratio -1\n"
+      "set xrange [-14:11]\n"
+      "set yrange [-3:4.6]\n"
+      "set xlabel 'hover' offset 0,0.4\n"
+      "set label 1 \"crack narrower\\nthan hover\" at -10,-1.7 center\n"
+      "set label 2 'ridge' at -5,4.3 center\n"
+      "set label 3 'fold' at -7.6,2.3 right\n"
+      "set label 4 \"step of 0.4 hover:\\n{3}\" at 1.6,-1.7 center\n"
+      "set label 5 \"step of 0.7 hover:\\n{4}\" at 7.8,-1.7 center\n"
+      "plot $levels using 1:2 with lines linewidth 2.5 linecolor rgb '{0}' title 'rest: a proxy in contact is here (distance 1)', \\\n "
+      "$low using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb '{1}' title 'rest - slack: it never comes nearer (distance 1/2)', "
+      "\\\n $surface with lines linewidth 4 linecolor rgb '#303030' title 'surface', \\\n $ways using 1:2:3:4 with vectors head filled "
+      "size 0.35,18 linewidth 3 linecolor rgb '{2}' title 'a motion to the right'\n",
+      kBlue, kRed, kGreen, over_low >= 1.0 ? "passed within the slack" : "stops", over_high >= 1.0 ? "passed" : "stops, then climbs");
+  return Figure{"hover", script};
+}
+
+// --- All methods on one slide ----------------------------------------------------------------------------------------------------
+
+// The top of the block that the slide goes over, left to right: a ridge of six facets, a groove.
+Outline profile() {
+  Outline top = {{-0.030, 0.0}};
+  for (int degree = 150; degree >= 30; degree -= 20)
+    top.emplace_back(-0.012 + 0.014 * std::cos(degree * kPi / 180), 0.014 * std::sin(degree * kPi / 180) - 0.007);
+  for (const auto& p :
+       {Eigen::Vector2d(0.006, 0.0), Eigen::Vector2d(0.012, -0.006), Eigen::Vector2d(0.018, 0.0), Eigen::Vector2d(0.030, 0.0)})
+    top.push_back(p);
+  return top;
+}
+
+double height_of(const Outline& top, double x) {
+  for (std::size_t i = 0; i + 1 < top.size(); ++i) {
+    if (x <= top[i + 1].x()) return top[i].y() + (x - top[i].x()) / (top[i + 1].x() - top[i].x()) * (top[i + 1].y() - top[i].y());
+  }
+  return top.back().y();
+}
+
+Result<Figure> draw_slide() {
+  const Outline top = profile();
+  Outline outline = {{-0.030, -0.020}, {0.030, -0.020}};
+  outline.insert(outline.end(), top.rbegin(), top.rend());
+  const TouchScene scene = scene_of(make_prism(outline, 0.06, 1));
+  std::vector<Vec3> way;
+  for (int i = 0; i <= 540; ++i) {  // 100 mm/s at 1 kHz, from 2 mm above to 1.2 mm under the surface
+    const double x = -0.027 + 1e-4 * i;
+    way.emplace_back(x, height_of(top, x) + 0.002 - 0.0032 * std::min(1.0, i / 30.0), kSlice);
+  }
+  struct Curve {
+    const char* block;
+    const char* method;
+    const char* title;
+    double offset_m;  // of sweep
+    const char* style;
+  };
+  const MethodSettings usual;
+  const std::array curves = {Curve{"memo", "sweep", "sweep, the memo's offset of 12.7 um: lags by centimetres", usual.offset_m,
+                                   "linewidth 1.5 dashtype 2 linecolor rgb '#d07000'"},
+                             Curve{"sweep", "sweep", "sweep, offset 0.5 mm", 0.0005, "linewidth 2 linecolor rgb '#d07000'"},
+                             Curve{"smooth", "smooth", "smooth", usual.offset_m, "linewidth 2.5 linecolor rgb '#009e60'"},
+                             Curve{"proxy", "proxy", "proxy", usual.offset_m, "linewidth 3.5 linecolor rgb '#70a8ff'"},
+                             Curve{"reference", "reference", "reference", usual.offset_m, "linewidth 1.2 linecolor rgb 'black'"}};
+  std::string data;
+  std::string plot_size;
+  std::string plot_direction;
+  for (const Curve& curve : curves) {
+    MethodSettings settings;
+    settings.name = curve.method;
+    settings.offset_m = curve.offset_m;
+    const auto samples = follow(settings, scene, way);
+    if (!samples) return tl::unexpected(samples.error());
+    data += fmt::format("${} << EOD\n", curve.block);
+    for (const Sample& s : *samples) {
+      const Vec3& F = s.felt.force_n;
+      const bool felt = F.norm() > 0.0;
+      fmt::format_to(std::back_inserter(data), "{:.5g} {:.5g} {}\n", 1e3 * s.device.x(), F.norm(),
+                     felt ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
+    }
+    data += "EOD\n";
+    const char* comma = plot_size.empty() ? "" : ", ";
+    plot_size += fmt::format("{}${} using 1:2 with lines {} title \"{}\"", comma, curve.block, curve.style, curve.title);
+    plot_direction += fmt::format("{}${} using 1:3 with lines {} notitle", comma, curve.block, curve.style);
+  }
+  Points device;
+  for (const Vec3& p : way) device.add(p);
+  std::string script = begin("slide", 1000, 860) + data + outline_of(outline).block("solid") + device.block("device");
+  script += fmt::format(
+      "set multiplot\n"
+      "set key inside top right height 0\n"
+      "set lmargin at screen 0.09\n"
+      "set rmargin at screen 0.98\n"
+      "set xrange [-28:28]\n"
+      "set grid xtics ytics linecolor rgb '#e4e4e4'\n"
+      "set tmargin at screen 0.95\n"
+      "set bmargin at screen 0.76\n"
+      "set yrange [-9:9]\n"
+      "set ylabel 'mm'\n"
+      "set format x ''\n"
+      "set title 'One slide at 100 mm/s, 1.2 mm under a faceted ridge and a groove, k = 1000 N/m'\n"
+      "plot $solid with filledcurves closed fillcolor rgb '{}' notitle, $solid with lines linecolor rgb '#404040' linewidth 2 notitle, "
+      "$device with lines linewidth 1.5 linecolor rgb '{}' title 'device'\n"
+      "unset title\n"
+      "set tmargin at screen 0.74\n"
+      "set bmargin at screen 0.42\n"
+      "set yrange [0:3.6]\n"
+      "set ylabel '|F|, N'\n"
+      "set key top right Left reverse height 0\n"
+      "plot {}\n"
+      "set tmargin at screen 0.39\n"
+      "set bmargin at screen 0.07\n"
+      "set yrange [-80:80]\n"
+      "set ytics 20\n"
+      "set ylabel 'direction of F, degrees from upright'\n"
+      "set xlabel 'device, x in mm' offset 0,0.4\n"
+      "set format x '%g'\n"
+      "plot {}\n"
+      "unset multiplot\n"
+      "set key inside top right height 0\n",
+      kSolid, kRed, plot_size, plot_direction);
+  return Figure{"slide", script};
+}
+
+}  // namespace
+
+Result<std::vector<Figure>> make_figures() {
+  std::vector<Figure> figures;
+  for (const auto draw : {draw_sweep, draw_hulls, draw_algorithm_1, draw_proxy, draw_hover, draw_slide}) {
+    auto figure = draw();
+    if (!figure) return tl::unexpected(figure.error());
+    figures.push_back(std::move(*figure));
+  }
+  return figures;
+}
+
+}  // namespace hapton

@@ -1,0 +1,103 @@
+#include <fmt/core.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "core/force/force_method.h"
+#include "link/link_key.h"
+#include "link/messages.h"
+#include "runtime/atomic_file.h"
+#include "runtime/realtime.h"
+#include "tools/commands.h"
+#include "tools/latency/latency_compare.h"
+#include "tools/latency/latency_run.h"
+
+namespace hapton {
+namespace {
+
+// The exit code of a run that says whether its rate was held, or only whether there is something to read.
+enum class Exit { by_verdict, by_measurement };
+
+int run(const LatencyRunOptions& options, Exit exit) {
+  const auto ran = run_latency(options);
+  if (!ran) {
+    fmt::print(stderr, "hapton latency: {}\n", ran.error().what);
+    return 1;
+  }
+  fmt::print("{}", ran->text);
+  return exit == Exit::by_measurement || ran->holds ? 0 : 1;
+}
+
+struct CompareOptions {
+  std::string a;
+  std::string b;
+  std::string json;
+};
+
+Result<void> compare(const CompareOptions& options) {
+  const auto a = read_report_json(options.a);
+  if (!a) return tl::unexpected(a.error());
+  const auto b = read_report_json(options.b);
+  if (!b) return tl::unexpected(b.error());
+  fmt::print("A {}\nB {}\n{}", options.a, options.b, compare_text(*a, *b));
+  if (options.json.empty()) return {};
+  return write_file_atomically(options.json, compare_json(*a, *b).dump(2) + "\n");
+}
+
+int run_compare(const CompareOptions& options) {
+  const auto compared = compare(options);
+  if (!compared) fmt::print(stderr, "hapton latency compare: {}\n", compared.error().what);
+  return compared ? 0 : 1;
+}
+
+void add_run_options(CommandLine command, LatencyRunOptions& options) {
+  command.add_option("--seconds", options.seconds, "How long").between(0.5, 1e6).shows_default();
+  command.add_option("--out", options.out, "Folder for report.json, latency.csv, latency.png, latency.txt and the nodes' logs")
+      .shows_default();
+  const CommandOption hosts =
+      command.add_option("--hosts", options.hosts, "Measure the system whose hub runs at HOST[:PORT], instead of starting one here");
+  command.add_option("--key", options.key_file, kKeyHelp).needs(hosts);
+  const CommandOption of_our_own[] = {
+      command.add_option("--rate", options.rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default(),
+      command.add_option("--size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
+          .between(std::size_t{0}, kMaxDatagramBytes)
+          .shows_default(),
+      command.add_flag("--vision", options.vision, "A vision node takes part: device to picture, motion to photon"),
+      command.add_option("--scene", options.scene, "What is touched").shows_default(),
+      command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
+      command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
+          .one_of({"try", "require", "off"})
+          .shows_default(),
+      command.add_option("--cpu", options.cpu, "Nodes and echo all stay on this CPU; -1: any; the last one by itself")
+          .between(-1, 1023)
+          .shows_default()};
+  for (const CommandOption option : of_our_own) hosts.excludes(option);
+}
+
+}  // namespace
+
+void add_latency_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<LatencyRunOptions>();
+  options->cpu = find_shared_cpu();
+  const CommandLine command = app.add_subcommand("latency", "Measure the force round trip, beside a bare UDP echo; compare runs");
+  command.require_subcommands(0, 1);
+  add_run_options(command, *options);
+  const CommandLine run_command = command.add_subcommand("run", "The same, and the exit code says whether the rate was held");
+  add_run_options(run_command, *options);
+  run_command.on_run([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
+
+  auto compared = std::make_shared<CompareOptions>();
+  const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");
+  compare_command.add_option("A", compared->a, "Folder of a run, or its report.json").required();
+  compare_command.add_option("B", compared->b, "Another one").required();
+  compare_command.add_option("--json", compared->json, "Write the comparison to this file too");
+  compare_command.on_run([compared, &exit_code] { exit_code = run_compare(*compared); });
+
+  command.on_run([command, options, &exit_code] {
+    if (!command.has_subcommand()) exit_code = run(*options, Exit::by_measurement);
+  });
+}
+
+}  // namespace hapton

@@ -1,0 +1,251 @@
+#include "tools/latency/latency_run.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "runtime/atomic_file.h"
+#include "runtime/bare_timer.h"
+#include "runtime/hop_table.h"
+#include "runtime/stop_signal.h"
+#include "tools/child_process.h"
+#include "tools/latency/latency_csv.h"
+#include "tools/latency/latency_plot.h"
+#include "tools/latency/latency_verdict.h"
+#include "tools/latency/latency_window.h"
+#include "tools/live/hub_report.h"
+#include "tools/local_node.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
+constexpr double kLongestTimerSeconds = 5.0;
+
+Result<void> measure_here(const LatencyRunOptions& options) {
+  const auto echo_at = find_free_address();
+  const auto hub_at = find_free_address();
+  if (!echo_at || !hub_at) {
+    return tl::unexpected(echo_at ? hub_at.error() : echo_at.error());
+  }
+  const std::filesystem::path own = find_own_folder();
+  const std::string cpu = fmt::format("{}", options.cpu);
+  // Scheduled as the nodes are: else their ratio would tell of the scheduler.
+  auto echo = LocalNode::start(options.out, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
+  if (!echo) {
+    return tl::unexpected(echo.error());
+  }
+  std::vector<std::string> arguments = {"--hub", *hub_at, "--scene", options.scene.string(), "--rt", options.realtime, "--cpu", cpu};
+  if (!options.method.empty()) {
+    arguments.insert(arguments.end(), {"--method", options.method});
+  }
+  auto haptics = LocalNode::start(options.out, "haptics_node", own / "haptics_node", std::move(arguments));
+  if (!haptics) {
+    return tl::unexpected(haptics.error());
+  }
+  LocalVision vision;
+  if (options.vision) {
+    if (const auto started = vision.start(options.out, {"--hub", *hub_at, "--scene", options.scene.string()}); !started) {
+      return started;
+    }
+  }
+  for (const auto& ready : {echo->wait_for("echo at"), haptics->wait_for("ready")}) {
+    if (!ready) {
+      return ready;
+    }
+  }
+  auto io = LocalNode::start(options.out, "io_node", own / "io_node",
+                             {"--bind", *hub_at, "--echo-probe", *echo_at, "--echo-size", fmt::format("{}", options.echo_bytes), "--rate",
+                              fmt::format("{}", options.rate_hz), "--seconds", fmt::format("{}", options.seconds), "--out",
+                              options.out.string(), "--rt", options.realtime, "--cpu", cpu});
+  if (!io) {
+    return tl::unexpected(io.error());
+  }
+  for (const auto& ended : {io->wait_for_end(options.seconds + kGraceSeconds), haptics->stop(), echo->stop(), vision.stop()}) {
+    if (!ended) {
+      return ended;
+    }
+  }
+  return {};
+}
+
+// A quarter of the time, on the CPU and at the priority of the nodes.
+Result<BareTimer> measure_timer(const LatencyRunOptions& options) {
+  const auto mode = parse_realtime_mode(options.realtime);
+  if (!mode) {
+    return tl::unexpected(mode.error());
+  }
+  const bool is_ordinary = *mode == RealtimeMode::off;
+  return measure_bare_timer({.mode = *mode, .priority = is_ordinary ? 0 : 80, .cpu = is_ordinary ? -1 : options.cpu, .lock_memory = false},
+                            options.rate_hz, std::min(0.25 * options.seconds, kLongestTimerSeconds));
+}
+
+// The nodes, with the bare timer of the same CPU before and after them: beside them it would be in their way.
+Result<BareTimer> measure_between_timers(const LatencyRunOptions& options) {
+  auto timer = measure_timer(options);
+  if (!timer) {
+    return timer;
+  }
+  if (const auto measured = measure_here(options); !measured) {
+    return tl::unexpected(measured.error());
+  }
+  const auto after = measure_timer(options);
+  if (!after) {
+    return after;
+  }
+  timer->merge(*after);
+  return timer;
+}
+
+Result<void> measure_hub(const LatencyRunOptions& options) {
+  const auto reader = HubReader::open(options.hosts, options.key_file);
+  if (!reader) {
+    return tl::unexpected(reader.error());
+  }
+  const auto before = (*reader)->read();
+  if (!before) {
+    return tl::unexpected(before.error());
+  }
+  (*reader)->idle(options.seconds);
+  const auto now = (*reader)->read();
+  if (!now) {
+    return tl::unexpected(now.error());
+  }
+  const auto json_before = Json::parse(before->json, nullptr, false);
+  const auto json_now = Json::parse(now->json, nullptr, false);
+  if (!json_before.is_object() || !json_now.is_object()) {
+    return fail("the hub at {} gives a report that cannot be read; it is another build", options.hosts);
+  }
+  const auto hops_now = parse_latency_csv(now->csv, "the hub's latency.csv");
+  if (!hops_now) {
+    return tl::unexpected(hops_now.error());
+  }
+  const auto hops = subtract_hops(*hops_now, parse_latency_csv(before->csv, "the hub's latency.csv").value_or(std::vector<HopCounts>()));
+  if (const auto written = write_file_atomically(options.out / "latency.csv", to_csv(hops)); !written) {
+    return written;
+  }
+  return write_file_atomically(options.out / "report.json", make_window_report(json_before, json_now, hops).dump(2) + "\n");
+}
+
+double number(const Json& report, const char* section, const char* name) { return report.value(section, Json::object()).value(name, 0.0); }
+
+std::string hops_text(const Json& hops) {
+  std::vector<HopRow> rows;
+  for (const auto& [name, hop] : hops.items()) {
+    rows.push_back({.name = name,
+                    .n = hop.value("n", std::uint64_t{0}),
+                    .p50_us = hop.value("p50_us", 0.0),
+                    .p90_us = hop.value("p90_us", 0.0),
+                    .p99_us = hop.value("p99_us", 0.0),
+                    .p99_9_us = hop.value("p99_9_us", 0.0),
+                    .max_us = hop.value("max_us", 0.0)});
+  }
+  return make_hop_table(rows);
+}
+
+std::string counts_text(const Json& report) {
+  const auto count = [&](const char* name) { return number(report, "counters", name); };
+  const double seconds = std::max(1e-9, report.value("seconds", 0.0));
+  std::string text = fmt::format(
+      "{:.0f} samples, {:.0f} forces, {:.0f} in contact; {:.0f} late, {:.0f} lost, {:.0f} superseded, {:.0f} reordered, {:.0f} cycles "
+      "missed\n",
+      count("samples"), count("forces"), count("contact_samples"), count("late"), count("lost"), count("superseded"), count("reordered"),
+      count("missed_cycles"));
+  text +=
+      fmt::format("on the wire: {:.0f} datagrams/s out ({:.1f} kB/s), {:.0f} in ({:.1f} kB/s)\n", count("datagrams_sent") / seconds,
+                  1e-3 * count("bytes_sent") / seconds, count("datagrams_received") / seconds, 1e-3 * count("bytes_received") / seconds);
+  return text +
+         fmt::format("haptics' clock ahead of the hub's: {}\n", report.value("notes", Json::object()).value("haptics_clock_ahead", "?"));
+}
+
+Json to_json(const BareTimer& timer) {
+  const auto late_us = [&](double share) { return 1e-3 * timer.lateness.quantile_ns(share); };
+  return {{"rate_hz", timer.rate_hz},        {"ticks", timer.ticks},
+          {"missed", timer.missed},          {"missed_share", timer.missed_share()},
+          {"late_p50_us", late_us(0.5)},     {"late_p99_us", late_us(0.99)},
+          {"late_p99_9_us", late_us(0.999)}, {"late_max_us", 1e-3 * static_cast<double>(timer.lateness.max_ns())}};
+}
+
+std::string timer_text(const Json& report, const BareTimer& timer) {
+  const double missed = number(report, "counters", "missed_cycles");
+  const double cycles = std::max(1.0, number(report, "counters", "samples") + missed);
+  const auto late_us = [&](double share) { return 1e-3 * timer.lateness.quantile_ns(share); };
+  return fmt::format(
+      "ticks missed: servo {:.3f} %, bare timer of the same CPU, before and after, {:.3f} % (late by p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f} "
+      "us)\n",
+      100.0 * missed / cycles, 100.0 * timer.missed_share(), late_us(0.5), late_us(0.99), late_us(0.999));
+}
+
+// Adds the verdict, and the bare timer if one was measured, to the report's file and tells it all.
+Result<LatencyRun> tell(const std::filesystem::path& file, const BareTimer* timer) {
+  const bool wants_echo = timer != nullptr;
+  auto json = Json::parse(read_text(file), nullptr, false);
+  if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
+    return fail("{}: is no latency report", file.string());
+  }
+  const auto verdict = judge_latency(json);
+  if (!verdict) {
+    return fail("{}: {}", file.string(), verdict.error().what);
+  }
+  const auto ratios = json.value("ratios", Json::object());
+  const bool has_echo = ratios.contains("round_trip_over_echo_p50");
+  if (wants_echo && !has_echo) {
+    return fail("{}: no echo was measured; see the logs beside it", file.string());
+  }
+  json["verdict"] = to_json(*verdict);
+  if (timer != nullptr) {
+    json["bare_timer"] = to_json(*timer);
+  }
+  if (const auto written = write_file_atomically(file, json.dump(2) + "\n"); !written) {
+    return tl::unexpected(written.error());
+  }
+  LatencyRun run{hops_text(json["hops"]) + counts_text(json), verdict->holds};
+  run.text += has_echo ? fmt::format("force round trip over bare echo of the same run: p50 {:.2f} x, p99 {:.2f} x\n",
+                                     number(json, "ratios", "round_trip_over_echo_p50"), number(json, "ratios", "round_trip_over_echo_p99"))
+                       : "no bare echo: the hub was started without --echo-probe\n";
+  run.text += timer != nullptr ? timer_text(json, *timer) : "";
+  run.text += to_text(*verdict);
+  return run;
+}
+
+}  // namespace
+
+Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) {
+    return fail("{}: cannot be made: {}", options.out.string(), error.message());
+  }
+  const bool is_here = options.hosts.empty();
+  if (is_here && !std::filesystem::exists(options.scene)) {
+    return fail("{}: there is no such scene here; name one with --scene", options.scene.string());
+  }
+  // An interrupt reaches the nodes as well: they end, the hub writes what it has, and that is reported.
+  const StopSignal interrupts;
+  Result<BareTimer> timer;
+  if (is_here) {
+    timer = measure_between_timers(options);
+  } else if (const auto measured = measure_hub(options); !measured) {
+    timer = tl::unexpected(measured.error());
+  }
+  if (!timer) {
+    return tl::unexpected(timer.error());
+  }
+  auto run = tell(options.out / "report.json", is_here ? &*timer : nullptr);
+  if (!run) {
+    return run;
+  }
+  const auto picture = draw_latency_plot(options.out);
+  run->text += fmt::format("report in {}; {}\n", options.out.string(), picture ? "plot in " + picture->string() : picture.error().what);
+  if (const auto written = write_file_atomically(options.out / "latency.txt", run->text); !written) {
+    return tl::unexpected(written.error());
+  }
+  return run;
+}
+
+}  // namespace hapton

@@ -1,0 +1,118 @@
+#include "tools/live/hub_report.h"
+
+#include <string_view>
+#include <utility>
+
+#include "link/hub_client.h"
+#include "link/link_key.h"
+#include "link/sealed_client.h"
+#include "link/udp_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
+constexpr std::int64_t kAskAgainNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
+constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;
+constexpr int kMostTries = 20;
+
+const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && hub.ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0"; }
+
+}  // namespace
+
+struct HubReader::State {
+  State(std::unique_ptr<Endpoint> endpoint_in, const RoleKey& key, const Address& hub_in)
+      : hub(hub_in), endpoint(std::move(endpoint_in)), sealed(*endpoint, clock, key, hub), client(sealed, clock, NodeRole::tool, hub) {}
+
+  bool wait_for_hub();
+  Result<std::string> read(ReportDocument document, std::uint32_t& revision);
+  bool hear_part(const ReportAsk& wanted, ReportPart& part);
+
+  SteadyClock clock;
+  Address hub;
+  std::unique_ptr<Endpoint> endpoint;
+  SealedClient sealed;
+  HubClient client;
+};
+
+bool HubReader::State::wait_for_hub() {
+  const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+  Datagram ignored;
+  while (client.state() != JoinState::joined && clock.now_ns() < end_ns) client.receive(ignored, clock.now_ns() + kTurnNs);
+  return client.state() == JoinState::joined;
+}
+
+// Until the part has come that was asked for, or the first of a newer report; false when it is time to ask again.
+bool HubReader::State::hear_part(const ReportAsk& wanted, ReportPart& part) {
+  const std::int64_t end_ns = clock.now_ns() + kAskAgainNs;
+  Datagram datagram;
+  while (client.receive(datagram, end_ns)) {
+    const auto* heard = std::get_if<ReportPart>(&datagram.message);
+    if (heard == nullptr || heard->document != wanted.document) continue;
+    const bool is_next = heard->revision == wanted.revision && heard->part == wanted.part;
+    const bool is_first_of_another = heard->revision != wanted.revision && heard->part == 0;
+    if (!is_next && !is_first_of_another) continue;
+    part = *heard;
+    return true;
+  }
+  return false;
+}
+
+Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_t& revision) {
+  ReportAsk wanted{document, revision, 0};
+  ReportPart part;
+  std::string text;
+  std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+  while (clock.now_ns() < end_ns) {
+    client.send(wanted);
+    if (!hear_part(wanted, part)) continue;
+    if (part.part == 0) text.clear();
+    text.append(part.text.data(), part.size);
+    revision = wanted.revision = part.revision;
+    wanted.part = part.part + 1;
+    end_ns = clock.now_ns() + kPatienceNs;
+    if (wanted.part == part.parts) return text;
+  }
+  return fail("the hub at {} gives no report; see what its terminal says", to_string(hub));
+}
+
+HubReader::HubReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+HubReader::~HubReader() = default;
+
+Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const std::string& key_file) {
+  const auto address = parse_address(hub);
+  if (!address) return tl::unexpected(address.error());
+  const auto key = find_role_key(key_file, *address, KeyRole::tool);
+  if (!key) return tl::unexpected(key.error());
+  auto endpoint = open_udp_endpoint(any_address_like(*address));
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  auto state = std::make_unique<State>(std::move(*endpoint), *key, *address);
+  if (!state->wait_for_hub()) {
+    return fail("no hub answers at {}; start io_node there, name another place with --hub, or give the hub's --key", to_string(*address));
+  }
+  return std::unique_ptr<HubReader>(new HubReader(std::move(state)));
+}
+
+// A report that the hub took long for was asked for twice, and the second may have taken the first one's place between the two documents.
+Result<HubReport> HubReader::read() {
+  std::uint32_t revision = 0;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    auto json = state_->read(ReportDocument::json, revision);
+    if (!json) return tl::unexpected(json.error());
+    const std::uint32_t json_revision = revision;
+    auto csv = state_->read(ReportDocument::csv, revision);
+    if (!csv) return tl::unexpected(csv.error());
+    if (revision == json_revision) return HubReport{std::move(*json), std::move(*csv)};
+  }
+  return fail("the hub at {} makes reports faster than they can be read; are there many who ask?", to_string(state_->hub));
+}
+
+bool HubReader::idle(double seconds) {
+  const std::int64_t end_ns = state_->clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
+  Datagram ignored;
+  while (state_->client.receive(ignored, end_ns)) {
+  }
+  return state_->client.state() == JoinState::joined;
+}
+
+}  // namespace hapton

@@ -1,0 +1,197 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "core/base/result.h"
+#include "core/force/force_method.h"
+#include "link/hub_client.h"
+#include "link/link_key.h"
+#include "link/random_id.h"
+#include "link/sealed_client.h"
+#include "link/udp_endpoint.h"
+#include "tools/commands.h"
+#include "tools/live/hub_report.h"
+
+namespace hapton {
+namespace {
+
+struct SetOptions {
+  std::string hub = "127.0.0.1";
+  std::string key_file;
+  double rate_hz = 0.0;
+  std::string method;
+  bool report = false;
+  bool reset_faults = false;
+};
+
+constexpr int kResetLooks = 5;
+constexpr std::int64_t kPatienceNs = 2 * kNanosecondsPerSecond;
+constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node tells its setup once a second
+constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
+constexpr std::int64_t kAskAgainNs = kNanosecondsPerSecond / 2;
+
+// Listens to the hub until it holds or patience ends; hears what the haptics node tells.
+template <class Condition>
+bool wait_until(HubClient& client, const Clock& clock, std::optional<HapticsSetup>& setup, std::int64_t patience_ns, Condition&& holds) {
+  const std::int64_t end_ns = clock.now_ns() + patience_ns;
+  Datagram datagram;
+  while (!holds()) {
+    const std::int64_t now_ns = clock.now_ns();
+    if (now_ns >= end_ns) {
+      return false;
+    }
+    if (!client.receive(datagram, now_ns + 20 * kNanosecondsPerMillisecond)) continue;
+    if (const auto* told = std::get_if<HapticsSetup>(&datagram.message)) setup = *told;
+  }
+  return true;
+}
+
+Result<Settings> make_settings(const SetOptions& options) {
+  if (options.rate_hz == 0.0 && options.method.empty() && !options.report && !options.reset_faults) {
+    return fail("nothing to set; give --rate, --method, --report or --reset-faults");
+  }
+  Settings settings;
+  settings.servo_rate_hz = options.rate_hz;
+  settings.report_now = options.report;
+  settings.reset_faults = options.reset_faults;
+  if (!options.method.empty() && (options.method.size() >= settings.method.size() || !is_method_name(options.method))) {
+    return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
+  }
+  std::copy(options.method.begin(), options.method.end(), settings.method.begin());
+  if (!options.method.empty()) settings.method_ask = static_cast<std::uint32_t>(make_random_id()) | 1U;
+  return settings;
+}
+
+// What the haptics node says to the method asked for. It is asked again until it answers: a datagram may get lost.
+Result<std::string> confirm_method(HubClient& client, const Clock& clock, const SetOptions& options, std::uint32_t ask,
+                                   std::optional<HapticsSetup>& setup) {
+  if (!wait_until(client, clock, setup, kSetupPatienceNs, [&] { return setup.has_value(); })) {
+    return fail("no haptics node has joined the hub, so no method is in use; start haptics_node");
+  }
+  Settings again;
+  std::copy(options.method.begin(), options.method.end(), again.method.begin());
+  again.method_ask = ask;
+  std::int64_t next_ask_ns = clock.now_ns() + kAskAgainNs;
+  const auto is_answered = [&] {
+    if (setup->method_ask == ask) return true;
+    if (clock.now_ns() >= next_ask_ns) {
+      client.send(again);
+      next_ask_ns += kAskAgainNs;
+    }
+    return false;
+  };
+  if (!wait_until(client, clock, setup, kBuildPatienceNs, is_answered)) {
+    return fail(
+        "the haptics node does not say that it uses {}; it is still building it, another method was asked for since, or it is another "
+        "build",
+        options.method);
+  }
+  if (setup->refusal[0] != '\0') return fail("the haptics node refuses: {}; the method in use stays", setup->refusal.data());
+  return fmt::format("method {} in use", options.method);
+}
+
+// What the hub says of its faults once it has had time to hear us.
+Result<std::string> confirm_reset(const SetOptions& options) {
+  const auto reader = HubReader::open(options.hub, options.key_file);
+  if (!reader) return tl::unexpected(reader.error());
+  std::string what;
+  for (int look = 0; look < kResetLooks; ++look) {
+    const auto texts = (*reader)->read();
+    if (!texts) return tl::unexpected(texts.error());
+    const auto report = nlohmann::json::parse(texts->json, nullptr, false);
+    const auto notes = report.is_object() ? report.value("notes", nlohmann::json::object()) : nlohmann::json::object();
+    const std::string fault = notes.value("safety_fault", "");
+    if (fault == "none") return std::string("no fault is latched, forces ramp in");
+    if (fault.empty()) return fail("the hub tells nothing of its faults; it is another build");
+    what = notes.value("safety_fault_is", fault);
+    (*reader)->idle(0.1);
+  }
+  if (const auto hub = parse_address(options.hub); hub && !is_loopback(*hub)) {
+    return fail(
+        "the fault stays: {}; mend its cause (docs/safety.md), then reset again on the hub's host, or while the dead man's switch is held",
+        what);
+  }
+  return fail("the fault stays, its cause is still there: {}; mend that (docs/safety.md), then reset again", what);
+}
+
+const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && hub.ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0"; }
+
+Result<std::string> set(const SetOptions& options) {
+  const auto settings = make_settings(options);
+  if (!settings) {
+    return tl::unexpected(settings.error());
+  }
+  const auto hub = parse_address(options.hub);
+  if (!hub) {
+    return tl::unexpected(hub.error());
+  }
+  const auto key = find_role_key(options.key_file, *hub, options.reset_faults ? KeyRole::operator_role : KeyRole::tool);
+  if (!key) {
+    return tl::unexpected(key.error());
+  }
+  auto endpoint = open_udp_endpoint(any_address_like(*hub));
+  if (!endpoint) {
+    return tl::unexpected(endpoint.error());
+  }
+  const SteadyClock clock;
+  SealedClient sealed(**endpoint, clock, *key, *hub);
+  HubClient client(sealed, clock, NodeRole::tool, *hub);
+  std::optional<HapticsSetup> setup;
+  if (!wait_until(client, clock, setup, kPatienceNs, [&] { return client.state() == JoinState::joined; })) {
+    return fail("no hub answers at {}; start io_node there, name another place with --hub, or give the hub's --key", to_string(*hub));
+  }
+  if (!client.send(*settings)) {
+    return fail("the settings could not be sent to {}", to_string(*hub));
+  }
+  const auto rate_holds = [&] {
+    return options.rate_hz == 0.0 || std::abs(client.servo_rate_hz() - options.rate_hz) <= 1e-3 * options.rate_hz;
+  };
+  if (!wait_until(client, clock, setup, kPatienceNs, rate_holds)) {
+    return fail("the hub at {} stays at {} Hz; ask for {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
+                kMaxServoRateHz);
+  }
+  std::string told = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
+  if (!options.method.empty()) {
+    const auto method = confirm_method(client, clock, options, settings->method_ask, setup);
+    if (!method) return method;
+    told += "; " + *method;
+  }
+  if (options.report) told += "; report asked for";
+  if (!options.reset_faults) return told;
+  const auto reset = confirm_reset(options);
+  return reset ? Result<std::string>(told + "; " + *reset) : reset;
+}
+
+int run(const SetOptions& options) {
+  const auto told = set(options);
+  if (!told) {
+    fmt::print(stderr, "hapton set: {}\n", told.error().what);
+    return 1;
+  }
+  fmt::print("{}\n", *told);
+  return 0;
+}
+
+}  // namespace
+
+void add_set_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<SetOptions>();
+  const CommandLine command = app.add_subcommand("set", "Change a running system");
+  command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
+  command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz);
+  command.add_option("--method", options->method, "Force method, one of: " + method_names());
+  command.add_flag("--report", options->report, "Have io_node write report.json and latency.csv now; hapton plot draws them");
+  command.add_flag("--reset-faults", options->reset_faults, "What latched the safety governor is mended: let the force ramp in again");
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton

@@ -1,0 +1,74 @@
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "link/link_key.h"
+#include "runtime/stop_signal.h"
+#include "tools/commands.h"
+#include "tools/live/hub_report.h"
+#include "tools/live/top_view.h"
+
+namespace hapton {
+namespace {
+
+struct TopOptions {
+  std::string hub = "127.0.0.1";
+  std::string key_file;
+  bool once = false;
+  double interval_s = 1.0;
+};
+
+// To the upper left corner; what stood there is overwritten line by line, so that nothing flickers.
+std::string on_terminal(const std::string& text) {
+  std::string painted = "\x1b[H";
+  for (const char c : text) painted += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
+  return painted + "\x1b[J";
+}
+
+Result<void> top(const TopOptions& options) {
+  const StopSignal stop;
+  const auto reader = HubReader::open(options.hub, options.key_file);
+  if (!reader) return tl::unexpected(reader.error());
+  const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once;
+  std::optional<TopLook> before;
+  do {
+    const auto texts = (*reader)->read();
+    if (!texts) return stop.stop_requested() ? Result<void>() : tl::unexpected(texts.error());
+    auto now = read_top_look(texts->json, texts->csv);
+    if (!now) return tl::unexpected(now.error());
+    const std::string view = make_top_view(options.hub, *now, before ? &*before : nullptr);
+    fmt::print("{}", paints ? on_terminal(view) : view + (options.once ? "" : "\n"));
+    std::fflush(stdout);
+    before = std::move(*now);
+    for (double left_s = options.once ? 0.0 : options.interval_s; left_s > 0.0 && !stop.stop_requested(); left_s -= 0.1) {
+      (*reader)->idle(std::min(left_s, 0.1));
+    }
+  } while (!options.once && !stop.stop_requested());
+  return {};
+}
+
+int run(const TopOptions& options) {
+  const auto ended = top(options);
+  if (!ended) fmt::print(stderr, "hapton top: {}\n", ended.error().what);
+  return ended ? 0 : 1;
+}
+
+}  // namespace
+
+void add_top_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<TopOptions>();
+  const CommandLine command = app.add_subcommand("top", "Watch a running system: nodes, rates, latencies, counters");
+  command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
+  command.add_flag("--once", options->once, "Show it once, with the figures since the hub's start, and end");
+  command.add_option("--interval", options->interval_s, "Seconds between two looks").between(0.2, 3600.0).shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton

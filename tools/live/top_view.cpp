@@ -1,0 +1,131 @@
+#include "tools/live/top_view.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "runtime/report.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::json;
+
+const Json& section(const Json& report, const char* name) {
+  static const Json kNone = Json::object();
+  const auto found = report.find(name);
+  return found == report.end() ? kNone : *found;
+}
+
+double number(const Json& of, const std::string& name) {
+  return of.is_object() && of.contains(name) && of[name].is_number() ? of[name].get<double>() : 0.0;
+}
+std::string word(const Json& of, const char* name) {
+  return of.is_object() && of.contains(name) && of[name].is_string() ? of[name].get<std::string>() : "";
+}
+
+// What one report less another says; the whole of it where the other is of an earlier life of the hub, or there is none.
+struct Span {
+  const Json& now;
+  const Json* before;
+  double seconds;
+};
+
+Span make_span(const TopLook& now, const TopLook* before) {
+  const double passed_s = before == nullptr ? 0.0 : number(now.report, "seconds") - number(before->report, "seconds");
+  if (passed_s <= 0.0) return {now.report, nullptr, number(now.report, "seconds")};
+  return {now.report, &before->report, passed_s};
+}
+
+double counted(const Span& span, const char* name) {
+  const double earlier = span.before == nullptr ? 0.0 : number(section(*span.before, "counters"), name);
+  return number(section(span.now, "counters"), name) - earlier;
+}
+
+double per_second(const Span& span, const char* counter) { return span.seconds > 0.0 ? counted(span, counter) / span.seconds : 0.0; }
+
+// The node under the same address before, if it was there.
+const Json* find_node(const Json* report, const Json& node) {
+  if (report == nullptr) return nullptr;
+  for (const Json& other : section(*report, "nodes")) {
+    if (word(other, "address") == word(node, "address") && number(other, "received") <= number(node, "received")) return &other;
+  }
+  return nullptr;
+}
+
+// One line; none of a hub that tells nothing of it.
+std::string safety_text(const Json& report) {
+  const Json& notes = section(report, "notes");
+  const Json& ratios = section(report, "ratios");
+  if (word(notes, "governor").empty()) return "";
+  const std::string fault = word(notes, "safety_fault_is");
+  const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
+  // The hand may have given more than it got: then nothing is spent.
+  const double spent = std::max(0.0, number(ratios, "energy_spent"));
+  return fmt::format("safety governor {}{}; thermal load {:.0f} %, energy {:.0f} % of its budget\n", word(notes, "governor"), reset,
+                     100.0 * number(ratios, "thermal_load"), 100.0 * spent);
+}
+
+std::string nodes_text(const Span& span) {
+  std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "heard/s", "sent/s", "lost",
+                                 "reordered", "there for");
+  for (const Json& node : section(span.now, "nodes")) {
+    const Json* earlier = find_node(span.before, node);
+    const double seconds = earlier == nullptr ? number(node, "seconds") : span.seconds;
+    const auto rate = [&](const char* name) {
+      return seconds > 0.0 ? (number(node, name) - (earlier == nullptr ? 0.0 : number(*earlier, name))) / seconds : 0.0;
+    };
+    text += fmt::format("{:<9} {:<28} {:>12.1f} {:>12.1f} {:>8.0f} {:>10.0f} {:>8.0f} s\n", word(node, "role"), word(node, "address"),
+                        rate("received"), rate("sent"), number(node, "lost"), number(node, "reordered"), number(node, "seconds"));
+  }
+  return section(span.now, "nodes").empty() ? text + "(none has joined)\n" : text;
+}
+
+std::string hops_text(const std::vector<HopCounts>& hops) {
+  std::string text = fmt::format("{:<18} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "latency, us", "n", "p50", "p90", "p99", "p99.9", "max");
+  for (const HopCounts& hop : hops) {
+    text += fmt::format("{:<18} {:>9} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f} {:>9.1f}\n", hop.name, hop.total(), hop.quantile_us(0.5),
+                        hop.quantile_us(0.9), hop.quantile_us(0.99), hop.quantile_us(0.999), hop.quantile_us(1.0));
+  }
+  return text;
+}
+
+std::string counters_text(const Span& span) {
+  std::string text = fmt::format("{:<28} {:>12}{}\n", "counter", "total", span.before == nullptr ? "" : "   since last");
+  for (const auto& [name, value] : section(span.now, "counters").items()) {
+    if (!value.is_number() || value == 0) continue;
+    text += fmt::format("{:<28} {:>12}", name, value.dump());
+    text += span.before == nullptr ? "\n" : fmt::format(" {:>+12.0f}\n", counted(span, name.c_str()));
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
+  TopLook look;
+  look.report = Json::parse(json, nullptr, false);
+  if (!look.report.is_object() || word(look.report, "schema") != kReportSchema) {
+    return fail("the hub's report is not of schema {}; it is another build", kReportSchema);
+  }
+  // A hub without any duration yet is no error.
+  if (auto hops = parse_latency_csv(csv, "the hub's latency.csv")) look.hops = std::move(*hops);
+  return look;
+}
+
+std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before) {
+  const Span span = make_span(now, before);
+  const Json& rates = section(now.report, "rates_hz");
+  std::string text = fmt::format("hub {} on {}: up {:.0f} s, device {}, servo {:.1f} Hz of {:g} Hz asked\n", hub,
+                                 word(section(now.report, "machine"), "host"), number(now.report, "seconds"),
+                                 word(section(now.report, "notes"), "device"), per_second(span, "samples"), number(rates, "servo_asked"));
+  text +=
+      fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
+                  1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));
+  if (const std::string safety = safety_text(now.report); !safety.empty()) text += safety + "\n";
+  text += nodes_text(span) + "\n";
+  text += hops_text(span.before == nullptr ? now.hops : subtract_hops(now.hops, before->hops)) + "\n";
+  return text + counters_text(span);
+}
+
+}  // namespace hapton

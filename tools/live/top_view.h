@@ -1,0 +1,26 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "tools/latency/latency_csv.h"
+
+namespace hapton {
+
+// A hub's report at one moment.
+struct TopLook {
+  nlohmann::json report;
+  std::vector<HopCounts> hops;
+};
+
+// From the hub's texts. Error: they are none of a report.
+Result<TopLook> read_top_look(const std::string& json, const std::string& csv);
+
+// What `hapton top` shows: nodes with their datagrams a second, hops, counters that are not zero. Rates, hops and the second column of the
+// counters are of the time between the two looks; without an earlier one, of the time since the hub's start.
+// RT: no.
+std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before);
+
+}  // namespace hapton

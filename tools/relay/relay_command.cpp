@@ -1,0 +1,152 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "link/random_id.h"
+#include "link/relay_endpoint.h"
+#include "link/udp_endpoint.h"
+#include "runtime/atomic_file.h"
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
+#include "tools/commands.h"
+#include "tools/relay/relay_report.h"
+#include "tools/relay/relay_script.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kLongestDelayMs = 60'000.0;
+constexpr std::int64_t kLookEveryNs = 50 * kNanosecondsPerMillisecond;
+
+struct RelayOptions {
+  std::string listen = "127.0.0.1:0";
+  std::string hub = "127.0.0.1";
+  std::string direction = "both";
+  std::string script;
+  std::string json;
+  std::optional<std::uint64_t> seed;
+  double seconds = 0.0;
+  LinkFaults faults;
+  double delay_ms = 0.0;
+  double jitter_ms = 0.0;
+  double reorder_ms = 1e-6 * static_cast<double>(LinkFaults().reorder_by_ns);
+};
+
+std::int64_t to_ns(double ms) { return std::llround(1e6 * ms); }
+
+FaultSchedule make_schedule(const RelayOptions& options) {
+  LinkFaults faults = options.faults;
+  faults.delay_ns = to_ns(options.delay_ms);
+  faults.jitter_ns = to_ns(options.jitter_ms);
+  faults.reorder_by_ns = to_ns(options.reorder_ms);
+  FaultPhase phase{.name = "flags", .to_hub = {}, .to_nodes = {}};
+  if (options.direction != "to-nodes") phase.to_hub = faults;
+  if (options.direction != "to-hub") phase.to_nodes = faults;
+  return {.phases = {std::move(phase)}, .repeat = false};
+}
+
+Result<RelaySettings> make_settings(const RelayOptions& options) {
+  const auto hub = parse_address(options.hub);
+  if (!hub) return tl::unexpected(hub.error());
+  RelaySettings settings{.listen = options.listen, .hub = *hub, .schedule = make_schedule(options), .seed = 1};
+  std::optional<std::uint64_t> seed = options.seed;
+  if (!options.script.empty()) {
+    auto script = read_relay_script(options.script);
+    if (!script) return tl::unexpected(script.error());
+    settings.schedule = std::move(script->schedule);
+    if (!seed) seed = script->seed;
+  }
+  // Short enough to be typed again.
+  settings.seed = seed.value_or(make_random_id() % 1'000'000);
+  return settings;
+}
+
+// Tells when another phase begins.
+class PhaseTeller {
+ public:
+  explicit PhaseTeller(const FaultSchedule& schedule) : schedule_(schedule) {}
+  void look(const RelayEndpoint& relay) {
+    if (relay.phase() == told_) return;
+    told_ = relay.phase();
+    if (schedule_.phases.size() == 1 && schedule_.phases[0].duration_ns == FaultPhase::kForever) return;
+    fmt::print("phase {}\n", told_ < schedule_.phases.size() ? schedule_.phases[told_].name : "none: the network is good");
+    std::fflush(stdout);
+  }
+
+ private:
+  const FaultSchedule& schedule_;
+  std::size_t told_ = static_cast<std::size_t>(-1);
+};
+
+Result<void> relay(const RelayOptions& options) {
+  const auto settings = make_settings(options);
+  if (!settings) return tl::unexpected(settings.error());
+  auto opened = RelayEndpoint::open(*settings);
+  if (!opened) return tl::unexpected(opened.error());
+  fmt::print("relay at {}, hub {}, seed {}\n", to_string(opened->local_address()), to_string(settings->hub), settings->seed);
+  std::fflush(stdout);
+  const StopSignal stop;
+  const SteadyClock clock;
+  const std::int64_t start_ns = clock.now_ns();
+  const auto passed_s = [&] { return 1e-9 * static_cast<double>(clock.now_ns() - start_ns); };
+  PhaseTeller teller(settings->schedule);
+  while (!stop.stop_requested() && (options.seconds <= 0.0 || passed_s() < options.seconds)) {
+    teller.look(*opened);
+    opened->run_for_ns(kLookEveryNs);
+  }
+  fmt::print("{}", relay_text(*opened, settings->seed));
+  if (options.json.empty()) return {};
+  return write_file_atomically(options.json, relay_json(*opened, settings->seed, passed_s()));
+}
+
+int run(const RelayOptions& options) {
+  const auto ended = relay(options);
+  if (!ended) fmt::print(stderr, "hapton relay: {}\n", ended.error().what);
+  return ended ? 0 : 1;
+}
+
+}  // namespace
+
+void add_relay_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<RelayOptions>();
+  const CommandLine command =
+      app.add_subcommand("relay", "A bad network between the nodes and their hub: delay, loss, reorder, partition ...");
+  command.add_option("--listen", options->listen, "Where the nodes shall look for the hub; port 0 takes a free one").shows_default();
+  command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
+  command.add_option("--seed", options->seed,
+                     "Of every draw; the same seed spoils the same datagrams (default: the script's, else random)");
+  command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
+  command.add_option("--json", options->json, "Write the counters to this file at the end");
+  const CommandOption script =
+      command.add_option("--script", options->script, "TOML file of phases, each with faults and seconds; see docs/faults.md");
+
+  LinkFaults& faults = options->faults;
+  const CommandOption flags[] = {
+      command.add_option("--direction", options->direction, "Which way the faults below hold: both, to-hub or to-nodes")
+          .one_of({"both", "to-hub", "to-nodes"})
+          .shows_default(),
+      command.add_option("--delay-ms", options->delay_ms, "Every datagram is late by this").between(0.0, kLongestDelayMs),
+      command.add_option("--jitter-ms", options->jitter_ms, "... and up to this much more").between(0.0, kLongestDelayMs),
+      command.add_option("--loss", faults.loss, "Share lost, each by itself").between(0.0, 1.0),
+      command.add_option("--burst-share", faults.burst_share, "Share that meets a bad spell (loss in bursts, Gilbert-Elliott)")
+          .between(0.0, 1.0),
+      command.add_option("--burst-length", faults.burst_length, "Datagrams in a bad spell, on average").between(1.0, 1e6).shows_default(),
+      command.add_option("--burst-loss", faults.burst_loss, "Share lost in a bad spell").between(0.0, 1.0).shows_default(),
+      command.add_option("--reorder", faults.reorder, "Share held back, so that later ones overtake it").between(0.0, 1.0),
+      command.add_option("--reorder-ms", options->reorder_ms, "... by this long").between(0.0, kLongestDelayMs).shows_default(),
+      command.add_option("--duplicate", faults.duplicate, "Share sent twice").between(0.0, 1.0),
+      command.add_option("--corrupt", faults.corrupt, "Share with one byte changed").between(0.0, 1.0),
+      command.add_flag("--partition", faults.partition, "Nothing passes"),
+  };
+  for (const CommandOption flag : flags) script.excludes(flag);
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "link/relay_endpoint.h"
+
+namespace hapton {
+
+// What the relay did with the datagrams of each direction: a table for people, and the same as JSON (schema hapton.relay/1). RT: no.
+std::string relay_text(const RelayEndpoint& relay, std::uint64_t seed);
+std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double seconds);
+
+}  // namespace hapton

@@ -1,0 +1,122 @@
+#include "tools/session/replay.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+constexpr double kFirstStepS = 1e-3;
+
+std::int64_t measure_clock_cost_ns(const Clock& clock) {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  for (int i = 0; i < 1000; ++i) {
+    const std::int64_t before = clock.now_ns();
+    least = std::min(least, clock.now_ns() - before);
+  }
+  return least;
+}
+
+std::vector<TouchInput> make_inputs(std::span<const TrajectoryRow> trajectory) {
+  std::vector<TouchInput> inputs;
+  inputs.reserve(trajectory.size());
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    inputs.push_back({.p_WD = trajectory[i].p_WD, .dt_s = i == 0 ? kFirstStepS : trajectory[i].t_s - trajectory[i - 1].t_s});
+  }
+  return inputs;
+}
+
+bool same(const ReplayRow& row, const TouchInput& input, const TouchOutput& felt) {
+  return row.force_n == felt.force_n && row.contact == felt.contact && row.p_WP == input.p_WD + felt.visual_offset_m;
+}
+
+// By nearest rank: no step in `fraction` of them takes longer.
+std::int64_t quantile_ns(std::vector<std::int64_t>& times, double fraction) {
+  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(fraction * static_cast<double>(times.size())));
+  const auto nth = times.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
+  std::nth_element(times.begin(), nth, times.end());
+  return *nth;
+}
+
+std::string describe_times(std::vector<std::int64_t> times) {
+  if (times.empty()) return "none";
+  return fmt::format("p50 {} / p99 {} / p99.9 {} / worst {} ns", quantile_ns(times, 0.5), quantile_ns(times, 0.99),
+                     quantile_ns(times, 0.999), quantile_ns(times, 1.0));
+}
+
+}  // namespace
+
+std::string describe_replay(const Replay& replay, const ReplaySettings& settings) {
+  std::vector<std::int64_t> all;
+  std::vector<std::int64_t> contact;
+  double max_force_n = 0.0;
+  for (const ReplayRow& row : replay.rows) {
+    all.push_back(row.step_ns);
+    if (row.contact) contact.push_back(row.step_ns);
+    max_force_n = std::max(max_force_n, row.force_n.norm());
+  }
+  std::string text = fmt::format("replay: {} steps, {} in contact, force max {:.6g} N\n", all.size(), contact.size(), max_force_n);
+  text += fmt::format("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
+                      describe_times(std::move(all)), describe_times(std::move(contact)));
+  if (replay.rows_that_differ > 0) {
+    text += fmt::format("note: {} steps felt otherwise in a repetition than at first\n", replay.rows_that_differ);
+  }
+  return text;
+}
+
+Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock) {
+  Replay replay;
+  replay.clock_cost_ns = measure_clock_cost_ns(clock);
+  replay.rows.resize(trajectory.size());
+  const std::vector<TouchInput> inputs = make_inputs(trajectory);
+  for (std::size_t repetition = 0; repetition < settings.repeat; ++repetition) {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      if (i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0)) {
+        touch.reset(inputs[i]);
+      }
+      const std::int64_t before_ns = clock.now_ns();
+      const TouchOutput felt = touch.step(inputs[i]);
+      const std::int64_t step_ns = std::max<std::int64_t>(0, clock.now_ns() - before_ns - replay.clock_cost_ns);
+      ReplayRow& row = replay.rows[i];
+      if (repetition == 0) {
+        row = {.t_s = trajectory[i].t_s,
+               .p_WD = inputs[i].p_WD,
+               .p_WP = inputs[i].p_WD + felt.visual_offset_m,
+               .force_n = felt.force_n,
+               .contact = felt.contact,
+               .step_ns = step_ns};
+      } else {
+        replay.rows_that_differ += same(row, inputs[i], felt) ? 0 : 1;
+        row.step_ns = std::min(row.step_ns, step_ns);
+      }
+    }
+  }
+  return replay;
+}
+
+Result<void> write_replay_csv(const std::filesystem::path& path, std::span<const ReplayRow> rows) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), &std::fclose);
+  if (!file) {
+    return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
+  }
+  bool good = std::fputs("t_s,x_m,y_m,z_m,proxy_x_m,proxy_y_m,proxy_z_m,fx_n,fy_n,fz_n,contact,step_ns\n", file.get()) >= 0;
+  for (const ReplayRow& row : rows) {
+    good = good && std::fprintf(file.get(), "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,%lld\n", row.t_s, row.p_WD.x(),
+                                row.p_WD.y(), row.p_WD.z(), row.p_WP.x(), row.p_WP.y(), row.p_WP.z(), row.force_n.x(), row.force_n.y(),
+                                row.force_n.z(), row.contact ? 1 : 0, static_cast<long long>(row.step_ns)) > 0;
+  }
+  if (!good || std::fflush(file.get()) != 0) {
+    return fail("{}: could not be written to its end: {}", path.string(), std::strerror(errno));
+  }
+  return {};
+}
+
+}  // namespace hapton

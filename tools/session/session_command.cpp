@@ -1,0 +1,201 @@
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "haptics_node/method_text.h"
+#include "link/session_reader.h"
+#include "scene/scene_file.h"
+#include "scene/scene_hash.h"
+#include "tools/commands.h"
+#include "tools/session/session_export.h"
+#include "tools/session/session_felt.h"
+#include "tools/session/session_summary.h"
+
+namespace hapton {
+namespace {
+
+struct SessionOptions {
+  std::string file;
+  std::string out;
+  std::string scene;
+};
+
+// Calls visit(entry, datagram or null) for all that can be read; the reader then knows whether that was all.
+template <class Visit>
+Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
+  Codec codec;
+  SessionEntry entry;
+  while (reader.next(entry)) {
+    Datagram datagram;
+    const bool is_readable = !entry.datagram.empty() && codec.decode(entry.datagram, datagram) == DecodeStatus::ok;
+    if (const Result<void> done = visit(entry, is_readable ? &datagram : nullptr); !done) return done;
+  }
+  return {};
+}
+
+// What broke off is the last word, and an error.
+Result<void> judge_end(const SessionReader& reader) {
+  if (reader.problem().empty()) return {};
+  return fail("{}", reader.problem());
+}
+
+Result<void> summarize(SessionReader& reader, SessionSummary& summary) {
+  return for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) {
+    summary.add(entry, datagram);
+    return Result<void>();
+  });
+}
+
+Result<void> show_info(const SessionOptions& options) {
+  auto reader = SessionReader::open(options.file);
+  if (!reader) return tl::unexpected(reader.error());
+  SessionSummary summary;
+  if (const auto done = summarize(*reader, summary); !done) return done;
+  fmt::print("{}", summary.to_text(reader->header()));
+  return judge_end(*reader);
+}
+
+Result<void> write_tables(const SessionOptions& options) {
+  auto reader = SessionReader::open(options.file);
+  if (!reader) return tl::unexpected(reader.error());
+  auto tables = SessionExport::open(options.out, reader->header().start_ns);
+  if (!tables) return tl::unexpected(tables.error());
+  const auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) {
+    tables->add(entry, datagram);
+    return Result<void>();
+  });
+  if (!done) return done;
+  if (const auto closed = tables->close(); !closed) return closed;
+  fmt::print("{}/trajectory.csv: {} rows, forces.csv: {}, cycles.csv: {}\n", options.out, tables->rows().trajectory, tables->rows().forces,
+             tables->rows().cycles);
+  return judge_end(*reader);
+}
+
+// Scenes by their path, loaded once as they are touched by default and, where needed, once with their cracks left open; the recorded hash
+// must be that of either.
+class RecordedScenes {
+ public:
+  explicit RecordedScenes(const SessionOptions& options) : options_(options) {}
+
+  Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup) {
+    const std::string path = options_.scene.empty() ? setup.scene.data() : options_.scene;
+    auto scene = find(path, CrackSealing::on);
+    if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
+    const std::uint64_t hash = (*scene)->hash;
+    if (hash != setup.scene_hash) scene = find(path, CrackSealing::off);
+    if (!scene || (*scene)->hash != setup.scene_hash) {
+      return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
+                  setup.scene_hash);
+    }
+    auto settings = parse_method_text(setup.method.data());
+    if (!settings) return tl::unexpected(settings.error());
+    // Nobody builds beside these steps: all is there from the start.
+    settings->build_on_approach = false;
+    auto method = make_method(*settings, (*scene)->touch);
+    if (!method) return tl::unexpected(method.error());
+    return std::make_unique<TouchStep>(std::move(*method));
+  }
+
+ private:
+  struct LoadedScene {
+    TouchScene touch;
+    std::uint64_t hash = 0;
+  };
+
+  Result<const LoadedScene*> find(const std::string& path, CrackSealing sealing) {
+    const auto key = std::pair(path, sealing);
+    auto found = scenes_.find(key);
+    if (found == scenes_.end()) {
+      const auto scene = load_scene(path, std::nullopt, sealing);
+      if (!scene) return tl::unexpected(scene.error());
+      found = scenes_.emplace(key, LoadedScene{scene->touch_scene(), hash_scene(scene->touch_scene())}).first;
+    }
+    return &found->second;
+  }
+
+  const SessionOptions& options_;
+  std::map<std::pair<std::string, CrackSealing>, LoadedScene> scenes_;
+};
+
+std::string describe(const FeltCounts& counts) {
+  std::string text = fmt::format("felt again: {} steps, {} in contact; {} compared to the last bit, {} different\n", counts.steps,
+                                 counts.contact_steps, counts.compared, counts.different);
+  if (counts.lost_answers > 0)
+    text += fmt::format("{} answers were lost on their way: stepped through, nothing to compare with\n", counts.lost_answers);
+  if (counts.not_compared > 0)
+    text += fmt::format("{} steps not compared: contact that began before what the recording knows\n", counts.not_compared);
+  if (counts.unknown_method > 0)
+    text += fmt::format("{} steps not compared: the recording does not name their method\n", counts.unknown_method);
+  if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);
+  if (counts.missing_views > 0) text += fmt::format("{} answers with a view that is not in the recording\n", counts.missing_views);
+  return text;
+}
+
+Result<void> feel_again(const SessionOptions& options) {
+  auto first = SessionReader::open(options.file);
+  if (!first) return tl::unexpected(first.error());
+  SessionSummary summary;
+  if (const auto done = summarize(*first, summary); !done) return done;
+
+  auto reader = SessionReader::open(options.file);
+  if (!reader) return tl::unexpected(reader.error());
+  RecordedScenes scenes(options);
+  SessionFelt felt(summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); });
+  auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    if (datagram == nullptr || datagram->header.session != reader->header().session) return {};
+    if (entry.kind == SessionEntry::Kind::sent) {
+      if (const auto* state = std::get_if<DeviceState>(&datagram->message)) felt.on_state(*state);
+      if (const auto* view = std::get_if<ViewTransform>(&datagram->message)) felt.on_view(*view);
+      return {};
+    }
+    const auto* force = std::get_if<ForceCommand>(&datagram->message);
+    return force != nullptr ? felt.on_answer(datagram->header.sender, *force) : Result<void>();
+  });
+  if (done) done = felt.finish();
+  if (!done) return done;
+  const FeltCounts& counts = felt.counts();
+  fmt::print("{}", describe(counts));
+  if (counts.different > 0) {
+    return fail("{}: {} of {} forces differ, by {:.3g} N at most; first: {}", options.file, counts.different, counts.compared,
+                counts.max_difference_n, counts.first_difference);
+  }
+  if (counts.compared == 0) return fail("{}: holds no force that could be compared", options.file);
+  return judge_end(*reader);
+}
+
+int report(const Result<void>& done, const char* command) {
+  if (done) return 0;
+  std::fflush(stdout);
+  fmt::print(stderr, "hapton session {}: {}\n", command, done.error().what);
+  return 1;
+}
+
+}  // namespace
+
+void add_session_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<SessionOptions>();
+  const CommandLine session = app.add_subcommand("session", "Look into a session that io_node --record or a flight recorder has written");
+  session.require_subcommands(1, 1);
+
+  const CommandLine info = session.add_subcommand("info", "Say what is in it: nodes, datagrams, rates, latencies, faults");
+  info.add_option("file", options->file, "Recorded session").required();
+  info.on_run([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
+
+  const CommandLine tables = session.add_subcommand("export", "Write it as trajectory.csv, forces.csv and cycles.csv");
+  tables.add_option("file", options->file, "Recorded session").required();
+  tables.add_option("--out", options->out, "Folder for the tables").required();
+  tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
+
+  const CommandLine replay =
+      session.add_subcommand("replay", "Feel it again through the haptic step and compare every force to the last bit");
+  replay.add_option("file", options->file, "Recorded session").required();
+  replay.add_option("--scene", options->scene, "Scene file, when it is not where the haptics node had it");
+  replay.on_run([options, &exit_code] { exit_code = report(feel_again(*options), "replay"); });
+}
+
+}  // namespace hapton

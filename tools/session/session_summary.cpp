@@ -1,0 +1,105 @@
+#include "tools/session/session_summary.h"
+
+#include <fmt/chrono.h>
+
+#include <algorithm>
+#include <ctime>
+#include <type_traits>
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kFaultsListed = 20;
+
+const char* name_of(const Message& message) {
+  constexpr std::array kNames = {"Hello", "Welcome",    "Bye",      "DeviceState",  "ForceCommand", "ViewTransform", "ProbeState",
+                                 "Drawn", "HandTarget", "Settings", "HapticsSetup", "ReportAsk",    "ReportPart"};
+  static_assert(kNames.size() == std::variant_size_v<Message>);
+  return kNames[message.index()];
+}
+
+double in_us(double ns) { return 1e-3 * ns; }
+
+std::string quantiles(const LatencyHistogram& h) {
+  return fmt::format("p50 {:.1f} / p99 {:.1f} / p99.9 {:.1f} / max {:.1f} us, n {}", in_us(h.quantile_ns(0.5)), in_us(h.quantile_ns(0.99)),
+                     in_us(h.quantile_ns(0.999)), in_us(static_cast<double>(h.max_ns())), h.count());
+}
+
+std::string date_of(std::int64_t unix_ns) {
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(unix_ns / 1'000'000'000)));
+}
+
+}  // namespace
+
+void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
+  if (entries_++ == 0) first_ns_ = entry.time_ns;
+  last_ns_ = std::max(last_ns_, entry.time_ns);
+  switch (entry.kind) {
+    case SessionEntry::Kind::received:
+    case SessionEntry::Kind::sent: {
+      Traffic& traffic = traffic_[datagram != nullptr ? name_of(datagram->message) : "not readable"];
+      ++(entry.kind == SessionEntry::Kind::received ? traffic.received : traffic.sent);
+      traffic.bytes += entry.datagram.size();
+      break;
+    }
+    case SessionEntry::Kind::cycle:
+      ++cycles_;
+      lateness_.record(entry.cycle.late_ns);
+      max_written_n_ = std::max(max_written_n_, entry.cycle.written_n.norm());
+      missed_ += entry.cycle.missed;
+      if (entry.cycle.cause != MissCause::none) ++causes_[entry.cycle.cause];
+      return;
+    case SessionEntry::Kind::fault:
+      if (faults_.size() < kFaultsListed) faults_.push_back({entry.time_ns, entry.fault});
+      ++fault_counts_[entry.fault];
+      return;
+    case SessionEntry::Kind::dropped:
+      dropped_ += entry.dropped;
+      return;
+  }
+  if (datagram == nullptr || entry.kind == SessionEntry::Kind::sent) return;
+  if (const auto* force = std::get_if<ForceCommand>(&datagram->message)) add_force(*force, entry.time_ns);
+  if (const auto* setup = std::get_if<HapticsSetup>(&datagram->message)) setups_[{datagram->header.sender, setup->method_serial}] = *setup;
+}
+
+void SessionSummary::add_force(const ForceCommand& force, std::int64_t time_ns) {
+  contact_ += force.contact ? 1 : 0;
+  max_force_n_ = std::max(max_force_n_, force.force_n.norm());
+  round_trip_.record(time_ns - force.echo_sample_time_ns);
+}
+
+std::string SessionSummary::to_text(const SessionHeader& header) const {
+  std::string text =
+      fmt::format("{}, begun {}, {:.3f} s, {} entries\n", header.fault.empty() ? "session" : "flight record: " + header.fault,
+                  date_of(header.start_unix_ns), seconds(), entries_);
+  text += fmt::format("hub: {}\n", header.build);
+  std::string settings;
+  for (const auto& [name, value] : header.settings) settings += fmt::format("{}{} {}", settings.empty() ? "" : ", ", name, value);
+  text += fmt::format("settings: {}\n", settings);
+  for (const auto& [key, setup] : setups_) {
+    text += fmt::format("haptics {:016x}: {}, scene {} ({:016x}), {}\n", key.first, setup.method.data(), setup.scene.data(),
+                        setup.scene_hash, setup.build.data());
+  }
+  text += fmt::format("  {:<14} {:>10} {:>10} {:>9}\n", "datagrams", "received", "sent", "kB/s");
+  for (const auto& [name, traffic] : traffic_) {
+    const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;
+    text += fmt::format("  {:<14} {:>10} {:>10} {:>9.1f}\n", name, traffic.received, traffic.sent, rate);
+  }
+  text +=
+      fmt::format("forces: {} in contact, strongest asked {:.3f} N, strongest written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
+  if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
+  if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
+  if (missed_ + causes_.size() > 0) {
+    text += fmt::format("missed cycles: {}", missed_);
+    for (const auto& [cause, count] : causes_) text += fmt::format("; {} times: {}", count, to_string(cause));
+    text += "\n";
+  }
+  for (const Fault& fault : faults_) {
+    text += fmt::format("fault at {:.6f} s: {}\n", 1e-9 * static_cast<double>(fault.time_ns - header.start_ns), to_string(fault.fault));
+  }
+  for (const auto& [fault, count] : fault_counts_) text += fmt::format("faults: {} {}\n", count, to_string(fault));
+  if (dropped_ > 0) text += fmt::format("not recorded: {} entries that found no room\n", dropped_);
+  return text;
+}
+
+}  // namespace hapton

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "link/codec.h"
+#include "link/session_entry.h"
+#include "runtime/latency_histogram.h"
+#include "tools/session/session_felt.h"
+
+namespace hapton {
+
+// What there is in a recording, gathered entry by entry. RT: no.
+class SessionSummary {
+ public:
+  void add(const SessionEntry& entry, const Datagram* datagram);
+
+  // A page for people.
+  std::string to_text(const SessionHeader& header) const;
+
+  const HapticsSetups& setups() const { return setups_; }
+
+ private:
+  struct Traffic {
+    std::uint64_t received = 0;
+    std::uint64_t sent = 0;
+    std::uint64_t bytes = 0;
+  };
+  struct Fault {
+    std::int64_t time_ns = 0;
+    SessionFault fault = SessionFault::none;
+  };
+
+  void add_force(const ForceCommand& force, std::int64_t time_ns);
+  double seconds() const { return 1e-9 * static_cast<double>(last_ns_ - first_ns_); }
+
+  std::uint64_t entries_ = 0;
+  std::int64_t first_ns_ = 0;
+  std::int64_t last_ns_ = 0;
+  std::map<std::string, Traffic> traffic_;  // by message
+  std::uint64_t contact_ = 0;
+  double max_force_n_ = 0.0;
+  double max_written_n_ = 0.0;
+  LatencyHistogram round_trip_;
+  LatencyHistogram lateness_;
+  std::uint64_t cycles_ = 0;
+  std::uint64_t missed_ = 0;
+  std::map<MissCause, std::uint64_t> causes_;
+  std::uint64_t dropped_ = 0;
+  std::vector<Fault> faults_;  // the first of them
+  std::map<SessionFault, std::uint64_t> fault_counts_;
+  HapticsSetups setups_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,63 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "link/link_key.h"
+#include "link/messages.h"
+#include "runtime/realtime.h"
+#include "tools/commands.h"
+#include "tools/soak/soak_run.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFewestLooks = 10.0;
+constexpr double kSecondsAnHour = 3600.0;
+
+int run(const SoakOptions& options) {
+  if (options.seconds < kFewestLooks * look_interval_s(options)) {
+    fmt::print(stderr, "hapton soak: {:g} s are too few for {:g} looks, one every {:g} s; give more --seconds or a smaller --every\n",
+               options.seconds, kFewestLooks, look_interval_s(options));
+    return 2;
+  }
+  const auto ended = run_soak(options);
+  if (!ended) {
+    fmt::print(stderr, "hapton soak: {}\n", ended.error().what);
+    return 1;
+  }
+  fmt::print("{}", ended->text);
+  return ended->flat ? 0 : 1;
+}
+
+}  // namespace
+
+void add_soak_command(CommandLine app, int& exit_code) {
+  auto options = std::make_shared<SoakOptions>();
+  options->cpu = find_shared_cpu();
+  const CommandLine command =
+      app.add_subcommand("soak", "Run the nodes for hours and judge whether memory, descriptors, forces and clock stay flat");
+  const CommandOption seconds = command.add_option("--seconds", options->seconds, "How long").between(5.0, 1e7).shows_default();
+  command
+      .add_number(
+          "--hours", [options](double hours) { options->seconds = kSecondsAnHour * hours; }, "How long, in hours")
+      .between(0.01, 2000.0)
+      .excludes(seconds);
+  command.add_option("--every", options->every_s, "Seconds between two looks; 0: a 120th of the time, at least 2 s")
+      .between(0.0, 3600.0)
+      .shows_default();
+  command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default();
+  command.add_flag("--vision", options->vision, "A vision node takes part");
+  command.add_option("--scene", options->scene, "What is touched").shows_default();
+  command.add_option("--key", options->key_file, kKeyHelp);
+  command.add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports").shows_default();
+  command.add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
+      .one_of({"try", "require", "off"})
+      .shows_default();
+  command.add_option("--cpu", options->cpu, "io_node and haptics_node stay on this CPU; -1: any; the last one by itself")
+      .between(-1, 1023)
+      .shows_default();
+  command.on_run([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace hapton

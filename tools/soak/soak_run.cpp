@@ -1,0 +1,263 @@
+#include "tools/soak/soak_run.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "runtime/atomic_file.h"
+#include "runtime/clock.h"
+#include "runtime/stop_signal.h"
+#include "tools/live/hub_report.h"
+#include "tools/live/top_view.h"
+#include "tools/local_node.h"
+#include "tools/soak/soak_plot.h"
+#include "tools/soak/soak_verdict.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kLooks = 120.0;
+constexpr double kShortestInterval_s = 2.0;
+constexpr double kTurn_s = 0.1;
+constexpr double kToldEvery_s = 10.0;  // at most so often, and at most kTold times
+constexpr double kTold = 60.0;
+constexpr double kFirstForce_s = 30.0;
+
+// The nodes of this run.
+struct Nodes {
+  std::vector<LocalNode> nodes;  // io_node last: it is to say goodbye to nobody
+  LocalVision vision;
+  bool has_vision = false;
+  std::string hub_at;
+
+  std::vector<LocalNode*> all() {
+    std::vector<LocalNode*> all;
+    for (LocalNode& node : nodes) all.push_back(&node);
+    if (has_vision) all.push_back(&vision.node());
+    return all;
+  }
+
+  Result<void> check_running() {
+    for (LocalNode* node : all()) {
+      if (const auto running = node->check_running(); !running) return running;
+    }
+    return {};
+  }
+
+  Result<void> stop() {
+    Result<void> ended = vision.stop();
+    for (LocalNode& node : nodes) {
+      if (const auto stopped = node.stop(); !stopped && ended) ended = stopped;
+    }
+    return ended;
+  }
+};
+
+Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
+  const auto hub_at = find_free_address();
+  if (!hub_at) return tl::unexpected(hub_at.error());
+  nodes.hub_at = *hub_at;
+  std::vector<std::string> key;
+  if (!options.key_file.empty()) key = {"--key", options.key_file};
+  const auto start = [&](const std::string& name, std::vector<std::string> words, const std::string& ready) -> Result<void> {
+    words.insert(words.end(), {"--rt", options.realtime, "--cpu", fmt::format("{}", options.cpu)});
+    words.insert(words.end(), key.begin(), key.end());
+    auto node = LocalNode::start(options.out, name, find_own_folder() / name, std::move(words));
+    if (!node) return tl::unexpected(node.error());
+    nodes.nodes.push_back(std::move(*node));
+    return nodes.nodes.back().wait_for(ready);
+  };
+  nodes.nodes.reserve(2);
+  if (const auto up = start("haptics_node", {"--hub", *hub_at, "--scene", options.scene.string()}, "ready"); !up) return up;
+  if (const auto up =
+          start("io_node", {"--bind", *hub_at, "--rate", fmt::format("{}", options.rate_hz), "--out", options.out.string()}, "hub on ");
+      !up)
+    return up;
+  if (!options.vision) return {};
+  std::vector<std::string> words = {"--hub", *hub_at, "--scene", options.scene.string()};
+  words.insert(words.end(), key.begin(), key.end());
+  if (const auto up = nodes.vision.start(options.out, std::move(words)); !up) return up;
+  nodes.has_vision = true;
+  return {};
+}
+
+std::int64_t counter(const Json& report, const char* name) { return report.value("counters", Json::object()).value(name, std::int64_t{0}); }
+
+// Takes looks at the nodes, each against the first and the one before.
+class Watch {
+ public:
+  Watch(const SoakOptions& options, Nodes& nodes, std::unique_ptr<HubReader> reader)
+      : rate_hz_(options.rate_hz), nodes_(nodes), reader_(std::move(reader)) {}
+
+  // Reads the hub until a force has come.
+  Result<void> wait_for_force(const StopSignal& stop) {
+    const double end_s = now_s() + kFirstForce_s;
+    while (now_s() < end_s && !stop.stop_requested()) {
+      auto reading = read();
+      if (!reading) return tl::unexpected(reading.error());
+      if (counter(reading->look.report, "forces") > 0 && (!nodes_.has_vision || counter(reading->look.report, "drawn") > 0)) {
+        first_ = last_ = std::move(*reading);
+        return {};
+      }
+      if (const auto running = nodes_.check_running(); !running) return running;
+      idle(kTurn_s);
+    }
+    return fail("no force (or, with --vision, no picture) within {:g} s; see the logs", kFirstForce_s);
+  }
+
+  double seconds() const { return now_s() - first_->time_s; }
+  void idle(double seconds) { reader_->idle(seconds); }
+
+  Result<SoakLook> look() {
+    auto reading = read();
+    if (!reading) return tl::unexpected(reading.error());
+    SoakLook look;
+    look.seconds = reading->time_s - first_->time_s;
+    const double passed_s = reading->look.report.value("seconds", 0.0) - last_->look.report.value("seconds", 0.0);
+    const auto rate = [&](const char* name) {
+      return passed_s > 0.0 ? static_cast<double>(counter(reading->look.report, name) - counter(last_->look.report, name)) / passed_s : 0.0;
+    };
+    const auto since_first = [&](const char* name) { return counter(reading->look.report, name) - counter(first_->look.report, name); };
+    look.samples_hz = rate("samples");
+    look.forces_hz = rate("forces");
+    look.contacts_hz = rate("contact_samples");
+    look.drawn_hz = rate("drawn");
+    look.lost = since_first("lost");
+    look.late = since_first("late");
+    look.superseded = since_first("superseded");
+    look.missed_cycles = since_first("missed_cycles");
+    look.drift_ms = 1e3 * (static_cast<double>(since_first("samples") + look.missed_cycles) / rate_hz_ - look.seconds);
+    for (const HopCounts& hop : subtract_hops(reading->look.hops, last_->look.hops)) {
+      if (hop.name != "round_trip" || hop.total() == 0) continue;
+      look.round_trip_p50_us = hop.quantile_us(0.5);
+      look.round_trip_p99_us = hop.quantile_us(0.99);
+      look.round_trip_max_us = hop.quantile_us(1.0);
+    }
+    for (LocalNode* node : nodes_.all()) {
+      const auto figures = read_process_figures(node->pid());
+      if (!figures) return tl::unexpected(figures.error());
+      look.processes.push_back(*figures);
+    }
+    last_ = std::move(*reading);
+    return look;
+  }
+
+ private:
+  struct Reading {
+    double time_s = 0.0;
+    TopLook look;
+  };
+
+  double now_s() const { return 1e-9 * static_cast<double>(clock_.now_ns()); }
+
+  Result<Reading> read() {
+    const double time_s = now_s();
+    const auto texts = reader_->read();
+    if (!texts) return tl::unexpected(texts.error());
+    auto look = read_top_look(texts->json, texts->csv);
+    if (!look) return tl::unexpected(look.error());
+    return Reading{time_s, std::move(*look)};
+  }
+
+  SteadyClock clock_;
+  double rate_hz_;
+  Nodes& nodes_;
+  std::unique_ptr<HubReader> reader_;
+  std::optional<Reading> first_;
+  std::optional<Reading> last_;
+};
+
+void tell_progress(const SoakRun& run) {
+  const SoakLook& look = run.looks.back();
+  std::string memory;
+  for (std::size_t i = 0; i < run.processes.size(); ++i) {
+    memory += fmt::format(", {} {:.1f} MiB {} fd", run.processes[i], static_cast<double>(look.processes[i].resident_kib) / 1024.0,
+                          look.processes[i].descriptors);
+  }
+  fmt::print("soak: {:.0f} of {:.0f} s: {:.0f} forces/s, {} lost, {} late, {} missed, round trip p50 {:.0f} p99 {:.0f} max {:.0f} us{}\n",
+             look.seconds, run.seconds, look.forces_hz, look.lost, look.late, look.missed_cycles, look.round_trip_p50_us,
+             look.round_trip_p99_us, look.round_trip_max_us, memory);
+  std::fflush(stdout);
+}
+
+// Until the time is over or something ends it, which run.ended then tells.
+Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch, const StopSignal& stop, SoakRun& run) {
+  const std::filesystem::path table = options.out / "soak.csv";
+  std::ofstream csv(table);
+  csv << soak_csv_header(run.processes) << std::flush;
+  const double every_s = look_interval_s(options);
+  double due_s = every_s;
+  double tell_s = 0.0;
+  while (due_s <= options.seconds + 1e-6) {
+    while (watch.seconds() < due_s && run.ended.empty()) {
+      watch.idle(std::clamp(due_s - watch.seconds(), 0.0, kTurn_s));
+      if (const auto running = nodes.check_running(); !running) run.ended = running.error().what;
+      if (stop.stop_requested()) run.ended = "stopped before its time";
+    }
+    if (!run.ended.empty()) return {};
+    auto look = watch.look();
+    if (!look) {
+      const auto running = nodes.check_running();
+      run.ended = running ? look.error().what : running.error().what;
+      return {};
+    }
+    run.looks.push_back(std::move(*look));
+    if (!(csv << soak_csv_row(run.looks.back()) << std::flush)) return fail("{}: cannot be written", table.string());
+    if (due_s >= tell_s) {
+      tell_progress(run);
+      tell_s = due_s + std::max(kToldEvery_s, options.seconds / kTold);
+    }
+    due_s += every_s;
+  }
+  return {};
+}
+
+Result<SoakRun> soak(const SoakOptions& options) {
+  const StopSignal stop;
+  Nodes nodes;
+  if (const auto started = start_nodes(options, nodes); !started) return tl::unexpected(started.error());
+  auto reader = HubReader::open(nodes.hub_at, options.key_file);
+  if (!reader) return tl::unexpected(reader.error());
+  Watch watch(options, nodes, std::move(*reader));
+  if (const auto felt = watch.wait_for_force(stop); !felt) return tl::unexpected(felt.error());
+  SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .looks = {}, .ended = {}};
+  for (const LocalNode* node : nodes.all()) run.processes.push_back(node->name());
+  if (const auto watched = watch_nodes(options, nodes, watch, stop, run); !watched) return tl::unexpected(watched.error());
+  if (const auto stopped = nodes.stop(); !stopped && run.ended.empty()) run.ended = stopped.error().what;
+  return run;
+}
+
+}  // namespace
+
+double look_interval_s(const SoakOptions& options) {
+  return options.every_s > 0.0 ? options.every_s : std::max(kShortestInterval_s, options.seconds / kLooks);
+}
+
+Result<SoakEnd> run_soak(const SoakOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) return fail("{}: cannot be made: {}", options.out.string(), error.message());
+  const auto run = soak(options);
+  if (!run) return tl::unexpected(run.error());
+  const SoakVerdict verdict = judge_soak(*run);
+  if (const auto written = write_file_atomically(options.out / "soak.json", to_json(*run, verdict).dump(2) + "\n"); !written) {
+    return tl::unexpected(written.error());
+  }
+  const auto picture = run->looks.empty() ? Result<std::filesystem::path>(fail("no look was taken, so no plot is drawn"))
+                                          : draw_soak_plot(options.out, run->processes);
+  return SoakEnd{fmt::format("soak: looks in {}, {}\n{}\n", (options.out / "soak.csv").string(),
+                             picture ? "plot in " + picture->string() : picture.error().what, to_text(*run, verdict)),
+                 verdict.flat};
+}
+
+}  // namespace hapton

@@ -1,0 +1,211 @@
+#include "tools/soak/soak_verdict.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "runtime/report.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kWarmUpShare = 0.1;
+constexpr double kWarmUpSeconds = 30.0;  // io_node's heap takes its size
+constexpr double kMostWarmUpShare = 0.5;
+constexpr double kMemoryShare = 0.01;
+constexpr double kMemoryKib = 1024.0;
+constexpr double kHalf = 0.5;  // a whole descriptor or thread is more than that
+constexpr double kRateShare = 0.99;
+constexpr double kDriftMs = 100.0;    // a look's own uncertainty: the report and the clock are not read at the same instant
+constexpr double kDriftShare = 1e-4;  // more than any quartz is off
+constexpr std::size_t kFewLooks = 5;  // a median of thirds says nothing of less
+constexpr std::size_t kMostPoints = 512;
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double warm_up_s(double seconds) { return std::max(kWarmUpShare * seconds, std::min(kWarmUpSeconds, kMostWarmUpShare * seconds)); }
+
+double median_of(std::span<const double> values) { return median({values.begin(), values.end()}); }
+
+// All pairs of a long series would take minutes: it is thinned to medians of neighbours.
+std::vector<double> thin(std::span<const double> values, std::size_t block) {
+  std::vector<double> thinned;
+  for (std::size_t i = 0; i < values.size(); i += block)
+    thinned.push_back(median_of(values.subspan(i, std::min(block, values.size() - i))));
+  return thinned;
+}
+
+double median_slope(const std::vector<double>& times, const std::vector<double>& values) {
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    for (std::size_t j = i + 1; j < times.size(); ++j) {
+      if (times[j] > times[i]) slopes.push_back((values[j] - values[i]) / (times[j] - times[i]));
+    }
+  }
+  return slopes.empty() ? 0.0 : median(std::move(slopes));
+}
+
+// The looks that are judged, one figure after the other.
+class Series {
+ public:
+  explicit Series(const SoakRun& run) {
+    for (const SoakLook& look : run.looks) {
+      if (look.seconds >= warm_up_s(run.seconds)) looks_.push_back(&look);
+    }
+    times_ = of([](const SoakLook& look) { return look.seconds; });
+  }
+
+  std::size_t size() const { return looks_.size(); }
+  double seconds() const { return times_.back() - times_.front(); }
+  std::vector<double> of(const std::function<double(const SoakLook&)>& figure) const {
+    std::vector<double> values;
+    for (const SoakLook* look : looks_) values.push_back(figure(*look));
+    return values;
+  }
+  double rise(const std::vector<double>& values) const { return find_rise(times_, values); }
+
+ private:
+  std::vector<const SoakLook*> looks_;
+  std::vector<double> times_;
+};
+
+SoakFinding judge_memory(const Series& series, const std::string& process, std::size_t index) {
+  const auto kib = series.of([&](const SoakLook& look) { return static_cast<double>(look.processes[index].resident_kib); });
+  const double rise = series.rise(kib);
+  const double limit = kMemoryShare * median(kib) + kMemoryKib;
+  return {"memory", process,       rise,
+          limit,    rise <= limit, fmt::format("{} memory {:+.0f} KiB of {:.0f} (at most {:+.0f})", process, rise, median(kib), limit)};
+}
+
+SoakFinding judge_count(const Series& series, const std::string& process, const char* what, const std::vector<double>& counts) {
+  const double rise = series.rise(counts);
+  return {what, process, rise, 0.0, std::abs(rise) < kHalf, fmt::format("{} {} {:+.1f} of {:.0f}", process, what, rise, median(counts))};
+}
+
+SoakFinding judge_rate(const Series& series, double rate_hz) {
+  const double samples_hz = median(series.of([](const SoakLook& look) { return look.samples_hz; }));
+  const double forces_hz = median(series.of([](const SoakLook& look) { return look.forces_hz; }));
+  const double least = std::min(samples_hz, forces_hz);
+  const double limit = kRateShare * rate_hz;
+  return {"rate",         "",
+          least,          limit,
+          least >= limit, fmt::format("{:.1f} samples and {:.1f} forces a second of {:g}", samples_hz, forces_hz, rate_hz)};
+}
+
+SoakFinding judge_drift(const Series& series) {
+  const double drift_ms = series.rise(series.of([](const SoakLook& look) { return look.drift_ms; }));
+  const double limit = kDriftMs + 1e3 * kDriftShare * series.seconds();
+  return {"drift", "", drift_ms, limit, std::abs(drift_ms) <= limit, fmt::format("ticks drifted {:+.1f} ms from the clock", drift_ms)};
+}
+
+SoakFinding judge_lost(const SoakRun& run) {
+  const std::int64_t lost = run.looks.back().lost;
+  return {"lost", "", static_cast<double>(lost), 0.0, lost == 0, fmt::format("forces lost: {}", lost)};
+}
+
+SoakFinding judge_length(const SoakRun& run, std::size_t looks) {
+  const double reached_s = run.looks.empty() ? 0.0 : run.looks.back().seconds;
+  const bool is_enough = run.ended.empty() && looks >= kFewLooks;
+  const std::string why = run.ended.empty() ? "too few looks to judge" : run.ended;
+  return {"run", "", reached_s, run.seconds, is_enough, is_enough ? "ran its time" : fmt::format("{}, after {:.0f} s", why, reached_s)};
+}
+
+double worst_round_trip_us(const SoakRun& run) {
+  double worst = 0.0;
+  for (const SoakLook& look : run.looks) worst = std::max(worst, look.round_trip_max_us);
+  return worst;
+}
+
+nlohmann::ordered_json process_json(const SoakRun& run, std::size_t index) {
+  const ProcessFigures& first = run.looks.front().processes[index];
+  const ProcessFigures& last = run.looks.back().processes[index];
+  return {{"name", run.processes[index]},
+          {"resident_kib", {{"first", first.resident_kib}, {"last", last.resident_kib}}},
+          {"descriptors", {{"first", first.descriptors}, {"last", last.descriptors}}},
+          {"threads", {{"first", first.threads}, {"last", last.threads}}}};
+}
+
+}  // namespace
+
+double find_rise(std::span<const double> times, std::span<const double> values) {
+  const std::size_t third = values.size() / 3;
+  if (third == 0) return 0.0;
+  const std::size_t block = (values.size() + kMostPoints - 1) / kMostPoints;
+  const double crept = median_slope(thin(times, block), thin(values, block)) * (times.back() - times.front());
+  const double jumped = median_of(values.last(third)) - median_of(values.first(third));
+  return std::abs(crept) > std::abs(jumped) ? crept : jumped;
+}
+
+SoakVerdict judge_soak(const SoakRun& run) {
+  const Series series(run);
+  SoakVerdict verdict;
+  verdict.findings.push_back(judge_length(run, series.size()));
+  if (series.size() >= kFewLooks) {
+    verdict.findings.push_back(judge_lost(run));
+    verdict.findings.push_back(judge_rate(series, run.rate_hz));
+    verdict.findings.push_back(judge_drift(series));
+    for (std::size_t i = 0; i < run.processes.size(); ++i) {
+      const std::string& name = run.processes[i];
+      verdict.findings.push_back(judge_memory(series, name, i));
+      verdict.findings.push_back(judge_count(series, name, "descriptors", series.of([&](const SoakLook& look) {
+        return static_cast<double>(look.processes[i].descriptors);
+      })));
+      verdict.findings.push_back(judge_count(
+          series, name, "threads", series.of([&](const SoakLook& look) { return static_cast<double>(look.processes[i].threads); })));
+    }
+  }
+  verdict.flat = std::all_of(verdict.findings.begin(), verdict.findings.end(), [](const SoakFinding& finding) { return finding.flat; });
+  return verdict;
+}
+
+nlohmann::ordered_json to_json(const SoakRun& run, const SoakVerdict& verdict) {
+  nlohmann::ordered_json json = {{"schema", "hapton.soak/1"}, {"seconds_asked", run.seconds}, {"rate_hz", run.rate_hz}};
+  const MachineInfo machine = read_machine_info();
+  json["machine"] = {{"host", machine.host}, {"cpu", machine.cpu}, {"cpu_count", machine.cpu_count}, {"kernel", machine.kernel}};
+  json["flat"] = verdict.flat;
+  json["findings"] = nlohmann::ordered_json::array();
+  for (const SoakFinding& f : verdict.findings) {
+    json["findings"].push_back(
+        {{"what", f.what}, {"process", f.process}, {"value", f.value}, {"limit", f.limit}, {"flat", f.flat}, {"text", f.text}});
+  }
+  if (run.looks.empty()) return json;
+  const SoakLook& last = run.looks.back();
+  json["seconds"] = last.seconds;
+  json["looks"] = run.looks.size();
+  json["counters"] = {{"lost", last.lost}, {"late", last.late}, {"superseded", last.superseded}, {"missed_cycles", last.missed_cycles}};
+  json["round_trip_max_us"] = worst_round_trip_us(run);
+  json["processes"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < run.processes.size(); ++i) json["processes"].push_back(process_json(run, i));
+  return json;
+}
+
+std::string to_text(const SoakRun& run, const SoakVerdict& verdict) {
+  if (!verdict.flat) {
+    std::string text = "soak: not flat";
+    const char* separator = ": ";
+    for (const SoakFinding& finding : verdict.findings) {
+      if (finding.flat) continue;
+      text += separator + finding.text;
+      separator = "; ";
+    }
+    return text;
+  }
+  const SoakLook& last = run.looks.back();
+  std::string text = fmt::format("soak: flat over {:.0f} s: {} late, {} missed cycles, slowest round trip {:.0f} us", last.seconds,
+                                 last.late, last.missed_cycles, worst_round_trip_us(run));
+  for (const SoakFinding& finding : verdict.findings) {
+    const bool is_told = finding.what == "lost" || finding.what == "rate" || finding.what == "drift" || finding.what == "memory";
+    if (is_told) text += ", " + finding.text;
+  }
+  return text + "; descriptors and threads constant";
+}
+
+}  // namespace hapton
