@@ -8,6 +8,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <variant>
 
@@ -16,13 +17,6 @@
 
 namespace hapton {
 namespace {
-
-template <class... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <class... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;
 
 constexpr double kUnitTolerance = 1e-3;
 
@@ -334,26 +328,61 @@ DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Da
   return DecodeStatus::ok;
 }
 
+// --- the kinds of messages: one line each, those that come most often first ---
+
+template <class OursType, class TheirsType>
+struct MessageKind {
+  using Ours = OursType;
+  using Theirs = TheirsType;
+  bool (wire::Envelope::*has)() const;
+  const Theirs& (wire::Envelope::*get)() const;
+  Theirs* (wire::Envelope::*make)();
+};
+
+constexpr std::tuple kMessageKinds{
+    MessageKind<DeviceState, wire::DeviceState>{&wire::Envelope::has_device_state, &wire::Envelope::device_state,
+                                                &wire::Envelope::mutable_device_state},
+    MessageKind<ForceCommand, wire::ForceCommand>{&wire::Envelope::has_force_command, &wire::Envelope::force_command,
+                                                  &wire::Envelope::mutable_force_command},
+    MessageKind<ProbeState, wire::ProbeState>{&wire::Envelope::has_probe_state, &wire::Envelope::probe_state,
+                                              &wire::Envelope::mutable_probe_state},
+    MessageKind<ViewTransform, wire::ViewTransform>{&wire::Envelope::has_view_transform, &wire::Envelope::view_transform,
+                                                    &wire::Envelope::mutable_view_transform},
+    MessageKind<Drawn, wire::Drawn>{&wire::Envelope::has_drawn, &wire::Envelope::drawn, &wire::Envelope::mutable_drawn},
+    MessageKind<Hello, wire::Hello>{&wire::Envelope::has_hello, &wire::Envelope::hello, &wire::Envelope::mutable_hello},
+    MessageKind<Welcome, wire::Welcome>{&wire::Envelope::has_welcome, &wire::Envelope::welcome, &wire::Envelope::mutable_welcome},
+    MessageKind<HandTarget, wire::HandTarget>{&wire::Envelope::has_hand_target, &wire::Envelope::hand_target,
+                                              &wire::Envelope::mutable_hand_target},
+    MessageKind<Settings, wire::Settings>{&wire::Envelope::has_settings, &wire::Envelope::settings, &wire::Envelope::mutable_settings},
+    MessageKind<HapticsSetup, wire::HapticsSetup>{&wire::Envelope::has_haptics_setup, &wire::Envelope::haptics_setup,
+                                                  &wire::Envelope::mutable_haptics_setup},
+    MessageKind<ReportAsk, wire::ReportAsk>{&wire::Envelope::has_report_ask, &wire::Envelope::report_ask,
+                                            &wire::Envelope::mutable_report_ask},
+    MessageKind<ReportPart, wire::ReportPart>{&wire::Envelope::has_report_part, &wire::Envelope::report_part,
+                                              &wire::Envelope::mutable_report_part},
+    MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
+};
+constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
+static_assert(kKindCount == std::variant_size_v<Message>);
+// Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
+static_assert(wire::Envelope::kReportPartFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+
+// Calls visit with each kind until one returns true.
+template <class Visit>
+bool visit_kinds(Visit&& visit) {
+  return std::apply([&](const auto&... kind) { return (visit(kind) || ...); }, kMessageKinds);
+}
+
 DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
-  const int kinds = e.has_hello() + e.has_welcome() + e.has_bye() + e.has_device_state() + e.has_force_command() + e.has_view_transform() +
-                    e.has_probe_state() + e.has_drawn() + e.has_hand_target() + e.has_settings() + e.has_haptics_setup() +
-                    e.has_report_ask() + e.has_report_part();
-  if (kinds != 1) {
-    return kinds == 0 ? DecodeStatus::unknown_message : DecodeStatus::bad_value;
-  }
-  if (e.has_device_state()) return read_message<DeviceState>(e, e.device_state(), datagram);
-  if (e.has_force_command()) return read_message<ForceCommand>(e, e.force_command(), datagram);
-  if (e.has_probe_state()) return read_message<ProbeState>(e, e.probe_state(), datagram);
-  if (e.has_view_transform()) return read_message<ViewTransform>(e, e.view_transform(), datagram);
-  if (e.has_drawn()) return read_message<Drawn>(e, e.drawn(), datagram);
-  if (e.has_hello()) return read_message<Hello>(e, e.hello(), datagram);
-  if (e.has_welcome()) return read_message<Welcome>(e, e.welcome(), datagram);
-  if (e.has_hand_target()) return read_message<HandTarget>(e, e.hand_target(), datagram);
-  if (e.has_settings()) return read_message<Settings>(e, e.settings(), datagram);
-  if (e.has_haptics_setup()) return read_message<HapticsSetup>(e, e.haptics_setup(), datagram);
-  if (e.has_report_ask()) return read_message<ReportAsk>(e, e.report_ask(), datagram);
-  if (e.has_report_part()) return read_message<ReportPart>(e, e.report_part(), datagram);
-  return read_message<Bye>(e, e.bye(), datagram);
+  const int kinds = std::apply([&](const auto&... kind) { return (static_cast<int>((e.*kind.has)()) + ...); }, kMessageKinds);
+  if (kinds > 1) return DecodeStatus::bad_value;
+  DecodeStatus status = DecodeStatus::unknown_message;
+  visit_kinds([&](const auto& kind) {
+    if (!(e.*kind.has)()) return false;
+    status = read_message<typename std::decay_t<decltype(kind)>::Ours>(e, (e.*kind.get)(), datagram);
+    return true;
+  });
+  return status;
 }
 
 // The version stands first and alone keeps its place in every version, so it is read before anything that may have changed.
@@ -401,6 +430,38 @@ void reserve_unknown(WireMessage& message) {
   message.ParseFromString(unknown);
 }
 
+void reserve(wire::DeviceState& m) {
+  reserve_field(*m.mutable_p_wd_m());
+  reserve_field(*m.mutable_q_wt());
+  reserve_field(*m.mutable_p_wp_m());
+}
+void reserve(wire::ForceCommand& m) {
+  reserve_field(*m.mutable_force_n());
+  reserve_field(*m.mutable_visual_offset_m());
+}
+void reserve(wire::ProbeState& m) {
+  reserve_field(*m.mutable_p_wd_m());
+  reserve_field(*m.mutable_q_wt());
+  reserve_field(*m.mutable_visual_offset_m());
+  reserve_field(*m.mutable_force_n());
+}
+void reserve(wire::ViewTransform& m) { reserve_field(*m.mutable_x_ws()); }
+void reserve(wire::Drawn&) {}
+void reserve(wire::Hello&) {}
+void reserve(wire::Welcome&) {}
+void reserve(wire::HandTarget& m) { reserve_field(*m.mutable_p_wh_m()); }
+void reserve(wire::Settings& m) { m.mutable_method()->reserve(kMaxDatagramBytes); }
+void reserve(wire::HapticsSetup& m) {
+  reserve_field(*m.mutable_x_ws());
+  m.mutable_scene()->reserve(kMaxDatagramBytes);
+  m.mutable_build()->reserve(kMaxDatagramBytes);
+  m.mutable_method()->reserve(kMaxDatagramBytes);
+  m.mutable_refusal()->reserve(kMaxDatagramBytes);
+}
+void reserve(wire::ReportAsk&) {}
+void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
+void reserve(wire::Bye&) {}
+
 }  // namespace
 
 // A sender and a receiver side, each an Envelope that owns one message of every kind.
@@ -409,43 +470,18 @@ struct Codec::Wire {
   wire::Envelope incoming;
 
   Wire() {
-    reserve(outgoing);
-    reserve(incoming);
+    reserve_all(outgoing);
+    reserve_all(incoming);
   }
 
-  static void reserve(wire::Envelope& e) {
+  static void reserve_all(wire::Envelope& e) {
     reserve_unknown(e);
-    reserve_unknown(*e.mutable_hello());
-    reserve_unknown(*e.mutable_welcome());
-    reserve_unknown(*e.mutable_bye());
-    reserve_unknown(*e.mutable_device_state());
-    reserve_field(*e.mutable_device_state()->mutable_p_wd_m());
-    reserve_field(*e.mutable_device_state()->mutable_q_wt());
-    reserve_field(*e.mutable_device_state()->mutable_p_wp_m());
-    reserve_unknown(*e.mutable_force_command());
-    reserve_field(*e.mutable_force_command()->mutable_force_n());
-    reserve_field(*e.mutable_force_command()->mutable_visual_offset_m());
-    reserve_unknown(*e.mutable_view_transform());
-    reserve_field(*e.mutable_view_transform()->mutable_x_ws());
-    reserve_unknown(*e.mutable_probe_state());
-    reserve_field(*e.mutable_probe_state()->mutable_p_wd_m());
-    reserve_field(*e.mutable_probe_state()->mutable_q_wt());
-    reserve_field(*e.mutable_probe_state()->mutable_visual_offset_m());
-    reserve_field(*e.mutable_probe_state()->mutable_force_n());
-    reserve_unknown(*e.mutable_drawn());
-    reserve_unknown(*e.mutable_hand_target());
-    reserve_field(*e.mutable_hand_target()->mutable_p_wh_m());
-    reserve_unknown(*e.mutable_settings());
-    e.mutable_settings()->mutable_method()->reserve(kMaxDatagramBytes);
-    reserve_unknown(*e.mutable_haptics_setup());
-    reserve_field(*e.mutable_haptics_setup()->mutable_x_ws());
-    e.mutable_haptics_setup()->mutable_scene()->reserve(kMaxDatagramBytes);
-    e.mutable_haptics_setup()->mutable_build()->reserve(kMaxDatagramBytes);
-    e.mutable_haptics_setup()->mutable_method()->reserve(kMaxDatagramBytes);
-    e.mutable_haptics_setup()->mutable_refusal()->reserve(kMaxDatagramBytes);
-    reserve_unknown(*e.mutable_report_ask());
-    reserve_unknown(*e.mutable_report_part());
-    e.mutable_report_part()->mutable_text()->reserve(kMaxDatagramBytes);
+    visit_kinds([&](const auto& kind) {
+      auto& message = *(e.*kind.make)();
+      reserve_unknown(message);
+      reserve(message);
+      return false;
+    });
     e.Clear();
   }
 };
@@ -479,17 +515,11 @@ std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) n
   e.set_sender(datagram.header.sender);
   e.set_sequence(datagram.header.sequence);
   e.set_send_time_ns(datagram.header.send_time_ns);
-  std::visit(
-      Overloaded{
-          [&](const Hello& m) { write(m, *e.mutable_hello()); }, [&](const Welcome& m) { write(m, *e.mutable_welcome()); },
-          [&](const Bye& m) { write(m, *e.mutable_bye()); }, [&](const DeviceState& m) { write(m, *e.mutable_device_state()); },
-          [&](const ForceCommand& m) { write(m, *e.mutable_force_command()); },
-          [&](const ViewTransform& m) { write(m, *e.mutable_view_transform()); },
-          [&](const ProbeState& m) { write(m, *e.mutable_probe_state()); }, [&](const Drawn& m) { write(m, *e.mutable_drawn()); },
-          [&](const HandTarget& m) { write(m, *e.mutable_hand_target()); }, [&](const Settings& m) { write(m, *e.mutable_settings()); },
-          [&](const HapticsSetup& m) { write(m, *e.mutable_haptics_setup()); },
-          [&](const ReportAsk& m) { write(m, *e.mutable_report_ask()); }, [&](const ReportPart& m) { write(m, *e.mutable_report_part()); }},
-      datagram.message);
+  visit_kinds([&](const auto& kind) {
+    const auto* message = std::get_if<typename std::decay_t<decltype(kind)>::Ours>(&datagram.message);
+    if (message != nullptr) write(*message, *(e.*kind.make)());
+    return message != nullptr;
+  });
   const std::size_t bytes = e.ByteSizeLong();
   if (bytes > into.size() || bytes > kMaxDatagramBytes) {
     return 0;
