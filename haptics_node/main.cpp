@@ -25,12 +25,6 @@ int give_up(const Error& error) {
   return 1;
 }
 
-// Any port of the hub's address family.
-const char* any_address_like(const Address& hub) {
-  const bool v4 = hub.ip[10] == 0xff && hub.ip[11] == 0xff;
-  return v4 ? "0.0.0.0:0" : "[::]:0";
-}
-
 int run(const HapticsOptions& options) {
   const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);

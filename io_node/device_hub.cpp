@@ -32,7 +32,7 @@ Result<Echo> open_echo(const IoOptions& options, const Clock& clock) {
   if (options.echo_probe.empty()) return echo;
   const auto responder = parse_address(options.echo_probe);
   if (!responder) return tl::unexpected(responder.error());
-  auto endpoint = open_udp_endpoint(responder->ip[10] == 0xff && responder->ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0");
+  auto endpoint = open_udp_endpoint(any_address_like(*responder));
   if (!endpoint) return tl::unexpected(endpoint.error());
   echo.endpoint = std::move(*endpoint);
   echo.probe = std::make_unique<EchoProbe>(*echo.endpoint, clock, *responder, options.echo_bytes);

@@ -2,8 +2,15 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "core/base/result.h"
 
 namespace hapton {
+
+// Where io_node listens unless told otherwise.
+constexpr std::uint16_t kDefaultHubPort = 4950;
 
 // Where a datagram goes to or came from: IPv4 or IPv6 address and port.
 struct Address {
@@ -11,5 +18,22 @@ struct Address {
   std::uint16_t port = 0;
   friend bool operator==(const Address&, const Address&) = default;
 };
+
+// RT: the three of them yes.
+bool is_v4(const Address& address) noexcept;
+bool is_loopback(const Address& address) noexcept;
+// 0.0.0.0 or ::
+bool is_wildcard(const Address& address) noexcept;
+
+// Where a socket that speaks to `peer` is bound: any address of its family, any port. RT: yes.
+std::string_view any_address_like(const Address& peer) noexcept;
+
+// "host:port", "host", "1.2.3.4:port", "[2001:db8::1]:port" or a bare IPv6 address; without a port default_port is meant.
+// Host names are resolved, IPv4 first. A number alone could be a port or an address: it is refused. RT: no.
+// Error: one line that names the text and what is wrong with it.
+Result<Address> parse_address(std::string_view text, std::uint16_t default_port = kDefaultHubPort);
+
+// "127.0.0.1:4950" or "[::1]:4950": what parse_address reads back. RT: no.
+std::string to_string(const Address& address);
 
 }  // namespace hapton

@@ -11,72 +11,29 @@
 #include <cstring>
 #include <utility>
 
-#include "link/udp_endpoint.h"
+#include "link/address_endpoint.h"
 
 namespace hapton {
-namespace {
-
-bool is_v4(const Address& address) { return address.ip[10] == 0xFF && address.ip[11] == 0xFF; }
-
-struct SocketAddress {
-  sockaddr_storage storage = {};
-  socklen_t size = 0;
-};
-
-SocketAddress to_socket_address(const Address& address) {
-  SocketAddress result;
-  if (is_v4(address)) {
-    sockaddr_in v4 = {};
-    v4.sin_family = AF_INET;
-    v4.sin_port = htons(address.port);
-    std::memcpy(&v4.sin_addr, address.ip.data() + 12, 4);
-    std::memcpy(&result.storage, &v4, sizeof v4);
-    result.size = sizeof v4;
-  } else {
-    sockaddr_in6 v6 = {};
-    v6.sin6_family = AF_INET6;
-    v6.sin6_port = htons(address.port);
-    std::memcpy(&v6.sin6_addr, address.ip.data(), 16);
-    std::memcpy(&result.storage, &v6, sizeof v6);
-    result.size = sizeof v6;
-  }
-  return result;
-}
-
-// The port the system chose for it.
-std::uint16_t bound_port(int socket) {
-  sockaddr_storage storage = {};
-  socklen_t size = sizeof storage;
-  if (::getsockname(socket, reinterpret_cast<sockaddr*>(&storage), &size) != 0) {
-    return 0;
-  }
-  // The port stands at the same place for both families.
-  sockaddr_in v4 = {};
-  std::memcpy(&v4, &storage, sizeof v4);
-  return ntohs(v4.sin_port);
-}
-
-}  // namespace
 
 Result<BareEchoEndpoint> BareEchoEndpoint::open(std::string_view bind_address) {
   const auto address = parse_address(bind_address, 0);
   if (!address) {
     return tl::unexpected(address.error());
   }
-  const int socket = ::socket(is_v4(*address) ? AF_INET : AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const int socket = ::socket(address_family(*address), SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket < 0) {
     return fail("echo: no socket for {}: {}", bind_address, std::strerror(errno));
   }
   BareEchoEndpoint echo(socket, *address);
   const SocketAddress local = to_socket_address(*address);
-  if (::bind(socket, reinterpret_cast<const sockaddr*>(&local.storage), local.size) != 0) {
+  if (::bind(socket, local.get(), local.size) != 0) {
     return fail("echo: cannot bind {}: {}; choose another port, or 0 for a free one", bind_address, std::strerror(errno));
   }
   const timeval patience = {.tv_sec = 0, .tv_usec = 100'000};
   if (::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0) {
     return fail("echo: cannot set a time limit on {}: {}", bind_address, std::strerror(errno));
   }
-  echo.local_.port = bound_port(socket);
+  echo.local_.port = hapton::local_address(socket).port;
   return echo;
 }
 

@@ -21,11 +21,6 @@ std::uint32_t word_at(const Address& address, std::size_t byte) {
          static_cast<std::uint32_t>(address.ip[byte + 2]) << 8 | address.ip[byte + 3];
 }
 
-bool is_v4(const Address& address) {
-  return std::all_of(address.ip.begin(), address.ip.begin() + 10, [](std::uint8_t byte) { return byte == 0; }) && address.ip[10] == 0xFF &&
-         address.ip[11] == 0xFF;
-}
-
 bool is_kind(std::span<const std::byte> datagram, seal::Kind kind) {
   return datagram.size() >= seal::kCounterAt && datagram[2] == static_cast<std::byte>(kind);
 }

@@ -252,12 +252,6 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
   return read_key_file(path);
 }
 
-bool is_loopback(const Address& address) {
-  constexpr std::array<std::uint8_t, 13> kMapped = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127};
-  constexpr std::array<std::uint8_t, 16> kV6 = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
-  return std::equal(kMapped.begin(), kMapped.end(), address.ip.begin()) || address.ip == kV6;
-}
-
 Result<LinkKey> find_link_key(const std::string& key_file, const Address& hub) {
   const auto path = find_key_path(key_file, hub);
   if (!path) return tl::unexpected(path.error());

@@ -57,9 +57,6 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
 // $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither variable says where.
 Result<std::filesystem::path> find_shared_key_folder();
 
-// True for 127.0.0.0/8 and ::1.
-bool is_loopback(const Address& address);
-
 // The key for a hub at this address (where it listens, or where a node looks for it): from the file where one was named; on loopback the
 // user's shared key; beyond loopback a file must be named. Error: see above.
 Result<LinkKey> find_link_key(const std::string& key_file, const Address& hub);

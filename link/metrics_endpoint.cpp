@@ -14,9 +14,9 @@
 #include <thread>
 #include <utility>
 
+#include "link/address_endpoint.h"
 #include "link/asio_guard.h"
 #include "link/link_key.h"
-#include "link/udp_endpoint.h"
 
 namespace hapton {
 namespace {
@@ -31,12 +31,6 @@ constexpr auto kPatience = std::chrono::seconds(2);  // for a client to ask and 
 constexpr std::size_t kMostClients = 16;
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
 constexpr std::size_t kMostRequestBytes = 8192;
-
-asio::ip::address to_asio(const Address& address) {
-  const bool is_v4 = address.ip[10] == 0xFF && address.ip[11] == 0xFF;
-  if (is_v4) return asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]});
-  return asio::ip::address_v6(address.ip);
-}
 
 // A browser that was led here by a stranger's name (DNS rebinding) names that as Host. Who names none is no browser.
 bool is_host_ours(std::string_view host) {

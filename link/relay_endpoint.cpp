@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "link/address_endpoint.h"
 #include "link/asio_guard.h"
-#include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 
 namespace hapton {
@@ -25,15 +25,6 @@ using boost::system::error_code;
 constexpr int kBufferBytes = 1 << 20;
 // So that the two ways draw different numbers from one seed: 2^64 over the golden ratio.
 constexpr std::uint64_t kOtherWay = 0x9E3779B97F4A7C15ULL;
-
-bool is_v4_mapped(const Address& address) { return address.ip[10] == 0xFF && address.ip[11] == 0xFF; }
-
-udp::endpoint endpoint_of(const Address& address) {
-  if (is_v4_mapped(address)) {
-    return {asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]}), address.port};
-  }
-  return {asio::ip::address_v6(address.ip), address.port};
-}
 
 enum class Way : std::uint8_t { to_hub, to_nodes };
 
@@ -64,7 +55,7 @@ struct RelayEndpoint::State {
   explicit State(RelaySettings settings_in)
       : settings(std::move(settings_in)),
         injectors{FaultInjector(settings.seed), FaultInjector(settings.seed ^ kOtherWay)},
-        hub(endpoint_of(settings.hub)),
+        hub(to_endpoint<udp::endpoint>(settings.hub)),
         socket(context),
         timer(context) {}
 
@@ -287,7 +278,7 @@ Result<RelayEndpoint> RelayEndpoint::open(RelaySettings settings) {
   auto made = make_with_context<State>(std::move(settings));
   if (!made) return fail("cannot relay: {}", made.error().what);
   std::unique_ptr<State> state = std::move(*made);
-  error_code error = state->open(endpoint_of(*at));
+  error_code error = state->open(to_endpoint<udp::endpoint>(*at));
   if (error == asio::error::address_in_use) {
     return fail("cannot listen on UDP {}: another program holds this port; stop it or choose another port", to_string(*at));
   }

@@ -8,11 +8,6 @@ namespace {
 constexpr std::uint32_t kNetwork = static_cast<std::uint32_t>(SKF_NET_OFF);  // linux/filter.h
 constexpr std::uint32_t kAll = 0xFFFFFFFF;
 
-bool is_v4(const Address& address) {
-  return std::all_of(address.ip.begin(), address.ip.begin() + 10, [](std::uint8_t byte) { return byte == 0; }) && address.ip[10] == 0xFF &&
-         address.ip[11] == 0xFF;
-}
-
 }  // namespace
 
 void SourceFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_true, std::uint8_t jump_false) noexcept {

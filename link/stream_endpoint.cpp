@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "link/udp_endpoint.h"
+#include "link/address_endpoint.h"
 
 namespace hapton {
 namespace {
@@ -51,57 +51,8 @@ class Descriptor {
   int number_;
 };
 
-// An address as the system takes it.
-struct SystemAddress {
-  sockaddr_storage storage = {};
-  socklen_t size = sizeof(sockaddr_storage);
-  sockaddr* get() { return reinterpret_cast<sockaddr*>(&storage); }
-};
-
-bool is_v4(const Address& address) {
-  return std::all_of(address.ip.begin(), address.ip.begin() + 10, [](std::uint8_t byte) { return byte == 0; }) && address.ip[10] == 0xFF &&
-         address.ip[11] == 0xFF;
-}
-
-SystemAddress to_system(const Address& address) {
-  SystemAddress system;
-  if (is_v4(address)) {
-    sockaddr_in v4 = {};
-    v4.sin_family = AF_INET;
-    v4.sin_port = htons(address.port);
-    std::memcpy(&v4.sin_addr, address.ip.data() + 12, 4);
-    std::memcpy(&system.storage, &v4, sizeof v4);
-    system.size = sizeof v4;
-  } else {
-    sockaddr_in6 v6 = {};
-    v6.sin6_family = AF_INET6;
-    v6.sin6_port = htons(address.port);
-    std::memcpy(&v6.sin6_addr, address.ip.data(), 16);
-    std::memcpy(&system.storage, &v6, sizeof v6);
-    system.size = sizeof v6;
-  }
-  return system;
-}
-
-Address from_system(const SystemAddress& system) {
-  Address address;
-  if (system.storage.ss_family == AF_INET) {
-    sockaddr_in v4 = {};
-    std::memcpy(&v4, &system.storage, sizeof v4);
-    address.ip[10] = address.ip[11] = 0xFF;
-    std::memcpy(address.ip.data() + 12, &v4.sin_addr, 4);
-    address.port = ntohs(v4.sin_port);
-  } else {
-    sockaddr_in6 v6 = {};
-    std::memcpy(&v6, &system.storage, sizeof v6);
-    std::memcpy(address.ip.data(), &v6.sin6_addr, 16);
-    address.port = ntohs(v6.sin6_port);
-  }
-  return address;
-}
-
 Descriptor make_socket(const Address& like, int type) {
-  return Descriptor(::socket(is_v4(like) ? AF_INET : AF_INET6, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  return Descriptor(::socket(address_family(like), type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
 void prepare(const Descriptor& connection) {
@@ -112,7 +63,7 @@ void prepare(const Descriptor& connection) {
 
 // 0, or what the system said.
 int bind_to(const Descriptor& socket, const Address& address) {
-  SystemAddress system = to_system(address);
+  SocketAddress system = to_socket_address(address);
   return ::bind(socket.get(), system.get(), system.size) == 0 ? 0 : errno;
 }
 
@@ -167,10 +118,10 @@ int SocketStreams::open_at(const Address& at) {
   const int yes = 1;
   ::setsockopt(listening_.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (const int error = bind_to(listening_, at); error != 0) return error;
-  SystemAddress bound;
+  SocketAddress bound;
   if (::getsockname(listening_.get(), bound.get(), &bound.size) != 0) return errno;
   local_ = at;
-  local_.port = from_system(bound).port;
+  local_.port = from_socket_address(bound).port;
   if (const int error = bind_to(datagrams_, local_); error != 0) return error;
   return ::listen(listening_.get(), SOMAXCONN) == 0 ? 0 : errno;
 }
@@ -203,7 +154,7 @@ StreamEndpoint::Id SocketStreams::connect(const Address& to) {
   if (connections_.size() >= kMostConnections) return 0;
   Connection connection;
   connection.socket = make_socket(to, SOCK_STREAM);
-  SystemAddress system = to_system(to);
+  SocketAddress system = to_socket_address(to);
   if (connection.socket.get() < 0) return 0;
   if (::connect(connection.socket.get(), system.get(), system.size) != 0 && errno != EINPROGRESS) return 0;
   connection.id = ++last_id_;
@@ -226,7 +177,7 @@ bool SocketStreams::send(Id id, std::span<const std::byte> bytes) {
 }
 
 bool SocketStreams::send_datagram(const Address& to, std::span<const std::byte> bytes) {
-  SystemAddress system = to_system(to);
+  SocketAddress system = to_socket_address(to);
   return is_v4(to) == is_v4(local_) &&
          ::sendto(datagrams_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, system.get(), system.size) >= 0;
 }
@@ -312,7 +263,7 @@ void SocketStreams::receive(Id id, Listener& listener) {
 
 void SocketStreams::accept_some(Listener& listener) {
   for (int n = 0; n < kMostAcceptsAtOnce; ++n) {
-    SystemAddress from;
+    SocketAddress from;
     Descriptor socket(::accept4(listening_.get(), from.get(), &from.size, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) {
       // Without a descriptor for it the caller stays in line, and would wake every wait at once.
@@ -329,7 +280,7 @@ void SocketStreams::accept_some(Listener& listener) {
     Connection connection;
     connection.id = ++last_id_;
     connection.socket = std::move(socket);
-    connection.peer = from_system(from);
+    connection.peer = from_socket_address(from);
     const Address peer = connection.peer;
     connections_.push_back(std::move(connection));
     listener.on_connected(last_id_, peer);
@@ -338,11 +289,11 @@ void SocketStreams::accept_some(Listener& listener) {
 
 void SocketStreams::receive_datagrams(Listener& listener) {
   for (int n = 0; n < kMostDatagramsAtOnce; ++n) {
-    SystemAddress from;
+    SocketAddress from;
     const ssize_t bytes = ::recvfrom(datagrams_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT, from.get(), &from.size);
     if (bytes < 0 && errno == ECONNREFUSED) continue;
     if (bytes < 0) return;
-    listener.on_datagram(from_system(from), std::span(buffer_).first(static_cast<std::size_t>(bytes)));
+    listener.on_datagram(from_socket_address(from), std::span(buffer_).first(static_cast<std::size_t>(bytes)));
   }
 }
 

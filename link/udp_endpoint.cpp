@@ -12,11 +12,11 @@
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
 #include <cerrno>
-#include <charconv>
 #include <ctime>
 #include <limits>
 #include <optional>
 
+#include "link/address_endpoint.h"
 #include "link/asio_guard.h"
 #include "link/flood_filter.h"
 #include "link/source_filter.h"
@@ -36,29 +36,6 @@ constexpr std::int64_t kFarNs = 20'000'000;
 // What is no datagram of ours and yet passed over by one receive whose time is up, so that a flood cannot hold it.
 constexpr int kMostPassedOver = 64;
 constexpr int kReceiveBufferBytes = 1 << 20;  // a second of 10 kHz traffic to a node that is paused
-
-bool is_v4_mapped(const Address& address) {
-  constexpr std::array<std::uint8_t, 12> kPrefix = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
-  return std::equal(kPrefix.begin(), kPrefix.end(), address.ip.begin());
-}
-
-asio::ip::address_v4 v4_of(const Address& address) {
-  return asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]});
-}
-
-Address address_of(const udp::endpoint& endpoint) {
-  Address address;
-  address.port = endpoint.port();
-  if (endpoint.address().is_v4()) {
-    const auto bytes = endpoint.address().to_v4().to_bytes();
-    address.ip[10] = address.ip[11] = 0xFF;
-    std::copy(bytes.begin(), bytes.end(), address.ip.begin() + 12);
-  } else {
-    const auto bytes = endpoint.address().to_v6().to_bytes();
-    std::copy(bytes.begin(), bytes.end(), address.ip.begin());
-  }
-  return address;
-}
 
 std::int64_t monotonic_ns() {
   timespec now = {};
@@ -149,14 +126,14 @@ error_code UdpEndpoint::open(const udp::endpoint& local) {
   }
   const udp::endpoint bound = socket_.local_endpoint(error);
   if (!error) {
-    local_ = address_of(bound);
+    local_ = from_endpoint(bound);
   }
   return error;
 }
 
 std::optional<udp::endpoint> UdpEndpoint::remote(const Address& to) const noexcept {
   if (is_v4_) {
-    return is_v4_mapped(to) ? std::optional(udp::endpoint(v4_of(to), to.port)) : std::nullopt;
+    return is_v4(to) ? std::optional(to_endpoint<udp::endpoint>(to)) : std::nullopt;
   }
   return udp::endpoint(asio::ip::address_v6(to.ip), to.port);
 }
@@ -231,7 +208,7 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
   if (bytes < 0) {
     return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
-  const Address sender = address_of(from);
+  const Address sender = from_endpoint(from);
   // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
   const bool is_oversized = bytes == 0 || static_cast<std::size_t>(bytes) > into.size();
   filter_.note_received(sender, into.first(std::min(static_cast<std::size_t>(bytes), into.size())), is_oversized);
@@ -287,92 +264,14 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   return {};
 }
 
-Result<std::uint16_t> parse_port(std::string_view text, std::string_view whole) {
-  std::uint16_t port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    return fail("address '{}': port '{}' is not a number from 0 to 65535", whole, text);
-  }
-  return port;
-}
-
-struct HostAndPort {
-  std::string host;
-  std::uint16_t port = 0;
-};
-
-Result<HostAndPort> split(std::string_view text, std::uint16_t default_port) {
-  HostAndPort parts{std::string(text), default_port};
-  std::string_view port;
-  if (text.starts_with('[')) {
-    const std::size_t close = text.find(']');
-    if (close == std::string_view::npos || (close + 1 < text.size() && text[close + 1] != ':')) {
-      return fail("address '{}': an IPv6 address with a port is written [address]:port", text);
-    }
-    parts.host = text.substr(1, close - 1);
-    if (close + 1 == text.size()) {
-      return parts;
-    }
-    port = text.substr(close + 2);
-  } else {
-    const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos || text.find(':', colon + 1) != std::string_view::npos) {
-      return parts;  // no port, or a bare IPv6 address
-    }
-    parts.host = text.substr(0, colon);
-    port = text.substr(colon + 1);
-  }
-  const Result<std::uint16_t> number = parse_port(port, text);
-  if (!number) {
-    return tl::unexpected(number.error());
-  }
-  parts.port = *number;
-  return parts;
-}
-
 }  // namespace
-
-Result<Address> parse_address(std::string_view text, std::uint16_t default_port) {
-  Result<HostAndPort> parts = split(text, default_port);
-  if (!parts) {
-    return tl::unexpected(parts.error());
-  }
-  if (parts->host.empty()) {
-    return fail("address '{}': no host before the port; write host:port, for example 127.0.0.1:{}", text, kDefaultHubPort);
-  }
-  if (parts->host.find('%') != std::string::npos) {
-    return fail("address '{}': IPv6 zones (%interface) are not supported; use a global or unique local address", text);
-  }
-  error_code error;
-  const asio::ip::address literal = asio::ip::make_address(parts->host, error);
-  if (!error) {
-    return address_of(udp::endpoint(literal, parts->port));
-  }
-  asio::io_context context;
-  udp::resolver resolver(context);
-  const auto found = resolver.resolve(parts->host, "", error);
-  if (error || found.empty()) {
-    return fail("address '{}': host '{}' is not known ({}); check the spelling or give its IP address", text, parts->host, error.message());
-  }
-  const auto v4 = std::find_if(found.begin(), found.end(), [](const auto& e) { return e.endpoint().address().is_v4(); });
-  const auto best = v4 != found.end() ? v4 : found.begin();
-  return address_of(udp::endpoint(best->endpoint().address(), parts->port));
-}
-
-std::string to_string(const Address& address) {
-  if (is_v4_mapped(address)) {
-    return fmt::format("{}:{}", v4_of(address).to_string(), address.port);
-  }
-  return fmt::format("[{}]:{}", asio::ip::address_v6(address.ip).to_string(), address.port);
-}
 
 Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_address, bool filters_floods) {
   const Result<Address> local = parse_address(bind_address);
   if (!local) {
     return tl::unexpected(local.error());
   }
-  const udp::endpoint wanted =
-      is_v4_mapped(*local) ? udp::endpoint(v4_of(*local), local->port) : udp::endpoint(asio::ip::address_v6(local->ip), local->port);
+  const udp::endpoint wanted = to_endpoint<udp::endpoint>(*local);
   auto made = make_with_context<UdpEndpoint>(filters_floods);
   if (!made) return fail("cannot listen on UDP {}: {}", to_string(*local), made.error().what);
   std::unique_ptr<UdpEndpoint>& endpoint = *made;

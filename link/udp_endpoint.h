@@ -1,24 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <string>
 #include <string_view>
 
 #include "core/base/result.h"
+#include "link/address.h"
 #include "link/endpoint.h"
 
 namespace hapton {
-
-// Where io_node listens unless told otherwise.
-constexpr std::uint16_t kDefaultHubPort = 4950;
-
-// "host:port", "host", "1.2.3.4:port", "[2001:db8::1]:port" or a bare IPv6 address; without a port default_port is meant.
-// Host names are resolved, IPv4 first. RT: set-up only. Error: one line that names the text and what is wrong with it.
-Result<Address> parse_address(std::string_view text, std::uint16_t default_port = kDefaultHubPort);
-
-// "127.0.0.1:4950" or "[::1]:4950": what parse_address reads back.
-std::string to_string(const Address& address);
 
 // A UDP socket bound to `bind_address` ("0.0.0.0:4950", "[::]:4950", "127.0.0.1:0"; port 0 lets the system choose). An IPv6 socket
 // speaks to IPv4 peers as well, unless the host forbids it.

@@ -8,8 +8,8 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <chrono>
 
+#include "link/address_endpoint.h"
 #include "link/asio_guard.h"
-#include "link/udp_endpoint.h"
 
 namespace hapton {
 namespace {
@@ -19,12 +19,6 @@ namespace beast = boost::beast;
 namespace websocket = boost::beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
-
-asio::ip::address to_asio(const Address& address) {
-  const bool is_v4 = address.ip[10] == 0xFF && address.ip[11] == 0xFF;
-  if (is_v4) return asio::ip::address_v4({address.ip[12], address.ip[13], address.ip[14], address.ip[15]});
-  return asio::ip::address_v6(address.ip);
-}
 
 class BeastEndpoint final : public WebSocketEndpoint {
  public:

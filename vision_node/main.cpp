@@ -29,12 +29,6 @@ int give_up(const Error& error) {
   return 1;
 }
 
-// Any port of the hub's address family.
-const char* any_address_like(const Address& hub) {
-  const bool v4 = hub.ip[10] == 0xff && hub.ip[11] == 0xff;
-  return v4 ? "0.0.0.0:0" : "[::]:0";
-}
-
 // Another hand's way to its hub.
 struct OtherLink {
   OtherLink(std::unique_ptr<Endpoint> socket, const Clock& clock, const RoleKey& key, const Address& hub, const VisionOptions& options)

@@ -63,37 +63,6 @@ TEST(UdpEndpointLimits, TooFewDescriptorsAreOneClearLine) {
   EXPECT_LT(refused, 12);
 }
 
-TEST(ParseAddressTest, ReadsWhatItWrites) {
-  for (const char* text : {"127.0.0.1:4950", "255.255.255.255:65535", "0.0.0.0:0", "[::1]:4950", "[2001:db8::7]:1"}) {
-    const Result<Address> address = parse_address(text);
-    ASSERT_TRUE(address) << address.error().what;
-    EXPECT_EQ(to_string(*address), text);
-  }
-}
-
-TEST(ParseAddressTest, FillsInTheHubsPort) {
-  EXPECT_EQ(to_string(*parse_address("10.1.2.3")), "10.1.2.3:4950");
-  EXPECT_EQ(to_string(*parse_address("::1")), "[::1]:4950");
-  EXPECT_EQ(to_string(*parse_address("[::1]")), "[::1]:4950");
-  EXPECT_EQ(to_string(*parse_address("10.1.2.3", 0)), "10.1.2.3:0");
-}
-
-TEST(ParseAddressTest, ResolvesNames) {
-  const Result<Address> address = parse_address("localhost:77");
-  ASSERT_TRUE(address) << address.error().what;
-  EXPECT_EQ(to_string(*address), "127.0.0.1:77");
-}
-
-TEST(ParseAddressTest, SaysWhatIsWrongInOneLine) {
-  for (const char* text : {"", ":5", "1.2.3.4:", "1.2.3.4:x", "1.2.3.4:65536", "1.2.3.4:-1", "[::1", "[::1]5", "no such host:1",
-                           "fe80::1%eth0", "1.2.3.4:80:90"}) {
-    const Result<Address> address = parse_address(text);
-    ASSERT_FALSE(address) << text;
-    EXPECT_THAT(address.error().what, HasSubstr(fmt::format("address '{}'", text)));
-    EXPECT_EQ(address.error().what.find('\n'), std::string::npos);
-  }
-}
-
 TEST_F(UdpEndpointTest, CarriesDatagramsBothWaysAndNamesTheSender) {
   const auto a = open("127.0.0.1:0");
   const auto b = open("127.0.0.1:0");

@@ -16,8 +16,6 @@ constexpr std::int64_t kAskAgainNs = 200 * kNanosecondsPerMillisecond;  // a fre
 constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr int kMostTries = 20;
 
-const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && hub.ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0"; }
-
 }  // namespace
 
 struct HubReader::State {

@@ -122,8 +122,6 @@ Result<std::string> confirm_reset(const SetOptions& options) {
   return fail("the fault stays, its cause is still there: {}; mend that (docs/safety.md), then reset again", what);
 }
 
-const char* any_address_like(const Address& hub) { return hub.ip[10] == 0xff && hub.ip[11] == 0xff ? "0.0.0.0:0" : "[::]:0"; }
-
 Result<std::string> set(const SetOptions& options) {
   const auto settings = make_settings(options);
   if (!settings) {
