@@ -57,6 +57,9 @@ void add_soak_command(CommandLine app, int& exit_code);
 // hapton stress --method proxy --steps N --seed S: numerical stress test. Exit code 0 only when no fault was found.
 void add_stress_command(CommandLine app, int& exit_code);
 
+// hapton summary DIR [--scene NAME]: two lines on what a run touched and whether it held. Exit code 0: there is a report.
+void add_summary_command(CommandLine app, int& exit_code);
+
 // hapton top [--hub HOST:PORT] [--once] [--interval S]: a running system's nodes, rates, latencies and counters, in the terminal.
 void add_top_command(CommandLine app, int& exit_code);
 

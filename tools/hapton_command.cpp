@@ -72,6 +72,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_set_command(commands, exit_code);
   add_soak_command(commands, exit_code);
   add_stress_command(commands, exit_code);
+  add_summary_command(commands, exit_code);
   add_top_command(commands, exit_code);
   add_trajectory_command(commands, exit_code);
   if (argc < 2) {

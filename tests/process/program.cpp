@@ -51,11 +51,11 @@ std::vector<char*> environment_without(const std::vector<std::string_view>& name
 Program::Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                  const std::string& display) {
   static std::atomic<int> started = 0;
-  const std::string stem = name + "." + std::to_string(++started);
+  const std::string stem = std::filesystem::path(name).filename().string() + "." + std::to_string(++started);
   out_path_ = folder / (stem + ".out");
   err_path_ = folder / (stem + ".err");
 
-  std::string path = std::string(HAPTON_BIN_DIR) + "/" + name;
+  std::string path = (std::filesystem::path(HAPTON_BIN_DIR) / name).string();
   std::vector<std::string> words = arguments;
   std::vector<char*> argv = {path.data()};
   for (std::string& word : words) argv.push_back(word.data());

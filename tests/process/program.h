@@ -29,7 +29,7 @@ struct Ended {
 // One of our programs, running. Ends with this object at the latest, killed if need be.
 class Program {
  public:
-  // Starts build/.../bin/NAME with its output going to files in folder (NAME.<n>.out, NAME.<n>.err).
+  // Starts build/.../bin/NAME, or NAME itself where it is an absolute path, with its output going to files in folder (NAME.<n>.out, NAME.<n>.err).
   // display: an X display; empty: it sees none. The user's shared key is the folder's own, hapton/key.
   Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
           const std::string& display = "");

@@ -1,0 +1,90 @@
+// deploy/run, as a person starts and stops it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/process/program.h"
+
+#ifdef HAPTON_WITH_VISION
+
+namespace hapton::process {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Far more than it takes: a minute for a machine that does other things, twenty times that for a sanitizer.
+constexpr Seconds kRunPatience = 3 * kPatience;
+
+class RunScript : public ::testing::Test {
+ protected:
+  Program start(const std::vector<std::string>& more, const std::string& display = "") {
+    std::vector<std::string> words = {"--bin", HAPTON_BIN_DIR, "--out", out().string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return Program(HAPTON_SOURCE_DIR "/deploy/run", words, folder_.path(), display);
+  }
+  // Until all nodes have been started and touch.
+  static bool wait_until_touching(Program& run) {
+    for (int i = 0; i < 1200 && run.out().find("run: touching") == std::string::npos && run.is_running(); ++i)
+      (void)run.wait(Seconds(0.05));
+    return run.out().find("run: touching") != std::string::npos;
+  }
+  std::filesystem::path out() const { return folder_.path() / "out"; }
+  bool has(const char* file) const { return std::filesystem::exists(out() / file); }
+
+ private:
+  TestFolder folder_;
+};
+
+TEST_F(RunScript, EndsWithThreeLinesOnWhatWasTouchedWhetherItHeldAndWhereTheFilesAre) {
+  Program run = start({"--headless", "--seconds", "3"});
+  const auto ended = run.wait(kRunPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
+  EXPECT_THAT(ended->out, HasSubstr("\nrun: touched "));
+  EXPECT_THAT(ended->out, HasSubstr("\nrun: it "));
+  EXPECT_THAT(ended->out, HasSubstr("\nrun: files are in " + out().string()));
+  EXPECT_THAT(ended->out, Not(HasSubstr("wake_lateness"))) << "statistics are for --verbose";
+  EXPECT_LE(std::count(ended->out.begin(), ended->out.end(), '\n'), 6);
+  EXPECT_TRUE(has("report.json") && has("latency.png") && has("stereo.png"));
+}
+
+// Ctrl-C reaches the script alone: the nodes have sessions of their own.
+TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Program run = start({"--headless", "--seconds", "200"});
+    ASSERT_TRUE(wait_until_touching(run)) << run.out() << run.err();
+    (void)run.wait(Seconds(2));
+    run.send_signal(signal);
+    const auto ended = run.wait(kRunPatience);
+    ASSERT_TRUE(ended) << "still runs";
+    EXPECT_EQ(ended->exit_code, 130) << ended->out << ended->err;
+    EXPECT_THAT(ended->out, HasSubstr("\nrun: touched "));
+    EXPECT_THAT(ended->err, HasSubstr("stopped before the 200 s were over"));
+    EXPECT_THAT(ended->err, Not(HasSubstr("unbound")));
+    EXPECT_TRUE(has("report.json") && has("latency.png"));
+  }
+}
+
+TEST_F(RunScript, WithoutATimeIsStoppedBySignalsAsItShouldBe) {
+  const VirtualDisplay display;
+  Program run = start({}, display.name());
+  ASSERT_TRUE(wait_until_touching(run)) << run.out() << run.err();
+  (void)run.wait(Seconds(2));
+  run.send_signal(SIGINT);
+  const auto ended = run.wait(kRunPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
+  EXPECT_THAT(ended->out, HasSubstr("\nrun: touched "));
+  EXPECT_TRUE(has("report.json") && has("latency.png"));
+}
+
+}  // namespace
+}  // namespace hapton::process
+
+#endif

@@ -1,0 +1,73 @@
+#include "tools/latency/run_summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::ordered_json;
+
+Json make_report() {
+  return {{"schema", "hapton.report/1"},
+          {"seconds", 6.0},
+          {"rates_hz", {{"samples", 1999.3}, {"servo_asked", 2000.0}}},
+          {"counters",
+           {{"samples", 12000},
+            {"forces", 11900},
+            {"contact_samples", 5371},
+            {"late", 3},
+            {"lost", 0},
+            {"faults_latched", 0},
+            {"silence_events", 0}}},
+          {"notes", {{"max_force_written_n", "3.716"}}},
+          {"hops", {{"round_trip", {{"p50_us", 42.2}, {"p99_us", 93.7}}}}}};
+}
+
+TEST(RunSummary, OfAGoodRunSaysWhatWasTouchedAndThatItHeld) {
+  const RunSummary summary = summarise_run(make_report(), "car.toml");
+  EXPECT_TRUE(summary.touched);
+  EXPECT_TRUE(summary.held);
+  EXPECT_EQ(summary.text,
+            "touched car.toml for 6.0 s: 5371 of 12000 samples in contact, at most 3.716 N\n"
+            "it held: 1999 samples a second, no force lost, 3 late, round trip 42 us (p50), 94 us (p99)\n");
+}
+
+TEST(RunSummary, SaysWhenNothingWasTouched) {
+  Json report = make_report();
+  report["counters"]["contact_samples"] = 0;
+  const RunSummary summary = summarise_run(report, "part.stl");
+  EXPECT_FALSE(summary.touched);
+  EXPECT_THAT(summary.text, HasSubstr("touched nothing of part.stl in 6.0 s"));
+}
+
+TEST(RunSummary, NamesEachThingThatDidNotHold) {
+  struct Case {
+    const char *section, *key;
+    double value;
+    const char* said;
+  };
+  for (const Case& c :
+       {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 faults latched"},
+        Case{"counters", "silence_events", 4, "4 command timeouts"}, Case{"counters", "late", 120, "120 forces late"},
+        Case{"counters", "forces", 0, "no force came back"}, Case{"rates_hz", "samples", 1979, "1979 samples a second of 2000"}}) {
+    Json report = make_report();
+    report[c.section][c.key] = c.value;
+    const RunSummary summary = summarise_run(report, "x");
+    EXPECT_FALSE(summary.held) << c.key;
+    EXPECT_THAT(summary.text, HasSubstr(c.said));
+    EXPECT_THAT(summary.text, HasSubstr("it did not hold"));
+  }
+}
+
+TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
+  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/1"}, {"hops", Json::object()}}, "x");
+  EXPECT_FALSE(summary.touched);
+  EXPECT_FALSE(summary.held);
+  EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));
+}
+
+}  // namespace
+}  // namespace hapton

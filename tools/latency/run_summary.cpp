@@ -1,0 +1,77 @@
+#include "tools/latency/run_summary.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <vector>
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kLeastRate = 0.99;      // of the servo rate
+constexpr double kMostLateShare = 0.01;  // of the forces
+
+double number(const Json& report, const char* section, const char* key) {
+  const auto found = report.find(section);
+  if (found == report.end() || !found->is_object()) return 0.0;
+  const auto value = found->find(key);
+  return value != found->end() && value->is_number() ? value->get<double>() : 0.0;
+}
+
+std::string note(const Json& report, const char* key) {
+  const auto notes = report.find("notes");
+  return notes != report.end() && notes->is_object() ? notes->value(key, std::string()) : std::string();
+}
+
+std::string hop_text(const Json& report, const char* hop) {
+  const auto hops = report.find("hops");
+  if (hops == report.end() || !hops->is_object() || !hops->contains(hop)) return {};
+  return fmt::format(", round trip {:.0f} us (p50), {:.0f} us (p99)", number(*hops, hop, "p50_us"), number(*hops, hop, "p99_us"));
+}
+
+std::string touched_text(const Json& report, const std::string& what, double contacts) {
+  const double seconds = report.value("seconds", 0.0);
+  if (contacts == 0.0) {
+    return fmt::format("touched nothing of {} in {:.1f} s: the probe never met a surface; hapton info shows the object's size and place",
+                       what, seconds);
+  }
+  return fmt::format("touched {} for {:.1f} s: {:.0f} of {:.0f} samples in contact, at most {} N", what, seconds, contacts,
+                     number(report, "counters", "samples"), note(report, "max_force_written_n"));
+}
+
+// What is not as it should be, worst first.
+std::vector<std::string> find_troubles(const Json& report) {
+  std::vector<std::string> troubles;
+  const auto count = [&](const char* key) { return number(report, "counters", key); };
+  const auto add = [&](const char* key, const char* name) {
+    if (count(key) > 0.0) troubles.push_back(fmt::format("{:.0f} {}", count(key), name));
+  };
+  add("faults_latched", "faults latched");
+  add("silence_events", "command timeouts");
+  add("lost", "forces lost");
+  if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
+  if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");
+  const double rate = number(report, "rates_hz", "samples");
+  const double asked = number(report, "rates_hz", "servo_asked");
+  if (rate < kLeastRate * asked) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, asked));
+  return troubles;
+}
+
+}  // namespace
+
+RunSummary summarise_run(const Json& report, const std::string& what) {
+  const double contacts = number(report, "counters", "contact_samples");
+  const std::vector<std::string> troubles = find_troubles(report);
+  RunSummary summary{.touched = contacts > 0.0, .held = troubles.empty(), .text = touched_text(report, what, contacts) + "\n"};
+  if (summary.held) {
+    summary.text += fmt::format("it held: {:.0f} samples a second, no force lost, {:.0f} late{}\n", number(report, "rates_hz", "samples"),
+                                number(report, "counters", "late"), hop_text(report, "round_trip"));
+  } else {
+    summary.text += fmt::format("it did not hold: {}{}\n", fmt::join(troubles, ", "), hop_text(report, "round_trip"));
+  }
+  return summary;
+}
+
+}  // namespace hapton
