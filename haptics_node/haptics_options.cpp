@@ -20,6 +20,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   std::string realtime = "try";
   std::string unit;
   bool no_seal = false;
+  bool no_fit = false;
   std::string simplify = "0";
   options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
@@ -31,6 +32,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_flag("--no-seal", no_seal, "Touch every mesh as it is: cracks up to 1e-4 of its longest side are not sealed");
+  app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; default: centred and scaled to lie in the workspace");
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
   app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")
@@ -73,8 +75,9 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   options.method.simplify_m = *parse_length(simplify);
   options.method.offset_m = offset_in * kMetresPerInch;
   options.realtime.mode = *parse_realtime_mode(realtime);
-  if (!unit.empty()) options.unit = *parse_unit(unit);
-  if (no_seal) options.sealing = CrackSealing::off;
+  if (!unit.empty()) options.loading.unit = *parse_unit(unit);
+  if (no_seal) options.loading.sealing = CrackSealing::off;
+  if (no_fit) options.loading.fit = MeshFit::off;
   return options;
 }
 

@@ -7,8 +7,7 @@
 
 #include "core/force/force_method.h"
 #include "runtime/realtime.h"
-#include "scene/touch_mesh.h"
-#include "scene/unit.h"
+#include "scene/scene_loading.h"
 
 namespace hapton {
 
@@ -18,8 +17,7 @@ struct HapticsOptions {
   std::string bind;      // empty: any address of the hub's family, any port
   std::string key_file;  // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::optional<Unit> unit;  // of a plain mesh file
-  CrackSealing sealing = CrackSealing::on;
+  SceneLoading loading = {.fit = MeshFit::workspace};
   MethodSettings method;
   RealtimeSettings realtime;
   double seconds = 0.0;  // 0: until stopped

@@ -7,9 +7,11 @@
 
 namespace hapton {
 
-HapticsSetup make_haptics_setup(const std::filesystem::path& scene, std::uint64_t scene_hash, const MethodSettings& method) {
+HapticsSetup make_haptics_setup(const std::filesystem::path& scene, const SceneLoading& loading, std::uint64_t scene_hash,
+                                const MethodSettings& method) {
   HapticsSetup setup;
   setup.scene_hash = scene_hash;
+  setup.scene_loading = to_code(loading);
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(scene, error);
   put_text(error ? scene.string() : absolute.lexically_normal().string(), setup.scene);

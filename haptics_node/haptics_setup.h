@@ -6,11 +6,13 @@
 
 #include "core/force/force_method.h"
 #include "link/messages.h"
+#include "scene/scene_loading.h"
 
 namespace hapton {
 
 // What a haptics node that begins with these settings tells the hub of itself. RT: set-up only.
-HapticsSetup make_haptics_setup(const std::filesystem::path& scene, std::uint64_t scene_hash, const MethodSettings& method);
+HapticsSetup make_haptics_setup(const std::filesystem::path& scene, const SceneLoading& loading, std::uint64_t scene_hash,
+                                const MethodSettings& method);
 
 // Puts a text into a field of HapticsSetup: what is not printable becomes a question mark, what is too long loses its front (the end of a
 // path says more). RT: yes.

@@ -32,7 +32,7 @@ int run(const HapticsOptions& options) {
   const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
   if (!key) return give_up(key.error());
   const auto scene_path = find_scene(options.scene);
-  const auto scene = load_scene(scene_path, options.unit, options.sealing);
+  const auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto method = make_method(options.method, scene->touch_scene());
@@ -50,7 +50,7 @@ int run(const HapticsOptions& options) {
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
-  const HapticsSetup setup = make_haptics_setup(scene_path, hash_scene(scene->touch_scene()), options.method);
+  const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
   AnswerLoop loop(client, clock, step, builder, setup, options.method.build_on_approach);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());

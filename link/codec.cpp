@@ -132,6 +132,7 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   write_text(from.scene, *to.mutable_scene());
   write_text(from.build, *to.mutable_build());
   write_text(from.method, *to.mutable_method());
+  to.set_scene_loading(from.scene_loading);
   to.set_method_ask(from.method_ask);
   write_text(from.refusal, *to.mutable_refusal());
 }
@@ -288,6 +289,7 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.view_revision = from.view_revision();
   to.scene_hash = from.scene_hash();
   to.method_ask = from.method_ask();
+  to.scene_loading = from.scene_loading();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
          read_text(from.method(), to.method) && read_text(from.refusal(), to.refusal);
 }

@@ -121,9 +121,10 @@ struct HapticsSetup {
   std::uint64_t scene_hash = 0;
   Text scene = {};  // the file's path
   Text build = {};
-  Text method = {};              // "name=proxy probe_radius_m=0 ..."
-  std::uint32_t method_ask = 0;  // of the Settings answered last; 0: none yet, or one that nobody waits for
-  Text refusal = {};             // why that method is not used; empty: it is in use
+  Text method = {};                 // "name=proxy probe_radius_m=0 ..."
+  std::uint32_t method_ask = 0;     // of the Settings answered last; 0: none yet, or one that nobody waits for
+  Text refusal = {};                // why that method is not used; empty: it is in use
+  std::uint32_t scene_loading = 0;  // unit, sealing and fit of the scene (scene/scene_loading.h); 0: not said
 };
 
 // tool -> hub: a part of the hub's report.

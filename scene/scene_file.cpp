@@ -314,16 +314,30 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   return posed;
 }
 
-// Scales and shifts all meshes together so that their box just fits into one of that size around the origin.
+// Scales and shifts a mesh. RT: no.
+struct Fit {
+  Vec3 center;
+  double scale;
+  void apply(TriangleMesh& mesh, SealReport& sealed) const {
+    for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - center);
+    scale_widths(sealed, scale);
+  }
+};
+
+// So that the box just fits into one of that size around the origin.
+Result<Fit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
+  if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are one point, which no scale makes larger");
+  return Fit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
+}
+
+// All meshes together.
 Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
   Eigen::AlignedBox3d box;
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
-  if (!(box.sizes().maxCoeff() > 0.0)) return fail("fit_m: all vertices are one point, which no scale makes larger: leave fit_m out");
-  const double scale = (size_m.array() / box.sizes().array()).minCoeff();
-  for (PosedMesh& posed : meshes) {
-    for (Vec3& vertex : posed.mesh.vertices) vertex = scale * (vertex - box.center());
-    scale_widths(posed.sealed, scale);
-  }
+  const Result<Fit> fit = find_fit(box, size_m);
+  if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
+  for (PosedMesh& posed : meshes) fit->apply(posed.mesh, posed.sealed);
+  const double scale = fit->scale;
   notes.push_back(fmt::format("fit_m: everything is shown {:.4g} times its size", scale));
   return {};
 }
@@ -352,11 +366,21 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   return scene;
 }
 
-Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing) {
-  Result<TouchMesh> file = load_touch_mesh(path, unit, sealing);
+Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneLoading& loading) {
+  Result<TouchMesh> file = load_touch_mesh(path, loading.unit, loading.sealing);
   if (!file) return tl::unexpected(file.error());
   Scene scene;
   for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
+  if (loading.fit == MeshFit::workspace) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& vertex : file->mesh.vertices) box.extend(vertex);
+    const Result<Fit> fit = find_fit(box, fitted_size_m());
+    if (!fit) return fail("{}: {}", path.string(), fit.error().what);
+    fit->apply(file->mesh, file->sealed);
+    scene.notes.push_back(
+        fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is",
+                    path.string(), box.sizes().maxCoeff(), fit->scale));
+  }
   scene.objects.push_back({.name = path.stem().string(),
                            .mesh = std::make_shared<const TriangleMesh>(std::move(file->mesh)),
                            .material = {},
@@ -382,19 +406,19 @@ TouchScene Scene::touch_scene() const {
   return touch;
 }
 
-Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing) {
+Result<Scene> load_scene(const std::filesystem::path& path, const SceneLoading& loading) {
   if (path.extension() != ".toml") {
-    if (is_mesh_file_name(path)) return load_mesh_as_scene(path, unit, sealing);
+    if (is_mesh_file_name(path)) return load_mesh_as_scene(path, loading);
     const Result<std::string> bytes = read_file_bytes(path, kMaxMeshFileBytes);
     if (!bytes) return tl::unexpected(bytes.error());
     return fail("{}: is neither a scene (.toml) nor a mesh (.obj, .stl, .ply, .gltf, .glb): check its extension", path.string());
   }
-  if (unit) return fail("{}: a scene file names its units itself: leave the unit out", path.string());
+  if (loading.unit) return fail("{}: a scene file names its units itself: leave the unit out", path.string());
   const Result<std::string> text = read_file_bytes(path, kMaxSceneFileBytes);
   if (!text) return tl::unexpected(text.error());
   const Result<SceneSpec> spec = parse_spec(*text);
   if (!spec) return fail("{}: {}", path.string(), spec.error().what);
-  Result<Scene> scene = make_scene(*spec, path.parent_path(), sealing);
+  Result<Scene> scene = make_scene(*spec, path.parent_path(), loading.sealing);
   if (!scene) return fail("{}: {}", path.string(), scene.error().what);
   return scene;
 }

@@ -10,8 +10,7 @@
 #include "core/base/result.h"
 #include "core/force/touch_scene.h"
 #include "core/geometry/triangle_mesh.h"
-#include "scene/touch_mesh.h"
-#include "scene/unit.h"
+#include "scene/scene_loading.h"
 
 namespace hapton {
 
@@ -34,12 +33,10 @@ struct Scene {
 };
 
 // Reads a scene file (TOML, docs/scene-files.md has every key) or a plain mesh file, which makes a scene of one object.
-// unit: for a plain mesh file only, what its numbers are in; a scene file names its units itself.
-// sealing: off leaves the cracks of every mesh as they are; a scene file can also say so of one object. Either way everything else is in
-// the same place: fit_m goes by the meshes as they came.
+// loading.sealing off leaves the cracks of every mesh as they are; a scene file can also say so of one object. Either way everything else
+// is in the same place: fitting goes by the meshes as they came.
 // Error: one line with the file, the line in it and what to do: unknown keys with the nearest known one, values out of
 // their range, whatever load_mesh_file refuses. RT: set-up only.
-Result<Scene> load_scene(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
-                         CrackSealing sealing = CrackSealing::on);
+Result<Scene> load_scene(const std::filesystem::path& path, const SceneLoading& loading = {});
 
 }  // namespace hapton

@@ -61,7 +61,7 @@ int run(VisionOptions& options) {
   if (!hub) return give_up(hub.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
-  const auto scene = load_scene(find_scene(options.scene), options.unit, CrackSealing::off);  // drawn as it came
+  const auto scene = load_scene(find_scene(options.scene), options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   auto view = open_view(*scene, options);

@@ -32,6 +32,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::string size = "1280x720";
   std::string when = "contact";
   std::string unit;
+  bool no_fit = false;
   std::string knobs = "window";
   std::vector<std::string> hubs = {options.hub};
   bool no_cull = false;
@@ -47,6 +48,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
+  app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node must be told the same");
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--stereo", stereo,
                  fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side",
@@ -105,7 +107,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.help = !no_help;
   options.has_space_knobs = knobs == "spacemouse";
   options.screenshot_moment = *ScreenshotMoment::parse(when);
-  if (!unit.empty()) options.unit = *parse_unit(unit);
+  if (!unit.empty()) options.loading.unit = *parse_unit(unit);
+  if (no_fit) options.loading.fit = MeshFit::off;
   return options;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-#include "scene/unit.h"
+#include "scene/scene_loading.h"
 #include "vision_node/screenshot_moment.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
@@ -19,7 +19,7 @@ struct VisionOptions {
   std::string bind;       // empty: any address of the hub's family, any port
   std::string key_file;   // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::optional<Unit> unit;  // of a plain mesh file
+  SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace};  // drawn as it came
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
   // A three-quarter view shows depth and the force that points at the hand, and is little enough for the hand not to mind.

@@ -11,8 +11,9 @@ namespace hapton {
 namespace {
 
 TEST(HapticsSetup, names_scene_method_and_build_and_fits_a_datagram) {
-  const HapticsSetup setup = make_haptics_setup(std::string(2000, 'd') + "/car.toml", 42, {.name = "sweep"});
+  const HapticsSetup setup = make_haptics_setup(std::string(2000, 'd') + "/car.toml", {.unit = Unit::mm}, 42, {.name = "sweep"});
   EXPECT_EQ(setup.scene_hash, 42U);
+  EXPECT_EQ(from_code(setup.scene_loading), SceneLoading{.unit = Unit::mm});
   EXPECT_TRUE(std::string(setup.scene.data()).ends_with("ddd/car.toml"));
   EXPECT_EQ(std::string(setup.method.data()), "name=sweep");
   EXPECT_NE(std::string(setup.build.data()), "");

@@ -98,6 +98,7 @@ class RandomDatagrams {
     HapticsSetup setup{bits32(),          bits32(),       draw_view().X_WS, bits(), {"scenes/car front.toml"},
                        {"0.1.0 release"}, {"name=proxy"}, bits32()};
     if (flag()) std::fill(setup.scene.begin(), setup.scene.end() - 1, 's');
+    setup.scene_loading = bits32();
     if (flag()) std::fill(setup.refusal.begin(), setup.refusal.end() - 1, 'r');
     return setup;
   }
@@ -194,6 +195,7 @@ void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.method, b.method);
   EXPECT_EQ(a.method_ask, b.method_ask);
   EXPECT_EQ(a.refusal, b.refusal);
+  EXPECT_EQ(a.scene_loading, b.scene_loading);
 }
 
 void expect_equal(const ReportAsk& a, const ReportAsk& b) {

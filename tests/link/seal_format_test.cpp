@@ -47,7 +47,7 @@ void lengthen(Settings& m) {
   m.method_ask = kMost32;
 }
 void lengthen(HapticsSetup& m) {
-  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}};
+  m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}, kMost32};
   fill_text(m.scene);
   fill_text(m.build);
   fill_text(m.method);

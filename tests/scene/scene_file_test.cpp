@@ -139,7 +139,7 @@ TEST_F(SceneFile, TakesOnePartOfAFile) {
 }
 
 TEST_F(SceneFile, TakesAPlainMeshFile) {
-  const auto scene = load_scene(folder_.path() / "a.obj", Unit::mm);
+  const auto scene = load_scene(folder_.path() / "a.obj", {.unit = Unit::mm});
   ASSERT_TRUE(scene) << scene.error().what;
   ASSERT_THAT(scene->objects, SizeIs(1));
   EXPECT_EQ(scene->objects[0].name, "a");
@@ -194,7 +194,8 @@ TEST_F(SceneFile, RefusesWhatIsNoScene) {
   EXPECT_THAT(load_scene(folder_.path() / "none.toml").error().what, HasSubstr("no such file"));
   EXPECT_THAT(load_scene(folder_.path()).error().what, HasSubstr("is a folder"));
   EXPECT_THAT(load_scene(folder_.write("a.txt", "x")).error().what, HasSubstr("neither a scene"));
-  EXPECT_THAT(load_scene(folder_.write("b.toml", "[[object]]\nmesh = 'a.obj'\n"), Unit::mm).error().what, HasSubstr("leave the unit out"));
+  EXPECT_THAT(load_scene(folder_.write("b.toml", "[[object]]\nmesh = 'a.obj'\n"), {.unit = Unit::mm}).error().what,
+              HasSubstr("leave the unit out"));
 }
 
 TEST_F(SceneFile, StandsBeingCutAnywhere) {

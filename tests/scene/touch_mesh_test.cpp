@@ -62,7 +62,7 @@ TEST_F(TouchMeshes, OfAMeshFileAndOfAScene) {
   EXPECT_TRUE(count_edges(*scene->objects[1].mesh).closed());
   EXPECT_EQ(count_edges(*scene->objects[2].mesh).border, 144U);
   EXPECT_THAT(scene->notes, ElementsAre(AllOf(HasSubstr("cracked.obj: sealed cracks"), HasSubstr("144"))));  // once for both
-  const auto unsealed = load_scene(folder_.path() / "a.toml", std::nullopt, CrackSealing::off);
+  const auto unsealed = load_scene(folder_.path() / "a.toml", {.sealing = CrackSealing::off});
   ASSERT_TRUE(unsealed);
   EXPECT_EQ(count_edges(*unsealed->objects[0].mesh).border, 144U);
   EXPECT_THAT(unsealed->notes, IsEmpty());
@@ -76,7 +76,7 @@ TEST_F(TouchMeshes, FittedAreInTheSamePlaceSealedAndUnsealed) {
                                   "fit_m = [0.3, 0.3, 0.3]\n[[object]]\nmesh = 'cracked.obj'\n[[object]]\nmesh = 'whole.obj'\n"
                                   "position_m = [0.01, 0.02, 0.03]\nrotation_deg = [10, 20, 30]\nscale = 0.5\n");
   const auto touched = load_scene(path);
-  const auto drawn = load_scene(path, std::nullopt, CrackSealing::off);
+  const auto drawn = load_scene(path, {.sealing = CrackSealing::off});
   ASSERT_TRUE(touched && drawn);
   EXPECT_EQ(touched->objects[1].mesh->vertices, drawn->objects[1].mesh->vertices);
   for (const Vec3& vertex : touched->objects[0].mesh->vertices) EXPECT_THAT(drawn->objects[0].mesh->vertices, ::testing::Contains(vertex));

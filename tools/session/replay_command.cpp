@@ -38,7 +38,7 @@ Result<Scene> load(const ReplayOptions& options) {
     if (!options.unit.empty()) {
       return fail("--unit goes with --mesh; a scene file names the units of its meshes itself");
     }
-    return load_scene(options.scene, std::nullopt, sealing);
+    return load_scene(options.scene, {.sealing = sealing});
   }
   std::optional<Unit> unit;
   if (!options.unit.empty()) {
@@ -48,7 +48,7 @@ Result<Scene> load(const ReplayOptions& options) {
     }
     unit = *parsed;
   }
-  return load_scene(options.mesh, unit, sealing);
+  return load_scene(options.mesh, {.unit = unit, .sealing = sealing});
 }
 
 // What the command line says about the material holds for every object of the scene.

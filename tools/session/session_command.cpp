@@ -76,18 +76,19 @@ Result<void> write_tables(const SessionOptions& options) {
   return judge_end(*reader);
 }
 
-// Scenes by their path, loaded once as they are touched by default and, where needed, once with their cracks left open; the recorded hash
-// must be that of either.
+// Scenes by their path and how they were loaded. A recording of an earlier version does not say how: metres, no fit, and the cracks sealed
+// or not; the recorded hash must be that of either.
 class RecordedScenes {
  public:
   explicit RecordedScenes(const SessionOptions& options) : options_(options) {}
 
   Result<std::unique_ptr<TouchStep>> make_touch(const HapticsSetup& setup) {
     const std::string path = options_.scene.empty() ? setup.scene.data() : options_.scene;
-    auto scene = find(path, CrackSealing::on);
+    const auto said = from_code(setup.scene_loading);
+    auto scene = find(path, said.value_or(SceneLoading()));
     if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
     const std::uint64_t hash = (*scene)->hash;
-    if (hash != setup.scene_hash) scene = find(path, CrackSealing::off);
+    if (hash != setup.scene_hash && !said) scene = find(path, {.sealing = CrackSealing::off});
     if (!scene || (*scene)->hash != setup.scene_hash) {
       return fail("{}: is not the scene that was recorded (its hash is {:016x}, recorded {:016x}); name that one with --scene", path, hash,
                   setup.scene_hash);
@@ -107,11 +108,11 @@ class RecordedScenes {
     std::uint64_t hash = 0;
   };
 
-  Result<const LoadedScene*> find(const std::string& path, CrackSealing sealing) {
-    const auto key = std::pair(path, sealing);
+  Result<const LoadedScene*> find(const std::string& path, const SceneLoading& loading) {
+    const auto key = std::pair(path, to_code(loading));
     auto found = scenes_.find(key);
     if (found == scenes_.end()) {
-      const auto scene = load_scene(path, std::nullopt, sealing);
+      const auto scene = load_scene(path, loading);
       if (!scene) return tl::unexpected(scene.error());
       found = scenes_.emplace(key, LoadedScene{scene->touch_scene(), hash_scene(scene->touch_scene())}).first;
     }
@@ -119,7 +120,7 @@ class RecordedScenes {
   }
 
   const SessionOptions& options_;
-  std::map<std::pair<std::string, CrackSealing>, LoadedScene> scenes_;
+  std::map<std::pair<std::string, std::uint32_t>, LoadedScene> scenes_;
 };
 
 std::string describe(const FeltCounts& counts) {

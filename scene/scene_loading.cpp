@@ -1,0 +1,32 @@
+#include "scene/scene_loading.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint32_t kSaid = 1;
+constexpr std::uint32_t kSealed = 2;
+constexpr std::uint32_t kFitted = 4;
+constexpr std::uint32_t kUnitAt = 3;  // the bits from here on: 0 no unit, else 1 + its number
+constexpr std::uint32_t kUnits = static_cast<std::uint32_t>(Unit::in) + 1;
+
+}  // namespace
+
+std::uint32_t to_code(const SceneLoading& loading) {
+  std::uint32_t code = kSaid;
+  if (loading.sealing == CrackSealing::on) code |= kSealed;
+  if (loading.fit == MeshFit::workspace) code |= kFitted;
+  if (loading.unit) code |= (static_cast<std::uint32_t>(*loading.unit) + 1) << kUnitAt;
+  return code;
+}
+
+std::optional<SceneLoading> from_code(std::uint32_t code) {
+  const std::uint32_t unit = code >> kUnitAt;
+  if ((code & kSaid) == 0 || unit > kUnits) return std::nullopt;
+  SceneLoading loading;
+  loading.sealing = (code & kSealed) != 0 ? CrackSealing::on : CrackSealing::off;
+  loading.fit = (code & kFitted) != 0 ? MeshFit::workspace : MeshFit::off;
+  if (unit > 0) loading.unit = static_cast<Unit>(unit - 1);
+  return loading;
+}
+
+}  // namespace hapton

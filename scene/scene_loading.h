@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/math/types.h"
+#include "scene/touch_mesh.h"
+#include "scene/unit.h"
+
+namespace hapton {
+
+// Whether a plain mesh file is scaled and centred to lie well within the workspace, with room to go round it. A scene file says so itself.
+enum class MeshFit : std::uint8_t { off, workspace };
+
+// The box that such a mesh fits into, around the origin of S, m: three quarters of the memo's workspace (docs/frames.md).
+inline Vec3 fitted_size_m() { return 0.75 * Vec3(0.2667, 0.1905, 0.381); }
+
+// How scene and mesh files are read beyond what stands in them.
+struct SceneLoading {
+  std::optional<Unit> unit = {};  // of a plain mesh file only, what its numbers are in; none: m
+  CrackSealing sealing = CrackSealing::on;
+  MeshFit fit = MeshFit::off;
+  friend bool operator==(const SceneLoading&, const SceneLoading&) = default;
+};
+
+// As a number that is never 0, for recordings; and back. None: a number that to_code does not give.
+std::uint32_t to_code(const SceneLoading& loading);
+std::optional<SceneLoading> from_code(std::uint32_t code);
+
+}  // namespace hapton

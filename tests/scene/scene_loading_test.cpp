@@ -1,0 +1,73 @@
+#include "scene/scene_loading.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/scene_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+TEST(SceneLoading, EveryOneHasACodeOfItsOwnThatIsNotZero) {
+  std::vector<std::uint32_t> codes;
+  for (const std::optional<Unit> unit :
+       {std::optional<Unit>(), std::optional(Unit::m), std::optional(Unit::cm), std::optional(Unit::mm), std::optional(Unit::in)}) {
+    for (const CrackSealing sealing : {CrackSealing::on, CrackSealing::off}) {
+      for (const MeshFit fit : {MeshFit::off, MeshFit::workspace}) {
+        const SceneLoading loading{unit, sealing, fit};
+        const std::uint32_t code = to_code(loading);
+        EXPECT_NE(code, 0U);
+        EXPECT_EQ(std::count(codes.begin(), codes.end(), code), 0);
+        codes.push_back(code);
+        EXPECT_EQ(from_code(code), loading);
+      }
+    }
+  }
+  for (const std::uint32_t other : {0U, 2U, 6U, 0x31U, 0xFFFFFFFFU}) EXPECT_FALSE(from_code(other)) << other;
+}
+
+class FittedMesh : public ::testing::Test {
+ protected:
+  static Eigen::AlignedBox3d box_of(const Scene& scene) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& vertex : scene.objects.at(0).mesh->vertices) box.extend(vertex);
+    return box;
+  }
+  ScratchFolder folder_;
+};
+
+// Whatever unit it was in and wherever it lay.
+TEST_F(FittedMesh, LiesInTheMiddleOfTheWorkspaceAndJustFitsItsBox) {
+  for (const Unit unit : {Unit::m, Unit::mm, Unit::in}) {
+    const auto path = folder_.write("a.obj", "v 1000 5 -40\nv 1300 5 -40\nv 1000 45 -40\nv 1000 5 60\nf 1 2 3\nf 1 3 4\n");
+    const auto scene = load_scene(path, {.unit = unit, .fit = MeshFit::workspace});
+    ASSERT_TRUE(scene) << scene.error().what;
+    const Eigen::AlignedBox3d box = box_of(*scene);
+    EXPECT_LT(box.center().norm(), 1e-12);
+    const Eigen::Array3d shares = box.sizes().array() / fitted_size_m().array();
+    EXPECT_NEAR(shares.maxCoeff(), 1.0, 1e-12);
+    EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr("a.obj"), HasSubstr("times its size"), HasSubstr("--no-fit"))));
+  }
+}
+
+TEST_F(FittedMesh, IsLeftAsItIsWithoutFit) {
+  const auto path = folder_.write("a.obj", "v 1 2 3\nv 2 2 3\nv 1 3 3\nf 1 2 3\n");
+  const auto scene = load_scene(path);
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(box_of(*scene).min(), Vec3(1, 2, 3));
+}
+
+TEST_F(FittedMesh, DoesNotChangeASceneFile) {
+  folder_.write("a.obj", "v 1 2 3\nv 2 2 3\nv 1 3 3\nf 1 2 3\n");
+  const auto scene = load_scene(folder_.write("a.toml", "[[object]]\nmesh = 'a.obj'\n"), {.fit = MeshFit::workspace});
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(box_of(*scene).min(), Vec3(1, 2, 3));
+}
+
+}  // namespace
+}  // namespace hapton
