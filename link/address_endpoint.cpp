@@ -128,7 +128,7 @@ Result<Address> parse_address(std::string_view text, std::uint16_t default_port)
     return tl::unexpected(parts.error());
   }
   if (parts->host.empty()) {
-    return fail("address '{}': no host before the port; write host:port, for example 127.0.0.1:{}", text, kDefaultHubPort);
+    return fail("address '{}': no host before the port; write host:port, for example 127.0.0.1:{}", text, parts->port);
   }
   if (parts->host.find('%') != std::string::npos) {
     return fail("address '{}': IPv6 zones (%interface) are not supported; use a global or unique local address", text);

@@ -37,7 +37,6 @@ class RunScript : public ::testing::Test {
   std::filesystem::path out() const { return folder_.path() / "out"; }
   bool has(const char* file) const { return std::filesystem::exists(out() / file); }
 
- private:
   TestFolder folder_;
 };
 
@@ -68,6 +67,22 @@ TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
     EXPECT_THAT(ended->err, HasSubstr("stopped before the 200 s were over"));
     EXPECT_THAT(ended->err, Not(HasSubstr("unbound")));
     EXPECT_TRUE(has("report.json") && has("latency.png"));
+  }
+}
+
+// The file's numbers are millimetres far from the origin: without a fit the device would never reach it.
+TEST_F(RunScript, TouchesAMeshInAnyUnitAndItsRecordingReplays) {
+  const std::string mesh = HAPTON_SOURCE_DIR "/meshes/wingnut.obj";
+  for (const char* unit : {"m", "mm", "in"}) {
+    const std::string recording = (folder_.path() / unit).string() + ".hapton";
+    Program script = start({"--headless", "--seconds", "5", "--scene", mesh, "--unit", unit, "--record", recording});
+    const auto ended = script.wait(kRunPatience);
+    ASSERT_TRUE(ended) << "still runs";
+    EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
+    EXPECT_THAT(ended->out, HasSubstr("\nrun: touched " + mesh));
+    const auto replayed = run("hapton", {"session", "replay", recording}, folder_.path());
+    ASSERT_TRUE(replayed);
+    EXPECT_EQ(replayed->exit_code, 0) << replayed->out << replayed->err;
   }
 }
 
