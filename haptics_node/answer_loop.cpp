@@ -145,7 +145,7 @@ void AnswerLoop::tell_of_hub() {
   if (state == told_) {
     if (state == JoinState::joining && !told_absent_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
       told_absent_ = true;
-      log_warning("no hub answers yet; start io_node there, name another place with --hub, or give the hub's --key; trying on");
+      log_warning("no hub answers; start io_node, or check --hub and --key; retrying");
     }
     return;
   }
@@ -156,10 +156,14 @@ void AnswerLoop::tell_of_hub() {
       log_info("joined the hub, {} samples a second", hub_.servo_rate_hz());
       break;
     case JoinState::refused:
-      log_warning("the hub has another haptics node; waiting for its place");
+      log_warning("the hub already has a haptics node; waiting to take over");
       break;
     case JoinState::joining:
-      log_warning("the hub has gone silent; trying on");
+      if (hub_.has_hub_left()) {
+        log_info("the hub has ended its session; waiting for the next one");
+      } else {
+        log_warning("the hub stopped answering; retrying");
+      }
       break;
   }
 }

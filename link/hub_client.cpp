@@ -103,6 +103,7 @@ bool HubClient::accept(const Datagram& datagram, std::int64_t now_ns) noexcept {
   last_heard_ns_ = now_ns;
   if (std::holds_alternative<Bye>(datagram.message)) {
     state_ = JoinState::joining;
+    has_hub_left_ = true;
     return false;
   }
   last_arrival_ = arrival;
@@ -128,6 +129,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
     return;
   }
   tracker_.track(header.sender, header.sequence, !was_joined);
+  has_hub_left_ = false;
   state_ = JoinState::joined;
   counts_.joins += was_joined ? 0 : 1;
 }

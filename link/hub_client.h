@@ -56,6 +56,8 @@ class HubClient {
   Arrival last_arrival() const noexcept { return last_arrival_; }
 
   JoinState state() const noexcept;
+  // The hub's last session ended with its Bye, not by its falling silent; false again when joined.
+  bool has_hub_left() const noexcept { return has_hub_left_; }
   // The hub's servo rate as of its last Welcome; 0 before the first.
   double servo_rate_hz() const noexcept { return servo_rate_hz_; }
   std::uint64_t session() const noexcept { return session_; }
@@ -87,6 +89,7 @@ class HubClient {
   std::int64_t last_heard_ns_ = 0;
   std::int64_t receive_time_ns_ = 0;
   double servo_rate_hz_ = 0.0;
+  bool has_hub_left_ = false;
 };
 
 }  // namespace hapton

@@ -12,8 +12,12 @@ std::filesystem::path find_scene(const std::filesystem::path& named) {
 std::filesystem::path find_scene(const std::filesystem::path& named, const std::filesystem::path& program_folder) {
   std::error_code error;
   if (named.is_absolute() || std::filesystem::exists(named, error)) return named;
-  const auto installed = (program_folder / "../share/hapton" / named).lexically_normal();
-  return std::filesystem::exists(installed, error) ? installed : named;
+  // Beside an installed program, or in the source tree of one in build/PRESET/bin.
+  for (const char* root : {"../share/hapton", "../../.."}) {
+    const auto found = (program_folder / root / named).lexically_normal();
+    if (std::filesystem::exists(found, error)) return found;
+  }
+  return named;
 }
 
 }  // namespace hapton

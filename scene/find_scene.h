@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Where a scene file is that was named: as it was named, seen from the current folder; where there is none, in the folder that the programs
-// were installed with (PREFIX/bin beside PREFIX/share/hapton). What is nowhere stays as it was named. RT: set-up only.
+// Where a named scene file is: seen from the current folder; else in the folder that the programs were installed with (PREFIX/bin beside
+// PREFIX/share/hapton); else in the source tree of programs in build/PRESET/bin. A file that is in none of them keeps its name. RT: no.
 std::filesystem::path find_scene(const std::filesystem::path& named);
 
 // The same with the program's own folder told.

@@ -5,6 +5,10 @@
 #include <utility>
 
 #include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 
 #include "hid/hidapi_transport.h"
 #include "link/link_key.h"
@@ -27,6 +31,20 @@ using namespace hapton;
 int give_up(const Error& error) {
   log_error("{}", error.what);
   return 1;
+}
+
+// Before anything is shown: at the end it would be too late.
+Result<void> check_screenshot(const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  if (file.extension() != ".png" && file.extension() != ".PNG") {
+    return fail("--screenshot {}: pictures are written as PNG; give it a name that ends in .png", file.string());
+  }
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    return fail("--screenshot {}: cannot be written: {}; name a folder that is there and may be written to", file.string(),
+                std::strerror(errno));
+  }
+  return {};
 }
 
 // Another hand's way to its hub.
@@ -59,6 +77,7 @@ int run(VisionOptions& options) {
   const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
+  if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
   const auto scene = load_scene(find_scene(options.scene), options.loading);
@@ -83,7 +102,14 @@ int run(VisionOptions& options) {
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
-  return ended ? 0 : give_up(ended.error());
+  if (!ended) return give_up(ended.error());
+  // Whoever wanted no more than a picture has it.
+  if (options.seconds > 0.0 && client.counts().joins == 0 && options.screenshot.empty() && !stop.stop_requested()) {
+    return give_up(
+        {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",
+                     to_string(*hub), options.seconds)});
+  }
+  return 0;
 }
 
 }  // namespace

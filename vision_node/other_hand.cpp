@@ -22,7 +22,11 @@ void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
     log_info("joined the other hand's hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
     sender_.rejoin();
   } else if (!is_joined && was_joined_) {
-    log_warning("the other hand's hub has fallen silent; waiting for it");
+    if (hub_.has_hub_left()) {
+      log_info("the other hand's hub has ended its session; waiting for the next one");
+    } else {
+      log_warning("the other hand's hub stopped answering; retrying");
+    }
   }
   was_joined_ = is_joined;
   joins_ = hub_.counts().joins;

@@ -13,6 +13,7 @@ namespace hapton {
 namespace {
 
 // How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
+constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without an answer, before a person is told
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 // The smallest thing that is framed: a scene of one point still gives a picture.
 constexpr double kMinRadius = 1e-6;
@@ -101,8 +102,15 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
     log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
     step_.joined();
   } else if (!joined && was_joined_) {
-    log_warning("the hub has fallen silent; waiting for it");
+    if (hub_.has_hub_left()) {
+      log_info("the hub has ended its session; waiting for the next one");
+    } else {
+      log_warning("the hub stopped answering; retrying");
+    }
     step_.lost();
+  } else if (!joined && !told_absent_ && hub_.counts().joins == 0 && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
+    log_warning("no hub answers; start io_node, or check --hub and --key; retrying");
+    told_absent_ = true;
   }
   joins_ = hub_.counts().joins;
   was_joined_ = joined;

@@ -60,6 +60,7 @@ class VisionSession {
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
+  bool told_absent_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
   std::int64_t heard_ns_ = 0;  // when the state came that is drawn next

@@ -24,6 +24,11 @@ TEST_F(FindScene, is_in_the_installed_folder_when_there_is_none_here) {
   EXPECT_EQ(find_scene("scenes/a_scene_of_this_test.toml", bin), share / "scenes/a_scene_of_this_test.toml");
 }
 
+TEST_F(FindScene, is_in_the_source_tree_of_a_build) {
+  EXPECT_EQ(find_scene("scenes/a_scene_of_this_test.toml", scratch.path() / "build/release/bin"),
+            scratch.path() / "scenes/a_scene_of_this_test.toml");
+}
+
 TEST_F(FindScene, here_comes_first) {
   const auto relative = std::filesystem::relative(scratch.path() / "scenes/a_scene_of_this_test.toml");
   EXPECT_EQ(find_scene(relative, bin), relative);

@@ -67,6 +67,23 @@ TEST(VisionProgram, ScreenshotThatCannotBeWrittenFails) {
   EXPECT_NE(run.output.find("/nowhere/a.png"), std::string::npos) << run.output;
 }
 
+TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
+  for (const char* name : {"/nowhere/a.png", "/tmp/a.jpg"}) {
+    const Ended run =
+        run_vision(std::string("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot ") + name);
+    EXPECT_EQ(run.code, 1);
+    EXPECT_NE(run.output.find(name), std::string::npos) << run.output;
+    EXPECT_FALSE(std::filesystem::exists(name));
+  }
+}
+
+TEST(VisionProgram, WithoutAHubItSaysSoAndFails) {
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 2.5 --hub 127.0.0.1:9");
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("no hub answers"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("no hub let it join"), std::string::npos) << run.output;
+}
+
 TEST(VisionProgram, BenchSaysItsRate) {
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --bench-frames 5");
   EXPECT_EQ(run.code, 0) << run.output;

@@ -11,6 +11,7 @@
 #include "runtime/bare_timer.h"
 #include "runtime/hop_table.h"
 #include "runtime/stop_signal.h"
+#include "scene/find_scene.h"
 #include "tools/child_process.h"
 #include "tools/latency/latency_csv.h"
 #include "tools/latency/latency_plot.h"
@@ -222,7 +223,8 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
     return fail("{}: cannot be made: {}", options.out.string(), error.message());
   }
   const bool is_here = options.hosts.empty();
-  if (is_here && !std::filesystem::exists(options.scene)) {
+  const std::filesystem::path scene = find_scene(options.scene);
+  if (is_here && !std::filesystem::exists(scene)) {
     return fail("{}: there is no such scene here; name one with --scene", options.scene.string());
   }
   // An interrupt reaches the nodes as well: they end, the hub writes what it has, and that is reported.
