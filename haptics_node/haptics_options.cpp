@@ -44,7 +44,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
                  "smooth: share of RADIUS over which force builds up outside, 0 to 1; 1 is the FDH paper's Algorithm 1 at full strength")
       ->capture_default_str();
   app.add_option("--directions", options.method.hull_directions, "smooth: of its bounding hulls: 6, 14, 18 or 26")->capture_default_str();
-  app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees are felt sharp")
+  app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees count as sharp")
       ->check(between(0.0, 180.0))
       ->capture_default_str();
   app.add_option("--simplify", simplify, "smooth: merge small triangles while no vertex is left farther off the surface: 0.1mm; 0: never")

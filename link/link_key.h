@@ -64,7 +64,7 @@ Result<RoleKey> find_role_key(const std::string& key_file, const Address& hub, K
 
 // What --key says in every program's --help.
 constexpr const char* kKeyHelp =
-    "Key file: the master key for the hub, the role's own for a node (hapton keygen); needed beyond this machine, else the user's own is "
-    "used";
+    "Key file: the master key for the hub, the role's own for a node (hapton keygen); required when other hosts take part, default: "
+    "this user's key";
 
 }  // namespace hapton

@@ -18,7 +18,7 @@ CLI::Validator check_number(Refusal refusal, const std::string& advice, const st
   return CLI::Validator(
       [refusal, advice](std::string& text) {
         const auto value = find_number(text);
-        const std::string wrong = value ? refusal(*value) : "is no number";
+        const std::string wrong = value ? refusal(*value) : "is not a number";
         return wrong.empty() ? std::string() : fmt::format("{} {}; give {}", text.empty() ? "''" : text, wrong, advice);
       },
       shown);
@@ -39,7 +39,7 @@ CLI::Validator above_zero(const std::string& what) {
 CLI::Validator zero_or_more(const std::string& what) {
   const auto refusal = [](double value) -> std::string {
     if (value < 0.0) return "is below zero";
-    return value >= 0.0 ? "" : "is no number";
+    return value >= 0.0 ? "" : "is not a number";
   };
   return check_number(refusal, what + ", zero or more", "NONNEGATIVE");
 }

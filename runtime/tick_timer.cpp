@@ -16,7 +16,7 @@ TickTimer::~TickTimer() {
 
 Result<void> TickTimer::open() {
   file_ = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC);
-  if (file_ < 0) return fail("no timer to be had: {}; allow the process more open files (ulimit -n, LimitNOFILE)", std::strerror(errno));
+  if (file_ < 0) return fail("cannot create a timer: {}; allow the process more open files (ulimit -n, LimitNOFILE)", std::strerror(errno));
   return {};
 }
 

@@ -74,9 +74,9 @@ class GovernorRun {
 };
 
 void print_stages(const GovernorCounters& g) {
-  fmt::print("wrenches: {} accepted, {} no numbers, {} old, {} of the future, {} silences\n", g.accepted, g.not_finite, g.refused_old,
-             g.refused_future, g.silences);
-  fmt::print("stages: {} clamped, {} slewed, {} stopped at the workspace's end, {} braked, {} damped, {} cooled, {} let go of\n", g.clamped,
+  fmt::print("wrenches: {} accepted, {} not finite, {} old, {} of the future, {} command timeouts\n", g.accepted, g.not_finite,
+             g.refused_old, g.refused_future, g.silences);
+  fmt::print("stages: {} clamped, {} slewed, {} stopped at the workspace's end, {} braked, {} damped, {} cooled, {} released\n", g.clamped,
              g.slewed, g.stopped, g.braked, g.damped, g.cooled, g.releases);
   fmt::print("device: {} bad samples; faults: {} latched", g.bad_samples, g.latched);
   for (int fault = 1; fault < kSafetyFaults; ++fault) {

@@ -47,7 +47,7 @@ std::string shape_names() {
 void add_mesh_options(CommandLine command, MeshChoice& choice) {
   const CommandLine source = command.add_group("what is touched").require_options(1, 1);
   source.add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
-  source.add_option("--shape", choice.shape, "Made by rule, about 100 mm: " + shape_names());
+  source.add_option("--shape", choice.shape, "Generated shape, about 100 mm: " + shape_names());
   command.add_option("--unit", choice.unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
   command.add_flag("--no-seal", choice.no_seal, "Take the mesh file as it is: cracks up to 1e-4 of its longest side are not sealed");
   command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")

@@ -14,7 +14,7 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
   command.add_option("--shading", method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
       .between(0.0, 1.0)
       .shows_default();
-  command.add_option("--crease", method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees are felt sharp")
+  command.add_option("--crease", method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees count as sharp")
       .between(0.0, 180.0)
       .shows_default();
   command

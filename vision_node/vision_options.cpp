@@ -60,7 +60,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(accepts(find_stereo_mode))
       ->capture_default_str();
   app.add_option("--size", size, "Window, WIDTHxHEIGHT in pixels")->check(accepts(parse_size))->capture_default_str();
-  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0 gives no depth")
+  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0: no depth")
       ->check(between(0.0, 200.0))
       ->capture_default_str();
   app.add_option("--view-mm", options.view_mm, "Smaller side of the picture in the screen's plane, mm (default: the scene fits)")
@@ -69,8 +69,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       ->check(between(-180.0, 180.0))
       ->capture_default_str();
   app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this far above")->check(between(-89.0, 89.0))->capture_default_str();
-  app.add_option("--stylus-lean-deg", options.stylus_lean_deg,
-                 "The drawn stylus leans this much more to the upper right; 0: as the device says")
+  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Lean the drawn stylus this much further to the upper right; 0: as reported")
       ->check(between(0.0, 90.0))
       ->capture_default_str();
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
@@ -79,12 +78,12 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse), or spacemouse, too: turns of its cap")
       ->check(CLI::IsMember({"window", "spacemouse"}))
       ->capture_default_str();
-  app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Pictures a second at most, 0: no limit (default: 60, in software 30)")
+  app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Maximum frames a second, 0: no limit (default: 60, in software 30)")
       ->check(between(0.0, 10000.0));
-  app.add_option("--msaa", options.view.msaa, "Samples a pixel; slow in software")->check(between(0, 16))->capture_default_str();
+  app.add_option("--msaa", options.view.msaa, "Samples per pixel; slow in software")->check(between(0, 16))->capture_default_str();
   app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
   app.add_flag("--no-keys-help", no_help, "Leave the keys out of the picture (k brings them back)");
-  app.add_flag("--offscreen", options.view.offscreen, "No window; an X display is needed all the same");
+  app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
   app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
       ->check(between(0.0, 1e9))
       ->capture_default_str();

@@ -139,9 +139,25 @@ TEST_F(HubClientTest, AHubsByeIsHeard) {
   start_hub(1);
   start_client();
   run(10);
+  EXPECT_FALSE(client_->has_hub_left());
   hub_.reset();
   run(1);
   EXPECT_EQ(client_->state(), JoinState::joining);
+  EXPECT_TRUE(client_->has_hub_left());
+  start_hub(2);
+  run(110, 1);
+  ASSERT_EQ(client_->state(), JoinState::joined);
+  EXPECT_FALSE(client_->has_hub_left());
+}
+
+TEST_F(HubClientTest, AHubThatCrashesHasNotLeft) {
+  start_hub(1);
+  start_client();
+  run(10, 1);
+  crash_hub();
+  run(1200);
+  EXPECT_EQ(client_->state(), JoinState::joining);
+  EXPECT_FALSE(client_->has_hub_left());
 }
 
 TEST_F(HubClientTest, DropsWordsOfAnotherSession) {

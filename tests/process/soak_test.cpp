@@ -87,7 +87,7 @@ TEST(Soak, RefusesATimeTooShortForItsLooks) {
   const auto ended = run("hapton", {"soak", "--seconds", "12"}, folder.path());
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->exit_code, 2);
-  EXPECT_NE(ended->err.find("12 s are too few for 10 looks, one every 2 s"), std::string::npos) << ended->err;
+  EXPECT_NE(ended->err.find("12 s are too few for 10 observations, one every 2 s"), std::string::npos) << ended->err;
 }
 
 }  // namespace

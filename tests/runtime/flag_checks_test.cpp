@@ -15,8 +15,8 @@ TEST(FlagChecks, BetweenTakesItsEndsAndNamesThemInShort) {
   EXPECT_EQ(refusal(rate, "250"), "");
   EXPECT_EQ(refusal(rate, "1e4"), "");
   EXPECT_EQ(refusal(rate, "249.9"), "249.9 is out of range; give 250 to 10000");
-  EXPECT_EQ(refusal(rate, "abc"), "abc is no number; give 250 to 10000");
-  EXPECT_EQ(refusal(rate, "10 Hz"), "10 Hz is no number; give 250 to 10000");
+  EXPECT_EQ(refusal(rate, "abc"), "abc is not a number; give 250 to 10000");
+  EXPECT_EQ(refusal(rate, "10 Hz"), "10 Hz is not a number; give 250 to 10000");
   EXPECT_NE(refusal(rate, "nan"), "");
   EXPECT_NE(refusal(rate, "inf"), "");
   EXPECT_EQ(refusal(between(0, 1e9), "-1"), "-1 is out of range; give 0 to 1000000000");
@@ -26,14 +26,14 @@ TEST(FlagChecks, AboveZeroLeavesZeroOut) {
   EXPECT_EQ(refusal(above_zero(), "1e-300"), "");
   EXPECT_EQ(refusal(above_zero(), "0"), "0 is not above zero; give a number above zero");
   EXPECT_EQ(refusal(above_zero("inches"), "-2"), "-2 is not above zero; give inches above zero");
-  EXPECT_EQ(refusal(above_zero("inches"), "two"), "two is no number; give inches above zero");
+  EXPECT_EQ(refusal(above_zero("inches"), "two"), "two is not a number; give inches above zero");
   EXPECT_NE(refusal(above_zero(), "nan"), "");
 }
 
 TEST(FlagChecks, ZeroOrMoreTakesZero) {
   EXPECT_EQ(refusal(zero_or_more(), "0"), "");
   EXPECT_EQ(refusal(zero_or_more("metres"), "-1"), "-1 is below zero; give metres, zero or more");
-  EXPECT_EQ(refusal(zero_or_more("metres"), ""), "'' is no number; give metres, zero or more");
+  EXPECT_EQ(refusal(zero_or_more("metres"), ""), "'' is not a number; give metres, zero or more");
   EXPECT_NE(refusal(zero_or_more(), "nan"), "");
 }
 

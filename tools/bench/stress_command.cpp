@@ -116,7 +116,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<StressOptions>();
   options->plan.method.name = "proxy";
   options->plan.threads = std::max(1U, std::thread::hardware_concurrency());
-  const CommandLine command = app.add_subcommand("stress", "Numerical torture of a force method; exit code 0 only without any fault");
+  const CommandLine command = app.add_subcommand("stress", "Numerical stress test of a force method; exit code 0 only without faults");
   command.add_option("--method", options->plan.method.name, "Which method, one of: " + method_names()).shows_default();
   command
       .add_option("--layer", options->plan.method.smooth_layer,
@@ -129,7 +129,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
                   "gets 10,000, walks of 20,000 steps come on top")
       .positive()
       .shows_default();
-  command.add_option("--seed", options->plan.seed, "Of every random choice").shows_default();
+  command.add_option("--seed", options->plan.seed, "Seed of every random choice").shows_default();
   command.add_option("--body", options->bodies, "Only this body (again for more): " + body_names());
   command.add_option("--mesh", options->files, "A mesh file instead (again for more)");
   command.add_flag("--no-seal", options->plan.no_seal,
@@ -143,12 +143,12 @@ void add_stress_command(CommandLine app, int& exit_code) {
   command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
   command
       .add_option("--rest-every", options->plan.rest_every,
-                  "Every how many steps the reference is asked whether the proxy is at rest; 0: on suspicion only")
+                  "The reference checks the proxy's local minimum every so many steps; 0: on suspicion only")
       .shows_default();
   command.add_option("--substeps", options->plan.method.reference_substeps, "Of the reference, where it is the method")
       .between(1, 10000)
       .shows_default();
-  command.add_option("--threads", options->plan.threads, "Variants tortured at a time").between(1, 1024).shows_default();
+  command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();
   command.add_option("--out", options->out, "Folder for stress.json");
   command.on_run([options, &exit_code] {
     const auto clean = torture(*options);

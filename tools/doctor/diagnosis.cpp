@@ -21,17 +21,17 @@ namespace {
 constexpr std::array kChecks = {
     Check{"devices", "what is plugged in, its node, driver and rights", false, check_devices},
     Check{"libraries", "vendors' libraries", false, check_libraries},
-    Check{"services", "daemons beside us", false, check_services},
+    Check{"services", "daemons that affect devices", false, check_services},
     Check{"hub", "what a running io_node says of its device", false, check_hub},
-    Check{"rights", "what the servo loop may ask for", true, check_rights},
+    Check{"rights", "what the servo loop may request", true, check_rights},
     Check{"sleep", "how soon CPUs wake", true, check_sleep},
     Check{"cpus", "number, frequency, hypervisor", true, check_cpus},
     Check{"clock", "what the time is read from", true, check_clock},
     Check{"kernel", "whether it can be interrupted", true, check_kernel},
-    Check{"ports", "free, or who has them", false, check_ports},
-    Check{"keys", "of the sealed link", false, check_keys},
+    Check{"ports", "free, or used by which process", false, check_ports},
+    Check{"keys", "of the encrypted link", false, check_keys},
     Check{"firewall", "whether other hosts get in", false, check_firewall},
-    Check{"display", "who draws, and quad-buffer stereo", false, check_display},
+    Check{"display", "renderer, and quad-buffer stereo", false, check_display},
 };
 
 constexpr std::string_view colour_of(Verdict verdict) {
@@ -58,15 +58,15 @@ std::string counted(int count, std::string_view what) { return fmt::format("{} {
 std::string timing_line(const Diagnosis& diagnosis) {
   const auto obstacles = diagnosis.obstacles_to_1_khz();
   if (!obstacles) return {};
-  if (obstacles->empty()) return "1 kHz: nothing here is in the way\n";
-  return fmt::format("1 kHz: in the way {} {}\n", obstacles->size() == 1 ? "is" : "are", fmt::join(*obstacles, ", "));
+  if (obstacles->empty()) return "obstacles to 1 kHz: none\n";
+  return fmt::format("obstacles to 1 kHz: {}\n", fmt::join(*obstacles, ", "));
 }
 
 std::string verdict_line(const Diagnosis& diagnosis) {
   const int problems = diagnosis.count(Verdict::problem);
   const std::string warnings = counted(diagnosis.count(Verdict::warning), "warning");
   if (problems == 0) return fmt::format("no problem, {}\n", warnings);
-  return fmt::format("{}, {}; the lines that mend them are above\n", counted(problems, "problem"), warnings);
+  return fmt::format("{}, {}; the commands that fix them are above\n", counted(problems, "problem"), warnings);
 }
 
 bool is_wanted(const Check& check, std::span<const std::string> only) {
@@ -118,7 +118,7 @@ std::string to_text(const Diagnosis& diagnosis, bool with_colours) {
     for (const Finding& finding : section.findings) {
       text += fmt::format("  {} {}: {}\n", marked(finding.verdict, with_colours), finding.subject, finding.seen);
       if (finding.remedy.empty()) continue;
-      text += fmt::format("           {}: {}\n", finding.verdict == Verdict::note ? "hint" : "mend", finding.remedy);
+      text += fmt::format("           {}: {}\n", finding.verdict == Verdict::note ? "hint" : "fix", finding.remedy);
     }
   }
   return text + "\n" + timing_line(diagnosis) + verdict_line(diagnosis);

@@ -30,7 +30,7 @@ Finding check_state(const nlohmann::json& notes) {
   const std::string device = describe_device(notes);
   const std::string state = text_of(notes, "device_state");
   if (state == "away")
-    return problem(subject, device + ": unplugged or silent", "check its cable and power; io_node looks for it all the while");
+    return problem(subject, device + ": unplugged or not responding", "check its cable and power; io_node keeps looking for it");
   if (state == "fault")
     return problem(subject, device + ": it has stopped answering for good", "check its cable and power, then start io_node again");
   if (state == "calibrating" || text_of(notes, "device_calibrated") == "no") {
@@ -55,7 +55,7 @@ void add_realtime(const nlohmann::json& notes, Findings& findings) {
   const std::string realtime = text_of(notes, "realtime");
   if (realtime.empty()) return;
   if (realtime.find(" NO (") == realtime.npos) {
-    findings.push_back(good("rights of the hub", "all that it asked for was granted"));
+    findings.push_back(good("rights of the hub", "all requested rights were granted"));
   } else {
     findings.push_back(warning("rights of the hub", realtime, "grant them (hapton doctor --only rights), then start io_node again"));
   }

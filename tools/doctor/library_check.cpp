@@ -52,7 +52,7 @@ Finding check_library(const Machine& machine, const KnownVendorLibrary& library,
   if (!machine.questions().library) return note(name, "not looked at");
   const LibraryAnswer answer = machine.questions().library(library.name);
   if (!answer.crash.empty())
-    return problem(name, fmt::format("loading it goes wrong: {}", answer.crash), fmt::format("install it anew: {}", library.source));
+    return problem(name, fmt::format("loading it fails: {}", answer.crash), fmt::format("reinstall it: {}", library.source));
   if (answer.file.empty()) return explain_failure(library, answer, find_driven(devices, library.name));
   return good(name, fmt::format("{} loads{}; io_node --device {}", answer.file, describe_environment(machine, library), library.device));
 }

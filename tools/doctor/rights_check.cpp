@@ -81,7 +81,7 @@ std::optional<Finding> check_group_share(const Machine& machine) {
     const std::string file = fmt::format("/sys/fs/cgroup/{}{}/cpu.rt_runtime_us", line.substr(begin, end - begin), line.substr(end + 1));
     if (machine.read_number(file) != 0.0) continue;
     return problem("real time of the control group",
-                   fmt::format("{} is 0: real-time priority is refused in it, whatever the limits say", file),
+                   fmt::format("{} is 0: real-time priority is denied in it, whatever the limits say", file),
                    fmt::format("echo 950000 | sudo tee {}", file));
   }
   return std::nullopt;

@@ -33,9 +33,9 @@ Finding check_number(const Machine& machine) {
     return warning("CPUs", "one: whatever runs besides the loop waits for it, and the other way round",
                    "give the machine a second CPU, or run vision_node on another host");
   }
-  if (isolated.empty()) return good("CPUs", fmt::format("{}; none is set apart, io_node --cpu N pins the loop to one", count));
+  if (isolated.empty()) return good("CPUs", fmt::format("{}; none is isolated, io_node --cpu N pins the loop to one", count));
   return good("CPUs",
-              fmt::format("{}, of which {} are set apart for real time: io_node --cpu {}", count, isolated, std::atoi(isolated.c_str())));
+              fmt::format("{}, of which {} are isolated for real time: io_node --cpu {}", count, isolated, std::atoi(isolated.c_str())));
 }
 
 // The governors in use, each with a CPU of it.

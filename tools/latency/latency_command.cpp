@@ -65,7 +65,7 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
           .between(std::size_t{0}, kMaxDatagramBytes)
           .shows_default(),
       command.add_flag("--vision", options.vision, "A vision node takes part: device to picture, motion to photon"),
-      command.add_option("--scene", options.scene, "What is touched").shows_default(),
+      command.add_option("--scene", options.scene, "Scene to touch").shows_default(),
       command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
       command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
           .one_of({"try", "require", "off"})
@@ -84,7 +84,7 @@ void add_latency_command(CommandLine app, int& exit_code) {
   const CommandLine command = app.add_subcommand("latency", "Measure the force round trip, beside a bare UDP echo; compare runs");
   command.require_subcommands(0, 1);
   add_run_options(command, *options);
-  const CommandLine run_command = command.add_subcommand("run", "The same, and the exit code says whether the rate was held");
+  const CommandLine run_command = command.add_subcommand("run", "As `hapton latency`; the exit code says whether the rate was held");
   add_run_options(run_command, *options);
   run_command.on_run([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
 

@@ -117,11 +117,10 @@ int run(const RelayOptions& options) {
 void add_relay_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<RelayOptions>();
   const CommandLine command =
-      app.add_subcommand("relay", "A bad network between the nodes and their hub: delay, loss, reorder, partition ...");
-  command.add_option("--listen", options->listen, "Where the nodes shall look for the hub; port 0 takes a free one").shows_default();
+      app.add_subcommand("relay", "Simulate a bad network between the nodes and their hub: delay, loss, reorder, partition ...");
+  command.add_option("--listen", options->listen, "Address for the nodes to use as hub; port 0: any free one").shows_default();
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
-  command.add_option("--seed", options->seed,
-                     "Of every draw; the same seed spoils the same datagrams (default: the script's, else random)");
+  command.add_option("--seed", options->seed, "Seed; the same seed affects the same datagrams (default: the script's, else random)");
   command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
   command.add_option("--json", options->json, "Write the counters to this file at the end");
   const CommandOption script =
@@ -129,21 +128,20 @@ void add_relay_command(CommandLine app, int& exit_code) {
 
   LinkFaults& faults = options->faults;
   const CommandOption flags[] = {
-      command.add_option("--direction", options->direction, "Which way the faults below hold: both, to-hub or to-nodes")
+      command.add_option("--direction", options->direction, "Direction of the faults below: both, to-hub or to-nodes")
           .one_of({"both", "to-hub", "to-nodes"})
           .shows_default(),
-      command.add_option("--delay-ms", options->delay_ms, "Every datagram is late by this").between(0.0, kLongestDelayMs),
+      command.add_option("--delay-ms", options->delay_ms, "Delay of every datagram").between(0.0, kLongestDelayMs),
       command.add_option("--jitter-ms", options->jitter_ms, "... and up to this much more").between(0.0, kLongestDelayMs),
       command.add_option("--loss", faults.loss, "Share lost, each by itself").between(0.0, 1.0),
-      command.add_option("--burst-share", faults.burst_share, "Share that meets a bad spell (loss in bursts, Gilbert-Elliott)")
-          .between(0.0, 1.0),
-      command.add_option("--burst-length", faults.burst_length, "Datagrams in a bad spell, on average").between(1.0, 1e6).shows_default(),
-      command.add_option("--burst-loss", faults.burst_loss, "Share lost in a bad spell").between(0.0, 1.0).shows_default(),
+      command.add_option("--burst-share", faults.burst_share, "Share in a burst (Gilbert-Elliott)").between(0.0, 1.0),
+      command.add_option("--burst-length", faults.burst_length, "Datagrams in a burst, on average").between(1.0, 1e6).shows_default(),
+      command.add_option("--burst-loss", faults.burst_loss, "Share lost in a burst").between(0.0, 1.0).shows_default(),
       command.add_option("--reorder", faults.reorder, "Share held back, so that later ones overtake it").between(0.0, 1.0),
       command.add_option("--reorder-ms", options->reorder_ms, "... by this long").between(0.0, kLongestDelayMs).shows_default(),
       command.add_option("--duplicate", faults.duplicate, "Share sent twice").between(0.0, 1.0),
       command.add_option("--corrupt", faults.corrupt, "Share with one byte changed").between(0.0, 1.0),
-      command.add_flag("--partition", faults.partition, "Nothing passes"),
+      command.add_flag("--partition", faults.partition, "Drop every datagram"),
   };
   for (const CommandOption flag : flags) script.excludes(flag);
   command.on_run([options, &exit_code] { exit_code = run(*options); });

@@ -67,7 +67,7 @@ std::string describe_replay(const Replay& replay, const ReplaySettings& settings
   text += fmt::format("step time, least of {} (clock cost of {} ns taken off): all {}; contact {}\n", settings.repeat, replay.clock_cost_ns,
                       describe_times(std::move(all)), describe_times(std::move(contact)));
   if (replay.rows_that_differ > 0) {
-    text += fmt::format("note: {} steps felt otherwise in a repetition than at first\n", replay.rows_that_differ);
+    text += fmt::format("note: {} steps differed between repetitions\n", replay.rows_that_differ);
   }
   return text;
 }

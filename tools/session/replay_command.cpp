@@ -112,7 +112,7 @@ int run(ReplayOptions& options) {
 
 void add_replay_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<ReplayOptions>();
-  const CommandLine command = app.add_subcommand("replay", "Drive the haptic step along a trajectory and write what it felt");
+  const CommandLine command = app.add_subcommand("replay", "Run the haptic step along a trajectory and write the forces");
   const CommandLine source = command.add_group("what is touched").require_options(1, 1);
   source.add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
   source.add_option("--scene", options->scene, "Scene file (TOML)");

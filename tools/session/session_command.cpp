@@ -124,12 +124,10 @@ class RecordedScenes {
 };
 
 std::string describe(const FeltCounts& counts) {
-  std::string text = fmt::format("felt again: {} steps, {} in contact; {} compared to the last bit, {} different\n", counts.steps,
+  std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
-  if (counts.lost_answers > 0)
-    text += fmt::format("{} answers were lost on their way: stepped through, nothing to compare with\n", counts.lost_answers);
-  if (counts.not_compared > 0)
-    text += fmt::format("{} steps not compared: contact that began before what the recording knows\n", counts.not_compared);
+  if (counts.lost_answers > 0) text += fmt::format("{} answers were lost: replayed but not compared\n", counts.lost_answers);
+  if (counts.not_compared > 0) text += fmt::format("{} steps not compared: contact began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
     text += fmt::format("{} steps not compared: the recording does not name their method\n", counts.unknown_method);
   if (counts.missing_states > 0) text += fmt::format("{} answers to states that are not in the recording\n", counts.missing_states);
@@ -180,10 +178,10 @@ int report(const Result<void>& done, const char* command) {
 
 void add_session_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SessionOptions>();
-  const CommandLine session = app.add_subcommand("session", "Look into a session that io_node --record or a flight recorder has written");
+  const CommandLine session = app.add_subcommand("session", "Inspect a recorded session (io_node --record or a flight record)");
   session.require_subcommands(1, 1);
 
-  const CommandLine info = session.add_subcommand("info", "Say what is in it: nodes, datagrams, rates, latencies, faults");
+  const CommandLine info = session.add_subcommand("info", "Show what is in it: nodes, datagrams, rates, latencies, faults");
   info.add_option("file", options->file, "Recorded session").required();
   info.on_run([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
 
@@ -192,8 +190,7 @@ void add_session_command(CommandLine app, int& exit_code) {
   tables.add_option("--out", options->out, "Folder for the tables").required();
   tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
 
-  const CommandLine replay =
-      session.add_subcommand("replay", "Feel it again through the haptic step and compare every force to the last bit");
+  const CommandLine replay = session.add_subcommand("replay", "Replay it through the haptic step and compare every force bit for bit");
   replay.add_option("file", options->file, "Recorded session").required();
   replay.add_option("--scene", options->scene, "Scene file, when it is not where the haptics node had it");
   replay.on_run([options, &exit_code] { exit_code = report(feel_again(*options), "replay"); });

@@ -65,8 +65,7 @@ Result<void> SessionFelt::begin(std::uint64_t sender, const ForceCommand& first)
   is_method_known_ = named != setups_.end();
   const auto any = is_method_known_ ? named : setups_.lower_bound({sender_, 0});
   if (any == setups_.end() || any->first.first != sender_) {
-    return fail(
-        "the recording does not say what its haptics node felt with; only a session of a haptics node of this version can be replayed");
+    return fail("the recording does not name its scene and method; only a session of a haptics node of this version can be replayed");
   }
   is_certain_ = is_method_known_ && first.answered_before == 0;
   double offset_m = 0.0;
@@ -165,7 +164,7 @@ void SessionFelt::compare(const ForceCommand& recorded, const ForceCommand& felt
   ++counts_.different;
   counts_.max_difference_n = std::max(counts_.max_difference_n, (recorded.force_n - felt.force_n).norm());
   if (!counts_.first_difference.empty()) return;
-  counts_.first_difference = fmt::format("sample {}, {:.6f} s after the first: recorded force {} N, felt again {} N", recorded.echo_sample,
+  counts_.first_difference = fmt::format("sample {}, {:.6f} s after the first: recorded force {} N, replayed {} N", recorded.echo_sample,
                                          1e-9 * static_cast<double>(recorded.echo_sample_time_ns - first_time_ns_),
                                          text_of(recorded.force_n), text_of(felt.force_n));
 }

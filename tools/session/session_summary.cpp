@@ -85,8 +85,8 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;
     text += fmt::format("  {:<14} {:>10} {:>10} {:>9.1f}\n", name, traffic.received, traffic.sent, rate);
   }
-  text +=
-      fmt::format("forces: {} in contact, strongest asked {:.3f} N, strongest written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
+  text += fmt::format("forces: {} in contact, strongest requested {:.3f} N, strongest written {:.3f} N\n", contact_, max_force_n_,
+                      max_written_n_);
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
   if (missed_ + causes_.size() > 0) {
@@ -98,7 +98,7 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     text += fmt::format("fault at {:.6f} s: {}\n", 1e-9 * static_cast<double>(fault.time_ns - header.start_ns), to_string(fault.fault));
   }
   for (const auto& [fault, count] : fault_counts_) text += fmt::format("faults: {} {}\n", count, to_string(fault));
-  if (dropped_ > 0) text += fmt::format("not recorded: {} entries that found no room\n", dropped_);
+  if (dropped_ > 0) text += fmt::format("not recorded: {} entries (buffer full)\n", dropped_);
   return text;
 }
 

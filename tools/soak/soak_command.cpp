@@ -17,7 +17,8 @@ constexpr double kSecondsAnHour = 3600.0;
 
 int run(const SoakOptions& options) {
   if (options.seconds < kFewestLooks * look_interval_s(options)) {
-    fmt::print(stderr, "hapton soak: {:g} s are too few for {:g} looks, one every {:g} s; give more --seconds or a smaller --every\n",
+    fmt::print(stderr,
+               "hapton soak: {:g} s are too few for {:g} observations, one every {:g} s; give more --seconds or a smaller --every\n",
                options.seconds, kFewestLooks, look_interval_s(options));
     return 2;
   }
@@ -43,7 +44,7 @@ void add_soak_command(CommandLine app, int& exit_code) {
           "--hours", [options](double hours) { options->seconds = kSecondsAnHour * hours; }, "How long, in hours")
       .between(0.01, 2000.0)
       .excludes(seconds);
-  command.add_option("--every", options->every_s, "Seconds between two looks; 0: a 120th of the time, at least 2 s")
+  command.add_option("--every", options->every_s, "Seconds between observations; 0: a 120th of the time, at least 2 s")
       .between(0.0, 3600.0)
       .shows_default();
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default();

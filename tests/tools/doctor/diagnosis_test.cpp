@@ -144,7 +144,7 @@ const std::vector<Fault> kFaults = {
      [](FakeMachine& m) { answer_hub(m, R"({"device": "openhaptics", "device_state": "calibrating", "device_calibrated": "no"})"); },
      Verdict::problem, "not calibrated", "put the stylus into its inkwell"},
     {"Unplugged", [](FakeMachine& m) { answer_hub(m, R"({"device": "wooden-haptics", "device_state": "away"})"); }, Verdict::problem,
-     "wooden-haptics: unplugged or silent", "check its cable and power"},
+     "wooden-haptics: unplugged or not responding", "check its cable and power"},
     {"HotMotors",
      [](FakeMachine& m) { answer_hub(m, R"({"device": "openhaptics", "device_state": "ready", "motor_temperature": "0.93"})"); },
      Verdict::warning, "at 93 % of what they stand", "let it rest"},
@@ -262,7 +262,7 @@ TEST_P(SeededFaults, AreNamedAndMended) {
             Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
   // It, and nothing else: a fault must not hide among false alarms.
   EXPECT_THAT(complaints_of(diagnosis), testing::ElementsAre(is_told)) << to_text(diagnosis, false);
-  EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr(GetParam().seen), HasSubstr("mend: "), HasSubstr(GetParam().remedy)));
+  EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr(GetParam().seen), HasSubstr("fix: "), HasSubstr(GetParam().remedy)));
   EXPECT_EQ(diagnosis.is_fit(), GetParam().verdict != Verdict::problem);
 }
 
@@ -277,7 +277,7 @@ TEST(Diagnosis, FindsNothingToMendOnAHealthyMachine) {
   for (const char* told :
        {"WoodenHaptics 1234:0006 SN1-1: /dev/hidraw0 (hid-generic), open to ada by rule 70-hapton.rules; io_node --device wooden-haptics",
         "/dev/ttyACM0 (cdc_acm)", "SpaceMouse Compact 256f:c635", "libHD.so.3.4 loads", "Touch, firmware 192, calibrated",
-        "--stereo crystal_eyes", "1 kHz: nothing here is in the way\nno problem, 0 warnings\n"}) {
+        "--stereo crystal_eyes", "obstacles to 1 kHz: none\nno problem, 0 warnings\n"}) {
     EXPECT_THAT(text, HasSubstr(told));
   }
 }
@@ -309,7 +309,7 @@ TEST(Diagnosis, SaysWhatIsInTheWayOfOneKilohertz) {
   machine.write("/proc/cpuinfo", "flags\t\t: hypervisor\n");
   const Diagnosis diagnosis = diagnose(machine.look());
   EXPECT_EQ(diagnosis.obstacles_to_1_khz(), (std::vector<std::string>{"real-time priority", "virtual machine"}));
-  EXPECT_THAT(to_text(diagnosis, false), HasSubstr("1 kHz: in the way are real-time priority, virtual machine\n"));
+  EXPECT_THAT(to_text(diagnosis, false), HasSubstr("obstacles to 1 kHz: real-time priority, virtual machine\n"));
   EXPECT_FALSE(diagnose(machine.look(), std::vector<std::string>{"rights"}).obstacles_to_1_khz());
 }
 
