@@ -228,7 +228,7 @@ TEST_F(FeltAgain, a_recording_without_setups_is_refused_in_one_line) {
   SessionFelt felt = make_felt();
   const auto done = felt.on_answer(kSender, *recorded[0].second);
   ASSERT_FALSE(done);
-  EXPECT_NE(done.error().what.find("does not say"), std::string::npos);
+  EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }
 
 }  // namespace
