@@ -139,7 +139,7 @@ const std::vector<Fault> kFaults = {
      [](FakeMachine& m) {
        answer_library(m, {{}, {}, "it ended the process with signal 11 (Segmentation fault)"});
      },
-     Verdict::problem, "signal 11", "install it anew"},
+     Verdict::problem, "signal 11", "reinstall it"},
     {"NotCalibrated",
      [](FakeMachine& m) { answer_hub(m, R"({"device": "openhaptics", "device_state": "calibrating", "device_calibrated": "no"})"); },
      Verdict::problem, "not calibrated", "put the stylus into its inkwell"},
