@@ -125,9 +125,13 @@ void Servo::take_cycles() noexcept {
 // A sample that a newer one has overtaken before it was sent is answered by nobody.
 void Servo::on_cycle(bool is_newest) noexcept {
   const DeviceSample& sample = cycle_.sample;
-  const bool is_expected = is_newest && haptics_alive(sample.time_ns) &&
-                           sample.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
-  ledger_.take(cycle_.number, sample.time_ns, is_expected);
+  if (is_newest) {
+    const bool is_expected =
+        haptics_alive(sample.time_ns) && sample.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
+    ledger_.take(cycle_.number, sample.time_ns, is_expected);
+  } else {
+    ledger_.withhold(cycle_.number, sample.time_ns);
+  }
   poses_[cycle_.number % poses_.size()] = {sample.time_ns, sample.p_WD, sample.q_WT};
   if (!is_newest && tap_ != nullptr) note_cycle(sample.time_ns);
 }
