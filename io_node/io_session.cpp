@@ -15,6 +15,7 @@
 #include "runtime/log.h"
 #include "runtime/prometheus_text.h"
 #include "runtime/report.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -120,7 +121,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   servo_.use_device_thread();
   if (auto begun = device_.start(options_.realtime); !begun) return begun;
   release_watch_.start(options_.realtime.mode != RealtimeMode::off);
-  std::thread servo([this] { servo_thread(); });
+  std::thread servo = start_thread([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
                                    : std::numeric_limits<std::int64_t>::max();

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "io_node/safety/reset_right.h"
-#include "io_node/session_fault_of.h"
 #include "link/link_key.h"
 
 namespace hapton {
@@ -13,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
-constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;      // a device is away for so long before it is told
+
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -40,7 +39,8 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       echo_(echo),
       tap_(tap),
       pace_(options.vision_rate_hz),
-      rate_hz_(options.rate_hz) {
+      rate_hz_(options.rate_hz),
+      safety_(events_, tap) {
   peers_.set_tap(tap_);
   start();
 }
@@ -50,7 +50,8 @@ std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / rate_
 void Servo::start() noexcept {
   if (!has_device_thread_) loop_.start();
   cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns = clock_.now_ns() + period_ns();
-  next_view_repeat_ns_ = figures_since_ns_ = status_since_ns_ = stats_.start_ns;
+  next_view_repeat_ns_ = figures_since_ns_ = stats_.start_ns;
+  safety_.start(stats_.start_ns);
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
 
@@ -132,15 +133,16 @@ void Servo::on_cycle(bool is_newest) noexcept {
   } else {
     ledger_.withhold(cycle_.number, sample.time_ns);
   }
-  poses_[cycle_.number % poses_.size()] = {sample.time_ns, sample.p_WD, sample.q_WT};
-  if (!is_newest && tap_ != nullptr) note_cycle(sample.time_ns);
+  probe_memory_.note_sample(cycle_.number, sample);
+  if (!is_newest && tap_ != nullptr) safety_.note_cycle(loop_.look(), cycle_, sample.time_ns);
 }
 
 void Servo::send_state() noexcept {
   const DeviceSample& sample = cycle_.sample;
   DeviceState state{cycle_.number, sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons};
-  state.is_resumed = is_haptics_new_ && p_WP_ && (*p_WP_ - sample.p_WD).norm() <= kResumeReachM;
-  if (state.is_resumed) state.p_WP = *p_WP_;
+  const std::optional<Vec3> p_WP = probe_memory_.find_resume_point(sample.p_WD);
+  state.is_resumed = p_WP.has_value();
+  if (p_WP) state.p_WP = *p_WP;
   const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
   stats_.states_sent += reached;
   if (ways_ != nullptr && reached > 0) ways_->on_state_sent(cycle_.number, sample.time_ns);
@@ -219,9 +221,8 @@ void Servo::on_force(const ForceCommand& command) noexcept {
     note_written();
     posted_number_ = loop_.post({{.force_n = command.force_n}, command.echo_sample_time_ns});
     posted_ = command;
-    last_force_ = command;
     note_written();
-    remember_probe(command);
+    probe_memory_.note_answer(command);
   } else {
     note_round_trip(command, clock_.now_ns());
   }
@@ -247,15 +248,8 @@ void Servo::note_round_trip(const ForceCommand& command, std::int64_t ready_ns) 
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
 }
 
-// So that a haptics node that comes in its stead can go on from there.
-void Servo::remember_probe(const ForceCommand& command) noexcept {
-  is_haptics_new_ = false;
-  const bool is_known = command.contact && is_pose_known(command.echo_sample);
-  p_WP_ = is_known ? std::optional<Vec3>(poses_[command.echo_sample % poses_.size()].p_WD + command.visual_offset_m) : std::nullopt;
-}
-
 void Servo::on_view(const ViewTransform& view) noexcept {
-  if (!view_ || view_->revision != view.revision) p_WP_.reset();
+  if (!view_ || view_->revision != view.revision) probe_memory_.forget_rest();
   view_ = view;
   stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
@@ -319,7 +313,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   if (event.peer == hand_leader_) on_hand({}, event.peer);
   pace_.on_joined(event.peer);
   if (event.role != NodeRole::haptics) return;
-  is_haptics_new_ = true;
+  probe_memory_.note_new_haptics();
   ledger_.excuse_waiting();
   if (!view_) return;
   stats_.views_forwarded += peers_.send_to(event.peer, *view_) ? 1 : 0;
@@ -350,7 +344,8 @@ void Servo::do_spare_work() noexcept {
     tell_of_strangers(now_ns);
   }
   if (desk_ != nullptr) desk_->serve(peers_);
-  tell_of_safety(now_ns);
+  // A node that has said goodbye is no fault.
+  safety_.look(loop_.look(), cycle_, probe_memory_.last_answer().contact && peers_.has_haptics(), now_ns);
   note_written();
   hand_out_snapshot();
 }
@@ -366,75 +361,8 @@ void Servo::hand_out_snapshot() noexcept {
   snapshots_.publish(fill_stats(has_device_thread_ ? loop_.stats_copy() : loop_.collect_stats()));
 }
 
-void Servo::note_cycle(std::int64_t now_ns) noexcept {
-  tap_->on_cycle({.sample = cycle_.number,
-                  .late_ns = cycle_.late_ns,
-                  .written_n = loop_.look().written.force_n,
-                  .missed = cycle_.missed,
-                  .cause = cycle_.cause},
-                 now_ns);
-}
-
-void Servo::tell_tap(std::int64_t now_ns) noexcept {
-  note_cycle(now_ns);
-  const DeviceSide& side = loop_.look();
-  const GovernorCounters& governor = side.governor.counters;
-  // A node that has said goodbye is no fault.
-  const bool is_missed = last_force_.contact && peers_.has_haptics();
-  tell_fault(SessionFault::silence, governor.silences > governor_told_.silences && is_missed, now_ns);
-  tell_fault(SessionFault::not_finite, governor.not_finite > governor_told_.not_finite, now_ns);
-  tell_fault(SessionFault::refused_future, governor.refused_future > governor_told_.refused_future, now_ns);
-  tell_fault(SessionFault::clamped, governor.clamped > governor_told_.clamped, now_ns);
-  tell_fault(SessionFault::stalled, cycle_.late_ns >= kSilenceLimitNs, now_ns);
-  tell_fault(SessionFault::overrun, side.has_overrun, now_ns);
-  tell_fault(SessionFault::energy, side.is_energy_gone, now_ns);
-  if (governor.latched > governor_told_.latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
-}
-
-// People first: they may have to do something about it.
-void Servo::tell_of_safety(std::int64_t now_ns) noexcept {
-  const DeviceSide& side = loop_.look();
-  const GovernorCounters& governor = side.governor.counters;
-  if (governor.latched > governor_told_.latched) events_.push({ServoEvent::Kind::latched, {}, {}, 0.0, {}, side.governor.fault});
-  if (governor.resets > governor_told_.resets) events_.push({ServoEvent::Kind::reset, NodeRole::tool, {}, 0.0, {}, fault_told_});
-  if (governor.resets_refused > governor_told_.resets_refused) {
-    events_.push({ServoEvent::Kind::reset_refused, NodeRole::tool, {}, 0.0, {}, side.governor.fault});
-  }
-  fault_told_ = side.governor.fault;
-  if (side.status == status_told_) status_since_ns_ = now_ns;
-  if (now_ns - status_since_ns_ >= kStatusNs) {
-    if (side.status == DeviceStatus::away) tell(ServoEvent::Kind::away, NodeRole::io, {});
-    if (side.status == DeviceStatus::calibrating) tell(ServoEvent::Kind::calibrating, NodeRole::io, {});
-    if (side.status == DeviceStatus::ready) tell(ServoEvent::Kind::back, NodeRole::io, {});
-    status_told_ = side.status;
-  }
-  if (tap_ != nullptr) tell_tap(now_ns);
-  governor_told_ = governor;
-}
-
-// Once when it begins: a force that stays above the limit is one fault.
-void Servo::tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept {
-  const std::uint32_t bit = std::uint32_t{1} << static_cast<unsigned>(fault);
-  if (is_there && (faults_ & bit) == 0) tap_->on_fault(fault, now_ns);
-  faults_ = is_there ? faults_ | bit : faults_ & ~bit;
-}
-
-bool Servo::is_pose_known(std::uint64_t sample) const noexcept { return sample != 0 && cycle_.number - sample < poses_.size(); }
-
-// Pose and visual offset are one sample's: the newest that was answered. An older answer's offset beside the newest pose would draw the
-// probe beside the surface by what the device moved meanwhile. While nobody answers it is the newest sample, as it is.
 void Servo::fill_probe() noexcept {
-  const bool is_live = !loop_.look().is_silent && is_pose_known(last_force_.echo_sample);
-  const std::uint64_t shown = is_live ? last_force_.echo_sample : cycle_.number;
-  if (shown >= probe_.sample) {  // an answer to a sample before the silence comes too late for the picture
-    const Pose& pose = poses_[shown % poses_.size()];
-    probe_.sample = shown;
-    probe_.sample_time_ns = pose.time_ns;
-    probe_.p_WD = pose.p_WD;
-    probe_.q_WT = pose.q_WT;
-    probe_.contact = is_live && last_force_.contact;
-    probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3(Vec3::Zero());
-  }
+  probe_memory_.show(loop_.look().is_silent, probe_);
   probe_.buttons = cycle_.sample.buttons;
   probe_.force_n = loop_.look().written.force_n;
   probe_.view_revision = view_ ? view_->revision : 0;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -9,7 +8,9 @@
 #include "io_node/devices/device.h"
 #include "io_node/echo_probe.h"
 #include "io_node/event_ring.h"
+#include "io_node/probe_memory.h"
 #include "io_node/report_desk.h"
+#include "io_node/safety_news.h"
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
@@ -97,10 +98,6 @@ class Servo {
   void take_cycles() noexcept;
   void on_cycle(bool is_newest) noexcept;
   void send_state() noexcept;
-  void tell_tap(std::int64_t now_ns) noexcept;
-  void note_cycle(std::int64_t now_ns) noexcept;
-  void tell_of_safety(std::int64_t now_ns) noexcept;
-  void tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept;
   void receive_until(std::int64_t deadline_ns) noexcept;
   void drain() noexcept;
   void await_force(std::int64_t deadline_ns) noexcept;
@@ -113,7 +110,6 @@ class Servo {
   void note_round_trip(const ForceCommand& command, std::int64_t ready_ns) noexcept;
   void hand_out_snapshot() noexcept;
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;
-  void remember_probe(const ForceCommand& command) noexcept;
   void on_view(const ViewTransform& view) noexcept;
   void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
@@ -123,7 +119,6 @@ class Servo {
   void on_left(const PeerEvent& event) noexcept;
   void do_spare_work() noexcept;
   void fill_probe() noexcept;
-  bool is_pose_known(std::uint64_t sample) const noexcept;
   void tell_vision(std::int64_t now_ns) noexcept;
   void refresh_figures(std::int64_t now_ns) noexcept;
   void tell_of_strangers(std::int64_t now_ns) noexcept;
@@ -141,22 +136,19 @@ class Servo {
   ReportDesk* desk_ = nullptr;
   BudgetedEndpoint* budget_ = nullptr;
   ServoTap* tap_;
+  EventRing events_;
   SampleLedger ledger_;
   ServoStats stats_;
   VisionPace pace_;
 
   bool has_device_thread_ = false;
   double rate_hz_;
+  SafetyNews safety_;
   DeviceCycle cycle_;                   // the newest
   std::optional<ForceCommand> posted_;  // a force that is not known to be written yet, and its number
   std::uint64_t posted_number_ = 0;
   std::uint32_t cycles_behind_ = 0;
   bool is_snapshot_due_ = false;
-  SafetyFault fault_told_ = SafetyFault::none;
-  GovernorCounters governor_told_;
-  DeviceStatus status_told_ = DeviceStatus::ready;
-  std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
-  std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
   StrangerNews strangers_;
@@ -166,21 +158,12 @@ class Servo {
   std::uint64_t figures_samples_ = 0;
 
   bool is_finished_ = false;
-  struct Pose {
-    std::int64_t time_ns = 0;
-    Vec3 p_WD = Vec3::Zero();
-    Quat q_WT = Quat::Identity();
-  };
-  std::array<Pose, 256> poses_ = {};  // of the newest samples, by number
-  std::optional<Vec3> p_WP_;          // where the probe rests, in contact, as far as known
-  bool is_haptics_new_ = false;       // it has not answered yet
-  ForceCommand last_force_;
+  ProbeMemory probe_memory_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;
   ProbeState probe_;
   Datagram incoming_;
 
-  EventRing events_;
   Mailbox<ServoStats> snapshots_;
   std::atomic<bool> snapshot_asked_{false};
   std::atomic<bool> report_wished_{false};
