@@ -234,7 +234,19 @@ Result<void> IoSession::grant_wishes(const ServoStats& stats) {
 }
 
 void IoSession::print_events() {
-  for (ServoEvent event; servo_.events().pop(event);) log_info("{}{}", prefix_, describe(event));
+  for (ServoEvent event; servo_.events().pop(event);) {
+    log_info("{}{}", prefix_, describe(event));
+    if (latch_file_ != nullptr) keep_latch(event);
+  }
+}
+
+// A device that has ended ends this program: to start it again is what a person does about it.
+void IoSession::keep_latch(const ServoEvent& event) {
+  if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
+  if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;
+  if (const auto kept = latch_file_->keep(event.fault); !kept) {
+    log_warning("{}a restart of this program would reset the fault: {}", prefix_, kept.error().what);
+  }
 }
 
 std::string IoSession::described(const ServoStats& stats) const {
