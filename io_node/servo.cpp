@@ -38,7 +38,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       clock_(clock),
       echo_(echo),
       tap_(tap),
-      pace_(options.vision_rate_hz),
+      vision_(peers, stats_, options.vision_rate_hz),
       rate_hz_(options.rate_hz),
       safety_(events_, tap) {
   peers_.set_tap(tap_);
@@ -50,7 +50,8 @@ std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / rate_
 void Servo::start() noexcept {
   if (!has_device_thread_) loop_.start();
   cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns = clock_.now_ns() + period_ns();
-  next_view_repeat_ns_ = figures_since_ns_ = stats_.start_ns;
+  next_view_repeat_ns_ = stats_.start_ns;
+  vision_.start(stats_.start_ns);
   safety_.start(stats_.start_ns);
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
@@ -206,7 +207,9 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   // Of these the newest wins; an overtaken one says what is no longer so.
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) return on_view(*view);
-  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn, event.peer);
+  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) {
+    return vision_.on_drawn(datagram.header, *drawn, event.peer, cycle_.number, clock_.now_ns());
+  }
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
   if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event);
   if (std::holds_alternative<HapticsSetup>(datagram.message)) peers_.send_to_role(NodeRole::tool, datagram.message);
@@ -255,19 +258,6 @@ void Servo::on_view(const ViewTransform& view) noexcept {
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
 }
 
-void Servo::on_drawn(const Drawn& drawn, std::size_t peer) noexcept {
-  const std::int64_t age_ns = clock_.now_ns() - drawn.echo_sample_time_ns;
-  const bool is_ours =
-      drawn.echo_sample != 0 && drawn.echo_sample <= cycle_.number && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
-  if (!is_ours) return;
-  pace_.on_drawn(peer, drawn, clock_.now_ns());
-  if (drawn.unchanged) return;
-  ++stats_.drawn;
-  stats_.device_to_drawn.record(age_ns);
-  if (ways_ != nullptr) ways_->on_drawn(incoming_.header, drawn, peer);
-  stats_.frame_rate_hz = static_cast<double>(drawn.frame_rate_hz);
-}
-
 void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
   if (!hand.active && hand_leader_ != peer) return;
   hand_leader_ = hand.active ? peer : kNobody;
@@ -311,7 +301,7 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   tell(ServoEvent::Kind::joined, event.role, peers_.peer(event.peer).address);
   if (ways_ != nullptr) ways_->on_joined(event.peer, peers_.peer(event.peer).address);
   if (event.peer == hand_leader_) on_hand({}, event.peer);
-  pace_.on_joined(event.peer);
+  vision_.on_joined(event.peer);
   if (event.role != NodeRole::haptics) return;
   probe_memory_.note_new_haptics();
   ledger_.excuse_waiting();
@@ -334,13 +324,16 @@ void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) n
 void Servo::do_spare_work() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   ledger_.settle(now_ns);
-  if (peers_.count(NodeRole::vision) > 0) tell_vision(now_ns);
+  if (peers_.count(NodeRole::vision) > 0) {
+    vision_.tell(probe_memory_, loop_.look(), cycle_, view_ ? view_->revision : 0, now_ns);
+  }
   if (view_ && now_ns >= next_view_repeat_ns_) {
     next_view_repeat_ns_ = now_ns + kViewRepeatNs;
     peers_.send_to_role(NodeRole::haptics, *view_);
   }
   if (now_ns >= next_figures_ns_) {
-    refresh_figures(now_ns);
+    next_figures_ns_ = now_ns + kFiguresNs;
+    vision_.refresh_figures(cycle_.number, now_ns);
     tell_of_strangers(now_ns);
   }
   if (desk_ != nullptr) desk_->serve(peers_);
@@ -359,37 +352,6 @@ void Servo::hand_out_snapshot() noexcept {
   if (!is_snapshot_due_ || (has_device_thread_ && !loop_.take_stats())) return;
   is_snapshot_due_ = false;
   snapshots_.publish(fill_stats(has_device_thread_ ? loop_.stats_copy() : loop_.collect_stats()));
-}
-
-void Servo::fill_probe() noexcept {
-  probe_memory_.show(loop_.look().is_silent, probe_);
-  probe_.buttons = cycle_.sample.buttons;
-  probe_.force_n = loop_.look().written.force_n;
-  probe_.view_revision = view_ ? view_->revision : 0;
-}
-
-void Servo::tell_vision(std::int64_t now_ns) noexcept {
-  fill_probe();
-  std::size_t reached = 0;
-  for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
-    const Peer& peer = peers_.peer(place);
-    if (!peer.present || peer.role != NodeRole::vision) continue;
-    const VisionPace::Verdict verdict = pace_.judge(place, probe_, now_ns);
-    stats_.probe_states_spared += verdict == VisionPace::Verdict::spare ? 1 : 0;
-    if (verdict == VisionPace::Verdict::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
-  }
-  stats_.probe_states_sent += reached;
-  if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(probe_.sample);
-}
-
-void Servo::refresh_figures(std::int64_t now_ns) noexcept {
-  next_figures_ns_ = now_ns + kFiguresNs;
-  const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
-  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(cycle_.number - figures_samples_) / passed_s);
-  figures_since_ns_ = now_ns;
-  figures_samples_ = cycle_.number;
-  probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
-  probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
 }
 
 // Who lacks the key is told nothing; the person at the hub is, now and then.

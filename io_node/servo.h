@@ -15,7 +15,7 @@
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
 #include "io_node/stranger_news.h"
-#include "io_node/vision_pace.h"
+#include "io_node/vision_feed.h"
 #include "io_node/way_meter.h"
 #include "link/budgeted_endpoint.h"
 #include "link/hub_peers.h"
@@ -57,7 +57,10 @@ class Servo {
   Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr, ServoTap* tap = nullptr);
 
   // Set up before start: who measures the ways, and who hands out reports. Pre: they outlive the servo.
-  void set_way_meter(WayMeter* ways) noexcept { ways_ = ways; }
+  void set_way_meter(WayMeter* ways) noexcept {
+    ways_ = ways;
+    vision_.set_way_meter(ways);
+  }
   void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
   // ... what bounds the datagrams of a cycle.
   void set_budget(BudgetedEndpoint* budget) noexcept { budget_ = budget; }
@@ -111,16 +114,12 @@ class Servo {
   void hand_out_snapshot() noexcept;
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;
   void on_view(const ViewTransform& view) noexcept;
-  void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
   void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
   void reset_faults(const Peer& asker) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void do_spare_work() noexcept;
-  void fill_probe() noexcept;
-  void tell_vision(std::int64_t now_ns) noexcept;
-  void refresh_figures(std::int64_t now_ns) noexcept;
   void tell_of_strangers(std::int64_t now_ns) noexcept;
   bool haptics_alive(std::int64_t now_ns) const noexcept;
   void tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept;
@@ -139,7 +138,7 @@ class Servo {
   EventRing events_;
   SampleLedger ledger_;
   ServoStats stats_;
-  VisionPace pace_;
+  VisionFeed vision_;
 
   bool has_device_thread_ = false;
   double rate_hz_;
@@ -154,14 +153,11 @@ class Servo {
   StrangerNews strangers_;
   std::int64_t next_denial_ns_ = 0;
   std::uint64_t resets_denied_ = 0;  // here, for want of the right or of a person
-  std::int64_t figures_since_ns_ = 0;
-  std::uint64_t figures_samples_ = 0;
 
   bool is_finished_ = false;
   ProbeMemory probe_memory_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;
-  ProbeState probe_;
   Datagram incoming_;
 
   Mailbox<ServoStats> snapshots_;
