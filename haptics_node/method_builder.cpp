@@ -9,11 +9,12 @@
 #include "haptics_node/haptics_setup.h"
 #include "haptics_node/method_text.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 
 MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::weak_ptr<ForceMethod> in_use)
-    : settings_(std::move(settings)), scene_(std::move(scene)), in_use_(std::move(in_use)), thread_([this] { run(); }) {}
+    : settings_(std::move(settings)), scene_(std::move(scene)), in_use_(std::move(in_use)), thread_(start_thread([this] { run(); })) {}
 
 MethodBuilder::~MethodBuilder() {
   stop_.store(true);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -27,7 +28,7 @@ Result<void> HidPort::open() {
 }
 
 void HidPort::start() {
-  thread_ = std::thread([this] { run(); });
+  thread_ = start_thread([this] { run(); });
 }
 
 void HidPort::close() noexcept {

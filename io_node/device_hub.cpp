@@ -6,6 +6,7 @@
 
 #include "io_node/device_maker.h"
 #include "io_node/io_session.h"
+#include "io_node/latch_file.h"
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
 #include "io_node/vrpn/vrpn_server.h"
@@ -127,6 +128,7 @@ struct DeviceHub::Parts {
         peers(sealed, steady, session_id, options.rate_hz),
         servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),
         ways(metered),
+        latch_file(find_latch_file(options.device.name + options.device.id, options.bind)),
         session(*servo, steady, options) {
     servo->set_way_meter(&ways);
     servo->set_budget(&budget);
@@ -163,6 +165,7 @@ struct DeviceHub::Parts {
   ReportDesk desk;
   GuardMemory guard;
   WatchdogProcess watchdog;
+  LatchFile latch_file;
   IoSession session;
 };
 
@@ -215,7 +218,19 @@ Result<void> DeviceHub::start_watchdog() {
   return {};
 }
 
+// What a person was to see to before the last end of this program is to be seen to still.
+void DeviceHub::latch_again() {
+  const SafetyFault fault = parts_->latch_file.read();
+  parts_->session.set_latch_file(&parts_->latch_file);
+  if (fault == SafetyFault::none) return;
+  parts_->servo->device_loop().latch_again(fault);
+  log_warning(
+      "{}no force: a fault from before this start has not been reset: {}; see to it, then: hapton set --reset-faults (docs/safety.md)",
+      name_prefix(parts_->options), hapton::describe(fault));
+}
+
 Result<void> DeviceHub::run(const StopSignal& stop) {
+  latch_again();
   if (auto watched = start_watchdog(); !watched) return watched;
   if (const auto started = parts_->recorder.start(); !started) return started;
   const auto ended = parts_->session.run(stop);

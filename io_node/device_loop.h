@@ -109,6 +109,9 @@ class DeviceLoop {
   // Set up before start: where the watchdog process sees that this side lives. Pre: outlives this.
   void set_guard(GuardPage* guard) noexcept { guard_ = guard; }
 
+  // ... and the fault that an earlier process left latched.
+  void latch_again(SafetyFault fault) noexcept { governor_.latch_again(fault); }
+
   // --- the cycle's thread
 
   // Sets the first tick one period from now.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "runtime/start_thread.h"
 #include "runtime/thread_usage.h"
 
 namespace hapton {
@@ -20,7 +21,7 @@ Result<void> DeviceThread::start(const RealtimeSettings& network) {
   if (auto opened = timer_.open(); !opened) return opened;
   RealtimeSettings settings = network;
   if (settings.priority > 0) settings.priority = std::min(settings.priority + 1, kHighestPriority);
-  thread_ = std::thread([this, settings] { run(settings); });
+  thread_ = start_thread([this, settings] { run(settings); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return started_;
 }

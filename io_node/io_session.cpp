@@ -15,6 +15,7 @@
 #include "runtime/log.h"
 #include "runtime/prometheus_text.h"
 #include "runtime/report.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -120,7 +121,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   servo_.use_device_thread();
   if (auto begun = device_.start(options_.realtime); !begun) return begun;
   release_watch_.start(options_.realtime.mode != RealtimeMode::off);
-  std::thread servo([this] { servo_thread(); });
+  std::thread servo = start_thread([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
                                    : std::numeric_limits<std::int64_t>::max();
@@ -233,7 +234,19 @@ Result<void> IoSession::grant_wishes(const ServoStats& stats) {
 }
 
 void IoSession::print_events() {
-  for (ServoEvent event; servo_.events().pop(event);) log_info("{}{}", prefix_, describe(event));
+  for (ServoEvent event; servo_.events().pop(event);) {
+    log_info("{}{}", prefix_, describe(event));
+    if (latch_file_ != nullptr) keep_latch(event);
+  }
+}
+
+// A device that has ended ends this program: to start it again is what a person does about it.
+void IoSession::keep_latch(const ServoEvent& event) {
+  if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
+  if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;
+  if (const auto kept = latch_file_->keep(event.fault); !kept) {
+    log_warning("{}a restart of this program would reset the fault: {}", prefix_, kept.error().what);
+  }
 }
 
 std::string IoSession::described(const ServoStats& stats) const {

@@ -7,6 +7,7 @@
 #include "core/base/result.h"
 #include "io_node/device_thread.h"
 #include "io_node/io_options.h"
+#include "io_node/latch_file.h"
 #include "io_node/release_watch.h"
 #include "io_node/report_desk.h"
 #include "io_node/scheduling_watch.h"
@@ -31,6 +32,8 @@ class IoSession {
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
   // ... and looks after the watchdog process.
   void set_watchdog(WatchdogProcess* watchdog) noexcept { watchdog_ = watchdog; }
+  // ... and where a latched fault is kept for the next start.
+  void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
   // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and refused, the device
   // failed, or a report could not be written.
@@ -45,6 +48,7 @@ class IoSession {
   void note_wishes(const StopSignal& stop);
   Result<void> grant_wishes(const ServoStats& stats);
   void print_events();
+  void keep_latch(const ServoEvent& event);
   std::string described(const ServoStats& stats) const;
   void watch_scheduling(bool now);
   void look_after_watchdog();
@@ -58,6 +62,7 @@ class IoSession {
   ReportDesk* desk_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
   WatchdogProcess* watchdog_ = nullptr;
+  const LatchFile* latch_file_ = nullptr;
   ServiceNotify service_;
   std::int64_t next_sign_ns_ = 0;
   std::uint64_t cuts_told_ = 0;

@@ -13,6 +13,7 @@
 #include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 #include "runtime/stop_signal.h"
 
 namespace {
@@ -48,7 +49,7 @@ bool run_hubs(const Hubs& hubs, const StopSignal& stop) {
   std::vector<char> went_well(hubs.size(), 0);
   std::vector<std::thread> threads;
   for (std::size_t n = 0; n < hubs.size(); ++n) {
-    threads.emplace_back([&, n] { went_well[n] = run_hub(*hubs[n], stop) ? 1 : 0; });
+    threads.push_back(start_thread([&, n] { went_well[n] = run_hub(*hubs[n], stop) ? 1 : 0; }));
   }
   for (std::thread& thread : threads) thread.join();
   return std::all_of(went_well.begin(), went_well.end(), [](char well) { return well != 0; });

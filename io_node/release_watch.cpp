@@ -3,11 +3,12 @@
 #include <pthread.h>
 
 #include "runtime/deadline_thread.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 
 void ReleaseWatch::start(bool is_realtime) {
-  thread_ = std::thread([this, is_realtime] {
+  thread_ = start_thread([this, is_realtime] {
     ::pthread_setname_np(::pthread_self(), "hapton-release");
     if (is_realtime) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     SteadyClock clock;

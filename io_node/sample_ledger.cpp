@@ -9,7 +9,7 @@ void SampleLedger::put(Entry& into, State state) noexcept {
   const auto add = [this](State of, std::uint64_t n) {
     if (of == State::superseded) counts_.superseded += n;
     if (of == State::lost) counts_.lost += n;
-    if (of == State::excused) counts_.excused += n;
+    if (of == State::excused || of == State::withheld) counts_.excused += n;
   };
   add(into.state, ~std::uint64_t{0});
   add(state, 1);
@@ -17,10 +17,16 @@ void SampleLedger::put(Entry& into, State state) noexcept {
 }
 
 void SampleLedger::take(std::uint64_t sample, std::int64_t time_ns, bool is_expected) noexcept {
+  note(sample, time_ns, is_expected ? State::waiting : State::excused);
+}
+
+void SampleLedger::withhold(std::uint64_t sample, std::int64_t time_ns) noexcept { note(sample, time_ns, State::withheld); }
+
+void SampleLedger::note(std::uint64_t sample, std::int64_t time_ns, State state) noexcept {
   Entry& place = entry(sample);
   if (place.state == State::waiting) put(place, State::excused);
-  place = {sample, time_ns, State::waiting};
-  if (!is_expected) put(place, State::excused);
+  place = {sample, time_ns, State::none};
+  put(place, state);
   ++counts_.taken;
   newest_ = sample;
 }
@@ -51,12 +57,14 @@ SampleLedger::Verdict SampleLedger::answer(const ForceCommand& command) noexcept
   return Verdict::in_time;
 }
 
-// The node skipped `count` samples since its last answer: the newest that wait below this one.
+// The node skipped `count` samples since its last answer: the newest that were sent to it below this one.
 void SampleLedger::supersede_before(std::uint64_t sample, std::uint32_t count) noexcept {
-  for (std::uint64_t s = sample - 1; count > 0 && s > settled_ && s + kCapacity > newest_; --s, --count) {
+  for (std::uint64_t s = sample - 1; count > 0 && s > settled_ && s + kCapacity > newest_; --s) {
     Entry& skipped = entry(s);
+    if (skipped.sample != s || skipped.state == State::withheld) continue;
     if (skipped.state == State::answered) return;
     if (skipped.state == State::waiting) put(skipped, State::superseded);
+    --count;
   }
 }
 
@@ -65,7 +73,7 @@ void SampleLedger::settle_until(std::uint64_t end, State state) noexcept {
   if (newest_ > kCapacity) settled_ = std::max(settled_, newest_ - kCapacity);
   for (; settled_ + 1 < end; ++settled_) {
     Entry& next = entry(settled_ + 1);
-    if (next.state == State::waiting) put(next, state);
+    if (next.sample == settled_ + 1 && next.state == State::waiting) put(next, state);
   }
 }
 

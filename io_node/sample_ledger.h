@@ -41,8 +41,11 @@ class SampleLedger {
     std::uint64_t excused = 0;
   };
 
-  // A sample was taken and sent; samples count up by one. Pre: time rises.
+  // A sample was taken and sent; samples count up, those that nobody was told of are left out. Pre: time rises.
   void take(std::uint64_t sample, std::int64_t time_ns, bool is_expected) noexcept;
+  // A sample was taken and never sent: a newer one was there already. It is excused, and the haptics node knows nothing of it: it is none
+  // of those that it says it skipped.
+  void withhold(std::uint64_t sample, std::int64_t time_ns) noexcept;
   // A force came that says it answers this sample.
   Verdict answer(const ForceCommand& command) noexcept;
   // The haptics node left or another came: what waits has nobody to answer it.
@@ -57,7 +60,7 @@ class SampleLedger {
   const Counts& counts() const noexcept { return counts_; }
 
  private:
-  enum class State : std::uint8_t { none, waiting, answered, superseded, lost, excused };
+  enum class State : std::uint8_t { none, waiting, answered, superseded, lost, excused, withheld };
   struct Entry {
     std::uint64_t sample = 0;
     std::int64_t time_ns = 0;
@@ -65,6 +68,7 @@ class SampleLedger {
   };
 
   Entry& entry(std::uint64_t sample) noexcept { return entries_[sample % kCapacity]; }
+  void note(std::uint64_t sample, std::int64_t time_ns, State state) noexcept;
   void put(Entry& into, State state) noexcept;
   void supersede_before(std::uint64_t sample, std::uint32_t count) noexcept;
   void settle_until(std::uint64_t end, State state) noexcept;

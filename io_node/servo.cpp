@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "io_node/safety/reset_right.h"
-#include "io_node/session_fault_of.h"
 #include "link/link_key.h"
 
 namespace hapton {
@@ -13,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kViewRepeatNs = 250 * kNanosecondsPerMillisecond;  // a lost transform is mended so soon
 constexpr std::int64_t kFiguresNs = 250 * kNanosecondsPerMillisecond;     // as often as a person reads them
-constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;      // a device is away for so long before it is told
+
 // Tells the CPU that this thread only waits.
 void relax() noexcept {
 #ifdef __x86_64__
@@ -39,8 +38,9 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       clock_(clock),
       echo_(echo),
       tap_(tap),
-      pace_(options.vision_rate_hz),
-      rate_hz_(options.rate_hz) {
+      vision_(peers, stats_, options.vision_rate_hz),
+      rate_hz_(options.rate_hz),
+      safety_(events_, tap) {
   peers_.set_tap(tap_);
   start();
 }
@@ -50,7 +50,9 @@ std::int64_t Servo::period_ns() const noexcept { return std::llround(1e9 / rate_
 void Servo::start() noexcept {
   if (!has_device_thread_) loop_.start();
   cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns = clock_.now_ns() + period_ns();
-  next_view_repeat_ns_ = figures_since_ns_ = status_since_ns_ = stats_.start_ns;
+  next_view_repeat_ns_ = stats_.start_ns;
+  vision_.start(stats_.start_ns);
+  safety_.start(stats_.start_ns);
   next_figures_ns_ = stats_.start_ns + kFiguresNs;
 }
 
@@ -125,18 +127,23 @@ void Servo::take_cycles() noexcept {
 // A sample that a newer one has overtaken before it was sent is answered by nobody.
 void Servo::on_cycle(bool is_newest) noexcept {
   const DeviceSample& sample = cycle_.sample;
-  const bool is_expected = is_newest && haptics_alive(sample.time_ns) &&
-                           sample.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
-  ledger_.take(cycle_.number, sample.time_ns, is_expected);
-  poses_[cycle_.number % poses_.size()] = {sample.time_ns, sample.p_WD, sample.q_WT};
-  if (!is_newest && tap_ != nullptr) note_cycle(sample.time_ns);
+  if (is_newest) {
+    const bool is_expected =
+        haptics_alive(sample.time_ns) && sample.time_ns - peers_.peer(HubPeers::kHapticsPlace).joined_ns >= SampleLedger::kWarmUpNs;
+    ledger_.take(cycle_.number, sample.time_ns, is_expected);
+  } else {
+    ledger_.withhold(cycle_.number, sample.time_ns);
+  }
+  probe_memory_.note_sample(cycle_.number, sample);
+  if (!is_newest && tap_ != nullptr) safety_.note_cycle(loop_.look(), cycle_, sample.time_ns);
 }
 
 void Servo::send_state() noexcept {
   const DeviceSample& sample = cycle_.sample;
   DeviceState state{cycle_.number, sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons};
-  state.is_resumed = is_haptics_new_ && p_WP_ && (*p_WP_ - sample.p_WD).norm() <= kResumeReachM;
-  if (state.is_resumed) state.p_WP = *p_WP_;
+  const std::optional<Vec3> p_WP = probe_memory_.find_resume_point(sample.p_WD);
+  state.is_resumed = p_WP.has_value();
+  if (p_WP) state.p_WP = *p_WP;
   const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
   stats_.states_sent += reached;
   if (ways_ != nullptr && reached > 0) ways_->on_state_sent(cycle_.number, sample.time_ns);
@@ -200,7 +207,9 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   // Of these the newest wins; an overtaken one says what is no longer so.
   if (event.arrival != Arrival::newest) return;
   if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) return on_view(*view);
-  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) return on_drawn(*drawn, event.peer);
+  if (const auto* drawn = std::get_if<Drawn>(&datagram.message)) {
+    return vision_.on_drawn(datagram.header, *drawn, event.peer, cycle_.number, clock_.now_ns());
+  }
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
   if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event);
   if (std::holds_alternative<HapticsSetup>(datagram.message)) peers_.send_to_role(NodeRole::tool, datagram.message);
@@ -215,9 +224,8 @@ void Servo::on_force(const ForceCommand& command) noexcept {
     note_written();
     posted_number_ = loop_.post({{.force_n = command.force_n}, command.echo_sample_time_ns});
     posted_ = command;
-    last_force_ = command;
     note_written();
-    remember_probe(command);
+    probe_memory_.note_answer(command);
   } else {
     note_round_trip(command, clock_.now_ns());
   }
@@ -243,31 +251,11 @@ void Servo::note_round_trip(const ForceCommand& command, std::int64_t ready_ns) 
   stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
 }
 
-// So that a haptics node that comes in its stead can go on from there.
-void Servo::remember_probe(const ForceCommand& command) noexcept {
-  is_haptics_new_ = false;
-  const bool is_known = command.contact && is_pose_known(command.echo_sample);
-  p_WP_ = is_known ? std::optional<Vec3>(poses_[command.echo_sample % poses_.size()].p_WD + command.visual_offset_m) : std::nullopt;
-}
-
 void Servo::on_view(const ViewTransform& view) noexcept {
-  if (!view_ || view_->revision != view.revision) p_WP_.reset();
+  if (!view_ || view_->revision != view.revision) probe_memory_.forget_rest();
   view_ = view;
   stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
-}
-
-void Servo::on_drawn(const Drawn& drawn, std::size_t peer) noexcept {
-  const std::int64_t age_ns = clock_.now_ns() - drawn.echo_sample_time_ns;
-  const bool is_ours =
-      drawn.echo_sample != 0 && drawn.echo_sample <= cycle_.number && age_ns >= 0 && drawn.echo_sample_time_ns >= stats_.start_ns;
-  if (!is_ours) return;
-  pace_.on_drawn(peer, drawn, clock_.now_ns());
-  if (drawn.unchanged) return;
-  ++stats_.drawn;
-  stats_.device_to_drawn.record(age_ns);
-  if (ways_ != nullptr) ways_->on_drawn(incoming_.header, drawn, peer);
-  stats_.frame_rate_hz = static_cast<double>(drawn.frame_rate_hz);
 }
 
 void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
@@ -313,9 +301,9 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   tell(ServoEvent::Kind::joined, event.role, peers_.peer(event.peer).address);
   if (ways_ != nullptr) ways_->on_joined(event.peer, peers_.peer(event.peer).address);
   if (event.peer == hand_leader_) on_hand({}, event.peer);
-  pace_.on_joined(event.peer);
+  vision_.on_joined(event.peer);
   if (event.role != NodeRole::haptics) return;
-  is_haptics_new_ = true;
+  probe_memory_.note_new_haptics();
   ledger_.excuse_waiting();
   if (!view_) return;
   stats_.views_forwarded += peers_.send_to(event.peer, *view_) ? 1 : 0;
@@ -336,17 +324,21 @@ void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) n
 void Servo::do_spare_work() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   ledger_.settle(now_ns);
-  if (peers_.count(NodeRole::vision) > 0) tell_vision(now_ns);
+  if (peers_.count(NodeRole::vision) > 0) {
+    vision_.tell(probe_memory_, loop_.look(), cycle_, view_ ? view_->revision : 0, now_ns);
+  }
   if (view_ && now_ns >= next_view_repeat_ns_) {
     next_view_repeat_ns_ = now_ns + kViewRepeatNs;
     peers_.send_to_role(NodeRole::haptics, *view_);
   }
   if (now_ns >= next_figures_ns_) {
-    refresh_figures(now_ns);
+    next_figures_ns_ = now_ns + kFiguresNs;
+    vision_.refresh_figures(cycle_.number, now_ns);
     tell_of_strangers(now_ns);
   }
   if (desk_ != nullptr) desk_->serve(peers_);
-  tell_of_safety(now_ns);
+  // A node that has said goodbye is no fault.
+  safety_.look(loop_.look(), cycle_, probe_memory_.last_answer().contact && peers_.has_haptics(), now_ns);
   note_written();
   hand_out_snapshot();
 }
@@ -360,104 +352,6 @@ void Servo::hand_out_snapshot() noexcept {
   if (!is_snapshot_due_ || (has_device_thread_ && !loop_.take_stats())) return;
   is_snapshot_due_ = false;
   snapshots_.publish(fill_stats(has_device_thread_ ? loop_.stats_copy() : loop_.collect_stats()));
-}
-
-void Servo::note_cycle(std::int64_t now_ns) noexcept {
-  tap_->on_cycle({.sample = cycle_.number,
-                  .late_ns = cycle_.late_ns,
-                  .written_n = loop_.look().written.force_n,
-                  .missed = cycle_.missed,
-                  .cause = cycle_.cause},
-                 now_ns);
-}
-
-void Servo::tell_tap(std::int64_t now_ns) noexcept {
-  note_cycle(now_ns);
-  const DeviceSide& side = loop_.look();
-  const GovernorCounters& governor = side.governor.counters;
-  // A node that has said goodbye is no fault.
-  const bool is_missed = last_force_.contact && peers_.has_haptics();
-  tell_fault(SessionFault::silence, governor.silences > governor_told_.silences && is_missed, now_ns);
-  tell_fault(SessionFault::not_finite, governor.not_finite > governor_told_.not_finite, now_ns);
-  tell_fault(SessionFault::refused_future, governor.refused_future > governor_told_.refused_future, now_ns);
-  tell_fault(SessionFault::clamped, governor.clamped > governor_told_.clamped, now_ns);
-  tell_fault(SessionFault::stalled, cycle_.late_ns >= kSilenceLimitNs, now_ns);
-  tell_fault(SessionFault::overrun, side.has_overrun, now_ns);
-  tell_fault(SessionFault::energy, side.is_energy_gone, now_ns);
-  if (governor.latched > governor_told_.latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
-}
-
-// People first: they may have to do something about it.
-void Servo::tell_of_safety(std::int64_t now_ns) noexcept {
-  const DeviceSide& side = loop_.look();
-  const GovernorCounters& governor = side.governor.counters;
-  if (governor.latched > governor_told_.latched) events_.push({ServoEvent::Kind::latched, {}, {}, 0.0, {}, side.governor.fault});
-  if (governor.resets > governor_told_.resets) events_.push({ServoEvent::Kind::reset, NodeRole::tool, {}, 0.0, {}, fault_told_});
-  if (governor.resets_refused > governor_told_.resets_refused) {
-    events_.push({ServoEvent::Kind::reset_refused, NodeRole::tool, {}, 0.0, {}, side.governor.fault});
-  }
-  fault_told_ = side.governor.fault;
-  if (side.status == status_told_) status_since_ns_ = now_ns;
-  if (now_ns - status_since_ns_ >= kStatusNs) {
-    if (side.status == DeviceStatus::away) tell(ServoEvent::Kind::away, NodeRole::io, {});
-    if (side.status == DeviceStatus::calibrating) tell(ServoEvent::Kind::calibrating, NodeRole::io, {});
-    if (side.status == DeviceStatus::ready) tell(ServoEvent::Kind::back, NodeRole::io, {});
-    status_told_ = side.status;
-  }
-  if (tap_ != nullptr) tell_tap(now_ns);
-  governor_told_ = governor;
-}
-
-// Once when it begins: a force that stays above the limit is one fault.
-void Servo::tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept {
-  const std::uint32_t bit = std::uint32_t{1} << static_cast<unsigned>(fault);
-  if (is_there && (faults_ & bit) == 0) tap_->on_fault(fault, now_ns);
-  faults_ = is_there ? faults_ | bit : faults_ & ~bit;
-}
-
-bool Servo::is_pose_known(std::uint64_t sample) const noexcept { return sample != 0 && cycle_.number - sample < poses_.size(); }
-
-// Pose and visual offset are one sample's: the newest that was answered. An older answer's offset beside the newest pose would draw the
-// probe beside the surface by what the device moved meanwhile. While nobody answers it is the newest sample, as it is.
-void Servo::fill_probe() noexcept {
-  const bool is_live = !loop_.look().is_silent && is_pose_known(last_force_.echo_sample);
-  const std::uint64_t shown = is_live ? last_force_.echo_sample : cycle_.number;
-  if (shown >= probe_.sample) {  // an answer to a sample before the silence comes too late for the picture
-    const Pose& pose = poses_[shown % poses_.size()];
-    probe_.sample = shown;
-    probe_.sample_time_ns = pose.time_ns;
-    probe_.p_WD = pose.p_WD;
-    probe_.q_WT = pose.q_WT;
-    probe_.contact = is_live && last_force_.contact;
-    probe_.visual_offset_m = is_live ? last_force_.visual_offset_m : Vec3(Vec3::Zero());
-  }
-  probe_.buttons = cycle_.sample.buttons;
-  probe_.force_n = loop_.look().written.force_n;
-  probe_.view_revision = view_ ? view_->revision : 0;
-}
-
-void Servo::tell_vision(std::int64_t now_ns) noexcept {
-  fill_probe();
-  std::size_t reached = 0;
-  for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
-    const Peer& peer = peers_.peer(place);
-    if (!peer.present || peer.role != NodeRole::vision) continue;
-    const VisionPace::Verdict verdict = pace_.judge(place, probe_, now_ns);
-    stats_.probe_states_spared += verdict == VisionPace::Verdict::spare ? 1 : 0;
-    if (verdict == VisionPace::Verdict::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
-  }
-  stats_.probe_states_sent += reached;
-  if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(probe_.sample);
-}
-
-void Servo::refresh_figures(std::int64_t now_ns) noexcept {
-  next_figures_ns_ = now_ns + kFiguresNs;
-  const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
-  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(cycle_.number - figures_samples_) / passed_s);
-  figures_since_ns_ = now_ns;
-  figures_samples_ = cycle_.number;
-  probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
-  probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
 }
 
 // Who lacks the key is told nothing; the person at the hub is, now and then.

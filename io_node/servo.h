@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -9,12 +8,14 @@
 #include "io_node/devices/device.h"
 #include "io_node/echo_probe.h"
 #include "io_node/event_ring.h"
+#include "io_node/probe_memory.h"
 #include "io_node/report_desk.h"
+#include "io_node/safety_news.h"
 #include "io_node/sample_ledger.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
 #include "io_node/stranger_news.h"
-#include "io_node/vision_pace.h"
+#include "io_node/vision_feed.h"
 #include "io_node/way_meter.h"
 #include "link/budgeted_endpoint.h"
 #include "link/hub_peers.h"
@@ -56,7 +57,10 @@ class Servo {
   Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr, ServoTap* tap = nullptr);
 
   // Set up before start: who measures the ways, and who hands out reports. Pre: they outlive the servo.
-  void set_way_meter(WayMeter* ways) noexcept { ways_ = ways; }
+  void set_way_meter(WayMeter* ways) noexcept {
+    ways_ = ways;
+    vision_.set_way_meter(ways);
+  }
   void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
   // ... what bounds the datagrams of a cycle.
   void set_budget(BudgetedEndpoint* budget) noexcept { budget_ = budget; }
@@ -97,10 +101,6 @@ class Servo {
   void take_cycles() noexcept;
   void on_cycle(bool is_newest) noexcept;
   void send_state() noexcept;
-  void tell_tap(std::int64_t now_ns) noexcept;
-  void note_cycle(std::int64_t now_ns) noexcept;
-  void tell_of_safety(std::int64_t now_ns) noexcept;
-  void tell_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept;
   void receive_until(std::int64_t deadline_ns) noexcept;
   void drain() noexcept;
   void await_force(std::int64_t deadline_ns) noexcept;
@@ -113,19 +113,13 @@ class Servo {
   void note_round_trip(const ForceCommand& command, std::int64_t ready_ns) noexcept;
   void hand_out_snapshot() noexcept;
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;
-  void remember_probe(const ForceCommand& command) noexcept;
   void on_view(const ViewTransform& view) noexcept;
-  void on_drawn(const Drawn& drawn, std::size_t peer) noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
   void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
   void reset_faults(const Peer& asker) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void do_spare_work() noexcept;
-  void fill_probe() noexcept;
-  bool is_pose_known(std::uint64_t sample) const noexcept;
-  void tell_vision(std::int64_t now_ns) noexcept;
-  void refresh_figures(std::int64_t now_ns) noexcept;
   void tell_of_strangers(std::int64_t now_ns) noexcept;
   bool haptics_alive(std::int64_t now_ns) const noexcept;
   void tell(ServoEvent::Kind kind, NodeRole role, const Address& address) noexcept;
@@ -141,46 +135,31 @@ class Servo {
   ReportDesk* desk_ = nullptr;
   BudgetedEndpoint* budget_ = nullptr;
   ServoTap* tap_;
+  EventRing events_;
   SampleLedger ledger_;
   ServoStats stats_;
-  VisionPace pace_;
+  VisionFeed vision_;
 
   bool has_device_thread_ = false;
   double rate_hz_;
+  SafetyNews safety_;
   DeviceCycle cycle_;                   // the newest
   std::optional<ForceCommand> posted_;  // a force that is not known to be written yet, and its number
   std::uint64_t posted_number_ = 0;
   std::uint32_t cycles_behind_ = 0;
   bool is_snapshot_due_ = false;
-  SafetyFault fault_told_ = SafetyFault::none;
-  GovernorCounters governor_told_;
-  DeviceStatus status_told_ = DeviceStatus::ready;
-  std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
-  std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
   StrangerNews strangers_;
   std::int64_t next_denial_ns_ = 0;
   std::uint64_t resets_denied_ = 0;  // here, for want of the right or of a person
-  std::int64_t figures_since_ns_ = 0;
-  std::uint64_t figures_samples_ = 0;
 
   bool is_finished_ = false;
-  struct Pose {
-    std::int64_t time_ns = 0;
-    Vec3 p_WD = Vec3::Zero();
-    Quat q_WT = Quat::Identity();
-  };
-  std::array<Pose, 256> poses_ = {};  // of the newest samples, by number
-  std::optional<Vec3> p_WP_;          // where the probe rests, in contact, as far as known
-  bool is_haptics_new_ = false;       // it has not answered yet
-  ForceCommand last_force_;
+  ProbeMemory probe_memory_;
   std::optional<ViewTransform> view_;
   std::size_t hand_leader_ = kNobody;
-  ProbeState probe_;
   Datagram incoming_;
 
-  EventRing events_;
   Mailbox<ServoStats> snapshots_;
   std::atomic<bool> snapshot_asked_{false};
   std::atomic<bool> report_wished_{false};

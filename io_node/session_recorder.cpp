@@ -12,6 +12,7 @@
 
 #include "runtime/atomic_file.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -110,7 +111,7 @@ Result<void> SessionRecorder::start() {
     write_entries(true);
     if (!written_) return written_;
   }
-  thread_ = std::thread([this] { run(); });
+  thread_ = start_thread([this] { run(); });
   return {};
 }
 

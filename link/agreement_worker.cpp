@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "runtime/handoff_ring.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -94,7 +95,7 @@ struct AgreementWorker::Desk {
 
 AgreementWorker::AgreementWorker(Where where) : desk_(std::make_unique<Desk>()) {
   sem_init(&desk_->wake, 0, 0);
-  if (where == Where::own_thread) desk_->thread = std::thread([this] { work(); });
+  if (where == Where::own_thread) desk_->thread = start_thread([this] { work(); });
 }
 
 AgreementWorker::~AgreementWorker() {

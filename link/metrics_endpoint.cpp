@@ -17,6 +17,7 @@
 #include "link/address_endpoint.h"
 #include "link/asio_guard.h"
 #include "link/link_key.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -169,7 +170,7 @@ Result<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::open(std::string_view 
   state->local.port = state->acceptor.local_endpoint(error).port();
   state->listen();
   State& running = *state;
-  state->thread = std::thread([&running] { running.context.run(); });
+  state->thread = start_thread([&running] { running.context.run(); });
   return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(std::move(state)));
 }
 

@@ -15,7 +15,8 @@ namespace hapton {
 enum class FileReaders : std::uint8_t { everyone, owner };
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text, FileReaders readers = FileReaders::everyone);
 
-// A new, empty file to write, or the one there is emptied; null and errno on failure. Its mode is set even where the file was there before.
+// A new, empty file to write, or the one there is emptied; null and errno on failure: ENXIO for a pipe that nobody reads from, which would
+// be waited for. Its mode is set even where the file was there before.
 std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers);
 
 }  // namespace hapton

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <thread>
 
+#include "runtime/start_thread.h"
+
 namespace hapton {
 
 double BareTimer::missed_share() const noexcept {
@@ -35,7 +37,7 @@ BareTimer run_bare_timer(Clock& clock, double rate_hz, double seconds) noexcept 
 
 Result<BareTimer> measure_bare_timer(const RealtimeSettings& settings, double rate_hz, double seconds) {
   Result<BareTimer> timer;
-  std::thread([&] {
+  start_thread([&] {
     SteadyClock clock;
     const auto entered = enter_realtime(settings);
     timer = entered ? Result<BareTimer>(run_bare_timer(clock, rate_hz, seconds)) : tl::unexpected(entered.error());

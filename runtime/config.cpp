@@ -7,17 +7,17 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
 #include "runtime/build_id.h"
+#include "runtime/regular_file.h"
 
 namespace hapton {
 namespace {
 
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 constexpr int kBadCommandLine = 2;
 
 bool names_option(std::string_view argument, const CLI::Option& option) {
@@ -63,13 +63,10 @@ class ConfigFile {
 };
 
 Result<toml::table> ConfigFile::read() const {
-  std::ifstream file(path_);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return fail("{}: cannot be read; --config wants a TOML file", path_);
-  }
+  const auto text = read_regular_file(path_, "--config wants a TOML file", kMostBytes);
+  if (!text) return tl::unexpected(text.error());
   try {
-    return toml::parse(text.str(), path_);
+    return toml::parse(*text, path_);
   } catch (const toml::parse_error& error) {
     return fail("{}:{}: {}", path_, error.source().begin.line, error.description());
   }

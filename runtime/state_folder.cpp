@@ -21,4 +21,10 @@ std::filesystem::path find_state_folder() {
   return {};
 }
 
+std::filesystem::path find_runtime_folder() {
+  if (const auto given = absolute_path_in("RUNTIME_DIRECTORY"); !given.empty()) return given;
+  if (const auto xdg = absolute_path_in("XDG_RUNTIME_DIR"); !xdg.empty()) return xdg / "hapton";
+  return {};
+}
+
 }  // namespace hapton

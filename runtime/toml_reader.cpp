@@ -4,25 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
-#include <system_error>
+
+#include "runtime/regular_file.h"
 
 namespace hapton {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
-
-Result<std::string> read_text(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error) return fail("{}: cannot be read: {}; a TOML file was looked for there", path.string(), error.message());
-  if (bytes > kMostBytes) return fail("{}: is {} bytes long, far more than such a file needs; name another one", path.string(), bytes);
-  std::string text(bytes, '\0');
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(text.data(), static_cast<std::streamsize>(bytes))) return fail("{}: cannot be read; check its rights", path.string());
-  return text;
-}
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -77,7 +66,7 @@ struct TomlReader::Table {
 };
 
 Result<TomlReader> TomlReader::open(const std::filesystem::path& path) {
-  const auto text = read_text(path);
+  const auto text = read_regular_file(path, "a TOML file was looked for there", kMostBytes);
   if (!text) return tl::unexpected(text.error());
   auto parsed = parse(path, *text);
   if (!parsed) return tl::unexpected(parsed.error());

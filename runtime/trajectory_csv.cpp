@@ -1,13 +1,12 @@
 #include "runtime/trajectory_csv.h"
 
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <memory>
 #include <optional>
+
+#include "runtime/regular_file.h"
 
 namespace hapton {
 namespace {
@@ -128,10 +127,6 @@ class Parser {
   int columns_ = 0;
 };
 
-struct Closer {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
 }  // namespace
 
 Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, const std::string& name) {
@@ -139,13 +134,9 @@ Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, c
 }
 
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path) {
-  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
-  if (!file) return fail("{}: {}; give the path of a trajectory CSV", path, std::strerror(errno));
-  std::string text;
-  std::array<char, 65536> block;
-  while (const std::size_t got = std::fread(block.data(), 1, block.size(), file.get())) text.append(block.data(), got);
-  if (std::ferror(file.get())) return fail("{}: {}; give the path of a trajectory CSV", path, std::strerror(errno));
-  return parse_trajectory_csv(text, path);
+  const auto text = read_regular_file(path, "give the path of a trajectory CSV");
+  if (!text) return tl::unexpected(text.error());
+  return parse_trajectory_csv(*text, path);
 }
 
 }  // namespace hapton

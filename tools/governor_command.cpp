@@ -14,6 +14,7 @@
 
 #include "io_node/safety/governor_stress.h"
 #include "runtime/clock.h"
+#include "runtime/start_thread.h"
 #include "tools/commands.h"
 
 namespace hapton {
@@ -33,7 +34,7 @@ class GovernorRun {
 
   GovernorStressCount run() {
     std::vector<std::thread> threads;
-    for (unsigned n = 0; n < options_.threads; ++n) threads.emplace_back([this] { work(); });
+    for (unsigned n = 0; n < options_.threads; ++n) threads.push_back(start_thread([this] { work(); }));
     const SteadyClock clock;
     std::int64_t next_ns = clock.now_ns() + kNanosecondsPerSecond;
     while (left_.load() > 0) {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <cstdio>
+#include <memory>
 #include <utility>
 
 #include <vtkActor.h>
@@ -22,6 +23,7 @@
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
+#include "runtime/atomic_file.h"
 #include "vision_node/display.h"
 #include "vision_node/probe_figure.h"
 #include "vision_node/vtk_shapes.h"
@@ -396,8 +398,9 @@ Picture StereoView::read_picture() {
 }
 
 Result<void> StereoView::save_png(const std::filesystem::path& file) {
-  // Tried first, because VTK would write its own lines about it to stderr.
-  if (!std::ofstream(file, std::ios::binary)) {
+  // Tried first, because VTK would write its own lines about it to stderr, and wait for who reads from a pipe.
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> tried(open_file_for(file, FileReaders::everyone), &std::fclose);
+  if (!tried) {
     return fail("cannot write the screenshot {}: does its folder exist, may it be written to?", file.string());
   }
   // Once, for a picture that stays, smooth edges are worth their time.

@@ -13,6 +13,7 @@
 #include "io_node/devices/dhd_library.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -39,7 +40,7 @@ class ForceDimensionDevice final : public Device {
 
   Result<void> open();
   void start() {
-    thread_ = std::thread([this] { run(); });
+    thread_ = start_thread([this] { run(); });
   }
 
   std::string_view name() const noexcept override { return "forcedimension"; }

@@ -12,6 +12,7 @@
 #include "link/websocket_endpoint.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -51,7 +52,7 @@ class HaplyDevice final : public Device {
   // Meets the service and finds the device.
   Result<void> open();
   void start() {
-    thread_ = std::thread([this] { run(); });
+    thread_ = start_thread([this] { run(); });
   }
 
   std::string_view name() const noexcept override { return "haply"; }

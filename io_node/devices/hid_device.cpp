@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 
@@ -12,7 +13,7 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
                                                    std::optional<RealtimeSettings> realtime) {
   std::unique_ptr<HidDevice> device(new HidDevice(std::move(backend), std::move(opener), realtime));
   if (auto opened = device->port_.open(); !opened) return tl::unexpected(opened.error());
-  device->writer_ = std::thread([raw = device.get()] { raw->run_writer(); });
+  device->writer_ = start_thread([raw = device.get()] { raw->run_writer(); });
   const auto transport = device->port_.transport();
   const std::string path = transport ? transport->description().path : "gone";
   if (!device->await_first_report()) {

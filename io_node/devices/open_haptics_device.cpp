@@ -14,6 +14,7 @@
 #include "io_node/devices/hd_session.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -66,7 +67,7 @@ class OpenHapticsDevice final : public Device {
 
   Result<void> open();
   void start_keeper() {
-    keeper_ = std::thread([this] { keep(); });
+    keeper_ = start_thread([this] { keep(); });
   }
 
   std::string_view name() const noexcept override { return "openhaptics"; }

@@ -85,6 +85,9 @@ class SafetyGovernor {
     is_open_ = false;
   }
 
+  // Set-up: this fault was latched before this program began, and nobody has reset it. Latched again; counted it was then.
+  void latch_again(SafetyFault fault) noexcept { fault_ = fault; }
+
   // A person says that the cause of the latched fault is mended. False: it is still there, and so is the fault. The force ramps in.
   bool reset_faults() noexcept;
   // A dead man's switch is asked for, and held: a person is at the device. A device that is away repeats its last sample, which says

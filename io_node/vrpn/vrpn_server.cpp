@@ -12,6 +12,7 @@
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
+#include "runtime/start_thread.h"
 
 namespace hapton::vrpn {
 namespace {
@@ -288,7 +289,7 @@ Result<std::unique_ptr<Server>> Server::open(Feed& feed, const Options& options)
   }
   auto state = std::make_unique<State>(feed, options, std::move(*endpoint));
   State& running = *state;
-  state->thread = std::thread([&running] { running.run(); });
+  state->thread = start_thread([&running] { running.run(); });
   return std::unique_ptr<Server>(new Server(std::move(state)));
 }
 

@@ -19,6 +19,7 @@
 #include "runtime/clock.h"
 #include "runtime/deadline_thread.h"
 #include "runtime/realtime.h"
+#include "runtime/start_thread.h"
 
 namespace {
 
@@ -111,7 +112,7 @@ int main(int argc, char** argv) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
   const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (process_file < 0 || ::getppid() != process) return 0;  // it has ended already, without a force
-  std::thread beside([&] {
+  std::thread beside = start_thread([&] {
     if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     watch(memory.page(), process, process_file, false);
   });

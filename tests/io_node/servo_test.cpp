@@ -276,6 +276,38 @@ TEST_F(Servos, a_slow_haptics_node_that_skips_samples_supersedes_them) {
   EXPECT_EQ(stats().ledger.lost, 0U);
 }
 
+// The device side is ahead of the network side by three cycles, twice; between the two the haptics node falls behind by a sample.
+TEST_F(Servos, samples_that_a_late_network_side_never_sent_are_not_lost) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  servo->use_device_thread();
+  const auto cycles = [&](int count) {
+    for (int n = 0; n < count; ++n) {
+      clock.sleep_until_ns(servo->device_loop().tick_ns());
+      servo->device_loop().begin_cycle();
+      ASSERT_TRUE(servo->device_loop().run_cycle());
+    }
+    servo->step();
+  };
+  for (int n = 0; n < 200; ++n) {
+    if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
+    cycles(1);
+  }
+  answer_delay_ns = -1;
+  cycles(1);
+  cycles(3);
+  answer_delay_ns = 100 * kUs;
+  answer.skipped_samples = 2;
+  cycles(3);
+  answer.skipped_samples = 0;
+  for (int n = 0; n < 400; ++n) {
+    if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
+    cycles(1);
+  }
+  EXPECT_EQ(stats().ledger.superseded, 2U);
+  EXPECT_EQ(stats().ledger.lost, 0U);
+}
+
 TEST_F(Servos, hostile_forces_never_reach_the_motors_as_they_are) {
   make();
   join(kHaptics, NodeRole::haptics);

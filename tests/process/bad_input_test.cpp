@@ -58,6 +58,8 @@ void make_bad_files(const std::filesystem::path& folder) {
   write(folder / "text.csv", "t_s,x_m,y_m,z_m\n0,a,0,0\n");
   write(folder / "far.csv", "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.01\n0.001,1e308,0.2,-0.001\n");
   ::mkfifo((folder / "pipe").c_str(), 0600);
+  std::filesystem::create_directories(folder / "pipes");
+  ::mkfifo((folder / "pipes" / "latency.csv").c_str(), 0600);
   write(folder / "good.csv", "t_s,x_m,y_m,z_m\n0,0.2,0.2,0.01\n0.001,0.2,0.2,-0.001\n");
 }
 
@@ -86,6 +88,12 @@ TEST_P(BadInput, GivesOneLineAndFails) {
 // Gone on, an io_node would hold this port; nobody else is asked for.
 const std::vector<BadCall> kIoNode = {
     {"UnknownFlag", "io_node", {"--frobnicate"}, "frobnicate"},
+    {"ConfigIsAPipe", "io_node", {"--config", "FOLDER/pipe"}, "not a regular file"},
+    {"DevicesIsAPipe", "io_node", {"--devices", "FOLDER/pipe"}, "not a regular file"},
+    {"DeviceFileIsAPipe", "io_node", {"--device", "wooden-haptics", "--device-file", "FOLDER/pipe"}, "not a regular file"},
+    {"TrajectoryIsAPipe", "io_node", {"--device", "replay", "--trajectory", "FOLDER/pipe"}, "not a regular file"},
+    {"RecordIsAPipe", "io_node", {"--bind", "127.0.0.1:0", "--record", "FOLDER/pipe"}, "pipe"},
+    {"KeyIsAPipe", "io_node", {"--bind", "0.0.0.0:0", "--key", "FOLDER/pipe"}, "pipe"},
     {"PortIsText", "io_node", {"--bind", "127.0.0.1:port"}, "port"},
     {"PortTooLarge", "io_node", {"--bind", "127.0.0.1:70000"}, "70000"},
     {"AddressIsText", "io_node", {"--bind", "not an address:1"}, "not an address"},
@@ -132,6 +140,8 @@ const std::vector<BadCall> kHapticsNode = {
      {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:TAKEN_PORT", "--seconds", "0.2", "--rt", "off"},
      "no hub let it join at 127.0.0.1:TAKEN_PORT in 0.2 s; start io_node there"},
     {"ConfigMissing", "haptics_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
+    {"ConfigIsAPipe", "haptics_node", {"--config", "FOLDER/pipe"}, "not a regular file"},
+    {"SceneIsAPipe", "haptics_node", {"--scene", "FOLDER/pipe"}, "not a regular file"},
     {"HubBeyondLoopbackWithoutKey", "haptics_node", {"--hub", "192.0.2.1"}, "--key FILE"},
     {"KeyMissing", "haptics_node", {"--hub", "192.0.2.1", "--key", "FOLDER/gone.key"}, "gone.key"},
 };
@@ -170,6 +180,23 @@ const std::vector<BadCall> kTools = {
     {"SessionInfoOfAPipe", "hapton", {"session", "info", "FOLDER/pipe"}, "not a regular file"},
     {"SessionReplayOfAPipe", "hapton", {"session", "replay", "FOLDER/pipe"}, "not a regular file"},
     {"SessionExportOfAPipe", "hapton", {"session", "export", "FOLDER/pipe", "--out", "FOLDER/out"}, "not a regular file"},
+    {"ReplayTrajectoryIsAPipe",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/pipe", "--out", "FOLDER/r.csv"},
+     "not a regular file"},
+    {"ReplayMeshIsAPipe",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/pipe", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/r.csv"},
+     "not a regular file"},
+    {"ReplayOutIsAPipe",
+     "hapton",
+     {"replay", "--mesh", "FOLDER/good.obj", "--trajectory", "FOLDER/good.csv", "--out", "FOLDER/pipe"},
+     "pipe: cannot be written"},
+    {"RelayScriptIsAPipe", "hapton", {"relay", "--script", "FOLDER/pipe"}, "not a regular file"},
+    {"CompareAPipe", "hapton", {"latency", "compare", "FOLDER/pipe", "FOLDER/pipe"}, "not a regular file"},
+    {"PlotAPipe", "hapton", {"plot", "FOLDER/pipes"}, "not a regular file"},
+    {"InfoOfAPipe", "hapton", {"info", "FOLDER/pipe"}, "not a regular file"},
+    {"KeyIsAPipe", "hapton", {"top", "--once", "--hub", "192.0.2.1", "--key", "FOLDER/pipe"}, "pipe"},
     {"PlotMissing", "hapton", {"plot", "FOLDER/gone"}, "gone"},
     {"CompareMissing", "hapton", {"latency", "compare", "FOLDER/gone", "FOLDER/gone"}, "gone"},
     {"CompareNoReport", "hapton", {"latency", "compare", "FOLDER/good.csv", "FOLDER/good.csv"}, "good.csv"},
@@ -261,6 +288,75 @@ TEST_P(FewDescriptors, EndWithOneLine) {
     EXPECT_THAT(complaints.front(), ::testing::HasSubstr("ulimit -n"));
   }
 }
+
+#ifdef HAPTON_FEW_THREADS
+// A system that starts no more than so many threads for a program, for what this process starts.
+class ThreadLimit {
+ public:
+  ThreadLimit(const std::string& program, int allowed) {
+    ::setenv("LD_PRELOAD", HAPTON_FEW_THREADS, 1);
+    ::setenv("HAPTON_STANDIN_THREADS", (program + ":" + std::to_string(allowed)).c_str(), 1);
+  }
+  ~ThreadLimit() {
+    ::unsetenv("LD_PRELOAD");
+    ::unsetenv("HAPTON_STANDIN_THREADS");
+  }
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+};
+
+class FewThreads : public ::testing::TestWithParam<BadCall> {};
+
+// With one more each time, until it has all that it needs.
+TEST_P(FewThreads, EndWithOneLine) {
+  const BadCall& call = GetParam();
+  int needed = 0;
+  for (bool has_enough = false; !has_enough; ++needed) {
+    ASSERT_LT(needed, 20) << "it never has enough";
+    const TestFolder folder;
+    std::vector<std::string> arguments = call.arguments;
+    std::ranges::transform(arguments, arguments.begin(),
+                           [&](const std::string& text) { return replace_all(text, "FOLDER", folder.path().string()); });
+    const ThreadLimit limit(call.program, needed);
+    const auto ended = run(call.program, arguments, folder.path());
+    ASSERT_TRUE(ended) << "still runs";
+    has_enough = ended->err.find(call.mentions) == std::string::npos;
+    if (has_enough) continue;
+    EXPECT_EQ(ended->exit_code, 1) << needed;
+    const std::vector<std::string> complaints = complaints_of(ended->err);
+    EXPECT_EQ(std::ranges::count_if(complaints, [&](const std::string& line) { return line.find(call.mentions) != line.npos; }), 1);
+    EXPECT_THAT(complaints.back(), ::testing::HasSubstr(call.mentions)) << "nothing comes after it";
+  }
+  EXPECT_GT(needed, 1) << "it was never short of threads";
+}
+
+const std::vector<BadCall> kThreaded = {
+    {"IoNode",
+     "io_node",
+     {"--bind", "127.0.0.1:0", "--seconds", "0.2", "--rt", "off", "--watchdog", "off", "--metrics", "127.0.0.1:0", "--vrpn", "127.0.0.1:0",
+      "--record", "FOLDER/record"},
+     "starts no more threads"},
+    {"HapticsNode",
+     "haptics_node",
+     {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:9", "--seconds", "0.2", "--rt", "off"},
+     "starts no more threads"},
+    {"HaptonGovernor", "hapton", {"governor", "--threads", "3", "--steps", "1000"}, "starts no more threads"},
+    {"HaptonStress", "hapton", {"stress", "--threads", "3", "--steps", "100", "--body", "box"}, "starts no more threads"},
+};
+INSTANTIATE_TEST_SUITE_P(Programs, FewThreads, ::testing::ValuesIn(kThreaded),
+                         [](const ::testing::TestParamInfo<BadCall>& call) { return call.param.name; });
+
+// The watchdog process says so and ends; io_node goes on without it, as far as it was told to.
+TEST(FewThreadsAlone, TheWatchdogSaysSo) {
+  const TestFolder folder;
+  const ThreadLimit limit("hapton_watchdog", 0);
+  const auto ended = run("io_node", {"--bind", "127.0.0.1:0", "--seconds", "3", "--rt", "off"}, folder.path());
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  EXPECT_THAT(ended->err, ::testing::HasSubstr("hapton_watchdog: the system starts no more threads"));
+  EXPECT_THAT(ended->err, ::testing::HasSubstr("the watchdog process had ended"));
+}
+#endif
 
 TEST(HaptonAlone, TellsItsCommandsAndFails) {
   const TestFolder folder;

@@ -9,10 +9,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <random>
+#include <regex>
 #include <thread>
 
 #include "link/codec.h"
@@ -307,12 +310,19 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
   system.start("io_node");
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
+  const auto begin = std::chrono::steady_clock::now();
   Flood flood(system.hub(), 0.5 * kFloodPerSecond);
   Flood other(system.hub(), 0.5 * kFloodPerSecond);
   EXPECT_TRUE(feels_on(system, 1000)) << "no contact in the flood";
+  const std::regex kNamed("flood of [a-z ]+ from 127\\.0\\.0\\.1:[0-9]+( and others)?, [0-9]+ a second");
+  EXPECT_TRUE(System::wait_until([&] { return std::regex_search(system["io_node"].err(), kNamed); })) << system["io_node"].err();
   const Json report = system.ask_for_report();
   std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld silences\n", flood.stop() + other.stop(),
               count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "silence_events"));
+  // Once a second at most.
+  const std::string told = system["io_node"].err();
+  const auto lines = std::distance(std::sregex_iterator(told.begin(), told.end(), kNamed), std::sregex_iterator());
+  EXPECT_LE(lines, 1 + std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin).count()) << told;
   expect_sane(report);
   EXPECT_GT(count(report, "refused_malformed") + count(report, "refused_wrong_version") + count(report, "refused_wrong_key") +
                 count(report, "refused_unknown_session") + count(report, "dropped_by_kernel"),

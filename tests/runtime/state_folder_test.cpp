@@ -13,7 +13,7 @@ namespace {
 // The three variables as each test wants them, and as they were afterwards.
 struct StateFolders : testing::Test {
   StateFolders() {
-    for (const char* name : {"STATE_DIRECTORY", "XDG_STATE_HOME", "HOME"}) {
+    for (const char* name : {"STATE_DIRECTORY", "XDG_STATE_HOME", "HOME", "RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR"}) {
       const char* value = std::getenv(name);
       before[name] = value != nullptr ? std::optional<std::string>(value) : std::nullopt;
       unsetenv(name);
@@ -33,6 +33,16 @@ TEST_F(StateFolders, follow_the_variables_in_their_order) {
   EXPECT_EQ(find_state_folder(), "/x/hapton");
   setenv("STATE_DIRECTORY", "/var/lib/hapton", 1);
   EXPECT_EQ(find_state_folder(), "/var/lib/hapton");
+}
+
+TEST_F(StateFolders, what_ends_with_the_machine_has_another) {
+  EXPECT_EQ(find_runtime_folder(), "");
+  setenv("XDG_RUNTIME_DIR", "/run/user/7", 1);
+  EXPECT_EQ(find_runtime_folder(), "/run/user/7/hapton");
+  setenv("RUNTIME_DIRECTORY", "/run/hapton", 1);
+  EXPECT_EQ(find_runtime_folder(), "/run/hapton");
+  setenv("RUNTIME_DIRECTORY", "run", 1);
+  EXPECT_EQ(find_runtime_folder(), "/run/user/7/hapton");
 }
 
 TEST_F(StateFolders, relative_paths_are_passed_over) {

@@ -123,6 +123,18 @@ TEST(Layers, EveryIncludeIsAllowedByTheTable) {
               IsEmpty());
 }
 
+// A refusal by the system must end in one line, not in an abort.
+TEST(Layers, EveryThreadIsStartedByStartThread) {
+  static const std::regex kStarted(R"(std::j?thread(\s+\w+)?\s*[({]|vector<std::j?thread> \w+\(|std::async)");
+  std::vector<std::string> wrong;
+  for (const std::string& folder : kFolders) {
+    for (const SourceFile& file : read_folder(folder)) {
+      if (file.path != "runtime/start_thread.h" && std::regex_search(file.code, kStarted)) wrong.push_back(file.path);
+    }
+  }
+  EXPECT_THAT(wrong, IsEmpty());
+}
+
 TEST(Layers, EveryFileBelongsToALayer) {
   EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return layer_of(file.path).empty(); }), IsEmpty());
 }

@@ -9,6 +9,7 @@
 
 #include "core/force/reference_method.h"
 #include "core/geometry/mesh_measures.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -54,7 +55,7 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
       run_segment(method, trajectory, i * segment, std::min(rows, (i + 1) * segment), felt);
   };
   std::vector<std::thread> pool;
-  for (unsigned i = 1; i < workers; ++i) pool.emplace_back([&, i] { work(*methods[i]); });
+  for (unsigned i = 1; i < workers; ++i) pool.push_back(start_thread([&, i] { work(*methods[i]); }));
   if (workers > 0) work(*methods[0]);
   for (std::thread& thread : pool) thread.join();
   return felt;

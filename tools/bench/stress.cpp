@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "runtime/report.h"
+#include "runtime/start_thread.h"
 
 namespace hapton {
 namespace {
@@ -119,7 +120,7 @@ Result<std::vector<StressResult>> run_stress(const std::vector<StressBody>& bodi
     }
   };
   std::vector<std::thread> pool;
-  for (unsigned i = 1; i < plan.threads; ++i) pool.emplace_back(work);
+  for (unsigned i = 1; i < plan.threads; ++i) pool.push_back(start_thread(work));
   work();
   for (std::thread& thread : pool) thread.join();
   if (failed) return tl::unexpected(*failed);

@@ -46,9 +46,10 @@ std::vector<std::string_view> split(std::string_view text, char at) {
   }
 }
 
+// A pipe would be waited for.
 bool is_readable_file(const std::filesystem::path& path) {
   std::error_code error;
-  return !std::filesystem::is_directory(path, error) && std::ifstream(path).is_open();
+  return std::filesystem::is_regular_file(path, error) && std::ifstream(path).is_open();
 }
 
 }  // namespace

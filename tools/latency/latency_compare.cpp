@@ -3,16 +3,16 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <fstream>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "runtime/regular_file.h"
 #include "runtime/report.h"
 
 namespace hapton {
 namespace {
 
+constexpr std::size_t kMostReportBytes = std::size_t{64} << 20;
 constexpr std::array kQuantiles = {std::pair{"p50_us", "p50"}, std::pair{"p99_us", "p99"}, std::pair{"p99_9_us", "p99.9"},
                                    std::pair{"max_us", "max"}};
 
@@ -44,12 +44,9 @@ std::string ratio_text(const nlohmann::ordered_json& pair) {
 
 Result<nlohmann::ordered_json> read_report_json(const std::filesystem::path& path) {
   const auto file_path = std::filesystem::is_directory(path) ? path / "report.json" : path;
-  std::ifstream file(file_path);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return fail("{}: cannot be read; a run with --out writes it", file_path.string());
-  }
-  auto json = nlohmann::ordered_json::parse(text.str(), nullptr, false);
+  const auto text = read_regular_file(file_path, "a run with --out writes it", kMostReportBytes);
+  if (!text) return tl::unexpected(text.error());
+  auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("schema", "") != kReportSchema || !json.contains("hops") || !json["hops"].is_object()) {
     return fail("{}: is no latency report (schema {})", file_path.string(), kReportSchema);
   }

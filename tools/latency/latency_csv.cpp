@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
 #include <optional>
-#include <sstream>
+
+#include "runtime/regular_file.h"
 
 namespace hapton {
 namespace {
 
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;
 constexpr std::string_view kHeader = "hop,lower_ns,upper_ns,count";
 
 bool is_hop_name(std::string_view name) {
@@ -117,12 +118,9 @@ Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::str
 }
 
 Result<std::vector<HopCounts>> read_latency_csv(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return fail("{}: cannot be read; a run with --out writes it", path.string());
-  }
-  return parse_latency_csv(text.str(), path.string());
+  const auto text = read_regular_file(path, "a run with --out writes it", kMostBytes);
+  if (!text) return tl::unexpected(text.error());
+  return parse_latency_csv(*text, path.string());
 }
 
 }  // namespace hapton

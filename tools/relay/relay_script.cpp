@@ -4,15 +4,15 @@
 #include <external/toml.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
+#include "runtime/regular_file.h"
 #include "scene/near_miss.h"
 
 namespace hapton {
 namespace {
 
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 // One table of the script; the first error stays and the rest is skipped.
 class FaultTable {
  public:
@@ -157,12 +157,9 @@ Result<RelayScript> parse_relay_script(std::string_view text, const std::string&
 }
 
 Result<RelayScript> read_relay_script(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return fail("{}: cannot be read; --script wants a TOML file", path.string());
-  }
-  return parse_relay_script(text.str(), path.string());
+  const auto text = read_regular_file(path, "--script wants a TOML file", kMostBytes);
+  if (!text) return tl::unexpected(text.error());
+  return parse_relay_script(*text, path.string());
 }
 
 }  // namespace hapton

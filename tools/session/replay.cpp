@@ -11,6 +11,8 @@
 #include <memory>
 #include <utility>
 
+#include "runtime/atomic_file.h"
+
 namespace hapton {
 namespace {
 
@@ -103,7 +105,7 @@ Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, c
 }
 
 Result<void> write_replay_csv(const std::filesystem::path& path, std::span<const ReplayRow> rows) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "w"), &std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open_file_for(path, FileReaders::everyone), &std::fclose);
   if (!file) {
     return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
   }

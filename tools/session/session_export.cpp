@@ -4,6 +4,8 @@
 #include <cstring>
 #include <string>
 
+#include "runtime/atomic_file.h"
+
 namespace hapton {
 
 Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, std::int64_t start_ns) {
@@ -23,7 +25,7 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
       {made.cycles_, "cycles.csv", "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause\n"}};
   for (const auto& table : tables) {
     const auto path = folder / table.name;
-    table.file.reset(std::fopen(path.c_str(), "w"));
+    table.file.reset(open_file_for(path, FileReaders::everyone));
     if (!table.file || std::fputs(table.columns, table.file.get()) < 0) {
       return fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
     }

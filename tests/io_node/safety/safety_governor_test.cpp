@@ -180,6 +180,18 @@ TEST(SafetyGovernor, bad_numbers_again_and_again_latch) {
   }
 }
 
+TEST(SafetyGovernor, what_was_latched_before_its_time_stays_latched_until_the_reset) {
+  Bench bench;
+  bench.governor.latch_again(SafetyFault::jump);
+  EXPECT_EQ(bench.press(2.0, 300), Vec3(0, 0, 0));
+  EXPECT_EQ(bench.governor.state(), GovernorState::latched);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::jump);
+  EXPECT_EQ(bench.governor.counters().latched, 0U);
+  EXPECT_TRUE(bench.governor.reset_faults());
+  EXPECT_LT(bench.press(2.0, 1).z(), 0.05);
+  EXPECT_EQ(bench.press(2.0, 150), Vec3(0, 0, 2.0));
+}
+
 TEST(SafetyGovernor, bad_numbers_now_and_then_do_not_latch) {
   Bench bench;
   for (int n = 0; n < 50; ++n) {

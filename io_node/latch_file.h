@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "core/base/result.h"
+#include "io_node/safety/safety_fault.h"
+
+namespace hapton {
+
+// The latched fault of a device, kept in a file while it is there: a program that ends and is started again, by a person or by systemd, has
+// reset nothing. The file is gone with the reset, and with the machine's next start at the latest; what is not understood in it is no
+// fault, so that no file can keep a person from the force for good. RT: no. Threads: one.
+class LatchFile {
+ public:
+  // An empty path keeps nothing.
+  explicit LatchFile(std::filesystem::path file) : file_(std::move(file)) {}
+
+  // none: nothing was latched.
+  SafetyFault read() const;
+  // For the user alone. Error: one line, it is not kept.
+  Result<void> keep(SafetyFault fault) const;
+  void forget() const;
+
+  const std::filesystem::path& path() const { return file_; }
+
+ private:
+  std::filesystem::path file_;
+};
+
+// In the runtime folder (find_runtime_folder), by device and by where its hub listens; empty when there is no such folder.
+std::filesystem::path find_latch_file(std::string_view device, std::string_view bind);
+
+}  // namespace hapton

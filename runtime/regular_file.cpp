@@ -1,0 +1,52 @@
+#include "runtime/regular_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+namespace hapton {
+namespace {
+
+// Empty when it can be read; else why not.
+std::string find_obstacle(const struct stat& status, std::size_t max_bytes) {
+  if (S_ISDIR(status.st_mode)) return "it is a folder";
+  if (!S_ISREG(status.st_mode)) return "it is not a regular file, copy it to one";
+  const auto bytes = static_cast<std::size_t>(status.st_size);
+  return bytes > max_bytes ? fmt::format("it has {} bytes, far more than such a file needs", bytes) : std::string();
+}
+
+// Empty when all of it was read; else why not. A file may grow, or not tell its size, as those of /proc.
+std::string read_all(int file, std::size_t max_bytes, std::string& bytes) {
+  struct stat status = {};
+  if (fstat(file, &status) != 0) return std::strerror(errno);
+  if (std::string obstacle = find_obstacle(status, max_bytes); !obstacle.empty()) return obstacle;
+  bytes.reserve(static_cast<std::size_t>(status.st_size));
+  std::array<char, 65536> block;
+  while (bytes.size() <= max_bytes) {
+    const ssize_t got = read(file, block.data(), block.size());
+    if (got == 0) return {};
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return std::strerror(errno);
+    bytes.append(block.data(), static_cast<std::size_t>(got));
+  }
+  return "it grows while it is read";
+}
+
+}  // namespace
+
+Result<std::string> read_regular_file(const std::filesystem::path& path, std::string_view hint, std::size_t max_bytes) {
+  // Not blocking: to open a pipe would wait for who writes to it.
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return fail("{}: cannot be read: {}; {}", path.string(), std::strerror(errno), hint);
+  std::string bytes;
+  const std::string obstacle = read_all(file, max_bytes, bytes);
+  close(file);
+  if (!obstacle.empty()) return fail("{}: cannot be read: {}; {}", path.string(), obstacle, hint);
+  return bytes;
+}
+
+}  // namespace hapton

@@ -1,0 +1,18 @@
+#include "runtime/start_thread.h"
+
+#include <errno.h>
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace hapton {
+
+void end_without_thread(const std::system_error& refusal) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{}: the system starts no more threads ({}); raise the user's limit (ulimit -u) or the unit's (TasksMax=)\n",
+             program_invocation_short_name, refusal.code().message());
+  std::_Exit(EXIT_FAILURE);
+}
+
+}  // namespace hapton

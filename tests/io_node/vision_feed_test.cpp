@@ -1,0 +1,93 @@
+#include "io_node/vision_feed.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "tests/io_node/scripted_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::uint64_t kSession = 77;
+
+// A hub with one vision node, which has joined.
+struct Feed : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  ScriptedEndpoint endpoint{clock};
+  HubPeers peers{endpoint, clock, kSession, 1000.0};
+  std::unique_ptr<ServoStats> stats = std::make_unique<ServoStats>();
+  VisionFeed feed{peers, *stats, 1000.0};
+  ProbeMemory memory;
+  DeviceSide side;
+  DeviceCycle cycle;
+  std::vector<ProbeState> heard;
+  std::size_t place = 0;
+
+  void SetUp() override {
+    endpoint.on_send = [this](const Address&, const Datagram& datagram) {
+      if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) heard.push_back(*probe);
+    };
+    stats->start_ns = clock.now_ns();
+    feed.start(clock.now_ns());
+    endpoint.arrive(clock.now_ns(), {{9}, 2}, {{0, 1002, 1, clock.now_ns()}, Hello{NodeRole::vision}});
+    Datagram datagram;
+    const PeerEvent joined = peers.receive(datagram, clock.now_ns());
+    ASSERT_EQ(joined.kind, PeerEvent::Kind::joined);
+    place = joined.peer;
+    feed.on_joined(place);
+  }
+  void tell(double x_m) {
+    clock.advance_ns(kMs);
+    ++cycle.number;
+    cycle.sample.time_ns = clock.now_ns();
+    cycle.sample.p_WD = Vec3(x_m, 0, 0);
+    cycle.sample.buttons = 5;
+    memory.note_sample(cycle.number, cycle.sample);
+    side.written.force_n = Vec3(0, 0, x_m);
+    side.is_silent = true;
+    feed.tell(memory, side, cycle, 3, clock.now_ns());
+  }
+  Drawn drawn() const { return {heard.back().sample, heard.back().sample_time_ns, 60.0F}; }
+};
+
+TEST_F(Feed, tells_the_probe_as_it_is_and_the_next_one_when_it_is_drawn) {
+  tell(0.01);
+  ASSERT_EQ(heard.size(), 1U);
+  EXPECT_EQ(heard[0].p_WD.x(), 0.01);
+  EXPECT_EQ(heard[0].force_n.z(), 0.01);
+  EXPECT_EQ(heard[0].buttons, 5U);
+  EXPECT_EQ(heard[0].view_revision, 3U);
+  tell(0.02);
+  EXPECT_EQ(heard.size(), 1U);  // it has not drawn yet
+  feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+  for (int n = 0; n < 20; ++n) tell(0.03);
+  EXPECT_GT(heard.size(), 1U);
+  EXPECT_EQ(stats->probe_states_sent, heard.size());
+  EXPECT_EQ(stats->drawn, 1U);
+  EXPECT_EQ(stats->frame_rate_hz, 60.0);
+}
+
+TEST_F(Feed, a_word_about_what_was_never_sent_is_passed_over) {
+  tell(0.01);
+  for (const Drawn& lie : {Drawn{0, clock.now_ns(), 60.0F}, Drawn{99, clock.now_ns(), 60.0F}, Drawn{1, clock.now_ns() + kMs, 60.0F},
+                           Drawn{1, stats->start_ns - kMs, 60.0F}}) {
+    feed.on_drawn({}, lie, place, cycle.number, clock.now_ns());
+  }
+  EXPECT_EQ(stats->drawn, 0U);
+}
+
+TEST_F(Feed, tells_the_rate_of_the_samples_since_the_last_figures) {
+  for (int n = 0; n < 500; ++n) {
+    tell(0.001 * n);
+    if (!heard.empty()) feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
+  }
+  feed.refresh_figures(cycle.number, clock.now_ns());
+  for (int n = 0; n < 200; ++n) tell(0.5 + 0.001 * n);
+  EXPECT_NEAR(static_cast<double>(heard.back().servo_rate_hz), 1000.0, 1.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,75 @@
+// A latched fault is a person's to reset: neither a crash of io_node nor a new start is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/process/program.h"
+
+namespace hapton::process {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// A device that stands still, and once, after half a second, leaps by 50 mm if it is asked to.
+void write_trajectory(const std::filesystem::path& path, bool leaps) {
+  std::ofstream file(path);
+  file << "t_s,x_m,y_m,z_m\n";
+  for (int n = 0; n < 60'000; ++n) file << 0.001 * n << "," << (leaps && n >= 500 ? 0.05 : 0.0) << ",0,0\n";
+}
+
+struct Latched : testing::Test {
+  TestFolder folder;
+  std::string hub = "127.0.0.1:" + find_free_port();
+
+  Program start(const std::string& trajectory) {
+    return Program(
+        "io_node",
+        {"--bind", hub, "--rt", "off", "--watchdog", "off", "--max-speed", "1", "--device", "replay", "--trajectory", (folder.path() / trajectory).string()},
+        folder.path());
+  }
+  bool says(const Program& program, const std::string& text) {
+    for (int tries = 0; tries < 2000 && program.err().find(text) == std::string::npos; ++tries) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return program.err().find(text) != std::string::npos;
+  }
+  int reset() { return run("hapton", {"set", "--hub", hub, "--reset-faults"}, folder.path()).value_or(Ended{}).exit_code; }
+};
+
+TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
+  write_trajectory(folder.path() / "leaps.csv", true);
+  write_trajectory(folder.path() / "rests.csv", false);
+  const std::string kLatched = "no force any more";
+  const std::string kStill = "a fault from before this start has not been reset: the device's position leapt";
+  {
+    Program io = start("leaps.csv");
+    ASSERT_TRUE(says(io, kLatched)) << io.err();
+    EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    io.kill();
+  }
+  for (const bool resets : {false, true}) {
+    Program io = start("rests.csv");
+    ASSERT_TRUE(says(io, kStill)) << io.err();
+    ASSERT_TRUE(says(io, "info  real time"));
+    if (resets) {
+      EXPECT_EQ(reset(), 0) << io.err();
+      EXPECT_TRUE(says(io, "fault reset (jump)")) << io.err();
+    }
+    io.send_signal(SIGTERM);
+    ASSERT_TRUE(io.wait(kPatience));
+  }
+  Program io = start("rests.csv");
+  ASSERT_TRUE(says(io, "info  real time"));
+  EXPECT_THAT(io.err(), Not(HasSubstr(kStill)));
+}
+
+}  // namespace
+}  // namespace hapton::process

@@ -1,0 +1,55 @@
+#include "runtime/regular_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+
+namespace hapton {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class RegularFileTest : public testing::Test {
+ protected:
+  RegularFileTest() { std::filesystem::create_directories(folder_); }
+  ~RegularFileTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string refusal(const std::filesystem::path& path, std::size_t max_bytes = 1000) {
+    const auto read = read_regular_file(path, "a test's file", max_bytes);
+    EXPECT_FALSE(read) << path;
+    return read ? "" : read.error().what;
+  }
+
+  std::filesystem::path folder_ = std::filesystem::temp_directory_path() / fmt::format("hapton_regular_file_{}", getpid());
+};
+
+TEST_F(RegularFileTest, IsReadWhole) {
+  const std::string text = std::string(200'000, 'x') + '\0' + "end\n";
+  std::ofstream(folder_ / "file", std::ios::binary) << text;
+  EXPECT_EQ(read_regular_file(folder_ / "file", ""), text);
+  std::ofstream(folder_ / "empty");
+  EXPECT_EQ(read_regular_file(folder_ / "empty", ""), "");
+  EXPECT_THAT(read_regular_file("/proc/self/status", "").value_or(""), HasSubstr("Name:"));  // of unknown size
+}
+
+// A pipe that nobody writes to would be waited for without end.
+TEST_F(RegularFileTest, WhatIsNoneIsRefusedInOneLine) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink("pipe", folder_ / "link");
+  for (const std::filesystem::path& path : {folder_ / "pipe", folder_ / "link", std::filesystem::path("/dev/zero")}) {
+    EXPECT_THAT(refusal(path),
+                AllOf(StartsWith(path.string() + ": cannot be read: "), HasSubstr("not a regular file"), HasSubstr("; a test's file")));
+  }
+  EXPECT_THAT(refusal(folder_), HasSubstr("folder"));
+  EXPECT_THAT(refusal(folder_ / "gone"), HasSubstr("No such file"));
+  std::ofstream(folder_ / "long") << std::string(1001, 'x');
+  EXPECT_THAT(refusal(folder_ / "long"), HasSubstr("1001 bytes"));
+}
+
+}  // namespace
+}  // namespace hapton

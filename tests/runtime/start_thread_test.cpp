@@ -1,0 +1,21 @@
+#include "runtime/start_thread.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+TEST(StartThreadTest, RunsWhatItIsGiven) {
+  int answer = 0;
+  std::thread thread = start_thread([&] { answer = 42; });
+  thread.join();
+  EXPECT_EQ(answer, 42);
+}
+
+TEST(StartThreadDeathTest, ARefusalIsOneLineAndEndsTheProgram) {
+  const std::system_error refusal(std::make_error_code(std::errc::resource_unavailable_try_again));
+  EXPECT_EXIT(end_without_thread(refusal), testing::ExitedWithCode(1), "^[a-z_]+: the system starts no more threads .*ulimit -u.*\n$");
+}
+
+}  // namespace
+}  // namespace hapton
