@@ -65,9 +65,7 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.tolerance = 0x1p-10 * kHover;
   // A sphere hardly larger than the hover has too few digits for a surface of its own.
   constexpr double kLeastRadius = 0x1p-20;
-  if (clearance_.rest - kHover >= kLeastRadius && !has_friction_) {
-    sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
-  }
+  if (clearance_.rest - kHover >= kLeastRadius) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
 }
 
 Material ProxyMethod::touched_material() const noexcept {

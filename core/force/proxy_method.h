@@ -201,7 +201,7 @@ class ProxyMethod final : public ForceMethod {
   bool has_friction_ = false;
   SurfaceFollower surface_;                 // while it stands, it holds the proxy
   bool short_of_rest_ = false;              // it ran out of events
-  std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius, without friction
+  std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius
 
   Vec3 proxy_ = Vec3::Zero();             // local
   Vec3 last_device_ = Vec3::Zero();       // local

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "core/collision/near_triangles.h"
 #include "core/force/centre_path.h"
 #include "core/force/contact_frame.h"
+#include "core/force/offset_drag.h"
 #include "core/force/offset_surface.h"
 #include "core/force/touch_scene.h"
 
@@ -44,18 +47,21 @@ class SphereFollower {
 
   // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset)
-      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {}
+      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {
+    for (const Material& material : materials) has_friction_ |= material.friction_static > 0.0;
+  }
 
   // Whether it holds the centre, or the centre was last moved by others.
   bool holds() const { return holds_; }
   void leave() { holds_ = false; }
+  bool slides() const { return rub_.slides; }  // the dynamic coefficient is in force
   // What was gathered no longer is all there is.
   void forget_near() { near_.clear(); }
 
   // Takes over a centre that is free and with the device.
   void take_free(const Vec3& centre) noexcept;
   // Takes over a centre that is free, or in contact and at most `short_by` too near to what it touches. False: it cannot.
-  bool take(const Vec3& centre, bool is_free, double short_by) noexcept;
+  bool take(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device goes straight from `from` to `to`. Pre: holds.
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
@@ -107,6 +113,46 @@ class SphereFollower {
     int released = -1;  // the contact whose multiplier is zero there
   };
 
+  // Coulomb friction: the centre sticks, slips, and is dragged.
+  struct Rubbing {
+    bool slides = false;    // the dynamic coefficient is in force
+    bool drags = false;     // the pull is on its cone, and the device draws the centre on
+    bool slips = false;     // the pull has just left the cone,
+    bool vanished = false;  // and the place on it at which the centre could stay is no more
+    std::array<FrictionCoefficients, 3> coefficients;
+  };
+  struct Slip {
+    CentrePath path;
+    bool stops = false;   // the pull is on the cone at its end
+    bool stands = false;  // it is there already
+    bool waits = false;   // it has not quite left it
+  };
+  enum class Dragged : std::uint8_t { on, stops, leaps };
+  struct DragLeg {
+    CentrePath path;
+    double time = 1.0;
+    int released = -1;
+    bool stops = false;
+  };
+  struct Held {  // a pull on a centre that stays
+    bool is_known = false;
+    bool is_free = false;
+    double way = 0.0;
+    double depth = 0.0;
+    FrictionCoefficients friction;
+  };
+
+  FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
+  bool rubs() const noexcept;
+  OffsetDrag make_drag() noexcept;
+  Next hold(const OffsetDrag::Pull& pull) noexcept;
+  Next descend_rubbing(const Vec3& device, const Vec3& motion) noexcept;
+  bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
+  Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Dragged make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  Held find_held(const Vec3& pull) const noexcept;
+  Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
+
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
@@ -156,6 +202,8 @@ class SphereFollower {
   const TouchGeometry& geometry_;
   std::span<const Material> materials_;
   CentrePath::Keep keep_;
+  bool has_friction_ = false;
+  Rubbing rub_;
   bool holds_ = false;
   bool is_descending_ = false;
   bool has_lost_minimum_ = false;  // along the curve: it goes on by hint_
@@ -172,5 +220,32 @@ class SphereFollower {
   double least_distance_ = 0.0;  // to the device where it is
   std::uint64_t events_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
+
+// Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.
+template <class Place>
+void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
+  constexpr int kMostRounds = 6;
+  place(event.time);
+  const bool is_hit = event.slot >= 0;
+  if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
+  for (int i = 0; i < kMostRounds; ++i) {
+    ++work_;
+    double gap = 0.0;
+    double rate = 0.0;
+    if (is_hit) {
+      const Separation at = near_.shape(event.slot).separation(centre_);
+      gap = at.distance - keep_.offset;
+      rate = at.normal.dot(path.slope(event.time));
+    } else {
+      gap = kOnBorder - event.exit.direction.dot(centre_ - event.exit.origin);
+      rate = -event.exit.direction.dot(path.slope(event.time));
+    }
+    if (std::fabs(gap) <= (is_hit ? 0.125 * keep_.slop : 0.25 * kOnBorder) || !(rate < 0.0)) return;
+    const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
+    if (time == event.time) return;
+    event.time = time;
+    place(time);
+  }
+}
 
 }  // namespace hapton
