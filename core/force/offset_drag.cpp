@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostError = 0x1p-42;  // of one step of the integration
+constexpr double kMostError = 0x1p-36;  // of one step of the integration
 constexpr double kConverged = 0x1p-50;
 
 }  // namespace
@@ -96,17 +96,6 @@ Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept 
   return way * ((way + mu * pull.normal).dot(motion) / std::max(stability, 0x1p-30));
 }
 
-bool OffsetDrag::has_rate(const Vec3& c, const Vec3& device, const Vec3& motion, Vec3& rate) const noexcept {
-  Pull pull;
-  if (!find_pull(c, device, pull)) return false;
-  const Vec3 way = direction_of(pull, motion);
-  const double mu = pull.friction.sliding;
-  const double stability = 1.0 - (1.0 + mu * mu) * find_curving(pull, way);
-  if (!(stability > kLeastStability)) return false;
-  rate = way * ((way + mu * pull.normal).dot(motion) / stability);
-  return true;
-}
-
 bool OffsetDrag::restore(Vec3& c) const noexcept {
   constexpr int kMostRounds = 8;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -128,60 +117,90 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
   return true;
 }
 
-// On one part: along w to where |w| = mu d.
-void OffsetDrag::return_to_cone(const Vec3& device, Vec3& c) const noexcept {
-  restore(c);
-  Pull pull;
-  if (!find_pull(c, device, pull) || !(pull.length > kLeastLag) || !(pull.depth > 0.0)) return;
-  const double stability = find_stability(pull);
-  if (!(stability > kLeastStability)) return;
-  const double ahead = pull.excess() / stability;
-  if (std::fabs(ahead) <= kConverged || std::fabs(ahead) > 0.5 * pull.length) return;
-  c += ahead * (pull.way / pull.length);
-  restore(c);
-}
-
-// From time 0 to 1. Pre: rate(time, place, rate) gives the velocity, or false where there is none.
-template <class Rate, class Mend>
-bool OffsetDrag::integrate(Vec3& c, int& tests, Rate&& rate, Mend&& mend) const noexcept {
-  constexpr int kMostSteps = 128;
-  double time = 0.0;
-  double step = 1.0;
-  Vec3 k1;
-  if (!rate(time, c, k1)) return false;
+// Dormand & Prince 5(4): 0 to `length`. Pre: rate(at, rate) is false where there is none.
+template <class Rate>
+bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, int& tests, Rate&& rate) noexcept {
+  using State = Eigen::Vector4d;
+  constexpr int kMostSteps = 64;
+  constexpr int kWork = 4;  // a step is as much as so many pieces of work
+  double left = length;
+  double step = length;
+  State k1;
+  if (!rate(at, k1)) return false;
   for (int i = 0; i < kMostSteps; ++i) {
-    ++tests;
-    const double h = std::min(step, 1.0 - time);
-    Vec3 k2, k3, k4, k5, k6, k7;
-    bool is_sound =
-        rate(time + h / 5.0, c + h / 5.0 * k1, k2) && rate(time + 0.3 * h, c + h * (3.0 / 40.0 * k1 + 9.0 / 40.0 * k2), k3) &&
-        rate(time + 0.8 * h, c + h * (44.0 / 45.0 * k1 - 56.0 / 15.0 * k2 + 32.0 / 9.0 * k3), k4) &&
-        rate(time + 8.0 / 9.0 * h, c + h * (19372.0 / 6561.0 * k1 - 25360.0 / 2187.0 * k2 + 64448.0 / 6561.0 * k3 - 212.0 / 729.0 * k4),
-             k5) &&
-        rate(time + h,
-             c + h * (9017.0 / 3168.0 * k1 - 355.0 / 33.0 * k2 + 46732.0 / 5247.0 * k3 + 49.0 / 176.0 * k4 - 5103.0 / 18656.0 * k5), k6);
+    tests += kWork;
+    const bool is_last = std::fabs(step) >= std::fabs(left);
+    const double h = is_last ? left : step;
+    State k2, k3, k4, k5, k6, k7;
+    const auto stage = [&](const State& slope, State& k) { return rate(State(at + h * slope), k); };
+    const bool has_stages =
+        stage(0.2 * k1, k2) && stage(3.0 / 40.0 * k1 + 9.0 / 40.0 * k2, k3) &&
+        stage(44.0 / 45.0 * k1 - 56.0 / 15.0 * k2 + 32.0 / 9.0 * k3, k4) &&
+        stage(19372.0 / 6561.0 * k1 - 25360.0 / 2187.0 * k2 + 64448.0 / 6561.0 * k3 - 212.0 / 729.0 * k4, k5) &&
+        stage(9017.0 / 3168.0 * k1 - 355.0 / 33.0 * k2 + 46732.0 / 5247.0 * k3 + 49.0 / 176.0 * k4 - 5103.0 / 18656.0 * k5, k6);
+    State end;
     double error = std::numeric_limits<double>::infinity();
-    Vec3 end;
-    if (is_sound) {
-      end = c + h * (35.0 / 384.0 * k1 + 500.0 / 1113.0 * k3 + 125.0 / 192.0 * k4 - 2187.0 / 6784.0 * k5 + 11.0 / 84.0 * k6);
-      is_sound = rate(time + h, end, k7);
-      error = h * (71.0 / 57600.0 * k1 - 71.0 / 16695.0 * k3 + 71.0 / 1920.0 * k4 - 17253.0 / 339200.0 * k5 + 22.0 / 525.0 * k6 -
-                   1.0 / 40.0 * k7)
-                      .norm();
+    if (has_stages) {
+      end = at + h * (35.0 / 384.0 * k1 + 500.0 / 1113.0 * k3 + 125.0 / 192.0 * k4 - 2187.0 / 6784.0 * k5 + 11.0 / 84.0 * k6);
+      if (rate(end, k7)) {
+        error = std::fabs(h) * (71.0 / 57600.0 * k1 - 71.0 / 16695.0 * k3 + 71.0 / 1920.0 * k4 - 17253.0 / 339200.0 * k5 +
+                                22.0 / 525.0 * k6 - 1.0 / 40.0 * k7)
+                                   .norm();
+      }
     }
-    if (!is_sound || !(error <= kMostError)) {
-      step = h * (is_sound ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
-      if (!(step > 0x1p-40)) return false;
+    if (!(error <= kMostError)) {
+      step = h * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
+      if (!(std::fabs(step) > 0x1p-30 * std::fabs(length))) return false;
       continue;
     }
-    c = end;
-    time = h < 1.0 - time ? time + h : 1.0;
-    mend(time, c);
-    if (time >= 1.0) return true;
+    at = end;
+    if (is_last) return true;
+    left -= h;
+    k1 = k7;
     step = h * std::clamp(0.9 * std::pow(kMostError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
-    if (!rate(time, c, k1)) return false;
   }
   return false;
+}
+
+// What the integration lost: on the surface, and on the cone at another place or, where that hardly depends on the place, another time.
+void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept {
+  constexpr double kSteep = 0.125;
+  restore(at.centre);
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kLeastLag) || !(pull.depth > 0.0)) return;
+  const double excess = pull.excess();
+  if (std::fabs(excess) <= kConverged || std::fabs(excess) > 0.125 * pull.length) return;
+  const double stability = find_stability(pull);
+  const double drive = find_drive(pull, motion);
+  if (std::fabs(stability) > kSteep) {
+    at.centre += excess / stability * (pull.way / pull.length);
+    restore(at.centre);
+  } else if (drive > kSteep * motion.norm()) {
+    at.time -= excess / drive;
+  }
+}
+
+bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept {
+  const Vec3 motion = to - from;
+  const double speed = motion.norm();
+  if (!(speed > 0.0)) return false;
+  // The time as a length, so that one tolerance is for both.
+  Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
+  const bool is_done = integrate(state, length, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+    Pull pull;
+    const Vec3 c = here.head<3>();
+    if (!find_pull(c, from + (here[3] / speed) * motion, pull)) return false;
+    const Vec3 way = direction_of(pull, motion);
+    const double mu = pull.friction.sliding;
+    rate.head<3>() = way * (way + mu * pull.normal).dot(motion);
+    rate[3] = speed * (1.0 - (1.0 + mu * mu) * find_curving(pull, way));
+    return true;
+  });
+  if (!is_done) return false;
+  at.centre = state.head<3>();
+  at.time = state[3] / speed;
+  return_to_flow(from, motion, at);
+  return true;
 }
 
 bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept {
@@ -234,13 +253,7 @@ bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int&
 }
 
 bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
-  if (contacts_.size() == 2) return follow_on_curve(from, to, c, tests);
-  if (!contacts_[0].is_curved()) return follow_on_face(from, to, c);
-  const Vec3 motion = to - from;
-  const auto device = [&](double time) { return time < 1.0 ? Vec3(from + time * motion) : to; };
-  return integrate(
-      c, tests, [&](double time, const Vec3& place, Vec3& rate) { return has_rate(place, device(time), motion, rate); },
-      [&](double time, Vec3& place) { return_to_cone(device(time), place); });
+  return contacts_.size() == 2 ? follow_on_curve(from, to, c, tests) : follow_on_face(from, to, c);
 }
 
 bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec3& c, int& tests) const noexcept {
@@ -248,15 +261,16 @@ bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec
     c += length * way;
     return restore(c);
   }
-  return integrate(
-      c, tests,
-      [&](double, const Vec3& place, Vec3& rate) {
-        Pull pull;
-        if (!find_pull(place, device, pull) || !(pull.length > 0.0)) return false;
-        rate = (length / pull.length) * pull.way;
-        return true;
-      },
-      [&](double, Vec3& place) { restore(place); });
+  Eigen::Vector4d state(c.x(), c.y(), c.z(), 0.0);
+  const bool is_done = integrate(state, length, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+    Pull pull;
+    if (!find_pull(here.head<3>(), device, pull) || !(pull.length > 0.0)) return false;
+    rate.head<3>() = pull.way / pull.length;
+    rate[3] = 0.0;
+    return true;
+  });
+  c = state.head<3>();
+  return is_done && restore(c);
 }
 
 double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to) const noexcept {

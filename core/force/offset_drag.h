@@ -52,8 +52,15 @@ class OffsetDrag {
   // The centre's velocity for the device's.
   Vec3 find_rate(const Pull& pull, const Vec3& motion) const noexcept;
 
-  // The centre while the device goes straight between the two. `c`: in, its place before, which slides on; out, after. False: it cannot be
-  // followed so far. `tests`: counts pieces of work.
+  // Round an edge or a vertex: how far it is, with the device on its straight way. From one place to the next leads a parameter in which
+  // centre and time are smooth even where the place on the cone ends, at a stability of zero: dc = e (e + mu n) . v, dt = stability.
+  struct Flow {
+    Vec3 centre = Vec3::Zero();
+    double time = 0.0;
+  };
+  bool flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept;
+  // Elsewhere: the centre while the device goes straight between the two. `c`: in, its place before, which slides on; out, after. False: it
+  // cannot be followed so far. `tests`: counts pieces of work.
   bool follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
   // The device held: down along w, by that length. `way`: its direction before.
   bool descend(const Vec3& device, const Vec3& way, double length, Vec3& c, int& tests) const noexcept;
@@ -70,10 +77,9 @@ class OffsetDrag {
   Vec3 direction_of(const Pull& pull, const Vec3& motion) const noexcept;
   bool follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept;
   bool follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
-  void return_to_cone(const Vec3& device, Vec3& c) const noexcept;
-  bool has_rate(const Vec3& c, const Vec3& device, const Vec3& motion, Vec3& rate) const noexcept;
-  template <class Rate, class Mend>
-  bool integrate(Vec3& c, int& tests, Rate&& rate, Mend&& mend) const noexcept;
+  void return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept;
+  template <class Rate>
+  static bool integrate(Eigen::Vector4d& at, double length, int& tests, Rate&& rate) noexcept;
 
   std::span<const OffsetContact> contacts_;
   std::span<const FrictionCoefficients> friction_;

@@ -209,7 +209,10 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   touching_ = count_;
   const OffsetDrag drag = make_drag();
   DragLeg leg;
-  const Dragged dragged = count_ == 3 ? Dragged::stops : make_drag_leg(drag, from, to, time, leg);
+  const bool is_round = count_ == 1 && contacts_[0].is_curved();
+  const Dragged dragged = count_ == 3 ? Dragged::stops
+                          : is_round  ? make_round_leg(drag, from, to, time, leg)
+                                      : make_drag_leg(drag, from, to, time, leg);
   if (dragged != Dragged::on) {
     ++idle_;
     rub_.drags = false;
@@ -229,6 +232,16 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
     centre_ = leg.path.at(share);
     if (share >= 1.0) return;
+    if (leg.flow > 0.0) {
+      OffsetDrag::Flow at{before, was};
+      if (drag.flow(from, to, share * leg.flow, at, work_)) {
+        centre_ = at.centre;
+        time = std::clamp(at.time, was, leg.time);
+      } else {
+        is_restored = restore(centre_);
+      }
+      return;
+    }
     Vec3 c = before;
     if (drag.follow(device, on_way(from, to, time), c, work_)) {
       centre_ = c;
@@ -249,6 +262,12 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   if (leg.stops) rub_.drags = false;
+  if (leg.leaps) {
+    rub_.slips = true;
+    rub_.vanished = true;
+    is_descending_ = true;
+    return Next::again;
+  }
   return time >= 1.0 ? Next::settled : Next::again;
 }
 
@@ -349,6 +368,92 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   }
   if (!drag.find_pull(end, on_way(from, to, leg.time), there)) return Dragged::leaps;
   leg.path = CentrePath::curved(centre_, end, part * rate, part * drag.find_rate(there, motion));
+  guide(leg.path);
+  return Dragged::on;
+}
+
+// Round an edge or a vertex, where the place on the cone may end: there it leaps.
+SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
+                                                       DragLeg& leg) noexcept {
+  constexpr int kMostHalvings = 40;
+  constexpr int kMostRounds = 8;
+  constexpr double kUneven = 0x1p-20;       // of the offset,
+  constexpr double kUnevenShare = 0x1p-24;  // and of the way
+  constexpr double kNoDrive = 0x1p-46;      // of the motion
+  const Vec3 motion = to - from;
+  const double speed = motion.norm();
+  const Vec3 device = on_way(from, to, time);
+  OffsetDrag::Pull pull;
+  if (!drag.find_pull(centre_, device, pull)) return Dragged::leaps;
+  const double drive = drag.find_drive(pull, motion);
+  if (!(drive > -kNoDrive * speed) || !(speed > 0.0)) return Dragged::stops;
+  const double stability = drag.find_stability(pull);
+  if (!(stability > kLeastStability)) return Dragged::leaps;
+  const double release = drag.time_of_release(device, to);
+  const bool comes_out = release < 1.0;
+  const double target = comes_out ? time + release * (1.0 - time) : 1.0;
+  const auto slope_of = [&](const OffsetDrag::Pull& at) { return Vec3(drag.find_stability(at) * drag.find_rate(at, motion)); };
+  const Vec3 slope = slope_of(pull);
+  const double most = kTurn / std::max(find_turn(slope), 0x1p-100);
+  double length = std::min(most, (target - time) / stability);
+  OffsetDrag::Flow end, middle;
+  OffsetDrag::Pull there;
+  const auto go = [&](double l) {
+    end = {centre_, time};
+    return drag.flow(from, to, l, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there);
+  };
+  bool is_at_target = false;
+  for (int i = 0;; ++i, length *= 0.5) {
+    if (i == kMostHalvings) return Dragged::leaps;
+    is_at_target = false;
+    leg.leaps = false;
+    if (!go(length)) continue;
+    if (drag.find_stability(there) < 0.0) {
+      length = find_zero(0.0, stability, length, drag.find_stability(there),
+                         [&](double l) { return go(l) ? drag.find_stability(there) : -1.0; });
+      if (!go(length)) continue;
+      leg.leaps = true;
+    }
+    if (end.time > target) {
+      leg.leaps = false;
+      length = find_zero(0.0, target - time, length, target - end.time, [&](double l) { return go(l) ? target - end.time : -1.0; });
+      if (!go(length)) continue;
+      is_at_target = true;
+    } else if (!leg.leaps && i == 0) {
+      // A little farther, to where it ends.
+      for (int round = 0; round < kMostRounds; ++round) {
+        const double on = (target - end.time) / drag.find_stability(there);
+        is_at_target = std::fabs(on) * speed <= 0x1p-50;
+        if (is_at_target || !(length + on <= 1.25 * most) || !(length + on > 0.0)) break;
+        length += on;
+        if (!go(length)) break;
+      }
+      if (!is_at_target && !go(length)) continue;
+    }
+    if (find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
+    middle = {centre_, time};
+    if (!drag.flow(from, to, 0.5 * length, middle, work_)) continue;
+    const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - slope_of(there));
+    if ((middle.centre - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) break;
+  }
+  const double drive_there = drag.find_drive(there, motion);
+  if (drive_there < -kNoDrive * speed && !(is_at_target && comes_out)) {
+    length =
+        find_zero(0.0, std::max(0.0, drive), length, drive_there, [&](double l) { return go(l) ? drag.find_drive(there, motion) : -1.0; });
+    if (!(length > 0.0) || !go(length)) return Dragged::stops;
+    is_at_target = false;
+    leg.leaps = false;
+    leg.stops = true;
+  }
+  leg.time = is_at_target ? target : std::min(end.time, target);
+  leg.released = -1;
+  if (is_at_target && comes_out) {
+    leg.released = 0;
+    end.centre = on_way(from, to, target);
+    if (!drag.restore(end.centre)) return Dragged::leaps;
+  }
+  leg.flow = length;
+  leg.path = CentrePath::curved(centre_, end.centre, length * slope, length * slope_of(there));
   guide(leg.path);
   return Dragged::on;
 }

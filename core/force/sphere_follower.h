@@ -133,6 +133,8 @@ class SphereFollower {
     double time = 1.0;
     int released = -1;
     bool stops = false;
+    bool leaps = false;
+    double flow = 0.0;  // round an edge or vertex
   };
   struct Held {  // a pull on a centre that stays
     bool is_known = false;
@@ -150,6 +152,7 @@ class SphereFollower {
   bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
   Dragged make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  Dragged make_round_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   Held find_held(const Vec3& pull) const noexcept;
   Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
 
