@@ -117,20 +117,21 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
   return true;
 }
 
-// Dormand & Prince 5(4): 0 to `length`. Pre: rate(at, rate) is false where there is none.
+// Dormand & Prince 5(4): 0 to `length`. `step`: in, what to begin with, 0: all; out, to go on with. Pre: rate(at, rate) is false where
+// there is none.
 template <class Rate>
-bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, int& tests, Rate&& rate) noexcept {
+bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
   using State = Eigen::Vector4d;
   constexpr int kMostSteps = 64;
   constexpr int kWork = 4;  // a step is as much as so many pieces of work
   double left = length;
-  double step = length;
+  if (step == 0.0) step = std::fabs(length);
   State k1;
   if (!rate(at, k1)) return false;
   for (int i = 0; i < kMostSteps; ++i) {
     tests += kWork;
-    const bool is_last = std::fabs(step) >= std::fabs(left);
-    const double h = is_last ? left : step;
+    const bool is_last = 1.0625 * step >= std::fabs(left);
+    const double h = is_last ? left : std::copysign(step, length);
     State k2, k3, k4, k5, k6, k7;
     const auto stage = [&](const State& slope, State& k) { return rate(State(at + h * slope), k); };
     const bool has_stages =
@@ -149,15 +150,16 @@ bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, int& tests, Rate&
       }
     }
     if (!(error <= kMostError)) {
-      step = h * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
-      if (!(std::fabs(step) > 0x1p-30 * std::fabs(length))) return false;
+      step = std::fabs(h) * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
+      if (!(step > 0x1p-30 * std::fabs(length))) return false;
       continue;
     }
     at = end;
+    const double next = std::fabs(h) * std::clamp(0.9 * std::pow(kMostError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
+    step = is_last ? std::max(step, next) : next;
     if (is_last) return true;
     left -= h;
     k1 = k7;
-    step = h * std::clamp(0.9 * std::pow(kMostError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
   }
   return false;
 }
@@ -186,7 +188,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   if (!(speed > 0.0)) return false;
   // The time as a length, so that one tolerance is for both.
   Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
-  const bool is_done = integrate(state, length, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+  const bool is_done = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
     Pull pull;
     const Vec3 c = here.head<3>();
     if (!find_pull(c, from + (here[3] / speed) * motion, pull)) return false;
@@ -262,7 +264,8 @@ bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec
     return restore(c);
   }
   Eigen::Vector4d state(c.x(), c.y(), c.z(), 0.0);
-  const bool is_done = integrate(state, length, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+  double step = 0.0;
+  const bool is_done = integrate(state, length, step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
     Pull pull;
     if (!find_pull(here.head<3>(), device, pull) || !(pull.length > 0.0)) return false;
     rate.head<3>() = pull.way / pull.length;

@@ -57,6 +57,7 @@ class OffsetDrag {
   struct Flow {
     Vec3 centre = Vec3::Zero();
     double time = 0.0;
+    double step = 0.0;  // of the integration, that was good so far; 0: not known
   };
   bool flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept;
   // Elsewhere: the centre while the device goes straight between the two. `c`: in, its place before, which slides on; out, after. False: it
@@ -79,7 +80,7 @@ class OffsetDrag {
   bool follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
   void return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept;
   template <class Rate>
-  static bool integrate(Eigen::Vector4d& at, double length, int& tests, Rate&& rate) noexcept;
+  static bool integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept;
 
   std::span<const OffsetContact> contacts_;
   std::span<const FrictionCoefficients> friction_;

@@ -275,8 +275,8 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
                                                       DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kUneven = 0x1p-20;       // of the offset,
-  constexpr double kUnevenShare = 0x1p-24;  // and of the way
+  constexpr double kUneven = 0x1p-16;       // of the offset,
+  constexpr double kUnevenShare = 0x1p-20;  // and of the way
   constexpr double kNoDrive = 0x1p-46;      // of the motion
   const Vec3 device = on_way(from, to, time);
   const Vec3 motion = to - from;
@@ -377,8 +377,8 @@ SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, c
                                                        DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kMostRounds = 8;
-  constexpr double kUneven = 0x1p-20;       // of the offset,
-  constexpr double kUnevenShare = 0x1p-24;  // and of the way
+  constexpr double kUneven = 0x1p-16;       // of the offset,
+  constexpr double kUnevenShare = 0x1p-20;  // and of the way
   constexpr double kNoDrive = 0x1p-46;      // of the motion
   const Vec3 motion = to - from;
   const double speed = motion.norm();
@@ -396,51 +396,66 @@ SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, c
   const Vec3 slope = slope_of(pull);
   const double most = kTurn / std::max(find_turn(slope), 0x1p-100);
   double length = std::min(most, (target - time) / stability);
-  OffsetDrag::Flow end, middle;
+  OffsetDrag::Flow end{centre_, time};
   OffsetDrag::Pull there;
+  double gone = 0.0;  // the length to `end`
+  double step = 0.0;
+  // From the start or from where it was last, whichever is nearer.
   const auto go = [&](double l) {
+    if (std::fabs(l - gone) >= l) {
+      end = {centre_, time, step};
+      gone = 0.0;
+    }
+    const double way = l - gone;
+    gone = l;
+    if (way == 0.0 || (drag.flow(from, to, way, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there))) return true;
     end = {centre_, time};
-    return drag.flow(from, to, l, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there);
+    gone = 0.0;
+    return false;
   };
+  const auto seek = [&](double at_start, double at_end, auto&& value) {
+    length = find_zero(0.0, at_start, length, at_end, [&](double l) { return go(l) ? value() : -1.0; });
+    return go(length);
+  };
+  const auto left = [&] { return target - end.time; };
+  const auto stability_there = [&] { return drag.find_stability(there); };
   bool is_at_target = false;
   for (int i = 0;; ++i, length *= 0.5) {
     if (i == kMostHalvings) return Dragged::leaps;
     is_at_target = false;
     leg.leaps = false;
-    if (!go(length)) continue;
-    if (drag.find_stability(there) < 0.0) {
-      length = find_zero(0.0, stability, length, drag.find_stability(there),
-                         [&](double l) { return go(l) ? drag.find_stability(there) : -1.0; });
-      if (!go(length)) continue;
+    end = {centre_, time, step};
+    gone = 0.0;
+    if (!go(0.5 * length)) continue;
+    const Vec3 middle = end.centre;
+    if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
+    step = end.step;
+    const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - slope_of(there));
+    if ((middle - guess).norm() > kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
+    if (stability_there() < 0.0) {
+      if (!seek(stability, stability_there(), stability_there)) continue;
       leg.leaps = true;
     }
-    if (end.time > target) {
+    if (left() < 0.0) {
       leg.leaps = false;
-      length = find_zero(0.0, target - time, length, target - end.time, [&](double l) { return go(l) ? target - end.time : -1.0; });
-      if (!go(length)) continue;
+      if (!seek(target - time, left(), left)) continue;
       is_at_target = true;
-    } else if (!leg.leaps && i == 0) {
+    } else if (!leg.leaps && i == 0 && length < most) {
       // A little farther, to where it ends.
       for (int round = 0; round < kMostRounds; ++round) {
-        const double on = (target - end.time) / drag.find_stability(there);
+        const double on = left() / stability_there();
         is_at_target = std::fabs(on) * speed <= 0x1p-50;
-        if (is_at_target || !(length + on <= 1.25 * most) || !(length + on > 0.0)) break;
+        if (is_at_target || !(length + on <= 1.125 * std::min(most, 2.0 * length)) || !(length + on > 0.0)) break;
         length += on;
         if (!go(length)) break;
       }
       if (!is_at_target && !go(length)) continue;
     }
-    if (find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
-    middle = {centre_, time};
-    if (!drag.flow(from, to, 0.5 * length, middle, work_)) continue;
-    const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - slope_of(there));
-    if ((middle.centre - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) break;
+    break;
   }
   const double drive_there = drag.find_drive(there, motion);
   if (drive_there < -kNoDrive * speed && !(is_at_target && comes_out)) {
-    length =
-        find_zero(0.0, std::max(0.0, drive), length, drive_there, [&](double l) { return go(l) ? drag.find_drive(there, motion) : -1.0; });
-    if (!(length > 0.0) || !go(length)) return Dragged::stops;
+    if (!seek(std::max(0.0, drive), drive_there, [&] { return drag.find_drive(there, motion); }) || !(length > 0.0)) return Dragged::stops;
     is_at_target = false;
     leg.leaps = false;
     leg.stops = true;
@@ -483,9 +498,10 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
   const Vec3 start = on_way(from, to, time) - centre_;
   const Vec3 motion = (1.0 - time) * (to - from);
   const auto excess_at = [&](double t) {
-    const Held now = find_held(t < 1.0 ? Vec3(start + t * motion) : Vec3(to - centre_));
+    const Vec3 pull = t < 1.0 ? Vec3(start + t * motion) : Vec3(to - centre_);
+    const Held now = find_held(pull);
     if (!now.is_known) return -1.0;
-    if (now.is_free) return start.norm() + motion.norm();
+    if (now.is_free) return pull.norm();
     return now.way - (rub_.slides ? now.friction.sliding : now.friction.at_rest) * now.depth;
   };
   const auto lag_at = [&](double t) {
@@ -508,8 +524,12 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
   const auto rise = [&](double of_square, const Vec3& direction, double of_part, double bound) {
     const double rate = direction.dot(motion);
     const double height = direction.dot(start);
-    return time_of_rise(of_square * squared[0] + of_part * rate * rate, of_square * squared[1] + of_part * rate * height,
-                        of_square * squared[2] + of_part * height * height - bound, 2.0 * kOnCone * squared[2]);
+    // Well above zero now, it is not of what holds the centre now.
+    const double now = of_square * squared[2] + of_part * height * height - bound;
+    const bool is_above = now > 8.0 * kOnCone * squared[2] + 4.0 * kLeast * start.norm();
+    const double t = time_of_rise(of_square * squared[0] + of_part * rate * rate, of_square * squared[1] + of_part * rate * height, now,
+                                  2.0 * kOnCone * squared[2]);
+    return is_above && t == 0.0 ? kNever : t;
   };
   const auto consider_cone = [&](const Vec3& normal, const FrictionCoefficients& friction) {
     const double held = rub_.slides ? friction.sliding : friction.at_rest;
@@ -517,6 +537,7 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
     consider(rise(1.0, normal, -(1.0 + held * held), kLeast * kLeast));
     if (rub_.slides) consider_rest(rise(-1.0, normal, 1.0 + least * least, 0.0));
   };
+  if (excess_at(0.0) > 4.0 * kOnCone * start.norm() + 2.0 * kLeast) soonest = 0.0;
   for (int i = 0; i < touching_; ++i) {
     ++work_;
     const Vec3 normal = contacts_[i].stand(centre_).normal;
