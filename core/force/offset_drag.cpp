@@ -89,6 +89,11 @@ double OffsetDrag::find_stability(const Pull& pull) const noexcept {
   return 1.0 - (1.0 + mu * mu) * find_curving(pull, pull.way / pull.length);
 }
 
+Vec3 OffsetDrag::find_slope(const Pull& pull, const Vec3& motion) const noexcept {
+  const Vec3 way = direction_of(pull, motion);
+  return way * (way + pull.friction.sliding * pull.normal).dot(motion);
+}
+
 Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept {
   const Vec3 way = direction_of(pull, motion);
   const double mu = pull.friction.sliding;
@@ -186,6 +191,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   const Vec3 motion = to - from;
   const double speed = motion.norm();
   if (!(speed > 0.0)) return false;
+  if (contacts_.size() == 2) return flow_on_curve(from, motion, length, at, tests);
   // The time as a length, so that one tolerance is for both.
   Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
   const bool is_done = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
@@ -202,6 +208,56 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   at.centre = state.head<3>();
   at.time = state[3] / speed;
   return_to_flow(from, motion, at);
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
+  at.slope = find_slope(pull, motion);
+  return true;
+}
+
+// Where the plane square to the tangent at the start, that far on, meets the curve; and when |w| = mu d there.
+bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
+  constexpr int kMostRounds = 16;
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
+  const Vec3 ahead = direction_of(pull, motion);
+  const double drive = find_drive(pull, motion);
+  const Vec3 start = at.centre;
+  const double stability = find_stability(pull);
+  Vec3 c = start + length * drive * ahead;
+  bool is_there = false;
+  for (int round = 0; round < kMostRounds && !is_there; ++round) {
+    ++tests;
+    ContactFrame frame;
+    frame.count = 3;
+    std::array<double, 3> short_by{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const OffsetContact::Stand stand = contacts_[i].stand(c);
+      frame.normal[i] = stand.normal;
+      short_by[i] = offset_ - stand.distance;
+    }
+    frame.normal[2] = ahead;
+    short_by[2] = length * drive - ahead.dot(c - start);
+    if (!frame.prepare()) return false;
+    for (std::size_t i = 0; i < 3; ++i) c += short_by[i] * frame.dual[i];
+    is_there = std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])}) <= 0x1p-51;
+  }
+  double time = at.time + length * stability;
+  const double speed = motion.norm();
+  for (int round = 0; round < kMostRounds; ++round) {
+    ++tests;
+    if (!find_pull(c, from + time * motion, pull) || !(pull.way.dot(ahead) > 0.0)) return false;
+    const double rate = find_drive(pull, motion);
+    if (!(std::fabs(rate) > 0x1p-20 * speed)) return false;
+    const double later = -pull.excess() / rate;
+    time += later;
+    if (!(std::fabs(time) <= 16.0)) return false;
+    if (std::fabs(later) * speed <= kConverged) break;
+  }
+  if (!find_pull(c, from + time * motion, pull)) return false;
+  const Vec3 way = direction_of(pull, motion);
+  at.centre = c;
+  at.time = time;
+  at.slope = way * (drive / std::max(way.dot(ahead), 0.25));
   return true;
 }
 

@@ -52,13 +52,16 @@ class OffsetDrag {
   // The centre's velocity for the device's.
   Vec3 find_rate(const Pull& pull, const Vec3& motion) const noexcept;
 
-  // Round an edge or a vertex: how far it is, with the device on its straight way. From one place to the next leads a parameter in which
-  // centre and time are smooth even where the place on the cone ends, at a stability of zero: dc = e (e + mu n) . v, dt = stability.
+  // How far it is, with the device on its straight way, on what is not flat. From one place to the next leads a parameter in which centre
+  // and time are smooth even where the place on the cone ends, at a stability of zero: round an edge or a vertex dc = e (e + mu n) . v, dt
+  // = stability; along a curve the place along the tangent at the start, in the same unit.
   struct Flow {
     Vec3 centre = Vec3::Zero();
     double time = 0.0;
-    double step = 0.0;  // of the integration, that was good so far; 0: not known
+    double step = 0.0;          // of the integration, that was good so far; 0: not known
+    Vec3 slope = Vec3::Zero();  // of the centre, by that parameter; out only
   };
+  Vec3 find_slope(const Pull& pull, const Vec3& motion) const noexcept;
   bool flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept;
   // Elsewhere: the centre while the device goes straight between the two. `c`: in, its place before, which slides on; out, after. False: it
   // cannot be followed so far. `tests`: counts pieces of work.
@@ -76,6 +79,7 @@ class OffsetDrag {
   FrictionCoefficients mean(const Pull& pull) const noexcept;
   double find_curving(const Pull& pull, const Vec3& way) const noexcept;
   Vec3 direction_of(const Pull& pull, const Vec3& motion) const noexcept;
+  bool flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept;
   bool follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept;
   bool follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
   void return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept;

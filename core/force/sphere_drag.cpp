@@ -211,7 +211,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   DragLeg leg;
   const bool is_round = count_ == 1 && contacts_[0].is_curved();
   const Dragged dragged = count_ == 3 ? Dragged::stops
-                          : is_round  ? make_round_leg(drag, from, to, time, leg)
+                          : is_round  ? make_flow_leg(drag, from, to, time, leg)
                                       : make_drag_leg(drag, from, to, time, leg);
   if (dragged != Dragged::on) {
     ++idle_;
@@ -274,6 +274,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
 SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
                                                       DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
+  constexpr int kTries = 3;
   constexpr double kLeastTime = 0x1p-44;
   constexpr double kUneven = 0x1p-16;       // of the offset,
   constexpr double kUnevenShare = 0x1p-20;  // and of the way
@@ -306,6 +307,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   OffsetDrag::Pull there;
   bool is_straight = false;
   for (int i = 0;; ++i) {
+    if (i == kTries && !is_flat) return make_flow_leg(drag, from, to, time, leg);
     if (i == kMostHalvings || (!(span > kLeastTime) && span < release_span)) return Dragged::leaps;
     const bool is_out = release < 1.0 && span >= release_span;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
@@ -372,9 +374,9 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   return Dragged::on;
 }
 
-// Round an edge or a vertex, where the place on the cone may end: there it leaps.
-SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                       DragLeg& leg) noexcept {
+// Where all is not flat the place on the cone may end: there it leaps.
+SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
+                                                      DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kMostRounds = 8;
   constexpr double kUneven = 0x1p-16;       // of the offset,
@@ -389,11 +391,10 @@ SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, c
   if (!(drive > -kNoDrive * speed) || !(speed > 0.0)) return Dragged::stops;
   const double stability = drag.find_stability(pull);
   if (!(stability > kLeastStability)) return Dragged::leaps;
-  const double release = drag.time_of_release(device, to);
+  const double release = count_ == 1 ? drag.time_of_release(device, to) : kNever;
   const bool comes_out = release < 1.0;
   const double target = comes_out ? time + release * (1.0 - time) : 1.0;
-  const auto slope_of = [&](const OffsetDrag::Pull& at) { return Vec3(drag.find_stability(at) * drag.find_rate(at, motion)); };
-  const Vec3 slope = slope_of(pull);
+  const Vec3 slope = drag.find_slope(pull, motion);
   const double most = kTurn / std::max(find_turn(slope), 0x1p-100);
   double length = std::min(most, (target - time) / stability);
   OffsetDrag::Flow end{centre_, time};
@@ -402,7 +403,7 @@ SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, c
   double step = 0.0;
   // From the start or from where it was last, whichever is nearer.
   const auto go = [&](double l) {
-    if (std::fabs(l - gone) >= l) {
+    if (std::fabs(l - gone) >= l || count_ == 2) {
       end = {centre_, time, step};
       gone = 0.0;
     }
@@ -430,7 +431,7 @@ SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, c
     const Vec3 middle = end.centre;
     if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
     step = end.step;
-    const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - slope_of(there));
+    const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
     if ((middle - guess).norm() > kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
     if (stability_there() < 0.0) {
       if (!seek(stability, stability_there(), stability_there)) continue;
@@ -453,22 +454,31 @@ SphereFollower::Dragged SphereFollower::make_round_leg(const OffsetDrag& drag, c
     }
     break;
   }
+  leg.released = -1;
+  for (int i = 0; count_ == 2 && i < 2; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (there.multiplier[k] >= -kLeastWay) continue;
+    if (!seek(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return Dragged::leaps;
+    leg.released = i;
+    leg.leaps = false;
+    is_at_target = false;
+  }
   const double drive_there = drag.find_drive(there, motion);
   if (drive_there < -kNoDrive * speed && !(is_at_target && comes_out)) {
     if (!seek(std::max(0.0, drive), drive_there, [&] { return drag.find_drive(there, motion); }) || !(length > 0.0)) return Dragged::stops;
     is_at_target = false;
     leg.leaps = false;
     leg.stops = true;
+    leg.released = -1;
   }
   leg.time = is_at_target ? target : std::min(end.time, target);
-  leg.released = -1;
   if (is_at_target && comes_out) {
     leg.released = 0;
     end.centre = on_way(from, to, target);
     if (!drag.restore(end.centre)) return Dragged::leaps;
   }
   leg.flow = length;
-  leg.path = CentrePath::curved(centre_, end.centre, length * slope, length * slope_of(there));
+  leg.path = CentrePath::curved(centre_, end.centre, length * slope, length * end.slope);
   guide(leg.path);
   return Dragged::on;
 }

@@ -134,7 +134,7 @@ class SphereFollower {
     int released = -1;
     bool stops = false;
     bool leaps = false;
-    double flow = 0.0;  // round an edge or vertex
+    double flow = 0.0;  // its length, of what is not flat
   };
   struct Held {  // a pull on a centre that stays
     bool is_known = false;
@@ -152,7 +152,7 @@ class SphereFollower {
   bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
   Dragged make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  Dragged make_round_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  Dragged make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   Held find_held(const Vec3& pull) const noexcept;
   Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
 
