@@ -214,18 +214,12 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   return true;
 }
 
-// Where the plane square to the tangent at the start, that far on, meets the curve; and when |w| = mu d there.
-bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
+// Where the plane square to `ahead`, that far on, meets the curve of two contacts.
+bool OffsetDrag::go_on_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
   constexpr int kMostRounds = 16;
-  Pull pull;
-  if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
-  const Vec3 ahead = direction_of(pull, motion);
-  const double drive = find_drive(pull, motion);
-  const Vec3 start = at.centre;
-  const double stability = find_stability(pull);
-  Vec3 c = start + length * drive * ahead;
-  bool is_there = false;
-  for (int round = 0; round < kMostRounds && !is_there; ++round) {
+  const Vec3 start = c;
+  c += length * ahead;
+  for (int round = 0; round < kMostRounds; ++round) {
     ++tests;
     ContactFrame frame;
     frame.count = 3;
@@ -236,12 +230,24 @@ bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double leng
       short_by[i] = offset_ - stand.distance;
     }
     frame.normal[2] = ahead;
-    short_by[2] = length * drive - ahead.dot(c - start);
+    short_by[2] = length - ahead.dot(c - start);
     if (!frame.prepare()) return false;
     for (std::size_t i = 0; i < 3; ++i) c += short_by[i] * frame.dual[i];
-    is_there = std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])}) <= 0x1p-51;
+    if (std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])}) <= 0x1p-51) return true;
   }
-  double time = at.time + length * stability;
+  return restore(c);
+}
+
+// There, and when |w| = mu d.
+bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
+  constexpr int kMostRounds = 16;
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
+  const Vec3 ahead = direction_of(pull, motion);
+  const double drive = find_drive(pull, motion);
+  Vec3 c = at.centre;
+  double time = at.time + length * find_stability(pull);
+  if (!go_on_curve(ahead, length * drive, c, tests)) return false;
   const double speed = motion.norm();
   for (int round = 0; round < kMostRounds; ++round) {
     ++tests;
@@ -315,7 +321,8 @@ bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) c
 }
 
 bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec3& c, int& tests) const noexcept {
-  if (contacts_.size() == 2 || is_flat()) {
+  if (contacts_.size() == 2) return go_on_curve(way, length, c, tests);
+  if (is_flat()) {
     c += length * way;
     return restore(c);
   }

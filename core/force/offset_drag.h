@@ -66,7 +66,7 @@ class OffsetDrag {
   // Elsewhere: the centre while the device goes straight between the two. `c`: in, its place before, which slides on; out, after. False: it
   // cannot be followed so far. `tests`: counts pieces of work.
   bool follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
-  // The device held: down along w, by that length. `way`: its direction before.
+  // The device held: down along w, by that length; of a curve: along the direction of w before, `way`.
   bool descend(const Vec3& device, const Vec3& way, double length, Vec3& c, int& tests) const noexcept;
   // Back to the offset from all contacts.
   bool restore(Vec3& c) const noexcept;
@@ -79,6 +79,7 @@ class OffsetDrag {
   FrictionCoefficients mean(const Pull& pull) const noexcept;
   double find_curving(const Pull& pull, const Vec3& way) const noexcept;
   Vec3 direction_of(const Pull& pull, const Vec3& motion) const noexcept;
+  bool go_on_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept;
   bool flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept;
   bool follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept;
   bool follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;

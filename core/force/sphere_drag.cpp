@@ -16,6 +16,9 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // A pull that leaves this much of a cone free or exceeds it by as much is on it: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
 constexpr double kLeast = OffsetDrag::kLeastLag;
+// How far the middle of a piece may be off its cubic: of the offset, and of the way. Where something happens is found on the way itself.
+constexpr double kUneven = 0x1p-16;
+constexpr double kUnevenShare = 0x1p-20;
 
 Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
@@ -122,8 +125,8 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(slip.path, event, [&](double share) {
-    centre_ = slip.path.at(share);
-    is_restored = restore(centre_);
+    centre_ = before;
+    is_restored = share <= 0.0 || drag.descend(device, slip.way, share * slip.length, centre_, work_);
   });
   if (!is_restored) return Next::unclear;
   note_move(before);
@@ -188,18 +191,25 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     if (there.multiplier[k] >= -kLeastWay) continue;
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return false;
   }
-  if (drag.is_flat()) {
-    slip.path = CentrePath::straight(centre_, end);
-    return true;
+  slip.way = way;
+  for (int i = 0;; ++i) {
+    slip.length = length;
+    if (drag.is_flat() || !(length > 0.0)) {
+      slip.path = CentrePath::straight(centre_, end);
+      return true;
+    }
+    Vec3 way_there = there.length > kLeast ? Vec3(there.way / there.length) : way;
+    if (way_there.dot(way) < 0.0) way_there = -way_there;
+    // Of a curve the parameter is the place along its first tangent.
+    const double slope_there = count_ == 1 ? length : length / std::max(0.5, way_there.dot(way));
+    slip.path = CentrePath::curved(centre_, end, length * way, slope_there * way_there);
+    const Vec3 reached = end;
+    if (!go(0.5 * length)) return false;
+    const Vec3 guess = 0.5 * (centre_ + reached) + 0.125 * (length * way - slope_there * way_there);
+    if (i == kMostRounds || (end - guess).norm() <= kUneven * keep_.offset + kUnevenShare * length) break;
+    length *= 0.5;
+    slip.stops = false;
   }
-  if (!(length > 0.0)) {
-    slip.path = CentrePath::straight(centre_, end);
-    return true;
-  }
-  Vec3 way_there = there.length > kLeast ? Vec3(there.way / there.length) : way;
-  if (way_there.dot(way) < 0.0) way_there = -way_there;
-  const double slope = count_ == 1 ? length : (end - centre_).norm();
-  slip.path = CentrePath::curved(centre_, end, slope * way, slope * way_there);
   guide(slip.path);
   return true;
 }
@@ -276,9 +286,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   constexpr int kMostHalvings = 40;
   constexpr int kTries = 3;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kUneven = 0x1p-16;       // of the offset,
-  constexpr double kUnevenShare = 0x1p-20;  // and of the way
-  constexpr double kNoDrive = 0x1p-46;      // of the motion
+  constexpr double kNoDrive = 0x1p-46;  // of the motion
   const Vec3 device = on_way(from, to, time);
   const Vec3 motion = to - from;
   OffsetDrag::Pull pull;
@@ -379,9 +387,7 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
                                                       DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kMostRounds = 8;
-  constexpr double kUneven = 0x1p-16;       // of the offset,
-  constexpr double kUnevenShare = 0x1p-20;  // and of the way
-  constexpr double kNoDrive = 0x1p-46;      // of the motion
+  constexpr double kNoDrive = 0x1p-46;  // of the motion
   const Vec3 motion = to - from;
   const double speed = motion.norm();
   const Vec3 device = on_way(from, to, time);
@@ -433,24 +439,24 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
     step = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
     if ((middle - guess).norm() > kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
+    // A little farther, to where it ends.
+    for (int round = 0; round < kMostRounds && i == 0 && length < most && left() > 0.0; ++round) {
+      const double on = left() / std::max(stability_there(), 0x1p-10);
+      is_at_target = on * speed <= 0x1p-50;
+      if (is_at_target || !(length + on <= 1.125 * std::min(most, 2.0 * length))) break;
+      if (!go(length + on)) break;
+      length += on;
+    }
+    if (!go(length)) continue;
     if (stability_there() < 0.0) {
       if (!seek(stability, stability_there(), stability_there)) continue;
+      is_at_target = false;
       leg.leaps = true;
     }
     if (left() < 0.0) {
-      leg.leaps = false;
       if (!seek(target - time, left(), left)) continue;
       is_at_target = true;
-    } else if (!leg.leaps && i == 0 && length < most) {
-      // A little farther, to where it ends.
-      for (int round = 0; round < kMostRounds; ++round) {
-        const double on = left() / stability_there();
-        is_at_target = std::fabs(on) * speed <= 0x1p-50;
-        if (is_at_target || !(length + on <= 1.125 * std::min(most, 2.0 * length)) || !(length + on > 0.0)) break;
-        length += on;
-        if (!go(length)) break;
-      }
-      if (!is_at_target && !go(length)) continue;
+      leg.leaps = false;
     }
     break;
   }

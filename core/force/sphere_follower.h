@@ -123,6 +123,8 @@ class SphereFollower {
   };
   struct Slip {
     CentrePath path;
+    Vec3 way = Vec3::Zero();
+    double length = 0.0;
     bool stops = false;   // the pull is on the cone at its end
     bool stands = false;  // it is there already
     bool waits = false;   // it has not quite left it
