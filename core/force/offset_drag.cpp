@@ -339,23 +339,26 @@ bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec
   return is_done && restore(c);
 }
 
-double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to) const noexcept {
+double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull& pull) const noexcept {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const OffsetContact& contact = contacts_[0];
-  const double before = contact.stand(from).distance - offset_;
   const double after = contact.stand(to).distance - offset_;
   if (!(after > 0.0)) return kNever;
-  if (!contact.is_curved()) return before >= 0.0 ? 0.0 : before / (before - after);
+  if (!contact.is_curved()) return pull.depth > 0.0 ? pull.depth / (pull.depth + after) : 0.0;
   const Vec3 axis = contact.part == OffsetContact::Part::edge ? contact.axis() : Vec3(Vec3::Zero());
   const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
   const Vec3 off = across(from - contact.origin());
   const Vec3 motion = across(to - from);
   const double a = motion.squaredNorm();
   const double b = off.dot(motion);
-  const double c = std::max(0.0, (offset_ - off.norm()) * (offset_ + off.norm()));
-  if (!(a > 0.0)) return kNever;
-  const double root = std::sqrt(b * b + a * c);
-  return std::clamp(b > 0.0 ? c / (b + root) : (root - b) / a, 0.0, 1.0);
+  const double c = (offset_ - off.norm()) * (offset_ + off.norm());
+  const double squared = b * b + a * c;
+  if (!(a > 0.0) || !(squared >= 0.0)) return kNever;
+  const double root = std::sqrt(squared);
+  const double time = b > 0.0 ? c / (b + root) : (root - b) / a;
+  // From the far side of an edge it is out, too, but not where the centre is.
+  if (!(time > 0.0)) return pull.depth <= kLeastLag ? 0.0 : kNever;
+  return time <= 1.0 && pull.normal.dot(off + time * motion) > 0.0 ? time : kNever;
 }
 
 }  // namespace hapton

@@ -72,8 +72,8 @@ class OffsetDrag {
   bool restore(Vec3& c) const noexcept;
 
   bool is_flat() const { return !contacts_[0].is_curved() && (contacts_.size() < 2 || !contacts_[1].is_curved()); }
-  // The distance is `offset` again then, in [0, 1], for a device that comes out of a single contact; infinite: not at all.
-  double time_of_release(const Vec3& from, const Vec3& to) const noexcept;
+  // When a device comes out of a single contact, on the side of the centre: in [0, 1], or infinite.
+  double time_of_release(const Vec3& from, const Vec3& to, const Pull& pull) const noexcept;
 
  private:
   FrictionCoefficients mean(const Pull& pull) const noexcept;

@@ -19,6 +19,7 @@ constexpr double kLeast = OffsetDrag::kLeastLag;
 // How far the middle of a piece may be off its cubic: of the offset, and of the way. Where something happens is found on the way itself.
 constexpr double kUneven = 0x1p-16;
 constexpr double kUnevenShare = 0x1p-20;
+constexpr double kReleased = 0x1p-24;  // a pull where the device comes out
 
 Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
@@ -300,7 +301,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   double span = 1.0 - time;
   double release = kNever;
   if (count_ == 1) {
-    release = drag.time_of_release(device, to);
+    release = drag.time_of_release(device, to, pull);
     if (release < 1.0) span *= release;
   }
   const double release_span = span;
@@ -397,9 +398,9 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   if (!(drive > -kNoDrive * speed) || !(speed > 0.0)) return Dragged::stops;
   const double stability = drag.find_stability(pull);
   if (!(stability > kLeastStability)) return Dragged::leaps;
-  const double release = count_ == 1 ? drag.time_of_release(device, to) : kNever;
-  const bool comes_out = release < 1.0;
-  const double target = comes_out ? time + release * (1.0 - time) : 1.0;
+  const double release = count_ == 1 ? drag.time_of_release(device, to, pull) : kNever;
+  bool comes_out = release < 1.0;
+  double target = comes_out ? time + release * (1.0 - time) : 1.0;
   const Vec3 slope = drag.find_slope(pull, motion);
   const double most = kTurn / std::max(find_turn(slope), 0x1p-100);
   double length = std::min(most, (target - time) / stability);
@@ -457,6 +458,14 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
       if (!seek(target - time, left(), left)) continue;
       is_at_target = true;
       leg.leaps = false;
+    }
+    if (is_at_target && comes_out && there.length > kReleased) {  // the device is out elsewhere
+      comes_out = false;
+      target = 1.0;
+      length = std::min(most, (target - time) / stability);
+      i = -1;
+      length *= 2.0;
+      continue;
     }
     break;
   }
