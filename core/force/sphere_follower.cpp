@@ -114,7 +114,8 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     if (next == Next::wait) next = wait(from, to, time);
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
-  if (touching_ != 0 && !is_clear_here(2.0 * keep_.slop)) {
+  const bool has_stuck = has_friction_ && centre_ == start;
+  if (touching_ != 0 && !has_stuck && !is_clear_here(2.0 * keep_.slop)) {
     centre_ = start;
     count_ = 0;
     touching_ = 0;
