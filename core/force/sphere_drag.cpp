@@ -19,6 +19,7 @@ constexpr double kLeast = OffsetDrag::kLeastLag;
 // How far the middle of a piece may be off its cubic: of the offset, and of the way. Where something happens is found on the way itself.
 constexpr double kUneven = 0x1p-16;
 constexpr double kUnevenShare = 0x1p-20;
+constexpr double kExact = 0x1p-42;     // no more, and the cubic is the way itself
 constexpr double kReleased = 0x1p-24;  // a pull where the device comes out
 
 Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
@@ -126,8 +127,8 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(slip.path, event, [&](double share) {
-    centre_ = before;
-    is_restored = share <= 0.0 || drag.descend(device, slip.way, share * slip.length, centre_, work_);
+    centre_ = slip.is_exact ? slip.path.at(share) : before;
+    is_restored = slip.is_exact || share <= 0.0 || drag.descend(device, slip.way, share * slip.length, centre_, work_);
   });
   if (!is_restored) return Next::unclear;
   note_move(before);
@@ -139,6 +140,19 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
   return take_event(event, slip.path) ? Next::again : Next::unclear;
 }
 
+// How far the border of the part that holds the centre is, for a straight way.
+double SphereFollower::find_reach(const Vec3& way) noexcept {
+  double reach = kNever;
+  const int count = find_exits(contacts_[0], centre_);
+  for (int i = 0; i < count; ++i) {
+    const double rate = exits_[i].direction.dot(way);
+    if (rate > 0.0) reach = std::min(reach, std::max(0.0, (kOnBorder - exits_[i].direction.dot(centre_ - exits_[i].origin)) / rate));
+  }
+  constexpr double kBeyond = 1.25;
+  constexpr double kLeastReach = 0x1p-10;  // of the offset
+  return kBeyond * reach + kLeastReach * keep_.offset;
+}
+
 bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
                                Slip& slip) noexcept {
   constexpr int kMostRounds = 8;
@@ -148,7 +162,8 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   slip.stands = !(pull.length > kLeast) || (!has_vanished && stability > kLeastStability && excess <= kLeastWay * stability);
   if (slip.stands) return true;
   const Vec3 way = pull.way / pull.length;
-  const double most = kTurn / std::max(find_turn(way), 0x1p-100);
+  const double turn = kTurn / std::max(find_turn(way), 0x1p-100);
+  const double most = count_ == 1 && !drag.is_flat() ? std::min(turn, find_reach(way)) : turn;
   OffsetDrag::Pull there;
   Vec3 end;
   const auto go = [&](double length) {
@@ -207,7 +222,9 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     const Vec3 reached = end;
     if (!go(0.5 * length)) return false;
     const Vec3 guess = 0.5 * (centre_ + reached) + 0.125 * (length * way - slope_there * way_there);
-    if (i == kMostRounds || (end - guess).norm() <= kUneven * keep_.offset + kUnevenShare * length) break;
+    const double uneven = (end - guess).norm();
+    slip.is_exact = uneven <= kExact;
+    if (i == kMostRounds || uneven <= kUneven * keep_.offset + kUnevenShare * length) break;
     length *= 0.5;
     slip.stops = false;
   }
@@ -240,9 +257,9 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
   place_at_event(leg.path, event, [&](double share) {
-    time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
+    time = share >= 1.0 ? leg.time : leg.is_exact ? leg.time_at(was, share) : was + share * (leg.time - was);
     centre_ = leg.path.at(share);
-    if (share >= 1.0) return;
+    if (share >= 1.0 || leg.is_exact) return;
     if (leg.flow > 0.0) {
       OffsetDrag::Flow at{before, was};
       if (drag.flow(from, to, share * leg.flow, at, work_)) {
@@ -401,12 +418,25 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   const double release = count_ == 1 ? drag.time_of_release(device, to, pull) : kNever;
   bool comes_out = release < 1.0;
   double target = comes_out ? time + release * (1.0 - time) : 1.0;
+  leg.released = -1;
+  leg.stops = false;
+  leg.leaps = false;
+  leg.is_exact = false;
+  // Hardly anything is left of the pull, and nothing of it stays.
+  constexpr double kSlight = 0x1p-12;   // of the offset
+  constexpr double kShortWay = 0x1p-5;  // of the offset
+  if (comes_out && pull.length + pull.depth <= kSlight * keep_.offset && (target - time) * speed <= kShortWay * keep_.offset) {
+    return make_last_leg(on_way(from, to, target), target, pull.normal, leg);
+  }
   const Vec3 slope = drag.find_slope(pull, motion);
-  const double most = kTurn / std::max(find_turn(slope), 0x1p-100);
+  const double turn = kTurn / std::max(find_turn(slope), 0x1p-100);
+  const double most = count_ == 1 && drive > 0.0 ? std::min(turn, find_reach(slope / drive) / drive) : turn;
   double length = std::min(most, (target - time) / stability);
   OffsetDrag::Flow end{centre_, time};
   OffsetDrag::Pull there;
-  double gone = 0.0;  // the length to `end`
+  OffsetDrag::Flow middle;
+  double half = 0.0;  // the length to `middle`
+  double gone = 0.0;  // and to `end`
   double step = 0.0;
   // From the start or from where it was last, whichever is nearer.
   const auto go = [&](double l) {
@@ -435,11 +465,12 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
     end = {centre_, time, step};
     gone = 0.0;
     if (!go(0.5 * length)) continue;
-    const Vec3 middle = end.centre;
+    middle = end;
+    half = 0.5 * length;
     if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
     step = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
-    if ((middle - guess).norm() > kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
+    if ((middle.centre - guess).norm() > kUneven * keep_.offset + kUnevenShare * (end.centre - centre_).norm()) continue;
     // A little farther, to where it ends.
     for (int round = 0; round < kMostRounds && i == 0 && length < most && left() > 0.0; ++round) {
       const double on = left() / std::max(stability_there(), 0x1p-10);
@@ -469,7 +500,6 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
     }
     break;
   }
-  leg.released = -1;
   for (int i = 0; count_ == 2 && i < 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (there.multiplier[k] >= -kLeastWay) continue;
@@ -494,6 +524,24 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   }
   leg.flow = length;
   leg.path = CentrePath::curved(centre_, end.centre, length * slope, length * end.slope);
+  guide(leg.path);
+  leg.pace = {length * stability, length * stability_there()};
+  const double share = length > 0.0 ? half / length : 0.0;
+  leg.is_exact = count_ == 1 && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle.centre).norm() <= kExact &&
+                 std::fabs(leg.time_at(time, share) - middle.time) * speed <= kExact;
+  return Dragged::on;
+}
+
+// To where the device comes out.
+SphereFollower::Dragged SphereFollower::make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept {
+  Vec3 end = device;
+  if (!restore(end)) return Dragged::leaps;
+  const Vec3 way = end - centre_;
+  const Vec3 normal_there = contacts_[0].stand(end).normal;
+  leg.time = time;
+  leg.released = 0;
+  leg.is_exact = true;
+  leg.path = CentrePath::curved(centre_, end, way - normal.dot(way) * normal, way - normal_there.dot(way) * normal_there);
   guide(leg.path);
   return Dragged::on;
 }

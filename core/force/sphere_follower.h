@@ -125,9 +125,10 @@ class SphereFollower {
     CentrePath path;
     Vec3 way = Vec3::Zero();
     double length = 0.0;
-    bool stops = false;   // the pull is on the cone at its end
-    bool stands = false;  // it is there already
-    bool waits = false;   // it has not quite left it
+    bool is_exact = false;  // the path is the way itself
+    bool stops = false;     // the pull is on the cone at its end
+    bool stands = false;    // it is there already
+    bool waits = false;     // it has not quite left it
   };
   enum class Dragged : std::uint8_t { on, stops, leaps };
   struct DragLeg {
@@ -136,7 +137,16 @@ class SphereFollower {
     int released = -1;
     bool stops = false;
     bool leaps = false;
-    double flow = 0.0;  // its length, of what is not flat
+    double flow = 0.0;                        // its length, of what is not flat
+    bool is_exact = false;                    // the path is the way itself, and the time
+    std::array<double, 2> pace = {0.0, 0.0};  // its derivative at both ends; zero: even
+
+    double time_at(double start, double share) const {
+      const double way = time - start;
+      const double even = pace[0] == 0.0 && pace[1] == 0.0 ? way : pace[0];
+      const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? way : pace[1];
+      return start + share * (even + share * (3.0 * way - 2.0 * even - even_there + share * (even + even_there - 2.0 * way)));
+    }
   };
   struct Held {  // a pull on a centre that stays
     bool is_known = false;
@@ -155,6 +165,8 @@ class SphereFollower {
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
   Dragged make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   Dragged make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  Dragged make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  double find_reach(const Vec3& way) noexcept;
   Held find_held(const Vec3& pull) const noexcept;
   Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
 
