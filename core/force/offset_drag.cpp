@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMostError = 0x1p-36;  // of one step of the integration
 constexpr double kConverged = 0x1p-50;
+constexpr double kFirstPiece = 0x1p-18;  // of the offset
 
 }  // namespace
 
@@ -192,6 +193,19 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   const double speed = motion.norm();
   if (!(speed > 0.0)) return false;
   if (contacts_.size() == 2) return flow_on_curve(from, motion, length, at, tests);
+  // From no lag at all: what a lag has to be to tell a direction is not integrated to, which would take a step for each of its multiples.
+  // It points the way the device goes, but for the square of this first piece.
+  Pull start;
+  if (!find_pull(at.centre, from + at.time * motion, start)) return false;
+  const Vec3 slope = find_slope(start, motion);
+  const double pace = find_stability(start);
+  const double first = kFirstPiece * offset_ / std::max(slope.norm(), speed * 0x1p-20);
+  if (start.length <= kFirstPiece * kFirstPiece * offset_ && pace > 0.0 && first < length) {
+    at.centre += first * slope;
+    at.time += first * pace;
+    return_to_flow(from, motion, at);
+    length -= first;
+  }
   // The time as a length, so that one tolerance is for both.
   Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
   const bool is_done = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {

@@ -163,7 +163,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   if (slip.stands) return true;
   const Vec3 way = pull.way / pull.length;
   const double turn = kTurn / std::max(find_turn(way), 0x1p-100);
-  const double most = count_ == 1 && !drag.is_flat() ? std::min(turn, find_reach(way)) : turn;
+  const double most = count_ == 1 ? std::min(turn, find_reach(way)) : turn;
   OffsetDrag::Pull there;
   Vec3 end;
   const auto go = [&](double length) {
@@ -323,6 +323,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   }
   const double release_span = span;
   if (!is_flat) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
+  if (count_ == 1 && rate.norm() > 0.0) span = std::min(span, find_reach(rate.normalized()) / rate.norm());
   // Where the device comes out, the centre is there as well.
   const auto place_at = [&](double then, Vec3& c) {
     c = centre_;
