@@ -200,7 +200,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   const Vec3 slope = find_slope(start, motion);
   const double pace = find_stability(start);
   const double first = kFirstPiece * offset_ / std::max(slope.norm(), speed * 0x1p-20);
-  if (start.length <= kFirstPiece * kFirstPiece * offset_ && pace > 0.0 && first < length) {
+  if (start.length <= std::max(4.0 * kLeastLag, kFirstPiece * kFirstPiece * offset_) && pace > 0.0 && first < length) {
     at.centre += first * slope;
     at.time += first * pace;
     return_to_flow(from, motion, at);
