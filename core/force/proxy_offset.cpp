@@ -12,7 +12,9 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   } else if (!sphere_->holds() && !sphere_->take(proxy_, false, clearance_.slack, sliding_)) {
     return false;
   }
+  const std::uint64_t slips = sphere_->slips();
   const SphereFollower::Outcome outcome = sphere_->follow(last, device, time);
+  counters_.slips += sphere_->slips() - slips;
   if (outcome == SphereFollower::Outcome::unclear) {
     stand_at_sphere(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_->leave();

@@ -121,6 +121,7 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
     ++idle_;
     return slip.waits ? Next::wait : Next::again;
   }
+  ++slips_;
   Event event;
   if (!cover(slip.path, event.time) || !find_event(slip.path, event)) return Next::unclear;
   const bool is_whole = event.time >= 1.0;

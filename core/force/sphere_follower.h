@@ -71,6 +71,7 @@ class SphereFollower {
   std::span<const OffsetContact> contacts() const { return std::span(contacts_).first(static_cast<std::size_t>(count_)); }
 
   std::uint64_t events() const { return events_; }  // since it was made, like all below
+  std::uint64_t slips() const { return slips_; }    // pieces of way under friction with the device held
   std::uint64_t flights() const { return flights_; }
   std::uint64_t gathered() const { return gathered_; }
   std::uint64_t looked_at() const { return looked_at_; }
@@ -235,7 +236,7 @@ class SphereFollower {
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer
   double least_distance_ = 0.0;  // to the device where it is
-  std::uint64_t events_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
+  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
 
 // Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.
