@@ -357,7 +357,9 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
         const Vec3 guess = 0.5 * (centre_ + end) + 0.125 * span * (rate - rate_there);
         is_straight =
             is_flat && count_ == 1 && (0.5 * (centre_ + end) - middle).norm() <= 0x1p-50 && span * (rate - rate_there).norm() <= 0x1p-48;
-        if (is_straight || (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (end - centre_).norm()) break;
+        const double uneven = (middle - guess).norm();
+        leg.is_exact = count_ == 1 && uneven <= kExact;
+        if (is_straight || uneven <= kUneven * keep_.offset + kUnevenShare * (end - centre_).norm()) break;
       }
     }
     span *= 0.5;
@@ -398,7 +400,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   }
   if (!drag.find_pull(end, on_way(from, to, leg.time), there)) return Dragged::leaps;
   leg.path = CentrePath::curved(centre_, end, part * rate, part * drag.find_rate(there, motion));
-  guide(leg.path);
+  if (count_ == 2) guide(leg.path);  // over a face the cubic stays in its plane
   return Dragged::on;
 }
 
