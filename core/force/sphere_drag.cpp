@@ -427,7 +427,7 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   leg.leaps = false;
   leg.is_exact = false;
   // Hardly anything is left of the pull, and nothing of it stays.
-  constexpr double kSlight = 0x1p-12;   // of the offset
+  constexpr double kSlight = 0x1p-9;    // of the offset
   constexpr double kShortWay = 0x1p-5;  // of the offset
   if (comes_out && pull.length + pull.depth <= kSlight * keep_.offset && (target - time) * speed <= kShortWay * keep_.offset) {
     return make_last_leg(on_way(from, to, target), target, pull.normal, leg);
