@@ -27,6 +27,9 @@ namespace hapton {
 // triangle is hit; the device comes to the free side. At an event the device is held and the centre descends the steepest way to the next
 // local minimum. Triangles near are gathered once for many steps (NearTriangles); only flights ask the tree.
 //
+// Under Coulomb friction the centre stays where it is, is dragged along its pull, or slides down along it while the device is held: see
+// OffsetDrag. Then events are the pull's leaving its cone, too, and the end of the place on it.
+//
 // The centre never comes nearer to a triangle than offset - slop.
 //
 // Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A
