@@ -102,6 +102,7 @@ double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, doubl
   double at_low = beyond(low);
   double at_high = beyond(high);
   if (!(at_high > 0.0)) {
+    if (std::max(at_low, at_high) + bulge() * direction.norm() < 0.0) return kNever;
     high = find_crest(direction, low, high);
     at_high = high < until ? beyond(high) : at_high;
     if (!(at_high > 0.0)) return kNever;

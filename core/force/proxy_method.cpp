@@ -65,9 +65,7 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   clearance_.tolerance = 0x1p-10 * kHover;
   // A sphere hardly larger than the hover has too few digits for a surface of its own.
   constexpr double kLeastRadius = 0x1p-20;
-  if (clearance_.rest - kHover >= kLeastRadius && !has_friction_) {
-    sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
-  }
+  if (clearance_.rest - kHover >= kLeastRadius) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
 }
 
 Material ProxyMethod::touched_material() const noexcept {
@@ -503,8 +501,9 @@ std::string ProxyMethod::describe_steps() const {
       counters_.most_events, counters_.flights, counters_.careful, counters_.exhausted);
   if (sphere_ != nullptr) {
     text += fmt::format(
-        "proxy: sphere: {:.2f} events a contact step, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a step\n",
-        static_cast<double>(sphere_->events()) / c, sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
+        "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a "
+        "step\n",
+        static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
         static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);
   }
   if (shading_ > 0.0) {

@@ -37,6 +37,7 @@ struct ProxyCounters {
   std::uint64_t careful = 0;      // steps, or the rest of one, that sweeps did
   std::uint64_t exhausted = 0;    // steps out of events, carried into the next
   std::uint64_t most_events = 0;  // in one step
+  std::uint64_t slips = 0;        // pieces of a sphere's way under friction with the device held
   std::uint64_t unconverged = 0;  // stopped by the iteration bound: a valid proxy, short of the minimum
 };
 
@@ -201,7 +202,7 @@ class ProxyMethod final : public ForceMethod {
   bool has_friction_ = false;
   SurfaceFollower surface_;                 // while it stands, it holds the proxy
   bool short_of_rest_ = false;              // it ran out of events
-  std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius, without friction
+  std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius
 
   Vec3 proxy_ = Vec3::Zero();             // local
   Vec3 last_device_ = Vec3::Zero();       // local

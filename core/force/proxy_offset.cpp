@@ -1,4 +1,4 @@
-// A probe with a radius, without friction: over the offset surface from event to event.
+// A probe with a radius: over the offset surface from event to event.
 #include <algorithm>
 
 #include "core/force/proxy_method.h"
@@ -9,10 +9,12 @@ namespace hapton {
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
   if (free_) {
     sphere_->take_free(proxy_);
-  } else if (!sphere_->holds() && !sphere_->take(proxy_, false, clearance_.slack)) {
+  } else if (!sphere_->holds() && !sphere_->take(proxy_, false, clearance_.slack, sliding_)) {
     return false;
   }
+  const std::uint64_t slips = sphere_->slips();
   const SphereFollower::Outcome outcome = sphere_->follow(last, device, time);
+  counters_.slips += sphere_->slips() - slips;
   if (outcome == SphereFollower::Outcome::unclear) {
     stand_at_sphere(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_->leave();
@@ -26,6 +28,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
 void ProxyMethod::stand_at_sphere(const Vec3& device) noexcept {
   settle_at(sphere_->centre());
   free_ = sphere_->is_free() && proxy_ == device;
+  sliding_ = sphere_->slides();
   for (const OffsetContact& contact : sphere_->contacts()) {
     const OffsetContact::Stand stand = contact.stand(proxy_);
     Touch& touch = touching_[touching_count_++];

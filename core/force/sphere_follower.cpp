@@ -37,8 +37,9 @@ bool SphereFollower::is_clear_here(double short_by) noexcept {
   return (near_.covers(centre_, keep_.offset) || gather(Vec3::Zero())) && is_clear(short_by);
 }
 
-bool SphereFollower::take(const Vec3& centre, bool is_free, double short_by) noexcept {
+bool SphereFollower::take(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
   holds_ = false;
+  rub_ = {.slides = slides, .coefficients = {}};
   centre_ = centre;
   count_ = 0;
   touching_ = 0;
@@ -78,6 +79,7 @@ void SphereFollower::take_free(const Vec3& centre) noexcept {
   centre_ = centre;
   count_ = 0;
   touching_ = 0;
+  rub_ = {};
   holds_ = true;
 }
 
@@ -100,11 +102,20 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
       most = most_work(from, to);
     }
     if (idle_ > kMostIdle) break;
-    next = touching_ == 0 ? fly(from, to, time) : is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
+    if (touching_ == 0) {
+      next = fly(from, to, time);
+    } else if (has_friction_ && rubs()) {
+      next = is_descending_ ? descend_rubbing(on_way(from, to, time), to - from)
+             : rub_.drags   ? drag(from, to, time)
+                            : stay_rubbing(from, to, time);
+    } else {
+      next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
+    }
     if (next == Next::wait) next = wait(from, to, time);
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
-  if (touching_ != 0 && !is_clear_here(2.0 * keep_.slop)) {
+  const bool has_stuck = has_friction_ && centre_ == start;
+  if (touching_ != 0 && !has_stuck && !is_clear_here(2.0 * keep_.slop)) {
     centre_ = start;
     count_ = 0;
     touching_ = 0;
@@ -113,7 +124,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   }
   if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
   note_multipliers(to);
-  if (next == Next::settled) return is_shallow(to) ? Outcome::unclear : Outcome::settled;
+  if (next == Next::settled) return !(has_friction_ && rubs()) && is_shallow(to) ? Outcome::unclear : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
 }
@@ -160,6 +171,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   });
   if (time > 1.0) {
     centre_ = to;
+    rub_ = {};
     return Next::settled;
   }
   centre_ = from + time * motion;
@@ -398,33 +410,6 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
   const double c = 16.0 * kAtAxis * kAtAxis - off.squaredNorm();
   if (!(a > 0.0)) return 1.0;
   return std::min(1.0, time + c / (b + std::sqrt(b * b + a * c)));
-}
-
-// Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.
-template <class Place>
-void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
-  constexpr int kMostRounds = 6;
-  place(event.time);
-  const bool is_hit = event.slot >= 0;
-  if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
-  for (int i = 0; i < kMostRounds; ++i) {
-    ++work_;
-    double gap = 0.0;
-    double rate = 0.0;
-    if (is_hit) {
-      const Separation at = near_.shape(event.slot).separation(centre_);
-      gap = at.distance - keep_.offset;
-      rate = at.normal.dot(path.slope(event.time));
-    } else {
-      gap = kOnBorder - event.exit.direction.dot(centre_ - event.exit.origin);
-      rate = -event.exit.direction.dot(path.slope(event.time));
-    }
-    if (std::fabs(gap) <= (is_hit ? 0.125 * keep_.slop : 0.25 * kOnBorder) || !(rate < 0.0)) return;
-    const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
-    if (time == event.time) return;
-    event.time = time;
-    place(time);
-  }
 }
 
 // Held by three: multipliers are affine in time.

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "core/collision/near_triangles.h"
 #include "core/force/centre_path.h"
 #include "core/force/contact_frame.h"
+#include "core/force/offset_drag.h"
 #include "core/force/offset_surface.h"
 #include "core/force/touch_scene.h"
 
@@ -23,6 +26,9 @@ namespace hapton {
 // until an event: the contact leaves its face, edge or vertex; a multiplier reaches zero; the minimum along a curve vanishes; another
 // triangle is hit; the device comes to the free side. At an event the device is held and the centre descends the steepest way to the next
 // local minimum. Triangles near are gathered once for many steps (NearTriangles); only flights ask the tree.
+//
+// Under Coulomb friction the centre stays where it is, is dragged along its pull, or slides down along it while the device is held: see
+// OffsetDrag. Then events are the pull's leaving its cone, too, and the end of the place on it.
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
@@ -44,18 +50,21 @@ class SphereFollower {
 
   // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset)
-      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {}
+      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {
+    for (const Material& material : materials) has_friction_ |= material.friction_static > 0.0;
+  }
 
   // Whether it holds the centre, or the centre was last moved by others.
   bool holds() const { return holds_; }
   void leave() { holds_ = false; }
+  bool slides() const { return rub_.slides; }  // the dynamic coefficient is in force
   // What was gathered no longer is all there is.
   void forget_near() { near_.clear(); }
 
   // Takes over a centre that is free and with the device.
   void take_free(const Vec3& centre) noexcept;
   // Takes over a centre that is free, or in contact and at most `short_by` too near to what it touches. False: it cannot.
-  bool take(const Vec3& centre, bool is_free, double short_by) noexcept;
+  bool take(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device goes straight from `from` to `to`. Pre: holds.
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
@@ -65,6 +74,7 @@ class SphereFollower {
   std::span<const OffsetContact> contacts() const { return std::span(contacts_).first(static_cast<std::size_t>(count_)); }
 
   std::uint64_t events() const { return events_; }  // since it was made, like all below
+  std::uint64_t slips() const { return slips_; }    // pieces of way under friction with the device held
   std::uint64_t flights() const { return flights_; }
   std::uint64_t gathered() const { return gathered_; }
   std::uint64_t looked_at() const { return looked_at_; }
@@ -106,6 +116,63 @@ class SphereFollower {
     double time = 1.0;  // of the device at its end
     int released = -1;  // the contact whose multiplier is zero there
   };
+
+  // Coulomb friction: the centre sticks, slips, and is dragged.
+  struct Rubbing {
+    bool slides = false;    // the dynamic coefficient is in force
+    bool drags = false;     // the pull is on its cone, and the device draws the centre on
+    bool slips = false;     // the pull has just left the cone,
+    bool vanished = false;  // and the place on it at which the centre could stay is no more
+    std::array<FrictionCoefficients, 3> coefficients;
+  };
+  struct Slip {
+    CentrePath path;
+    Vec3 way = Vec3::Zero();
+    double length = 0.0;
+    bool is_exact = false;  // the path is the way itself
+    bool stops = false;     // the pull is on the cone at its end
+    bool stands = false;    // it is there already
+    bool waits = false;     // it has not quite left it
+  };
+  enum class Dragged : std::uint8_t { on, stops, leaps };
+  struct DragLeg {
+    CentrePath path;
+    double time = 1.0;
+    int released = -1;
+    bool stops = false;
+    bool leaps = false;
+    double flow = 0.0;                        // its length, of what is not flat
+    bool is_exact = false;                    // the path is the way itself, and the time
+    std::array<double, 2> pace = {0.0, 0.0};  // its derivative at both ends; zero: even
+
+    double time_at(double start, double share) const {
+      const double way = time - start;
+      const double even = pace[0] == 0.0 && pace[1] == 0.0 ? way : pace[0];
+      const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? way : pace[1];
+      return start + share * (even + share * (3.0 * way - 2.0 * even - even_there + share * (even + even_there - 2.0 * way)));
+    }
+  };
+  struct Held {  // a pull on a centre that stays
+    bool is_known = false;
+    bool is_free = false;
+    double way = 0.0;
+    double depth = 0.0;
+    FrictionCoefficients friction;
+  };
+
+  FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
+  bool rubs() const noexcept;
+  OffsetDrag make_drag() noexcept;
+  Next hold(const OffsetDrag::Pull& pull) noexcept;
+  Next descend_rubbing(const Vec3& device, const Vec3& motion) noexcept;
+  bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
+  Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Dragged make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  Dragged make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  Dragged make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  double find_reach(const Vec3& way) noexcept;
+  Held find_held(const Vec3& pull) const noexcept;
+  Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
 
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -156,6 +223,8 @@ class SphereFollower {
   const TouchGeometry& geometry_;
   std::span<const Material> materials_;
   CentrePath::Keep keep_;
+  bool has_friction_ = false;
+  Rubbing rub_;
   bool holds_ = false;
   bool is_descending_ = false;
   bool has_lost_minimum_ = false;  // along the curve: it goes on by hint_
@@ -170,7 +239,34 @@ class SphereFollower {
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer
   double least_distance_ = 0.0;  // to the device where it is
-  std::uint64_t events_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
+  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
+
+// Goes to the event. A path is a little off the way itself: Newton's steps lead to where something is hit, or a border is passed.
+template <class Place>
+void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
+  constexpr int kMostRounds = 6;
+  place(event.time);
+  const bool is_hit = event.slot >= 0;
+  if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
+  for (int i = 0; i < kMostRounds; ++i) {
+    ++work_;
+    double gap = 0.0;
+    double rate = 0.0;
+    if (is_hit) {
+      const Separation at = near_.shape(event.slot).separation(centre_);
+      gap = at.distance - keep_.offset;
+      rate = at.normal.dot(path.slope(event.time));
+    } else {
+      gap = kOnBorder - event.exit.direction.dot(centre_ - event.exit.origin);
+      rate = -event.exit.direction.dot(path.slope(event.time));
+    }
+    if (std::fabs(gap) <= (is_hit ? 0.125 * keep_.slop : 0.25 * kOnBorder) || !(rate < 0.0)) return;
+    const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
+    if (time == event.time) return;
+    event.time = time;
+    place(time);
+  }
+}
 
 }  // namespace hapton

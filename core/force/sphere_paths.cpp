@@ -386,7 +386,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     }
   }
   // What lies below the plane of a face, seen from a centre that goes over it, is never nearer than the face.
-  const bool is_on_plane = path.is_straight() && count_ > 0 && contacts_[0].part == Part::face;
+  const bool is_on_plane = (path.is_straight() || count_ == 1) && count_ > 0 && contacts_[0].part == Part::face;
   const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
   const double level = up.dot(path.start()) - keep_.offset + 0.25 * keep_.slop;
   const double near = keep_.offset + path.bulge() + keep_.slop;
