@@ -282,7 +282,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     return Next::wait;
   }
   Event event;
-  if (!cover(path, event.time) || !find_event(path, event)) return Next::unclear;
+  if (!find_event(path, event)) return Next::unclear;
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(path, event, [&](double share) {
@@ -312,7 +312,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   Event event;
-  if (!cover(leg.path, event.time) || !find_event(leg.path, event)) return Next::unclear;
+  if (!find_event(leg.path, event)) return Next::unclear;
   const Vec3 before = centre_;
   const double was = time;
   const bool is_whole = event.time >= 1.0;
@@ -451,6 +451,12 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
         event.exit.part == Part::edge && !is_plain ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
     if (rising >= 0)
       return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
+    if (const int level = event.exit.part == Part::edge ? find_level(contacts_[event.contact], event.exit) : -1; level >= 0) {
+      hint_ = path.slope(event.time);
+      OffsetContact& contact = contacts_[event.contact];
+      contact = OffsetContact::on_face(near_.triangle(level), near_.shape(level), contact.normal);
+      return true;
+    }
     leave_part(event.contact, event.exit, path.slope(event.time));
     return restore(centre_);
   } else if (event.slot >= 0) {
@@ -477,6 +483,25 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
     rising = slot;
   });
   return rising;
+}
+
+// Beyond an edge of a face the next one may lie in the same plane: there the edge has no part of the offset surface. A slot, -1: none.
+int SphereFollower::find_level(const OffsetContact& contact, const Exit& exit) noexcept {
+  if (contact.part != Part::face) return -1;
+  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
+  int level = -1;
+  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise)) return;
+    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
+    if (!(std::fabs(face.stand(centre_).distance - keep_.offset) <= kLeastLevel)) return;
+    for (int k = 0; k < 3; ++k) {
+      if (!(shape.inside(k, centre_) > 0.0)) return;
+    }
+    level = slot;
+  });
+  return level;
 }
 
 // The contact goes on to what lies beyond the border of its part.

@@ -92,6 +92,7 @@ class SphereFollower {
   static constexpr double kLeastStability = 0x1p-26;  // of a minimum along a curve: less, and it vanishes
   static constexpr double kAtAxis = 0x1p-39;          // from the axis of an edge or a vertex: nearer, and a direction is mostly rounding
   static constexpr double kLeastRise = 0x1p-45;       // rad: faces of less are one plane, as far as borders can tell
+  static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr int kMostIdle = 24;  // events that lead no nearer
   static constexpr int kMostExits = 128;
@@ -208,6 +209,7 @@ class SphereFollower {
   bool take_event(const Event& event, const CentrePath& path) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
+  int find_level(const OffsetContact& contact, const Exit& exit) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
   void note_move(const Vec3& from) noexcept;

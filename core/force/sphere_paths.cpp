@@ -319,8 +319,9 @@ bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, b
 bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
   constexpr int kMostHalvings = 40;
   const double room = keep_.offset + path.bulge() + 2.0 * keep_.slop;
-  if (near_.covers(path.start(), room) && near_.covers(path.end(), room)) return true;
-  if (!gather(path.end() - path.start())) return false;
+  const Vec3 end = path.at(until);
+  if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
+  if (!gather(end - path.start())) return false;
   for (int i = 0; i < kMostHalvings; ++i, until *= 0.5) {
     if (near_.covers(path.start(), room) && near_.covers(path.at(until), room)) return true;
   }
@@ -331,7 +332,6 @@ bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
 bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostTries = 24;
   constexpr int kFew = 24;
-  constexpr int kMany = 72;
   constexpr double kWidest = 0.25;
   const double least = 0x1p-6 * keep_.offset;
   if (!(reach_ > 0.0)) reach_ = 0.5 * keep_.offset;
@@ -343,8 +343,10 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     const bool fits = near_.gather(geometry_, centre_ + ahead, keep_.offset + reach_ + 4.0 * keep_.slop, looked_at);
     work_ += looked_at;
     if (!fits) continue;
-    if (near_.count() < kFew) reach_ = std::min(1.4 * reach_, kWidest);
-    if (near_.count() > kMany) reach_ = std::max(0.7 * reach_, least);
+    // Where the tree asks many for the few that are near, as among long slivers, a wider ball saves most.
+    const int few = std::max(kFew, std::min(looked_at / 4, NearTriangles::kCapacity / 4));
+    if (near_.count() < few) reach_ = std::min(1.4 * reach_, kWidest);
+    if (near_.count() > 3 * few) reach_ = std::max(0.7 * reach_, least);
     return true;
   }
   return false;
@@ -374,6 +376,9 @@ unsigned SphereFollower::held_corners(const ContactTriangle& shape) const noexce
 
 // What comes first on the path, up to the time in `event`. False: it cannot be told.
 bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
+  // A face is left long before the end of a path over it; only other parts have borders that are found by what is near.
+  const bool is_curved = std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.is_curved(); });
+  if (is_curved && !cover(path, event.time)) return false;
   for (int i = 0; i < count_; ++i) {
     const int count = find_exits(contacts_[i], path.start());
     if (count < 0) return false;
@@ -385,6 +390,9 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
       event.exit = exits_[k];
     }
   }
+  const double exit_time = event.time;
+  if (!is_curved && !cover(path, event.time)) return false;
+  if (event.time < exit_time) event.contact = -1;
   // What lies below the plane of a face, seen from a centre that goes over it, is never nearer than the face.
   const bool is_on_plane = (path.is_straight() || count_ == 1) && count_ > 0 && contacts_[0].part == Part::face;
   const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
