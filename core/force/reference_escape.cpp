@@ -117,31 +117,55 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
   return directions_;
 }
 
+// The vertex that a point in contact is at; nullptr: none.
+const Vec3* ReferenceProxy::find_vertex(const Pull& pull) const noexcept {
+  if (rest_ != kPointRadius || pull.strongest == nullptr) return nullptr;
+  const Vec3* found = nullptr;
+  for (const Vec3& corner : pull.strongest->face.shape.corner) {
+    if ((corner - state_.place).norm() <= kAtVertex * rest_) found = &corner;
+  }
+  return found;
+}
+
 // A point leaves a vertex the steepest way, of all faces and edges round it. A sphere would roll on to what it happens to meet first.
 bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept {
-  if (rest_ != kPointRadius || has_friction() || !rules_.keeps_to_surface || pull.strongest == nullptr) return false;
-  const Vec3 start = state_.place;
-  const Vec3* vertex = nullptr;
-  for (const Vec3& corner : pull.strongest->face.shape.corner) {
-    if ((corner - start).norm() <= kAtVertex * rest_) vertex = &corner;
-  }
+  if (has_friction() || !rules_.keeps_to_surface) return false;
+  const Vec3* vertex = find_vertex(pull);
   if (vertex == nullptr) return false;
   const Vec3 way = find_steepest(*vertex, device - *vertex);
   const double slope = way.norm();
-  if (!(slope > kLeastSlope * (device - *vertex).norm())) return false;
   const double length = pull.motion.point.norm();
   if (length > kStill && way.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
+  return leave_along(Vec3(*vertex), way, device);
+}
+
+// Friction holds a point at a vertex, or lets it go, by the steepest way as well. A sphere leans on some of the faces only, and has a cone
+// about the normals of those.
+ReferenceProxy::AtVertex ReferenceProxy::slip_from_vertex(const Vec3& device, const Pull& pull) noexcept {
+  const Vec3* vertex = has_friction() ? find_vertex(pull) : nullptr;
+  if (vertex == nullptr) return AtVertex::elsewhere;
+  const Vec3 to_device = device - *vertex;
+  const Vec3 way = find_steepest(*vertex, to_device);
+  const Material material = material_of(pull);
+  if (!exceeds_friction(way.norm(), (to_device - way).norm(), material)) return AtVertex::held;
+  return leave_along(Vec3(*vertex), way, device) ? AtVertex::left : AtVertex::elsewhere;
+}
+
+bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept {
+  const Vec3 start = state_.place;
+  const double slope = way.norm();
+  const double distance = (device - vertex).norm();
+  if (!(slope > kLeastSlope * distance)) return false;
   vertex_contacts_ = state_.contacts;
-  const Vec3 to_vertex = *vertex - start;
   // In a groove that bends at the vertex a lift may be blocked, by what is beyond or what is behind.
   for (const double height : {8.0 * rest_, 24.0 * rest_}) {
     // As far as it takes to come nearer in spite of the lift.
-    const double share = std::max(8.0, 4.0 * (device - *vertex).norm() / slope) * height / slope;
+    const double share = std::max(8.0, 4.0 * distance / slope) * height / slope;
     collect_near(start, 2.0 * kAtVertex * rest_);
     for (const bool goes_to_vertex : {true, false}) {
       if (share >= 1.0 || !lift(start, height)) continue;
       state_.contacts.clear();
-      if (goes_to_vertex) advance(to_vertex);
+      if (goes_to_vertex) advance(vertex - start);
       advance(share * way);
       if ((device - state_.place).norm() < (device - start).norm()) {
         update_contacts();

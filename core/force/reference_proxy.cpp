@@ -106,7 +106,7 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   if (!has_friction() || device_from == device_to) return;
   update_contacts();
   const Pull before = project_pull(device_from - state_.place);
-  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace) return;
+  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace || find_vertex(before) != nullptr) return;
   const Vec3 normal = before.strongest->near.direction;
   const Pull after = project_pull(device_to - state_.place);
   if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
@@ -171,6 +171,9 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
       }
       continue;
     }
+    const AtVertex at_vertex = slip_from_vertex(device, pull);
+    if (at_vertex == AtVertex::held) break;
+    if (at_vertex == AtVertex::left) continue;
     const Vec3 motion = cut_at_border(pull, limit_by_friction(pull));
     if (!(motion.norm() > kStill)) {
       if (tip_over(device, pull)) continue;
@@ -278,14 +281,16 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const Material material = material_of(pull);
   const double way = motion.norm();
   const double pressure = pressure_of(push.norm());
-  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * pressure;
-  const double least = material.friction_dynamic * pressure;
-  if (way <= held + kStill) {
-    state_.sliding = state_.sliding && way >= FrictionMotion::kRest * least;
-    return Vec3::Zero();
-  }
-  state_.sliding = true;
-  return motion * ((way - least) / way);
+  if (!exceeds_friction(way, pressure, material)) return Vec3::Zero();
+  return motion * ((way - material.friction_dynamic * pressure) / way);
+}
+
+// Whether a pull along the surface is out of the cone: then the proxy slides.
+bool ReferenceProxy::exceeds_friction(double way, double depth, const Material& material) noexcept {
+  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
+  const bool exceeds = way > held + kStill;
+  state_.sliding = exceeds || (state_.sliding && way >= FrictionMotion::kRest * material.friction_dynamic * depth);
+  return exceeds;
 }
 
 // Where the proxy jumps, the way counts, not only where it ends: it must not lead off the surface beyond what holds the proxy.

@@ -102,6 +102,8 @@ class ReferenceProxy {
     const Face* face = nullptr;
   };
 
+  enum class AtVertex : std::uint8_t { elsewhere, held, left };
+
   void list_local_faces() noexcept;
   bool is_local(const Vec3& p, double reach) const noexcept;
   template <class FaceAt>
@@ -125,7 +127,11 @@ class ReferenceProxy {
   double share_on_plane(const Contact& contact, const Vec3& motion) noexcept;
   bool has_friction() const { return !frictionless_ && rules_.friction; }
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
+  const Vec3* find_vertex(const Pull& pull) const noexcept;
   bool leave_vertex(const Vec3& device, const Pull& pull) noexcept;
+  AtVertex slip_from_vertex(const Vec3& device, const Pull& pull) noexcept;
+  bool leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept;
+  bool exceeds_friction(double way, double depth, const Material& material) noexcept;
   Vec3 find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept;
   bool roll(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;
