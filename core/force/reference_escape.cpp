@@ -16,6 +16,8 @@ constexpr double kLeastSlope = 0x1p-30;         // of the distance to the device
 const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
 const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
 constexpr double kLeastRoll = 1e-10;            // rad
+constexpr double kFarthestHeld = 64.0;          // rest distances: as far off the surface another method may hold a point
+constexpr double kSameHeight = 0x1p-10;         // of a height: two such are one
 
 }  // namespace
 
@@ -90,6 +92,29 @@ bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
   state_.place = start;
   advance(way.point);
   return true;
+}
+
+// In contact with all that p is as near to as it is to the nearest: what it stands on. It goes on as if it had come there itself: from a
+// place beside an edge, however near, friction would let it go another way.
+bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
+  if (rest_ != kPointRadius || frictionless_) return false;
+  place_held(p, sliding);
+  collect_near(p, kFarthestHeld * rest_);
+  double least = kFarthestHeld * rest_;
+  for (const Contact& contact : near_) least = std::min(least, contact.near.distance);
+  Vec3 sum = Vec3::Zero();
+  for (const Contact& contact : near_) {
+    if (contact.near.distance <= least * (1.0 + kSameHeight)) sum += contact.near.direction;
+  }
+  if (!(least > 0.5 * rest_) || !(sum.norm() > 0.5)) return false;
+  half_spaces_.clear();
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, rest_ - contact.near.distance});
+  const HalfSpaceProjection down = project_onto_half_spaces(-4.0 * least * sum.normalized(), half_spaces_, kFeasible);
+  if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_) return false;
+  state_.place = p + down.point;
+  for (const Contact& contact : near_) meet(contact.face);
+  update_contacts();
+  return !state_.contacts.empty();
 }
 
 const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {

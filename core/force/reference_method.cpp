@@ -214,8 +214,10 @@ void ReferenceMethod::resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) n
   const Vec3 penetration = to_local(p_SP) - device_;
   const double length = penetration.norm();
   if (!(length > 0.0)) return proxy_->place_free(device_);
+  proxy_->place_free(device_);
+  gather(device_, length + 128.0 * proxy_->rest());
+  if (proxy_->place_on_surface(device_ + penetration, sliding)) return;
   proxy_->place_held(device_ + (1.0 + 2.0 * ReferenceProxy::kPointRadius / length) * penetration, sliding);
-  gather(device_, length + 4.0 * proxy_->rest());
   proxy_->follow(device_, device_, {});
   if (!proxy_->state().free) proxy_->set_sliding(sliding);
 }

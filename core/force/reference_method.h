@@ -65,7 +65,8 @@ class ReferenceMethod final : public ForceMethod {
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
 
   // Goes on from another method's state: its proxy, at rest at p_SP with the device at p_SD, and whether friction had it slide. The proxy
-  // is lifted off the surface by twice a point's radius, away from the device. Step goes on from there. Counters are kept.
+  // is lifted off the surface by twice a point's radius, away from the device; a point under friction stands on the faces nearest to it.
+  // Step goes on from there. Counters are kept.
   void resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }

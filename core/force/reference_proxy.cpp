@@ -122,7 +122,7 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   input.sliding = state_.sliding;
   if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
   const FrictionDrag dragged = drag_by_friction(input);
-  const Vec3 motion = input.lag + input.motion - dragged.lag;
+  const Vec3 motion = cut_at_border(after, input.lag + input.motion - dragged.lag);
   state_.sliding = dragged.sliding;
   if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
 }
@@ -221,6 +221,7 @@ void ReferenceProxy::update_contacts() noexcept {
 // edge between two triangles of one plane it would hold a proxy whose device draws it along the plane by less than its normal leans; and
 // friction would stop there.
 void ReferenceProxy::forget_borders_of_faces() noexcept {
+  meet_face_below();
   const auto is_of_face = [&](const Contact& contact) {
     if (contact.near.feature == TriangleFeature::kFace) return false;
     return std::any_of(state_.contacts.begin(), state_.contacts.end(), [&](const Contact& other) {
@@ -229,6 +230,21 @@ void ReferenceProxy::forget_borders_of_faces() noexcept {
   };
   for (std::size_t i = state_.contacts.size(); i-- > 0;) {
     if (is_of_face(state_.contacts[i])) state_.contacts.erase(state_.contacts.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+// The face that a point is over, by no more than its radius, is in contact. Where the proxy has come over it without a motion that it
+// stopped, as over a row of slivers in one plane, only the border of what follows has been met.
+void ReferenceProxy::meet_face_below() noexcept {
+  const auto is_border = [](const Contact& contact) { return contact.near.feature != TriangleFeature::kFace; };
+  if (rest_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_border)) return;
+  list_local_faces();
+  for (const std::uint32_t i : local_) {
+    const Box& box = boxes_[i];
+    const double reach = rest_ + kSkin;
+    if (((state_.place - box.high).cwiseMax(box.low - state_.place).array() > reach).any() || !can_meet(faces_[i])) continue;
+    const ClosestPoint near = closest_point(faces_[i].shape, state_.place);
+    if (near.feature == TriangleFeature::kFace && near.distance <= reach && !near.direction.isZero(0.0)) meet(faces_[i]);
   }
 }
 

@@ -65,6 +65,10 @@ class ReferenceProxy {
   // Forgets all contact and puts the proxy where something may hold it.
   void place_held(const Vec3& p, bool sliding) noexcept;
 
+  // Puts a point probe under friction where p stands on the surface, near by: in contact with the faces that are nearest to p. False, and
+  // held with no contact, where there is no such place or no need of one. Pre: the faces there have been added.
+  bool place_on_surface(const Vec3& p, bool sliding) noexcept;
+
   void set_sliding(bool sliding) noexcept { state_.sliding = sliding; }
 
   // One sub-step: the device has moved straight between the two, and the proxy moves to its equilibrium for the second.
@@ -118,6 +122,7 @@ class ReferenceProxy {
   bool cross_free_space(const Vec3& device) noexcept;
   void update_contacts() noexcept;
   void forget_borders_of_faces() noexcept;
+  void meet_face_below() noexcept;
   Pull project_pull(const Vec3& pull) noexcept;
   double pressure_of(double push) const noexcept;
   Material material_of(const Pull& pull) const noexcept;
