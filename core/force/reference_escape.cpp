@@ -164,6 +164,56 @@ bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept
   return leave_along(Vec3(*vertex), way, device);
 }
 
+// The nearest point of a concave edge that a point in contact is at, where two faces form it. Friction holds a point there by the faces
+// that lead on from the edge; its sphere may have come a little way up the face beyond, and would slip from that one sooner.
+bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
+  if (rest_ != kPointRadius || pull.strongest == nullptr) return false;
+  const PreparedTriangle& shape = pull.strongest->face.shape;
+  const double reach = kAtVertex * rest_;
+  for (int k = 0; k < 3; ++k) {
+    const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
+    if (!shape.has_face || inside > reach * shape.inward[k].norm()) continue;
+    const double along = shape.edge[k].dot(state_.place - shape.corner[k]) / shape.edge[k].squaredNorm();
+    on_edge = shape.corner[k] + along * shape.edge[k];
+    if (!(along > 0.0 && along < 1.0) || (state_.place - on_edge).norm() > reach) continue;
+    list_local_faces();
+    int count = 0;
+    const Vec3* opposite = nullptr;
+    for (const std::uint32_t i : local_) {
+      const PreparedTriangle& other = faces_[i].shape;
+      for (int e = 0; e < 3; ++e) {
+        const Vec3& from = other.corner[e];
+        const Vec3& to = other.corner[(e + 1) % 3];
+        const bool is_same =
+            (from == shape.corner[k] && to == shape.corner[(k + 1) % 3]) || (to == shape.corner[k] && from == shape.corner[(k + 1) % 3]);
+        if (!is_same) continue;
+        if (count < 2) sides[static_cast<std::size_t>(count)] = {other.normal, other.inward[e]};
+        if (&other != &shape && faces_[i].triangle != pull.strongest->face.triangle) opposite = &other.corner[(e + 2) % 3];
+        ++count;
+      }
+    }
+    if (count != 2 || opposite == nullptr) continue;
+    const double side = shape.normal.dot(state_.place - shape.corner[k]) > 0.0 ? 1.0 : -1.0;
+    if (side * shape.normal.dot(*opposite - shape.corner[k]) > 0.0) return true;
+  }
+  return false;
+}
+
+// Whether friction holds a point at a concave edge.
+bool ReferenceProxy::is_held_at_edge(const Vec3& device, const Pull& pull) noexcept {
+  std::array<Side, 2> sides;
+  Vec3 on_edge;
+  if (!has_friction() || !find_concave_edge(pull, on_edge, sides)) return false;
+  const Vec3 to_device = device - on_edge;
+  const Vec3 along = sides[0].normal.cross(sides[0].inward).normalized();
+  Vec3 way = along.dot(to_device) * along;
+  for (const Side& side : sides) {
+    const Vec3 over = to_device - side.normal.dot(to_device) * side.normal;
+    if (side.inward.dot(to_device) > 0.0 && over.squaredNorm() > way.squaredNorm()) way = over;
+  }
+  return !exceeds_friction(way.norm(), (to_device - way).norm(), material_of(pull));
+}
+
 // Friction holds a point at a vertex, or lets it go, by the steepest way as well. A sphere leans on some of the faces only, and has a cone
 // about the normals of those.
 ReferenceProxy::AtVertex ReferenceProxy::slip_from_vertex(const Vec3& device, const Pull& pull) noexcept {

@@ -106,7 +106,10 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   if (!has_friction() || device_from == device_to) return;
   update_contacts();
   const Pull before = project_pull(device_from - state_.place);
-  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace || find_vertex(before) != nullptr) return;
+  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace) return;
+  Vec3 on_edge;
+  std::array<Side, 2> sides;
+  if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
   const Vec3 normal = before.strongest->near.direction;
   const Pull after = project_pull(device_to - state_.place);
   if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
@@ -174,6 +177,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
     const AtVertex at_vertex = slip_from_vertex(device, pull);
     if (at_vertex == AtVertex::held) break;
     if (at_vertex == AtVertex::left) continue;
+    if (at_vertex == AtVertex::elsewhere && is_held_at_edge(device, pull)) break;
     const Vec3 motion = cut_at_border(pull, limit_by_friction(pull));
     if (!(motion.norm() > kStill)) {
       if (tip_over(device, pull)) continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -106,6 +107,11 @@ class ReferenceProxy {
     const Face* face = nullptr;
   };
 
+  // A face at an edge.
+  struct Side {
+    Vec3 normal = Vec3::Zero();
+    Vec3 inward = Vec3::Zero();
+  };
   enum class AtVertex : std::uint8_t { elsewhere, held, left };
 
   void list_local_faces() noexcept;
@@ -134,6 +140,8 @@ class ReferenceProxy {
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
   const Vec3* find_vertex(const Pull& pull) const noexcept;
   bool leave_vertex(const Vec3& device, const Pull& pull) noexcept;
+  bool find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept;
+  bool is_held_at_edge(const Vec3& device, const Pull& pull) noexcept;
   AtVertex slip_from_vertex(const Vec3& device, const Pull& pull) noexcept;
   bool leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept;
   bool exceeds_friction(double way, double depth, const Material& material) noexcept;

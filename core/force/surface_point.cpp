@@ -278,6 +278,22 @@ SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
 }
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {
+  if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
+  return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+}
+
+// Near an edge or vertex that it does not stand on.
+bool SurfacePoint::is_near_edges(double within) const noexcept {
+  for (int k = 0; k < 3; ++k) {
+    const bool stands_on = on_ == On::edge && k == edge_;
+    if (!stands_on && is_near_edge(a(), k, within)) return true;
+    if (on_ == On::edge && k != other_edge_ && is_near_edge(b(), k, within)) return true;
+  }
+  return false;
+}
+
+// Apart from lifted(), which is for every step: only to set up so many planes takes longer than all else in it.
+Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   std::array<ContactPlane, kMostFan> planes;
   Vec3 sum = Vec3::Zero();
   int count = 0;

@@ -163,6 +163,8 @@ class SurfacePoint {
   Vec3 vertex_normal() const noexcept;
   bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
+  [[gnu::noinline]] Vec3 lifted_over_all(double height) const noexcept;
+  bool is_near_edges(double within) const noexcept;
   Vec3 over_widest_face(double height) const noexcept;
   bool is_near_edge(const Facet& facet, int k, double within) const noexcept;
   template <class Add>
