@@ -317,22 +317,41 @@ Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
 }
 
+// The border of a sheet, or an edge as sharp, has no way up that both of its faces share: there it is the one out of the face. From over
+// the face a way round the border goes through it within rounding.
+Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexcept {
+  if (on_ == On::vertex) {
+    const Vec3 to_device = device - p_;
+    const double length = to_device.norm();
+    double clear = 1.0;
+    for (int i = 0; i < fan_count_ && length > 0.0; ++i) clear = std::min(clear, distance_from_facet(i, to_device / length));
+    if (clear * kSteepest > 1.0 && clear * length > 2.0 * height) return p_ + (height / (clear * length)) * to_device;
+  }
+  if (on_ == On::edge && (a().normal() + b().normal()).squaredNorm() * kSteepest * kSteepest <= 4.0 && is_convex()) {
+    return p_ - height * a().shape.normal().cross(a().shape.edge(edge_)).normalized();
+  }
+  return lifted(height);
+}
+
+const Vec3& SurfacePoint::edge_before(int i) const noexcept { return fan_[(i + fan_count_ - 1) % fan_count_].direction; }
+
+// At a vertex: from p, as seen from there, to face i of the fan, which has no end.
+double SurfacePoint::distance_from_facet(int i, const Vec3& p) const noexcept {
+  if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
+  const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
+  return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
+}
+
 // At a vertex where no way leads off all faces at once: over the middle of the face from which the others are farthest. A ball about that
 // middle which none of them enters is cut by the face alone, so half of it is on the free side.
 Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
-  const auto edge_before = [&](int i) -> const Vec3& { return fan_[(i + fan_count_ - 1) % fan_count_].direction; };
-  const auto distance_to = [&](int i, const Vec3& p) {
-    if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
-    const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
-    return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
-  };
   double widest = 1.0 / kSteepest;
   Vec3 way = 0.5 * widest * a().normal();
   for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
     const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
     double clear = 1.0;
     for (int k = 0; k < fan_count_; ++k) {
-      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_to(k, middle));
+      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_from_facet(k, middle));
     }
     if (clear <= widest) continue;
     widest = clear;

@@ -144,6 +144,9 @@ class SurfacePoint {
   // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near, at a vertex beside
   // it as well: so never into a face that it only comes up to.
   Vec3 lifted(double height) const noexcept;
+  // The same to where a flight to a device on the free side begins, which the surface next to the point must not stop: at a vertex on the
+  // way itself, at the border of a sheet beside it.
+  Vec3 lifted_towards(const Vec3& device, double height) const noexcept;
   // What holds the point, at most three faces; multipliers sum up only when it has settled without friction. Returns their number.
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
 
@@ -165,6 +168,8 @@ class SurfacePoint {
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
   [[gnu::noinline]] Vec3 lifted_over_all(double height) const noexcept;
   bool is_near_edges(double within) const noexcept;
+  const Vec3& edge_before(int i) const noexcept;
+  double distance_from_facet(int i, const Vec3& p) const noexcept;
   Vec3 over_widest_face(double height) const noexcept;
   bool is_near_edge(const Facet& facet, int k, double within) const noexcept;
   template <class Add>
