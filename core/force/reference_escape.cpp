@@ -169,34 +169,37 @@ bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept
 bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
   if (rest_ != kPointRadius || pull.strongest == nullptr) return false;
   const PreparedTriangle& shape = pull.strongest->face.shape;
+  if (!shape.has_face) return false;
   const double reach = kAtVertex * rest_;
+  int at = -1;
   for (int k = 0; k < 3; ++k) {
-    const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
-    if (!shape.has_face || inside > reach * shape.inward[k].norm()) continue;
-    const double along = shape.edge[k].dot(state_.place - shape.corner[k]) / shape.edge[k].squaredNorm();
-    on_edge = shape.corner[k] + along * shape.edge[k];
-    if (!(along > 0.0 && along < 1.0) || (state_.place - on_edge).norm() > reach) continue;
-    list_local_faces();
-    int count = 0;
-    const Vec3* opposite = nullptr;
-    for (const std::uint32_t i : local_) {
-      const PreparedTriangle& other = faces_[i].shape;
-      for (int e = 0; e < 3; ++e) {
-        const Vec3& from = other.corner[e];
-        const Vec3& to = other.corner[(e + 1) % 3];
-        const bool is_same =
-            (from == shape.corner[k] && to == shape.corner[(k + 1) % 3]) || (to == shape.corner[k] && from == shape.corner[(k + 1) % 3]);
-        if (!is_same) continue;
-        if (count < 2) sides[static_cast<std::size_t>(count)] = {other.normal, other.inward[e]};
-        if (&other != &shape && faces_[i].triangle != pull.strongest->face.triangle) opposite = &other.corner[(e + 2) % 3];
-        ++count;
-      }
-    }
-    if (count != 2 || opposite == nullptr) continue;
-    const double side = shape.normal.dot(state_.place - shape.corner[k]) > 0.0 ? 1.0 : -1.0;
-    if (side * shape.normal.dot(*opposite - shape.corner[k]) > 0.0) return true;
+    const double along = std::clamp(shape.edge[k].dot(state_.place - shape.corner[k]) / shape.edge[k].squaredNorm(), 0.0, 1.0);
+    const Vec3 nearest = shape.corner[k] + along * shape.edge[k];
+    if ((state_.place - nearest).norm() > reach) continue;
+    if (at >= 0 || !(along > 0.0 && along < 1.0)) return false;  // by a vertex another edge would have a say
+    at = k;
+    on_edge = nearest;
   }
-  return false;
+  if (at < 0) return false;
+  const Vec3& begin = shape.corner[at];
+  const Vec3& end = shape.corner[(at + 1) % 3];
+  list_local_faces();
+  int count = 0;
+  const Vec3* opposite = nullptr;
+  for (const std::uint32_t i : local_) {
+    const PreparedTriangle& other = faces_[i].shape;
+    for (int e = 0; e < 3; ++e) {
+      const Vec3& from = other.corner[e];
+      const Vec3& to = other.corner[(e + 1) % 3];
+      if (!(from == begin && to == end) && !(from == end && to == begin)) continue;
+      if (count < 2) sides[static_cast<std::size_t>(count)] = {other.normal, other.inward[e]};
+      if (faces_[i].triangle != pull.strongest->face.triangle) opposite = &other.corner[(e + 2) % 3];
+      ++count;
+    }
+  }
+  if (count != 2 || opposite == nullptr) return false;
+  const double side = shape.normal.dot(state_.place - begin) > 0.0 ? 1.0 : -1.0;
+  return side * shape.normal.dot(*opposite - begin) > 0.0;
 }
 
 // Whether friction holds a point at a concave edge.

@@ -297,7 +297,7 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const Vec3& motion = pull.motion.point;
   if (!has_friction() || pull.strongest == nullptr) return motion;
   Vec3 push = Vec3::Zero();
-  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * half_spaces_[pull.motion.active[i]].normal;
+  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * state_.contacts[pull.motion.active[i]].near.direction;
   const Material material = material_of(pull);
   const double way = motion.norm();
   const double pressure = pressure_of(push.norm());

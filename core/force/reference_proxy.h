@@ -70,6 +70,8 @@ class ReferenceProxy {
   // held with no contact, where there is no such place or no need of one. Pre: the faces there have been added.
   bool place_on_surface(const Vec3& p, bool sliding) noexcept;
 
+  // Friction: where it stands is not told by the device alone, but by the way there.
+  bool has_memory() const { return !frictionless_; }
   void set_sliding(bool sliding) noexcept { state_.sliding = sliding; }
 
   // One sub-step: the device has moved straight between the two, and the proxy moves to its equilibrium for the second.
