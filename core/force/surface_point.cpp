@@ -39,9 +39,9 @@ bool SurfacePoint::land(std::uint32_t triangle, bool back, const Vec3& p) noexce
 }
 
 bool SurfacePoint::land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept {
-  if (!land(triangle, back, p)) return false;
-  stands_ = look_across(k);
-  if (!stands_) return false;
+  const TouchGeometry::Across across = geometry_.across(triangle, k);
+  if (!across.exists || !holds(across.id, back != across.flips) || !land(triangle, back, p)) return false;
+  look_across(k);
   on_ = On::edge;
   has_left_a_ = false;
   return true;
@@ -174,8 +174,16 @@ Vec3 SurfacePoint::vertex_normal() const noexcept {
 // Pre: the vertex is the point of its faces nearest to there.
 bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
   if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
+  if (is_at_border()) return true;                    // both sides of the sheet meet there: nothing is behind it
   if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
   return vertex_normal().dot(to_device) > 0.0;
+}
+
+bool SurfacePoint::is_at_border() const noexcept {
+  for (int i = 0; i < fan_count_; ++i) {
+    if (fan_[i].id == fan_[(i + 1) % fan_count_].id) return true;
+  }
+  return false;
 }
 
 bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcept {
@@ -186,6 +194,7 @@ bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcep
 // What is nearest decides: a face of the fan, an edge between two, or the vertex by its normal. Which it is may be rounding where two are
 // alike; the signs are exact.
 bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
+  if (is_at_border()) return true;
   const Vec3 off = p == p_ ? kShift : Vec3(p - p_);
   double nearest = off.squaredNorm();
   const FanFacet* face = nullptr;

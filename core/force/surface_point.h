@@ -94,7 +94,7 @@ class SurfacePoint {
   void leave() { stands_ = false; }
   // Puts the point on a side of a walkable triangle. False, and nothing changed, where that side holds nothing.
   bool land(std::uint32_t triangle, bool back, const Vec3& p) noexcept;
-  // The same on edge k of the triangle: its neighbour must be walkable, too.
+  // The same on edge k of the triangle. False, and nothing changed, also where the side across that edge is not walkable or holds nothing.
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept;
 
   // On the face a(), inside.
@@ -164,6 +164,7 @@ class SurfacePoint {
   void turn_to(const FanFacet& facet) noexcept;
   bool enter_edge(const FanFacet& facet) noexcept;
   Vec3 vertex_normal() const noexcept;
+  bool is_at_border() const noexcept;  // at a vertex: the fan goes round both sides of an open sheet
   bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
   [[gnu::noinline]] Vec3 lifted_over_all(double height) const noexcept;
