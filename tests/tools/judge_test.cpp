@@ -104,11 +104,11 @@ INSTANTIATE_TEST_SUITE_P(Rows, JudgedRow,
                                            Row{"toycar_full_109k.glb", 3, 788, true},        // the same
                                            Row{"wingnut.obj", 2, 298, true},                 // beside a concave edge: reference
                                            Row{"demosthenes_17k_open.obj", 2, 618, false}),  // held a step too long at a border: proxy
-                         [](const auto& info) {
-                           std::string name = info.param.mesh;
+                         [](const auto& test) {
+                           std::string name = test.param.mesh;
                            std::replace_if(
                                name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-                           return name + "_" + std::to_string(info.param.seed) + (info.param.friction ? "_friction" : "");
+                           return name + "_" + std::to_string(test.param.seed) + (test.param.friction ? "_friction" : "");
                          });
 
 TEST(Judge, AShadedForceIsJudgedByTheUnshadedReferenceAndSaysSo) {
