@@ -68,7 +68,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     ++counters_.flights;
     if (outcome == Outcome::released) {
       double until = 1.0;
-      const Met met = fly(surface_.at().lifted(kLift), device, false, until);
+      const Met met = fly(surface_.at().lifted_towards(device, kLift), device, false, until);
       if (met == Met::other) return false;
       if (met == Met::nothing) {
         surface_.leave();
@@ -80,7 +80,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     }
     double until = 1.0;
     const Vec3 at = on_way(last, device, time);
-    const Met met = fly(surface_.at().lifted(kLift), at, surface_.slides(), until);
+    const Met met = fly(surface_.at().lifted_towards(at, kLift), at, surface_.slides(), until);
     if (met == Met::other) return false;
     if (met == Met::nothing) {
       surface_.leave();

@@ -16,6 +16,8 @@ constexpr double kLeastSlope = 0x1p-30;         // of the distance to the device
 const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
 const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
 constexpr double kLeastRoll = 1e-10;            // rad
+constexpr double kFarthestHeld = 64.0;          // rest distances: as far off the surface another method may hold a point
+constexpr double kSameHeight = 0x1p-10;         // of a height: two such are one
 
 }  // namespace
 
@@ -92,6 +94,29 @@ bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
   return true;
 }
 
+// In contact with all that p is as near to as it is to the nearest: what it stands on. It goes on as if it had come there itself: from a
+// place beside an edge, however near, friction would let it go another way.
+bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
+  if (rest_ != kPointRadius || frictionless_) return false;
+  place_held(p, sliding);
+  collect_near(p, kFarthestHeld * rest_);
+  double least = kFarthestHeld * rest_;
+  for (const Contact& contact : near_) least = std::min(least, contact.near.distance);
+  Vec3 sum = Vec3::Zero();
+  for (const Contact& contact : near_) {
+    if (contact.near.distance <= least * (1.0 + kSameHeight)) sum += contact.near.direction;
+  }
+  if (!(least > 0.5 * rest_) || !(sum.norm() > 0.5)) return false;
+  half_spaces_.clear();
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, rest_ - contact.near.distance});
+  const HalfSpaceProjection down = project_onto_half_spaces(-4.0 * least * sum.normalized(), half_spaces_, kFeasible);
+  if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_) return false;
+  state_.place = p + down.point;
+  for (const Contact& contact : near_) meet(contact.face);
+  update_contacts();
+  return !state_.contacts.empty();
+}
+
 const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {
   directions_.clear();
   auto add_line = [&](const Vec3& line) {
@@ -117,31 +142,108 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
   return directions_;
 }
 
+// The vertex that a point in contact is at; nullptr: none.
+const Vec3* ReferenceProxy::find_vertex(const Pull& pull) const noexcept {
+  if (rest_ != kPointRadius || pull.strongest == nullptr) return nullptr;
+  const Vec3* found = nullptr;
+  for (const Vec3& corner : pull.strongest->face.shape.corner) {
+    if ((corner - state_.place).norm() <= kAtVertex * rest_) found = &corner;
+  }
+  return found;
+}
+
 // A point leaves a vertex the steepest way, of all faces and edges round it. A sphere would roll on to what it happens to meet first.
 bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept {
-  if (rest_ != kPointRadius || has_friction() || !rules_.keeps_to_surface || pull.strongest == nullptr) return false;
-  const Vec3 start = state_.place;
-  const Vec3* vertex = nullptr;
-  for (const Vec3& corner : pull.strongest->face.shape.corner) {
-    if ((corner - start).norm() <= kAtVertex * rest_) vertex = &corner;
-  }
+  if (has_friction() || !rules_.keeps_to_surface) return false;
+  const Vec3* vertex = find_vertex(pull);
   if (vertex == nullptr) return false;
   const Vec3 way = find_steepest(*vertex, device - *vertex);
   const double slope = way.norm();
-  if (!(slope > kLeastSlope * (device - *vertex).norm())) return false;
   const double length = pull.motion.point.norm();
   if (length > kStill && way.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
+  return leave_along(Vec3(*vertex), way, device);
+}
+
+// The nearest point of a concave edge that a point in contact is at, where two faces form it. Friction holds a point there by the faces
+// that lead on from the edge; its sphere may have come a little way up the face beyond, and would slip from that one sooner.
+bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
+  if (rest_ != kPointRadius || pull.strongest == nullptr) return false;
+  const PreparedTriangle& shape = pull.strongest->face.shape;
+  if (!shape.has_face) return false;
+  const double reach = kAtVertex * rest_;
+  int at = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double along = std::clamp(shape.edge[k].dot(state_.place - shape.corner[k]) / shape.edge[k].squaredNorm(), 0.0, 1.0);
+    const Vec3 nearest = shape.corner[k] + along * shape.edge[k];
+    if ((state_.place - nearest).norm() > reach) continue;
+    if (at >= 0 || !(along > 0.0 && along < 1.0)) return false;  // by a vertex another edge would have a say
+    at = k;
+    on_edge = nearest;
+  }
+  if (at < 0) return false;
+  const Vec3& begin = shape.corner[at];
+  const Vec3& end = shape.corner[(at + 1) % 3];
+  list_local_faces();
+  int count = 0;
+  const Vec3* opposite = nullptr;
+  for (const std::uint32_t i : local_) {
+    const PreparedTriangle& other = faces_[i].shape;
+    for (int e = 0; e < 3; ++e) {
+      const Vec3& from = other.corner[e];
+      const Vec3& to = other.corner[(e + 1) % 3];
+      if (!(from == begin && to == end) && !(from == end && to == begin)) continue;
+      if (count < 2) sides[static_cast<std::size_t>(count)] = {other.normal, other.inward[e]};
+      if (faces_[i].triangle != pull.strongest->face.triangle) opposite = &other.corner[(e + 2) % 3];
+      ++count;
+    }
+  }
+  if (count != 2 || opposite == nullptr) return false;
+  const double side = shape.normal.dot(state_.place - begin) > 0.0 ? 1.0 : -1.0;
+  return side * shape.normal.dot(*opposite - begin) > 0.0;
+}
+
+// Whether friction holds a point at a concave edge.
+bool ReferenceProxy::is_held_at_edge(const Vec3& device, const Pull& pull) noexcept {
+  std::array<Side, 2> sides;
+  Vec3 on_edge;
+  if (!has_friction() || !find_concave_edge(pull, on_edge, sides)) return false;
+  const Vec3 to_device = device - on_edge;
+  const Vec3 along = sides[0].normal.cross(sides[0].inward).normalized();
+  Vec3 way = along.dot(to_device) * along;
+  for (const Side& side : sides) {
+    const Vec3 over = to_device - side.normal.dot(to_device) * side.normal;
+    if (side.inward.dot(to_device) > 0.0 && over.squaredNorm() > way.squaredNorm()) way = over;
+  }
+  return !exceeds_friction(way.norm(), (to_device - way).norm(), material_of(pull));
+}
+
+// Friction holds a point at a vertex, or lets it go, by the steepest way as well. A sphere leans on some of the faces only, and has a cone
+// about the normals of those.
+ReferenceProxy::AtVertex ReferenceProxy::slip_from_vertex(const Vec3& device, const Pull& pull) noexcept {
+  const Vec3* vertex = has_friction() ? find_vertex(pull) : nullptr;
+  if (vertex == nullptr) return AtVertex::elsewhere;
+  const Vec3 to_device = device - *vertex;
+  const Vec3 way = find_steepest(*vertex, to_device);
+  const Material material = material_of(pull);
+  if (!exceeds_friction(way.norm(), (to_device - way).norm(), material)) return AtVertex::held;
+  return leave_along(Vec3(*vertex), way, device) ? AtVertex::left : AtVertex::elsewhere;
+}
+
+bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept {
+  const Vec3 start = state_.place;
+  const double slope = way.norm();
+  const double distance = (device - vertex).norm();
+  if (!(slope > kLeastSlope * distance)) return false;
   vertex_contacts_ = state_.contacts;
-  const Vec3 to_vertex = *vertex - start;
   // In a groove that bends at the vertex a lift may be blocked, by what is beyond or what is behind.
   for (const double height : {8.0 * rest_, 24.0 * rest_}) {
     // As far as it takes to come nearer in spite of the lift.
-    const double share = std::max(8.0, 4.0 * (device - *vertex).norm() / slope) * height / slope;
+    const double share = std::max(8.0, 4.0 * distance / slope) * height / slope;
     collect_near(start, 2.0 * kAtVertex * rest_);
     for (const bool goes_to_vertex : {true, false}) {
       if (share >= 1.0 || !lift(start, height)) continue;
       state_.contacts.clear();
-      if (goes_to_vertex) advance(to_vertex);
+      if (goes_to_vertex) advance(vertex - start);
       advance(share * way);
       if ((device - state_.place).norm() < (device - start).norm()) {
         update_contacts();

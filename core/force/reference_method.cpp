@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kFarthest = 1e12;  // a device farther out is taken to be there: its square must stay finite
 constexpr int kMostSubsteps = 1 << 20;
+constexpr double kJump = 8.0;           // of the device's motion: no slide is as fast for long
+constexpr double kLeastPart = 0x1p-38;  // local units: a sub-step is not halved to less; a thousand times what decides a contact
+constexpr std::size_t kLevels = 48;
+constexpr int kMostHalvings = 1024;  // in a step done once
 
 float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
 float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
@@ -92,6 +96,7 @@ ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScen
   in_reach_.resize(triangles_.size());
   proxy_ = std::make_unique<ReferenceProxy>(settings.probe_radius_m / unit_m_, std::move(materials), triangles_.size());
   start_ = proxy_->make_state();
+  for (std::size_t i = 0; i < kLevels; ++i) levels_.push_back(proxy_->make_state());
 }
 
 // Far away the direction is kept and the distance cut, before anything can overflow.
@@ -160,12 +165,31 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
 }
 
 void ReferenceMethod::follow(const Vec3& from, const Vec3& to, int substeps) noexcept {
+  halvings_left_ = kMostHalvings;
   Vec3 last = from;
   for (int i = 1; i <= substeps; ++i) {
     const Vec3 next = i == substeps ? to : Vec3(from + (double(i) / substeps) * (to - from));
-    proxy_->follow(last, next, {});
+    follow_substep(last, next, 0);
     last = next;
   }
+}
+
+// Where a proxy under friction jumps, what comes of it depends on where the device was just then: the sub-step is halved until that is
+// known. Sub-steps of equal length would find it only to their length, and half of the time find the same wrong time when there are twice
+// as many.
+void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size_t level) noexcept {
+  if (!proxy_->has_memory()) return proxy_->follow(from, to, {});
+  ReferenceProxy::State& before = levels_[level];
+  proxy_->save(before);
+  proxy_->follow(from, to, {});
+  const double part = (to - from).norm();
+  const bool jumps = part > kLeastPart && (proxy_->state().place - before.place).norm() > kJump * part;
+  if (!jumps || level + 1 == levels_.size() || halvings_left_ == 0) return;
+  --halvings_left_;
+  proxy_->restore(before);
+  const Vec3 middle = 0.5 * (from + to);
+  follow_substep(from, middle, level + 1);
+  follow_substep(middle, to, level + 1);
 }
 
 void ReferenceMethod::follow_to_the_limit(const Vec3& from, const Vec3& to) noexcept {
@@ -214,8 +238,10 @@ void ReferenceMethod::resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) n
   const Vec3 penetration = to_local(p_SP) - device_;
   const double length = penetration.norm();
   if (!(length > 0.0)) return proxy_->place_free(device_);
+  proxy_->place_free(device_);
+  gather(device_, length + 128.0 * proxy_->rest());
+  if (proxy_->place_on_surface(device_ + penetration, sliding)) return;
   proxy_->place_held(device_ + (1.0 + 2.0 * ReferenceProxy::kPointRadius / length) * penetration, sliding);
-  gather(device_, length + 4.0 * proxy_->rest());
   proxy_->follow(device_, device_, {});
   if (!proxy_->state().free) proxy_->set_sliding(sliding);
 }

@@ -36,9 +36,10 @@ struct ReferenceStep {
 // friction holds P where the tangential part of the pull is within the cone, and drags it along its own lag else
 // (core/force/friction_drag.h). Force = stiffness (P - D), less damping along it, never pulling.
 //
-// Limit. Each step is done with N = reference_substeps, 2 N, 4 N ... sub-steps, always from the state at its start, until two successive
-// results agree: force and place to kAgreement of the larger force, and the sliding state. The finer result goes on. Where they still
-// differ at reference_substep_limit the step has not settled: its finest result goes on and it is counted; last_step() tells. Nothing is
+// Limit. Each step is done with N = reference_substeps, 2 N, 4 N ... sub-steps, always from the state at its start; one in which P jumps
+// under friction is halved until the moment of the jump is known to a billionth of it. That goes on until two successive results agree:
+// force and place to kAgreement of the larger force, and the sliding state. The finer result goes on. Where they still differ at
+// reference_substep_limit the step has not settled: its finest result goes on and it is counted; last_step() tells. Nothing is
 // extrapolated. Agreement is relative, or kResolution of the scene's diagonal where that is more: what rounding explains after the radius
 // of a point probe has been taken off.
 //
@@ -65,7 +66,8 @@ class ReferenceMethod final : public ForceMethod {
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept;
 
   // Goes on from another method's state: its proxy, at rest at p_SP with the device at p_SD, and whether friction had it slide. The proxy
-  // is lifted off the surface by twice a point's radius, away from the device. Step goes on from there. Counters are kept.
+  // is lifted off the surface by twice a point's radius, away from the device; a point under friction stands on the faces nearest to it.
+  // Step goes on from there. Counters are kept.
   void resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }
@@ -80,6 +82,7 @@ class ReferenceMethod final : public ForceMethod {
   PreparedTriangle prepare_triangle(std::uint32_t triangle) const;
   void gather(const Vec3& device, double reach) noexcept;
   void follow(const Vec3& from, const Vec3& to, int substeps) noexcept;
+  void follow_substep(const Vec3& from, const Vec3& to, std::size_t level) noexcept;
   void follow_to_the_limit(const Vec3& from, const Vec3& to) noexcept;
   MethodOutput compute_output(const Vec3& p_SD, const Vec3& place, const Vec3& velocity_m_per_s) const noexcept;
 
@@ -95,7 +98,9 @@ class ReferenceMethod final : public ForceMethod {
   std::vector<std::uint8_t> in_reach_;    // of triangles_, this step
 
   std::unique_ptr<ReferenceProxy> proxy_;
-  ReferenceProxy::State start_;  // of the step
+  ReferenceProxy::State start_;                // of the step
+  std::vector<ReferenceProxy::State> levels_;  // of a sub-step and its halves
+  int halvings_left_ = 0;
   Vec3 device_ = Vec3::Zero();
   bool placed_ = false;
   ReferenceStep last_;

@@ -107,6 +107,9 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   update_contacts();
   const Pull before = project_pull(device_from - state_.place);
   if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace) return;
+  Vec3 on_edge;
+  std::array<Side, 2> sides;
+  if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
   const Vec3 normal = before.strongest->near.direction;
   const Pull after = project_pull(device_to - state_.place);
   if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
@@ -122,7 +125,7 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   input.sliding = state_.sliding;
   if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
   const FrictionDrag dragged = drag_by_friction(input);
-  const Vec3 motion = input.lag + input.motion - dragged.lag;
+  const Vec3 motion = cut_at_border(after, input.lag + input.motion - dragged.lag);
   state_.sliding = dragged.sliding;
   if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
 }
@@ -171,6 +174,10 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
       }
       continue;
     }
+    const AtVertex at_vertex = slip_from_vertex(device, pull);
+    if (at_vertex == AtVertex::held) break;
+    if (at_vertex == AtVertex::left) continue;
+    if (at_vertex == AtVertex::elsewhere && is_held_at_edge(device, pull)) break;
     const Vec3 motion = cut_at_border(pull, limit_by_friction(pull));
     if (!(motion.norm() > kStill)) {
       if (tip_over(device, pull)) continue;
@@ -218,6 +225,7 @@ void ReferenceProxy::update_contacts() noexcept {
 // edge between two triangles of one plane it would hold a proxy whose device draws it along the plane by less than its normal leans; and
 // friction would stop there.
 void ReferenceProxy::forget_borders_of_faces() noexcept {
+  meet_face_below();
   const auto is_of_face = [&](const Contact& contact) {
     if (contact.near.feature == TriangleFeature::kFace) return false;
     return std::any_of(state_.contacts.begin(), state_.contacts.end(), [&](const Contact& other) {
@@ -226,6 +234,21 @@ void ReferenceProxy::forget_borders_of_faces() noexcept {
   };
   for (std::size_t i = state_.contacts.size(); i-- > 0;) {
     if (is_of_face(state_.contacts[i])) state_.contacts.erase(state_.contacts.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+// The face that a point is over, by no more than its radius, is in contact. Where the proxy has come over it without a motion that it
+// stopped, as over a row of slivers in one plane, only the border of what follows has been met.
+void ReferenceProxy::meet_face_below() noexcept {
+  const auto is_border = [](const Contact& contact) { return contact.near.feature != TriangleFeature::kFace; };
+  if (rest_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_border)) return;
+  list_local_faces();
+  for (const std::uint32_t i : local_) {
+    const Box& box = boxes_[i];
+    const double reach = rest_ + kSkin;
+    if (((state_.place - box.high).cwiseMax(box.low - state_.place).array() > reach).any() || !can_meet(faces_[i])) continue;
+    const ClosestPoint near = closest_point(faces_[i].shape, state_.place);
+    if (near.feature == TriangleFeature::kFace && near.distance <= reach && !near.direction.isZero(0.0)) meet(faces_[i]);
   }
 }
 
@@ -274,18 +297,20 @@ Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const Vec3& motion = pull.motion.point;
   if (!has_friction() || pull.strongest == nullptr) return motion;
   Vec3 push = Vec3::Zero();
-  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * half_spaces_[pull.motion.active[i]].normal;
+  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * state_.contacts[pull.motion.active[i]].near.direction;
   const Material material = material_of(pull);
   const double way = motion.norm();
   const double pressure = pressure_of(push.norm());
-  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * pressure;
-  const double least = material.friction_dynamic * pressure;
-  if (way <= held + kStill) {
-    state_.sliding = state_.sliding && way >= FrictionMotion::kRest * least;
-    return Vec3::Zero();
-  }
-  state_.sliding = true;
-  return motion * ((way - least) / way);
+  if (!exceeds_friction(way, pressure, material)) return Vec3::Zero();
+  return motion * ((way - material.friction_dynamic * pressure) / way);
+}
+
+// Whether a pull along the surface is out of the cone: then the proxy slides.
+bool ReferenceProxy::exceeds_friction(double way, double depth, const Material& material) noexcept {
+  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
+  const bool exceeds = way > held + kStill;
+  state_.sliding = exceeds || (state_.sliding && way >= FrictionMotion::kRest * material.friction_dynamic * depth);
+  return exceeds;
 }
 
 // Where the proxy jumps, the way counts, not only where it ends: it must not lead off the surface beyond what holds the proxy.

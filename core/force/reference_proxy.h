@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -65,6 +66,12 @@ class ReferenceProxy {
   // Forgets all contact and puts the proxy where something may hold it.
   void place_held(const Vec3& p, bool sliding) noexcept;
 
+  // Puts a point probe under friction where p stands on the surface, near by: in contact with the faces that are nearest to p. False, and
+  // held with no contact, where there is no such place or no need of one. Pre: the faces there have been added.
+  bool place_on_surface(const Vec3& p, bool sliding) noexcept;
+
+  // Friction: where it stands is not told by the device alone, but by the way there.
+  bool has_memory() const { return !frictionless_; }
   void set_sliding(bool sliding) noexcept { state_.sliding = sliding; }
 
   // One sub-step: the device has moved straight between the two, and the proxy moves to its equilibrium for the second.
@@ -102,6 +109,13 @@ class ReferenceProxy {
     const Face* face = nullptr;
   };
 
+  // A face at an edge.
+  struct Side {
+    Vec3 normal = Vec3::Zero();
+    Vec3 inward = Vec3::Zero();
+  };
+  enum class AtVertex : std::uint8_t { elsewhere, held, left };
+
   void list_local_faces() noexcept;
   bool is_local(const Vec3& p, double reach) const noexcept;
   template <class FaceAt>
@@ -116,6 +130,7 @@ class ReferenceProxy {
   bool cross_free_space(const Vec3& device) noexcept;
   void update_contacts() noexcept;
   void forget_borders_of_faces() noexcept;
+  void meet_face_below() noexcept;
   Pull project_pull(const Vec3& pull) noexcept;
   double pressure_of(double push) const noexcept;
   Material material_of(const Pull& pull) const noexcept;
@@ -125,7 +140,13 @@ class ReferenceProxy {
   double share_on_plane(const Contact& contact, const Vec3& motion) noexcept;
   bool has_friction() const { return !frictionless_ && rules_.friction; }
   bool keeps_to_surface() const { return rules_.keeps_to_surface || has_friction(); }
+  const Vec3* find_vertex(const Pull& pull) const noexcept;
   bool leave_vertex(const Vec3& device, const Pull& pull) noexcept;
+  bool find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept;
+  bool is_held_at_edge(const Vec3& device, const Pull& pull) noexcept;
+  AtVertex slip_from_vertex(const Vec3& device, const Pull& pull) noexcept;
+  bool leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept;
+  bool exceeds_friction(double way, double depth, const Material& material) noexcept;
   Vec3 find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept;
   bool roll(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;

@@ -146,6 +146,7 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
     const double way = std::sqrt(std::max(0.0, pull.squaredNorm() - height * height));
     const double depth = std::max(0.0, -height);
     if (!moves(way, depth)) {
+      at.balance_on_edge();
       hold(way, depth);
       drags_ = false;  // along the edge, that is
       return SurfaceNext::settled;
@@ -162,7 +163,10 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
   const double length = face.length(edge);
   const double way = face.edge(edge).dot(pull) / length;
   const double depth = (pull - (way / length) * face.edge(edge)).norm();
-  if (!moves(std::fabs(way), depth)) return hold(std::fabs(way), depth);
+  if (!moves(std::fabs(way), depth)) {
+    at.balance_on_edge();
+    return hold(std::fabs(way), depth);
+  }
   const double goal = face.along(edge, at.point()) + share_of_way(std::fabs(way), depth) * way / length;
   if (way < 0.0 && goal * length <= kSnap) return again_if(at.reach_vertex(edge));
   if (way > 0.0 && (1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));

@@ -39,9 +39,9 @@ bool SurfacePoint::land(std::uint32_t triangle, bool back, const Vec3& p) noexce
 }
 
 bool SurfacePoint::land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept {
-  if (!land(triangle, back, p)) return false;
-  stands_ = look_across(k);
-  if (!stands_) return false;
+  const TouchGeometry::Across across = geometry_.across(triangle, k);
+  if (!across.exists || !holds(across.id, back != across.flips) || !land(triangle, back, p)) return false;
+  look_across(k);
   on_ = On::edge;
   has_left_a_ = false;
   return true;
@@ -174,8 +174,16 @@ Vec3 SurfacePoint::vertex_normal() const noexcept {
 // Pre: the vertex is the point of its faces nearest to there.
 bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
   if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
+  if (is_at_border()) return true;                    // both sides of the sheet meet there: nothing is behind it
   if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
   return vertex_normal().dot(to_device) > 0.0;
+}
+
+bool SurfacePoint::is_at_border() const noexcept {
+  for (int i = 0; i < fan_count_; ++i) {
+    if (fan_[i].id == fan_[(i + 1) % fan_count_].id) return true;
+  }
+  return false;
 }
 
 bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcept {
@@ -186,6 +194,7 @@ bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcep
 // What is nearest decides: a face of the fan, an edge between two, or the vertex by its normal. Which it is may be rounding where two are
 // alike; the signs are exact.
 bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
+  if (is_at_border()) return true;
   const Vec3 off = p == p_ ? kShift : Vec3(p - p_);
   double nearest = off.squaredNorm();
   const FanFacet* face = nullptr;
@@ -278,6 +287,22 @@ SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
 }
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {
+  if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
+  return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+}
+
+// Near an edge or vertex that it does not stand on.
+bool SurfacePoint::is_near_edges(double within) const noexcept {
+  for (int k = 0; k < 3; ++k) {
+    const bool stands_on = on_ == On::edge && k == edge_;
+    if (!stands_on && is_near_edge(a(), k, within)) return true;
+    if (on_ == On::edge && k != other_edge_ && is_near_edge(b(), k, within)) return true;
+  }
+  return false;
+}
+
+// Apart from lifted(), which is for every step: only to set up so many planes takes longer than all else in it.
+Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   std::array<ContactPlane, kMostFan> planes;
   Vec3 sum = Vec3::Zero();
   int count = 0;
@@ -301,22 +326,41 @@ Vec3 SurfacePoint::lifted(double height) const noexcept {
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
 }
 
+// The border of a sheet, or an edge as sharp, has no way up that both of its faces share: there it is the one out of the face. From over
+// the face a way round the border goes through it within rounding.
+Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexcept {
+  if (on_ == On::vertex) {
+    const Vec3 to_device = device - p_;
+    const double length = to_device.norm();
+    double clear = 1.0;
+    for (int i = 0; i < fan_count_ && length > 0.0; ++i) clear = std::min(clear, distance_from_facet(i, to_device / length));
+    if (clear * kSteepest > 1.0 && clear * length > 2.0 * height) return p_ + (height / (clear * length)) * to_device;
+  }
+  if (on_ == On::edge && (a().normal() + b().normal()).squaredNorm() * kSteepest * kSteepest <= 4.0 && is_convex()) {
+    return p_ - height * a().shape.normal().cross(a().shape.edge(edge_)).normalized();
+  }
+  return lifted(height);
+}
+
+const Vec3& SurfacePoint::edge_before(int i) const noexcept { return fan_[(i + fan_count_ - 1) % fan_count_].direction; }
+
+// At a vertex: from p, as seen from there, to face i of the fan, which has no end.
+double SurfacePoint::distance_from_facet(int i, const Vec3& p) const noexcept {
+  if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
+  const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
+  return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
+}
+
 // At a vertex where no way leads off all faces at once: over the middle of the face from which the others are farthest. A ball about that
 // middle which none of them enters is cut by the face alone, so half of it is on the free side.
 Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
-  const auto edge_before = [&](int i) -> const Vec3& { return fan_[(i + fan_count_ - 1) % fan_count_].direction; };
-  const auto distance_to = [&](int i, const Vec3& p) {
-    if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
-    const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
-    return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
-  };
   double widest = 1.0 / kSteepest;
   Vec3 way = 0.5 * widest * a().normal();
   for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
     const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
     double clear = 1.0;
     for (int k = 0; k < fan_count_; ++k) {
-      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_to(k, middle));
+      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_from_facet(k, middle));
     }
     if (clear <= widest) continue;
     widest = clear;

@@ -94,7 +94,7 @@ class SurfacePoint {
   void leave() { stands_ = false; }
   // Puts the point on a side of a walkable triangle. False, and nothing changed, where that side holds nothing.
   bool land(std::uint32_t triangle, bool back, const Vec3& p) noexcept;
-  // The same on edge k of the triangle: its neighbour must be walkable, too.
+  // The same on edge k of the triangle. False, and nothing changed, also where the side across that edge is not walkable or holds nothing.
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept;
 
   // On the face a(), inside.
@@ -144,6 +144,9 @@ class SurfacePoint {
   // The point moved off the surface, to `height` over the faces that it stands on and those beyond concave edges near, at a vertex beside
   // it as well: so never into a face that it only comes up to.
   Vec3 lifted(double height) const noexcept;
+  // The same to where a flight to a device on the free side begins, which the surface next to the point must not stop: at a vertex on the
+  // way itself, at the border of a sheet beside it.
+  Vec3 lifted_towards(const Vec3& device, double height) const noexcept;
   // What holds the point, at most three faces; multipliers sum up only when it has settled without friction. Returns their number.
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
 
@@ -161,8 +164,13 @@ class SurfacePoint {
   void turn_to(const FanFacet& facet) noexcept;
   bool enter_edge(const FanFacet& facet) noexcept;
   Vec3 vertex_normal() const noexcept;
+  bool is_at_border() const noexcept;  // at a vertex: the fan goes round both sides of an open sheet
   bool is_before(const FanFacet& facet, const Vec3& p) const noexcept;
   static Vec3 between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept;
+  [[gnu::noinline]] Vec3 lifted_over_all(double height) const noexcept;
+  bool is_near_edges(double within) const noexcept;
+  const Vec3& edge_before(int i) const noexcept;
+  double distance_from_facet(int i, const Vec3& p) const noexcept;
   Vec3 over_widest_face(double height) const noexcept;
   bool is_near_edge(const Facet& facet, int k, double within) const noexcept;
   template <class Add>

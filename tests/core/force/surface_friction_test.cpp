@@ -336,6 +336,31 @@ TEST(SurfaceFriction, AlongAConcaveEdgeItLagsByTheCone) {
   EXPECT_EQ(slider.point(), before);
 }
 
+// It comes to the bottom of a gutter down one wall, stays there, and is drawn up the same wall again. (mountain_51k_open, slide of seed 3,
+// row 849: it stayed for ever.)
+TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverTheFaceItCameBy) {
+  Slider slider(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 3), 0.6, 0.4);
+  const Vec3 bottom = slider.stage.local(0.0, 0.2, 0.05);
+  const Vec3 start = bottom + Vec3(-0.05, 0.05, 0.0);
+  bool landed = false;
+  for (std::uint32_t t = 0; t < slider.stage.count() && !landed; ++t) {
+    const Separation at = slider.stage.geometry.separation(t, start);
+    landed = at.distance < 1e-12 && at.feature == Feature::face && slider.land(t, start);
+  }
+  ASSERT_TRUE(landed);
+  const auto device = [&](double left) { return Vec3(bottom + Vec3(-left, -0.1, 0.0)); };
+  ASSERT_EQ(slider.descend(device(-0.02)), SurfaceNext::settled);
+  EXPECT_LT((slider.point() - bottom).norm(), 1e-12);
+  // Up the left wall the pull is left - 0.1 and the depth left + 0.1, both over sqrt(2): the cone is left at 0.4.
+  ASSERT_EQ(slider.follow(device(-0.02), device(0.399)), SurfaceNext::settled);
+  EXPECT_LT((slider.point() - bottom).norm(), 1e-12);
+  double time = 0.0;
+  ASSERT_EQ(slider.friction.follow(slider.stage.point, device(0.399), device(0.409), time), SurfaceNext::descend);
+  EXPECT_NEAR(time, 0.1, 1e-6);
+  ASSERT_EQ(slider.descend(on_way(device(0.399), device(0.409), time)), SurfaceNext::settled);
+  EXPECT_LT((slider.point() - bottom - Vec3(-0.05, 0.05, 0.0)).norm(), 1e-6);  // mu_d depth behind: (0.3 - 0.4 * 0.5) / 2
+}
+
 // The bottom of a pit with walls of slope 1.25. Under it, the point stays while friction would hold it on the steepest way up; the device
 // goes out below the concave edge between two walls.
 TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {

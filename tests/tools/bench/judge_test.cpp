@@ -2,10 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "core/geometry/mesh_shapes.h"
+#include "tools/bench_meshes.h"
 
 namespace hapton {
 namespace {
@@ -56,6 +62,54 @@ TEST(Judge, ProxyIsWithinATenthOfAPercentInAllButAHundredthOfTheSteps) {
   EXPECT_LT(judged->error.error.p99, 1e-3);
   EXPECT_EQ(judged->error.falls, 0u);
 }
+
+// Slides in which proxy and reference once went different ways; each up to just after the row where they did.
+struct Row {
+  const char* mesh;
+  std::uint64_t seed;
+  std::size_t row;
+  bool friction;
+};
+
+class JudgedRow : public ::testing::TestWithParam<Row> {};
+
+TEST_P(JudgedRow, ProxyAndReferenceGoTheSameWay) {
+  const Row row = GetParam();
+  const auto mesh = make_bench_mesh(row.mesh, std::filesystem::path(HAPTON_SOURCE_DIR) / "meshes");
+  ASSERT_TRUE(mesh.has_value()) << mesh.error().what;
+  TouchScene scene;
+  Material material;
+  if (row.friction) {
+    material.friction_static = 0.5;
+    material.friction_dynamic = 0.4;
+  }
+  scene.objects.push_back({mesh->mesh, material});
+  const auto whole = make_slide_trajectory(*mesh->mesh, {.seed = row.seed, .rows = 2000});
+  ASSERT_TRUE(whole.has_value());
+  TouchTrajectory trajectory = *whole;
+  trajectory.p_SD.resize(row.row + 20);
+  JudgeSettings settings;
+  settings.method.name = "proxy";
+  const auto judged = judge_method(settings, scene, trajectory);
+  ASSERT_TRUE(judged.has_value());
+  EXPECT_EQ(judged->error.branch_switches, 0u) << "at worst " << judged->error.error.most << " in row " << judged->error.worst_step;
+  EXPECT_EQ(judged->error.ghosts + judged->error.falls, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rows, JudgedRow,
+                         ::testing::Values(Row{"mountain_51k_open.ply", 3, 849, true},       // held at an edge for ever: proxy
+                                           Row{"octagonal_pocket.ply", 2, 564, true},        // the same
+                                           Row{"nefertiti_70k.ply", 1, 1227, true},          // its sphere's contacts at a vertex: reference
+                                           Row{"demosthenes_17k_open.obj", 1, 1626, true},   // the same
+                                           Row{"toycar_full_109k.glb", 3, 788, true},        // the same
+                                           Row{"wingnut.obj", 2, 298, true},                 // beside a concave edge: reference
+                                           Row{"demosthenes_17k_open.obj", 2, 618, false}),  // held a step too long at a border: proxy
+                         [](const auto& test) {
+                           std::string name = test.param.mesh;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+                           return name + "_" + std::to_string(test.param.seed) + (test.param.friction ? "_friction" : "");
+                         });
 
 TEST(Judge, AShadedForceIsJudgedByTheUnshadedReferenceAndSaysSo) {
   const TouchScene scene = bumps();
