@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "core/geometry/mesh_shapes.h"
-#include "tools/bench_meshes.h"
+#include "tools/bench/bench_meshes.h"
 
 namespace hapton {
 namespace {
