@@ -1,6 +1,7 @@
 #include "io_node/device_hub.h"
 
 #include <fmt/core.h>
+#include <cmath>
 
 #include <utility>
 
@@ -104,7 +105,8 @@ DeviceLimits tighter_limits(const DeviceSettings& settings) {
 }
 
 void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
-  if (options.device.max_force_n <= own.max_force_n && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
+  const bool is_own_force = std::isinf(options.device.max_force_n) || options.device.max_force_n <= own.max_force_n;
+  if (is_own_force && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
   log_warning("{}limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", name_prefix(options), own.max_force_n,
               own.max_slew_n_per_s);
 }
@@ -141,6 +143,7 @@ struct DeviceHub::Parts {
     return {.rate_hz = options.rate_hz,
             .vision_rate_hz = options.vision_rate_hz,
             .tighter = tighter_limits(options.device),
+            .forbids_force = options.device.max_force_n == 0.0,
             .hold_button = options.device.hold_button,
             .overrun = overrun_policy(options),
             .spin_share = options.spin_share};

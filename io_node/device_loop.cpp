@@ -21,6 +21,7 @@ void relax() noexcept {
 DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& options)
     : device_(device), clock_(clock), policy_(options.overrun), governor_(device.limits()), spin_(options.spin_share) {
   governor_.tighten(options.tighter);
+  if (options.forbids_force) governor_.forbid_force();
   governor_.require_button(options.hold_button);
   stats_.rate_hz = options.rate_hz;
   start();

@@ -98,6 +98,7 @@ class DeviceLoop {
   struct Options {
     double rate_hz = 1000.0;
     DeviceLimits tighter = {};
+    bool forbids_force = false;
     int hold_button = -1;
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;

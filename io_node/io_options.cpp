@@ -56,7 +56,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks");
   app.add_option("--seed", options.device.seed, "Of the simulated hand's script")->capture_default_str();
-  app.add_option("--max-force", options.device.max_force_n, "Tighter limit on the force, N (0: the device's own)")
+  app.add_option("--max-force", options.device.max_force_n, "Tighter limit on the force, N; 0: no force at all (default: the device's own)")
       ->check(between(0.0, 1e3));
   app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
       ->check(between(0.0, 1e6));

@@ -31,6 +31,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
     : loop_(device, clock,
             {.rate_hz = options.rate_hz,
              .tighter = options.tighter,
+             .forbids_force = options.forbids_force,
              .hold_button = options.hold_button,
              .overrun = options.overrun,
              .spin_share = options.spin_share}),

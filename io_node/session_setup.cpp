@@ -1,6 +1,7 @@
 #include "io_node/session_setup.h"
 
 #include <chrono>
+#include <cmath>
 
 #include "runtime/build_id.h"
 #include "runtime/state_folder.h"
@@ -18,7 +19,8 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
                      {"rate", fmt::format("{}", options.rate_hz)},
                      {"vision-rate", fmt::format("{}", options.vision_rate_hz)},
                      {"seed", fmt::format("{}", options.device.seed)},
-                     {"max-force", fmt::format("{}", options.device.max_force_n)},
+                     {"max-force", std::isfinite(options.device.max_force_n) ? fmt::format("{}", options.device.max_force_n)
+                                                                             : std::string("the device's own")},
                      {"max-slew", fmt::format("{}", options.device.max_slew_n_per_s)},
                      {"max-torque", fmt::format("{}", options.device.max_torque_nm)},
                      {"continuous-force", fmt::format("{}", options.device.continuous_force_n)},

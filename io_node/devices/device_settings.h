@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -17,8 +18,9 @@ struct DeviceSettings {
   std::string trajectory;          // CSV of the replay
   bool loop = false;               // the replay begins again
   std::uint64_t seed = 1;          // of the simulated hand's script
-  double max_force_n = 0.0;        // tighter than the device's own limit; 0: the device's
-  double max_slew_n_per_s = 0.0;   // the same, of its change
+  // Tighter than the device's own limit; 0: no force at all; infinite: the device's own.
+  double max_force_n = std::numeric_limits<double>::infinity();
+  double max_slew_n_per_s = 0.0;  // tighter than the device's own; 0: the device's, like the next three
   double max_torque_nm = 0.0;
   double continuous_force_n = 0.0;
   double max_speed_m_per_s = 0.0;

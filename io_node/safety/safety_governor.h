@@ -69,6 +69,7 @@ class SafetyGovernor {
   explicit SafetyGovernor(const DeviceLimits& device);
 
   void tighten(const DeviceLimits& limits) noexcept { limits_.tighten(limits); }
+  void forbid_force() noexcept { limits_.forbid_force(); }
   void require_button(int button) noexcept { dead_man_.require_button(button); }
 
   // The device as it was just read, at sample.time_ns.

@@ -61,4 +61,10 @@ void SafetyLimits::tighten(const DeviceLimits& wanted) noexcept {
   }
 }
 
+void SafetyLimits::forbid_force() noexcept {
+  now_.max_force_n = 0.0;
+  now_.continuous_force_n = 0.0;
+  now_.max_torque_nm = 0.0;
+}
+
 }  // namespace hapton

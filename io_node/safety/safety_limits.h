@@ -27,6 +27,9 @@ class SafetyLimits {
   // What makes no sense changes nothing; nor do max_stiffness and peak_s, which limit nothing by themselves.
   void tighten(const DeviceLimits& wanted) noexcept;
 
+  // From now on no force and no torque at all. RT: yes.
+  void forbid_force() noexcept;
+
   const DeviceLimits& now() const noexcept { return now_; }
   // The device's own, whatever has been tightened: letting go is never slowed down, and what it can bear is no matter of taste.
   const DeviceLimits& device() const noexcept { return device_; }

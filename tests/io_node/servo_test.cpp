@@ -1018,6 +1018,15 @@ TEST_F(Servos, finish_lets_the_device_go) {
   EXPECT_NEAR(stats().seconds(), 0.3, 1e-12);
 }
 
+TEST_F(Servos, a_limit_of_zero_gives_no_force_and_all_the_rest) {
+  make({.forbids_force = true});
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_EQ(stats().max_force_n, 0.0);
+  EXPECT_GT(stats().forces, 200U);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+}
+
 TEST_F(Servos, tighter_limits_hold) {
   make({.tighter = {.max_force_n = 1.5}});
   join(kHaptics, NodeRole::haptics);

@@ -116,7 +116,7 @@ TEST(Doctor, TellsAProgramByItsExitCode) {
   std::ofstream(clock + "/current_clocksource") << "hpet\n";
   const Ended slow = look();
   EXPECT_EQ(slow.exit_code, 1);
-  EXPECT_THAT(slow.out, HasSubstr("mend: "));
+  EXPECT_THAT(slow.out, HasSubstr("fix: "));
   for (const std::vector<std::string>& wrong :
        {std::vector<std::string>{"--only", "nonsense"}, {"--root", "/nowhere"}, {"--port", "0"}, {"stray"}}) {
     std::vector<std::string> words = {"doctor"};
@@ -149,7 +149,7 @@ TEST(Doctor, LoadsVendorsLibrariesAndNamesWhatTheyLack) {
   const Ended needy = look("needy");
   EXPECT_EQ(needy.exit_code, 1);
   EXPECT_THAT(needy.out, HasSubstr("OpenHaptics: libPhantomIOLib42.so: cannot open shared object file: No such file or directory"));
-  EXPECT_THAT(needy.out, HasSubstr("mend: libHD.so is there, but needs libPhantomIOLib42.so"));
+  EXPECT_THAT(needy.out, HasSubstr("fix: libHD.so is there, but needs libPhantomIOLib42.so"));
 }
 
 TEST(Devices, AFileThatIsWrongIsOneLine) {
