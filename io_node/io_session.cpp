@@ -31,7 +31,7 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::left:
       return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
     case ServoEvent::Kind::refused:
-      return fmt::format("a {} node was refused: its place is taken", name_of(event.role));
+      return fmt::format("a {} node was rejected: the hub has no free slot for it; it keeps trying", name_of(event.role));
     case ServoEvent::Kind::rate_changed:
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
     case ServoEvent::Kind::method_asked:

@@ -199,7 +199,8 @@ void Servo::hear(const PeerEvent& event, const Datagram& datagram) noexcept {
     case PeerEvent::Kind::left:
       return on_left(event);
     case PeerEvent::Kind::refused:
-      return tell(ServoEvent::Kind::refused, event.role, {});
+      if (refusals_.is_news(event.role, event.receive_time_ns)) tell(ServoEvent::Kind::refused, event.role, {});
+      return;
   }
 }
 

@@ -152,6 +152,7 @@ class Servo {
   std::int64_t next_view_repeat_ns_ = 0;
   std::int64_t next_figures_ns_ = 0;
   StrangerNews strangers_;
+  RefusalNews refusals_;
   std::int64_t next_denial_ns_ = 0;
   std::uint64_t resets_denied_ = 0;  // here, for want of the right or of a person
 

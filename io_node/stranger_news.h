@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "io_node/event_ring.h"
 #include "link/hub_peers.h"
@@ -35,6 +38,25 @@ class StrangerNews {
   std::uint64_t wrong_version_ = 0;
   std::uint64_t role_violations_ = 0;
   std::int64_t next_ns_ = 0;
+};
+
+// A node that finds its place taken tries again ten times a second. A person is told once, and again when it comes back after a pause.
+// RT: yes. Threads: one.
+class RefusalNews {
+ public:
+  static constexpr std::int64_t kPauseNs = 10 * kNanosecondsPerSecond;
+
+  // Whether a refusal of that role at that time is news.
+  bool is_news(NodeRole role, std::int64_t now_ns) noexcept {
+    std::int64_t& last_ns = last_ns_[static_cast<std::size_t>(role) % last_ns_.size()];
+    const bool is_news = last_ns == kNever || now_ns - last_ns > kPauseNs;
+    last_ns = now_ns;
+    return is_news;
+  }
+
+ private:
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+  std::array<std::int64_t, 8> last_ns_ = {kNever, kNever, kNever, kNever, kNever, kNever, kNever, kNever};  // by NodeRole
 };
 
 }  // namespace hapton

@@ -7,6 +7,8 @@
 #include "core/force/contact_qp.h"
 #include "core/force/friction_drag.h"
 #include "core/force/sphere_follower.h"
+#include "core/math/quadratic.h"
+#include "core/math/straight_motion.h"
 
 namespace hapton {
 namespace {
@@ -21,8 +23,6 @@ constexpr double kUneven = 0x1p-16;
 constexpr double kUnevenShare = 0x1p-20;
 constexpr double kExact = 0x1p-42;     // no more, and the cubic is the way itself
 constexpr double kReleased = 0x1p-24;  // a pull where the device comes out
-
-Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
 // The least zero of a function that is above zero at `low` and below at `high`, if there is one only: false position, with the end that
 // stays halved (Illinois).
@@ -47,22 +47,6 @@ double find_zero(double low, double at_low, double high, double at_high, Value&&
     }
   }
   return zero;
-}
-
-// a t^2 + 2 b t + c, t from 0 on: when it next rises above zero. Infinite: never, or only by `play`.
-double time_of_rise(double a, double b, double c, double play) {
-  if (a < 0.0 && b > 0.0 && c - b * b / a <= play) return kNever;
-  if (!(c < 0.0)) {
-    if (b > 0.0 || (b == 0.0 && a > 0.0)) return 0.0;
-    if (!(a > 0.0)) return kNever;
-    const double discriminant = b * b - a * c;
-    return (discriminant >= 0.0 ? std::sqrt(discriminant) - b : -2.0 * b) / a;
-  }
-  const double discriminant = b * b - a * c;
-  if (!(discriminant >= 0.0)) return kNever;
-  const double root = std::sqrt(discriminant);
-  if (b > 0.0) return -c / (b + root);
-  return a > 0.0 ? (root - b) / a : kNever;
 }
 
 }  // namespace

@@ -6,13 +6,12 @@
 
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
+#include "core/math/straight_motion.h"
 
 namespace hapton {
 namespace {
 
 using Part = OffsetContact::Part;
-
-Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
 }  // namespace
 

@@ -3,13 +3,12 @@
 #include <cmath>
 
 #include "core/force/sphere_follower.h"
+#include "core/math/straight_motion.h"
 
 namespace hapton {
 namespace {
 
 using Part = OffsetContact::Part;
-
-Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
 }  // namespace
 

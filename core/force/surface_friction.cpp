@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/force/friction_drag.h"
+#include "core/math/quadratic.h"
 
 namespace hapton {
 namespace {
@@ -27,21 +28,7 @@ SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend :
 struct Quadratic {
   double a = 0.0, b = 0.0, c = 0.0;
 
-  // When it next rises above zero: at once if it rises from there or above, after it has fallen below if it falls. Where it falls, but
-  // stays above: when it is as high again. Infinite: never.
-  double time_of_rise() const {
-    if (!(c < 0.0)) {
-      if (b > 0.0 || (b == 0.0 && a > 0.0)) return 0.0;
-      if (!(a > 0.0)) return kNever;
-      const double discriminant = b * b - a * c;
-      return (discriminant >= 0.0 ? std::sqrt(discriminant) - b : -2.0 * b) / a;
-    }
-    const double discriminant = b * b - a * c;
-    if (!(discriminant >= 0.0)) return kNever;
-    const double root = std::sqrt(discriminant);
-    if (b > 0.0) return -c / (b + root);
-    return a > 0.0 ? (root - b) / a : kNever;
-  }
+  double time_of_rise() const { return hapton::time_of_rise(a, b, c); }
 };
 
 // The pull of a device that goes straight, as seen from a point that stays: `start` + t `motion`.

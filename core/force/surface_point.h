@@ -8,6 +8,7 @@
 #include "core/collision/touch_geometry.h"
 #include "core/force/touch_scene.h"
 #include "core/geometry/contact_triangle.h"
+#include "core/math/straight_motion.h"
 
 namespace hapton {
 
@@ -191,13 +192,5 @@ class SurfacePoint {
   std::array<FanFacet, kMostFan> fan_;
   int fan_count_ = 0;
 };
-
-// Where the device is, on its straight way from time 0 to 1.
-inline Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
-// When a quantity that is `at_0` at time 0 and `at_1` at time 1 passes zero, not before `now`. Pre: it does, or has.
-inline double time_of_zero(double at_0, double at_1, double now) {
-  const double t = at_0 != at_1 ? at_0 / (at_0 - at_1) : now;
-  return std::clamp(t, now, 1.0);
-}
 
 }  // namespace hapton

@@ -31,5 +31,14 @@ TEST(StrangerNewsTest, TellsEveryTenSecondsAtMostAndNothingTwice) {
   EXPECT_TRUE(look(news, {.wrong_key = 9}, {.role_violations = 1}, 3 * StrangerNews::kEveryNs).empty());
 }
 
+TEST(RefusalNewsTest, OfANodeThatKeepsTryingIsOneUntilItPauses) {
+  RefusalNews news;
+  EXPECT_TRUE(news.is_news(NodeRole::haptics, 0));
+  std::int64_t now_ns = 0;
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(news.is_news(NodeRole::haptics, now_ns += 100 * kNanosecondsPerMillisecond));
+  EXPECT_TRUE(news.is_news(NodeRole::vision, now_ns)) << "another role's is news of its own";
+  EXPECT_TRUE(news.is_news(NodeRole::haptics, now_ns + RefusalNews::kPauseNs + 1));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+
+// a t^2 + 2 b t + c, t from 0 on: when it next rises above zero. At once if it rises from there or above, after it has fallen below if it
+// falls. Where it falls but stays above zero: when it is as high again. A dip that stays above zero, or below it by no more than `play`
+// would reach, is none: infinite, as where it never rises. RT: yes.
+inline double time_of_rise(double a, double b, double c, double play = -std::numeric_limits<double>::infinity()) noexcept {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (a < 0.0 && b > 0.0 && c - b * b / a <= play) return kNever;
+  if (!(c < 0.0)) {
+    if (b > 0.0 || (b == 0.0 && a > 0.0)) return 0.0;
+    if (!(a > 0.0)) return kNever;
+    const double discriminant = b * b - a * c;
+    return (discriminant >= 0.0 ? std::sqrt(discriminant) - b : -2.0 * b) / a;
+  }
+  const double discriminant = b * b - a * c;
+  if (!(discriminant >= 0.0)) return kNever;
+  const double root = std::sqrt(discriminant);
+  if (b > 0.0) return -c / (b + root);
+  return a > 0.0 ? (root - b) / a : kNever;
+}
+
+}  // namespace hapton

@@ -1,0 +1,58 @@
+#include "core/math/quadratic.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace hapton {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// By small steps: the first place after which it is above zero, having been at or below it before.
+double scan_for_rise(double a, double b, double c) {
+  const auto value = [&](double t) { return (a * t + 2.0 * b) * t + c; };
+  for (int i = 1; i <= 400'000; ++i) {
+    const double t = 1e-4 * i;
+    if (value(t) > 0.0 && value(t - 1e-4) <= 0.0) return t;
+  }
+  return kNever;
+}
+
+TEST(Quadratic, RisesWhereAScanOfItDoes) {
+  std::mt19937_64 random(20261121);
+  std::uniform_real_distribution<double> coefficient(-1.0, 1.0);
+  int risen = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double a = coefficient(random);
+    const double b = coefficient(random);
+    const double c = -std::fabs(coefficient(random));
+    const double expected = scan_for_rise(a, b, c);
+    const double found = time_of_rise(a, b, c);
+    if (expected == kNever) {
+      EXPECT_GT(found, 39.0) << a << ' ' << b << ' ' << c;
+      continue;
+    }
+    ++risen;
+    EXPECT_NEAR(found, expected, 2e-4) << a << ' ' << b << ' ' << c;
+  }
+  EXPECT_GT(risen, 20);
+}
+
+TEST(Quadratic, FromAboveRisesAtOnceOrAfterItHasFallen) {
+  EXPECT_EQ(time_of_rise(1.0, 0.5, 0.0), 0.0);
+  EXPECT_EQ(time_of_rise(-1.0, 0.5, 2.0), 0.0);
+  EXPECT_EQ(time_of_rise(1.0, -3.0, 5.0), 5.0);  // roots 1 and 5
+  EXPECT_EQ(time_of_rise(1.0, -1.0, 5.0), 2.0);  // stays above: as high again at 2
+  EXPECT_EQ(time_of_rise(-1.0, -1.0, 5.0), kNever);
+}
+
+// Its crest reaches 1 over zero: that is play where play is as much.
+TEST(Quadratic, ACrestWithinPlayIsNoRise) {
+  EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0), 0.0);
+  EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0, 1.0), kNever);
+  EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0, 0.5), 0.0);
+}
+
+}  // namespace
+}  // namespace hapton
