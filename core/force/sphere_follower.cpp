@@ -326,16 +326,21 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   if (!is_restored) return Next::unclear;
   note_move(before);
   if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
-  if (!take_event(event, leg.path)) return Next::unclear;
-  if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
-  if (leg.released >= 0) {
-    ++idle_;
-    remove_contact(leg.released);
-    if (touching_ == 0) centre_ = on_way(from, to, time);
-    is_descending_ = touching_ != 0;
-    return Next::again;
-  }
+  if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// After a leg: what its event, or the contact that is released at its end, leads to. None: the leg went on to its end.
+std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
+                                                            const Vec3& device) noexcept {
+  if (!take_event(event, path)) return Next::unclear;
+  if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
+  if (released < 0) return std::nullopt;
+  ++idle_;
+  remove_contact(released);
+  if (touching_ == 0) centre_ = device;
+  is_descending_ = touching_ != 0;
+  return Next::again;
 }
 
 // From a place that no longer is a minimum: which way it leaves. By the hint, unless something touched is in the way there. False: it
@@ -439,84 +444,6 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   remove_contact(released);
   is_descending_ = true;
   return Next::again;
-}
-
-// Changes the contacts as the event says. False: it cannot.
-bool SphereFollower::take_event(const Event& event, const CentrePath& path) noexcept {
-  if (event.contact >= 0) {
-    is_descending_ = true;
-    const bool is_plain = idle_ > kMostIdle / 4;  // that it rises led nowhere: the faces are one plane, as far as rounding can tell
-    const int rising =
-        event.exit.part == Part::edge && !is_plain ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
-    if (rising >= 0)
-      return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
-    if (const int level = event.exit.part == Part::edge ? find_level(contacts_[event.contact], event.exit) : -1; level >= 0) {
-      hint_ = path.slope(event.time);
-      OffsetContact& contact = contacts_[event.contact];
-      contact = OffsetContact::on_face(near_.triangle(level), near_.shape(level), contact.normal);
-      return true;
-    }
-    leave_part(event.contact, event.exit, path.slope(event.time));
-    return restore(centre_);
-  } else if (event.slot >= 0) {
-    hint_ = path.slope(event.time);
-    is_descending_ = true;
-    return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
-  }
-  return true;
-}
-
-// Beyond an edge of a face the next one may rise by so little that nothing was hit before. A slot, -1: none.
-int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept {
-  if (contact.part != Part::face) return -1;
-  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
-  int rising = -1;
-  double least = -kLeastRise * way.norm();
-  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
-    const ContactTriangle& shape = near_.shape(slot);
-    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
-    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
-    const double rise = face.normal.dot(way);
-    if (!(rise < least) || std::fabs(face.stand(centre_).distance - keep_.offset) > keep_.slop) return;
-    least = rise;
-    rising = slot;
-  });
-  return rising;
-}
-
-// Beyond an edge of a face the next one may lie in the same plane: there the edge has no part of the offset surface. A slot, -1: none.
-int SphereFollower::find_level(const OffsetContact& contact, const Exit& exit) noexcept {
-  if (contact.part != Part::face) return -1;
-  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
-  int level = -1;
-  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
-    const ContactTriangle& shape = near_.shape(slot);
-    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
-    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise)) return;
-    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
-    if (!(std::fabs(face.stand(centre_).distance - keep_.offset) <= kLeastLevel)) return;
-    for (int k = 0; k < 3; ++k) {
-      if (!(shape.inside(k, centre_) > 0.0)) return;
-    }
-    level = slot;
-  });
-  return level;
-}
-
-// The contact goes on to what lies beyond the border of its part.
-void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexcept {
-  OffsetContact& contact = contacts_[i];
-  hint_ = way;
-  const Vec3 normal = contact.stand(centre_).normal;
-  const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
-  const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
-  if (exit.part == Part::face) {
-    contact = OffsetContact::on_face(triangle, shape, normal);
-  } else if (exit.part == Part::edge) {
-    contact = OffsetContact::on_edge(triangle, shape, exit.index);
-  } else {
-    contact = OffsetContact::on_vertex(triangle, shape, exit.index);
-  }
 }
 
 // Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one

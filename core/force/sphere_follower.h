@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "core/collision/near_triangles.h"
@@ -207,6 +208,7 @@ class SphereFollower {
   bool find_event(const CentrePath& path, Event& event) noexcept;
   int find_exits(const OffsetContact& contact, const Vec3& c) noexcept;
   bool take_event(const Event& event, const CentrePath& path) noexcept;
+  std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
   int find_level(const OffsetContact& contact, const Exit& exit) noexcept;

@@ -1,8 +1,10 @@
 // The pieces of way that a sphere's centre goes over the offset surface, and what happens first on them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/force/sphere_follower.h"
+#include "core/math/find_zero.h"
 #include "core/math/straight_motion.h"
 
 namespace hapton {
@@ -135,6 +137,7 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
 bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
   constexpr int kMostHalvings = 40;
   constexpr double kLeastTime = 0x1p-44;
+  constexpr double kNearZero = 0x1p-50;     // of a multiplier: its rounding
   constexpr double kUneven = 0x1p-20;       // of the offset,
   constexpr double kUnevenShare = 0x1p-24;  // and of the way
   const Vec3 device = on_way(from, to, time);
@@ -180,30 +183,13 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   // The first multiplier to reach zero ends it there.
   leg.released = -1;
   for (int i = 0; i < count_; ++i) {
-    double high = leg.time;
-    double at_high = multiplier(end, on_way(from, to, high), i);
-    if (!(at_high < -kLeastWay)) continue;
-    double low = time;
-    double at_low = std::max(0.0, multiplier(centre_, device, i));
-    Vec3 c = end;
-    double zero = low;
-    for (int round = 0; round < 24 && at_low > 0.0; ++round) {
-      zero = low + (high - low) * (at_low / (at_low - at_high));
-      c = end;
-      if (!solve(on_way(from, to, zero), c)) break;
-      const double here = multiplier(c, on_way(from, to, zero), i);
-      if (is_straight || std::fabs(here) <= 0x1p-50 || !(zero > low) || !(zero < high)) break;
-      if (here < 0.0) {
-        high = zero;
-        at_high = here;
-        at_low *= 0.5;
-      } else {
-        low = zero;
-        at_low = here;
-        at_high *= 0.5;
-      }
-    }
-    if (!(at_low > 0.0)) zero = low;
+    const double at_end = multiplier(end, on_way(from, to, leg.time), i);
+    if (!(at_end < -kLeastWay)) continue;
+    const double at_start = std::max(0.0, multiplier(centre_, device, i));
+    const double zero = find_zero(time, at_start, leg.time, at_end, kNearZero, [&](double then) {
+      Vec3 c = end;
+      return solve(on_way(from, to, then), c) ? multiplier(c, on_way(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
+    });
     leg.released = i;
     leg.time = zero;
     end = centre_;
@@ -371,82 +357,6 @@ unsigned SphereFollower::held_corners(const ContactTriangle& shape) const noexce
     }
   }
   return held;
-}
-
-// What comes first on the path, up to the time in `event`. False: it cannot be told.
-bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
-  // A face is left long before the end of a path over it; only other parts have borders that are found by what is near.
-  const bool is_curved = std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.is_curved(); });
-  if (is_curved && !cover(path, event.time)) return false;
-  for (int i = 0; i < count_; ++i) {
-    const int count = find_exits(contacts_[i], path.start());
-    if (count < 0) return false;
-    for (int k = 0; k < count; ++k) {
-      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, 0.0, event.time);
-      if (time > event.time || (time == event.time && event.contact >= 0)) continue;
-      event.time = time;
-      event.contact = i;
-      event.exit = exits_[k];
-    }
-  }
-  const double exit_time = event.time;
-  if (!is_curved && !cover(path, event.time)) return false;
-  if (event.time < exit_time) event.contact = -1;
-  // What lies below the plane of a face, seen from a centre that goes over it, is never nearer than the face.
-  const bool is_on_plane = (path.is_straight() || count_ == 1) && count_ > 0 && contacts_[0].part == Part::face;
-  const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
-  const double level = up.dot(path.start()) - keep_.offset + 0.25 * keep_.slop;
-  const double near = keep_.offset + path.bulge() + keep_.slop;
-  near_.visit_near(path.start(), event.time < 1.0 ? path.at(event.time) : path.end(), near, [&](int slot) {
-    const ContactTriangle& shape = near_.shape(slot);
-    if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return;
-    if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) return;
-    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
-    if (!(block.time < event.time)) return;
-    event.time = block.time;
-    event.contact = -1;
-    event.slot = block.hits ? slot : -1;
-  });
-  return true;
-}
-
-// The borders of the part that a contact is on. Returns their number, -1: too many.
-int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noexcept {
-  int count = 0;
-  bool fits = true;
-  const auto add = [&](const Vec3& origin, const Vec3& direction, int slot, int index, Part part) {
-    if (count == kMostExits)
-      fits = false;
-    else
-      exits_[count++] = {origin, direction, slot, index, part};
-  };
-  const ContactTriangle& own = contact.shape;
-  if (contact.part == Part::face) {
-    for (int k = 0; k < 3; ++k) add(own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Part::edge);
-    return count;
-  }
-  if (contact.part != Part::vertex) {
-    const Vec3 axis = contact.axis();
-    add(own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex);
-    add(own.corner(contact.index), -axis, -1, contact.index, Part::vertex);
-  }
-  near_.visit_near(c, c, keep_.offset + keep_.slop, [&](int slot) {
-    const ContactTriangle& shape = near_.shape(slot);
-    if (!contact.is_part_of(shape)) return;
-    for (int k = 0; k < 3; ++k) {
-      if (!(shape.length(k) > 0.0)) continue;
-      const bool begins = shape.corner(k) == contact.origin();
-      const bool ends = shape.corner((k + 1) % 3) == contact.origin();
-      if (contact.part == Part::vertex) {
-        if (begins || ends) add(contact.origin(), shape.edge(k) * ((begins ? 1.0 : -1.0) / shape.length(k)), slot, k, Part::edge);
-        continue;
-      }
-      const Vec3& other = own.corner((contact.index + 1) % 3);
-      if (!(begins && shape.corner((k + 1) % 3) == other) && !(ends && shape.corner(k) == other)) continue;
-      if (!shape.normal().isZero(0.0)) add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
-    }
-  });
-  return fits ? count : -1;
 }
 
 }  // namespace hapton

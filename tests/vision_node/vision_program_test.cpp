@@ -68,9 +68,9 @@ TEST(VisionProgram, ScreenshotThatCannotBeWrittenFails) {
 }
 
 TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
-  for (const char* name : {"/nowhere/a.png", "/tmp/a.jpg"}) {
-    const Ended run =
-        run_vision(std::string("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot ") + name);
+  const std::string picture = (std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + ".jpg")).string();
+  for (const std::string& name : {std::string("/nowhere/a.png"), picture}) {
+    const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + name);
     EXPECT_EQ(run.code, 1);
     EXPECT_NE(run.output.find(name), std::string::npos) << run.output;
     EXPECT_FALSE(std::filesystem::exists(name));

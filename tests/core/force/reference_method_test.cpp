@@ -584,8 +584,8 @@ TEST(ReferenceMethod, ResumeGoesOnFromAnotherMethodsProxy) {
 }
 
 // Slides under friction over bumps sharper than the touch is deep, every step compared with the proxy, which goes by other code. Before the
-// reference went by the steepest way at a vertex, stood on both faces of a concave edge and halved the sub-steps in which it lets go, it
-// differed by up to 158 % of the force, and by more than 1e-6 in one of 90 steps.
+// reference went by the steepest way at a vertex, stood on both faces of a concave edge and halved the sub-steps in which friction lets it
+// slip, it differed by up to 158 % of the force, and by more than 1e-6 in one of 90 steps.
 TEST(ReferenceMethod, UnderFrictionItIsWhereTheProxyIs) {
   Material material;
   material.friction_static = 0.5;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cmath>
+
+namespace hapton {
+
+// Where a continuous function passes zero: false position, with the value at an end halved that stays twice in a row (the Illinois
+// method; Dowell and Jarratt 1971). It is `at_low` at `low` and `at_high` at `high`, and `value(t)` between. It ends where |value| <=
+// near_zero, where `low` and `high` have no number between them, after 40 rounds, or where `value` is NaN (not known there). Pre: at_high <
+// 0. Returns `low` unless at_low > 0. RT: yes, if `value` is.
+template <class Value>
+double find_zero(double low, double at_low, double high, double at_high, double near_zero, Value&& value) {
+  constexpr int kMostRounds = 40;
+  if (!(at_low > 0.0)) return low;
+  double zero = low;
+  double before = 0.0;
+  for (int i = 0; i < kMostRounds; ++i) {
+    zero = low + (high - low) * (at_low / (at_low - at_high));
+    if (!(zero > low) || !(zero < high)) break;
+    const double here = value(zero);
+    if (!(std::fabs(here) > near_zero)) break;
+    if (here < 0.0) {
+      high = zero;
+      at_high = here;
+      if (before < 0.0) at_low *= 0.5;
+    } else {
+      low = zero;
+      at_low = here;
+      if (before > 0.0) at_high *= 0.5;
+    }
+    before = here;
+  }
+  return zero;
+}
+
+}  // namespace hapton

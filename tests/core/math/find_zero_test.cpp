@@ -1,0 +1,52 @@
+#include "core/math/find_zero.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hapton {
+namespace {
+
+TEST(FindZero, FindsTheZeroOfFallingFunctions) {
+  const auto cosine = [](double t) { return std::cos(t); };
+  EXPECT_NEAR(find_zero(0.0, 1.0, 3.0, std::cos(3.0), 0x1p-51, cosine), std::acos(0.0), 1e-14);
+  const auto steep = [](double t) { return 1e-3 - t * t * t * t * t; };
+  EXPECT_NEAR(find_zero(0.0, 1e-3, 1.0, steep(1.0), 0x1p-51, steep), std::pow(1e-3, 0.2), 1e-12);
+}
+
+TEST(FindZero, ALineTakesOneLook) {
+  int looks = 0;
+  const double zero = find_zero(0.0, 1.0, 4.0, -3.0, 0x1p-51, [&](double t) {
+    ++looks;
+    return 1.0 - t;
+  });
+  EXPECT_EQ(zero, 1.0);
+  EXPECT_EQ(looks, 1);
+}
+
+TEST(FindZero, BeginsAtOrBelowZeroIsAtTheStart) {
+  const auto never = [](double) -> double {
+    ADD_FAILURE() << "is looked at";
+    return 0.0;
+  };
+  EXPECT_EQ(find_zero(0.25, 0.0, 1.0, -1.0, 0.0, never), 0.25);
+  EXPECT_EQ(find_zero(0.25, -1.0, 1.0, -1.0, 0.0, never), 0.25);
+}
+
+TEST(FindZero, EndsWhereTheFunctionIsNotKnownAndAfterItsRounds) {
+  int looks = 0;
+  find_zero(0.0, 1.0, 1.0, -1.0, 0.0, [&](double) {
+    ++looks;
+    return std::numeric_limits<double>::quiet_NaN();
+  });
+  EXPECT_EQ(looks, 1);
+  looks = 0;
+  find_zero(0.0, 1.0, 1.0, -1.0, 0.0, [&](double t) {
+    ++looks;
+    return t < 1.0 / 3.0 ? 1.0 : -1.0;
+  });
+  EXPECT_LE(looks, 40);
+}
+
+}  // namespace
+}  // namespace hapton
