@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "haptics_node/method_text.h"
+#include "haptic_step/method_text.h"
 #include "runtime/build_id.h"
 
 namespace hapton {
