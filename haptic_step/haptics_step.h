@@ -16,7 +16,7 @@ struct HapticsCounts {
   std::uint64_t contact_steps = 0;
   std::uint64_t skipped = 0;  // states superseded before they could be answered
   std::uint64_t views_taken = 0;
-  std::uint64_t views_rejected = 0;  // no rotation and translation
+  std::uint64_t views_rejected = 0;  // not rigid
   std::uint64_t methods_taken = 0;   // put in place while running
   double max_force_n = 0.0;
 };

@@ -72,8 +72,7 @@ void AnswerLoop::hear(const Message& message) noexcept {
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
     // Overtaken by a state it is still news, by a later view not. Revisions are compared around the 32-bit circle.
     if (!overtaken || static_cast<std::int32_t>(view->revision - view_revision_) > 0) {
-      view_revision_ = view->revision;
-      step_.turn_scene(*view);
+      if (step_.turn_scene(*view)) view_revision_ = view->revision;
     }
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // Who waits for an answer asks again until it comes.

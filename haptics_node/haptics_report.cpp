@@ -23,8 +23,7 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
   text += describe_times("step", step_times);
   text += describe_times("arrival to answer", compute_times);
   if (counts.views_taken + counts.views_rejected > 0) {
-    text +=
-        fmt::format("view transforms: {} taken, {} rejected (no rotation and translation)\n", counts.views_taken, counts.views_rejected);
+    text += fmt::format("view transforms: {} taken, {} rejected (not rigid)\n", counts.views_taken, counts.views_rejected);
   }
   if (counts.methods_taken > 0) {
     text += fmt::format("methods changed while running: {}\n", counts.methods_taken);

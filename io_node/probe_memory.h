@@ -26,6 +26,7 @@ class ProbeMemory {
   void note_answer(const ForceCommand& command) noexcept;
   // A haptics node has joined that has not answered yet.
   void note_new_haptics() noexcept { is_haptics_new_ = true; }
+  bool is_haptics_new() const noexcept { return is_haptics_new_; }
   // The scene was turned: where the probe rests is known no more.
   void forget_rest() noexcept { p_WP_.reset(); }
 

@@ -260,6 +260,11 @@ void Servo::on_view(const ViewTransform& view) noexcept {
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
 }
 
+std::uint32_t Servo::view_revision_in_use() const noexcept {
+  const std::uint32_t kept = view_ ? view_->revision : 0;
+  return peers_.has_haptics() && !probe_memory_.is_haptics_new() ? probe_memory_.last_answer().view_revision : kept;
+}
+
 void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
   if (!hand.active && hand_leader_ != peer) return;
   hand_leader_ = hand.active ? peer : kNobody;
@@ -327,7 +332,7 @@ void Servo::do_spare_work() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   ledger_.settle(now_ns);
   if (peers_.count(NodeRole::vision) > 0) {
-    vision_.tell(probe_memory_, loop_.look(), cycle_, view_ ? view_->revision : 0, now_ns);
+    vision_.tell(probe_memory_, loop_.look(), cycle_, view_revision_in_use(), now_ns);
   }
   if (view_ && now_ns >= next_view_repeat_ns_) {
     next_view_repeat_ns_ = now_ns + kViewRepeatNs;

@@ -115,6 +115,8 @@ class Servo {
   void hand_out_snapshot() noexcept;
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;
   void on_view(const ViewTransform& view) noexcept;
+  // See ProbeState::view_revision.
+  std::uint32_t view_revision_in_use() const noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
   void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
   void reset_faults(const Peer& asker) noexcept;

@@ -151,6 +151,8 @@ void write(const ReportPart& from, wire::ReportPart& to) {
   to.mutable_text()->assign(from.text.data(), std::min<std::size_t>(from.size, from.text.size()));
 }
 
+void write(const ViewRejected& from, wire::ViewRejected& to) { to.set_revision(from.revision); }
+
 // --- reading: false for a value the contract rules out ---
 
 bool is_rate(double value) { return std::isfinite(value) && value >= 0.0 && value <= kMaxWireMagnitude; }
@@ -206,15 +208,6 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
 }
 
-bool is_rigid(const std::array<float, 12>& X) {
-  const Eigen::Matrix<double, 3, 4> pose = Eigen::Map<const Eigen::Matrix<float, 3, 4, Eigen::RowMajor>>(X.data()).cast<double>();
-  const Mat3 R = pose.leftCols<3>();
-  const Vec3 t = pose.col(3);
-  // Written so that NaN fails.
-  return t.allFinite() && t.cwiseAbs().maxCoeff() <= kMaxWireMagnitude &&
-         (R * R.transpose() - Mat3::Identity()).cwiseAbs().sum() <= kUnitTolerance && R.determinant() > 0.0;
-}
-
 template <class Field>
 bool read_pose(const Field& field, std::array<float, 12>& X) {
   if (field.size() != static_cast<int>(X.size())) {
@@ -222,11 +215,6 @@ bool read_pose(const Field& field, std::array<float, 12>& X) {
   }
   std::copy(field.begin(), field.end(), X.begin());
   return is_rigid(X);
-}
-
-bool read(const wire::ViewTransform& from, ViewTransform& to) {
-  to.revision = from.revision();
-  return read_pose(from.x_ws(), to.X_WS);
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {
@@ -318,16 +306,33 @@ bool read(const wire::ReportPart& from, ReportPart& to) {
   return read_document(from.document(), to.document);
 }
 
+bool read(const wire::ViewRejected& from, ViewRejected& to) {
+  to.revision = from.revision();
+  return true;
+}
+
+template <class Theirs, class Ours>
+DecodeStatus read_into(const Theirs& from, Ours& to) {
+  return read(from, to) ? DecodeStatus::ok : DecodeStatus::bad_value;
+}
+
+DecodeStatus read_into(const wire::ViewTransform& from, ViewTransform& to) {
+  to.revision = from.revision();
+  if (read_pose(from.x_ws(), to.X_WS)) return DecodeStatus::ok;
+  const bool has_all_numbers = from.x_ws().size() == static_cast<int>(to.X_WS.size());
+  to.X_WS = ViewTransform().X_WS;
+  return has_all_numbers ? DecodeStatus::not_rigid : DecodeStatus::bad_value;
+}
+
 template <class Ours, class Theirs>
 DecodeStatus read_message(const wire::Envelope& envelope, const Theirs& from, Datagram& datagram) {
   Ours message;
-  if (!read(from, message)) {
-    return DecodeStatus::bad_value;
-  }
+  const DecodeStatus status = read_into(from, message);
+  if (status == DecodeStatus::bad_value) return status;
   datagram.header = {
       .session = envelope.session(), .sender = envelope.sender(), .sequence = envelope.sequence(), .send_time_ns = envelope.send_time_ns()};
   datagram.message = message;
-  return DecodeStatus::ok;
+  return status;
 }
 
 // --- the kinds of messages: one line each, those that come most often first ---
@@ -362,12 +367,14 @@ constexpr std::tuple kMessageKinds{
                                             &wire::Envelope::mutable_report_ask},
     MessageKind<ReportPart, wire::ReportPart>{&wire::Envelope::has_report_part, &wire::Envelope::report_part,
                                               &wire::Envelope::mutable_report_part},
+    MessageKind<ViewRejected, wire::ViewRejected>{&wire::Envelope::has_view_rejected, &wire::Envelope::view_rejected,
+                                                  &wire::Envelope::mutable_view_rejected},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kReportPartFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kViewRejectedFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -462,6 +469,7 @@ void reserve(wire::HapticsSetup& m) {
 }
 void reserve(wire::ReportAsk&) {}
 void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
+void reserve(wire::ViewRejected&) {}
 void reserve(wire::Bye&) {}
 
 }  // namespace
@@ -500,6 +508,8 @@ std::string_view to_string(DecodeStatus status) noexcept {
       return "unknown message";
     case DecodeStatus::bad_value:
       return "bad value";
+    case DecodeStatus::not_rigid:
+      return "pose not rigid";
   }
   return "?";
 }

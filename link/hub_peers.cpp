@@ -67,12 +67,21 @@ PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Addr
   if (status != DecodeStatus::ok) {
     ++counts_.undecodable;
     counts_.wrong_version += status == DecodeStatus::wrong_version ? 1 : 0;
+    if (status == DecodeStatus::not_rigid) reject_view(datagram, from, now_ns, key_role);
     return {};
   }
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
     return welcome(datagram.header, hello->role, from, now_ns, key_role);
   }
   return accept_message(datagram, from, now_ns, key_role);
+}
+
+// Only a peer that may send views gets a reply.
+void HubPeers::reject_view(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {
+  const PeerEvent event = accept_message(datagram, from, now_ns, key_role);
+  if (event.kind != PeerEvent::Kind::message) return;
+  ++counts_.views_rejected;
+  send_to(event.peer, ViewRejected{std::get<ViewTransform>(datagram.message).revision});
 }
 
 PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {

@@ -49,6 +49,7 @@ struct HubCounts {
   std::uint64_t received = 0;  // datagrams of any kind
   std::uint64_t undecodable = 0;
   std::uint64_t wrong_version = 0;    // of these, those of another protocol version
+  std::uint64_t views_rejected = 0;   // of these, a peer's ViewTransform that was not rigid: it got a ViewRejected
   std::uint64_t other_session = 0;    // a message for another life of the hub
   std::uint64_t strangers = 0;        // a message from someone who has not joined, or under another address than it joined with
   std::uint64_t misplaced = 0;        // a message that this role does not send (a vision node's ForceCommand)
@@ -114,6 +115,7 @@ class HubPeers {
   PeerEvent refuse(const Address& to, NodeRole role, std::int64_t now_ns) noexcept;
   PeerEvent join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
   PeerEvent leave(std::size_t place, std::int64_t now_ns) noexcept;
+  void reject_view(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   PeerEvent accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   std::size_t find(std::uint64_t sender) const noexcept;
   std::size_t find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept;

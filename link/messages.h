@@ -65,6 +65,11 @@ struct ViewTransform {
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]
 };
 
+// hub -> vision: the ViewTransform of that revision was not a rigid pose (core/math/rigid_pose.h). The view stays as it was.
+struct ViewRejected {
+  std::uint32_t revision = 0;
+};
+
 // hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest that haptics answered, the newest of all while
 // nobody answers (offset zero then). Force, buttons and figures are the newest.
 struct ProbeState {
@@ -79,7 +84,9 @@ struct ProbeState {
   float servo_rate_hz = 0.0F;  // measured, for the HUD
   float round_trip_p50_us = 0.0F;
   float round_trip_p99_us = 0.0F;
-  std::uint32_t view_revision = 0;  // newest ViewTransform the hub has forwarded
+  // Of the ViewTransform that the forces are computed with, as the haptics node's newest answer says. While no haptics node answers, of the
+  // one that the hub keeps for it.
+  std::uint32_t view_revision = 0;
 };
 
 // vision -> hub, after a picture was drawn, or where it would have looked the same: which sample it shows. Asks for the next state.
@@ -146,7 +153,7 @@ struct ReportPart {
 };
 
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
-                             HapticsSetup, ReportAsk, ReportPart>;
+                             HapticsSetup, ReportAsk, ReportPart, ViewRejected>;
 
 // In front of every message.
 struct Header {

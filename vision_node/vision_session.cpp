@@ -92,6 +92,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
 void VisionSession::hear_hub(std::int64_t deadline_ns) {
   Datagram heard;
   for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
+    if (const auto* rejected = std::get_if<ViewRejected>(&heard.message)) step_.hear(*rejected);
     const auto* state = std::get_if<ProbeState>(&heard.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     heard_ns_ = hub_.receive_time_ns();

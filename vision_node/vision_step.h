@@ -48,6 +48,8 @@ class VisionStep {
 
   // The newest of what has come. Pre: never older than the one before (newest wins at the caller).
   void hear(const ProbeState& state);
+  // The hub rejected a view transform of ours: one line in the log for each.
+  void hear(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
   // The hub was joined, for the first time or again.
   void joined();
   // The hub has fallen silent.

@@ -75,6 +75,7 @@ bool write_sealed() {
                sealed({{kToNode, Welcome{true, 1000.0}},
                        {kToNode, DeviceState()},
                        {kToNode, ViewTransform()},
+                       {kToNode, ViewRejected{1}},
                        {kToNode, Settings()},
                        {kToNode, Bye()}}));
 }

@@ -80,6 +80,7 @@ struct Servos : testing::Test {
   // How the haptics node answers; -1: not at all.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
+  bool takes_views = true;          // its answers name the newest view it was sent
   std::optional<double> floor_z_m;  // set: what is touched, so that each answer has its own sample's visual offset
   // How long the vision node draws at a state; -1: it never says.
   std::int64_t draw_ns = 0;
@@ -118,6 +119,7 @@ struct Servos : testing::Test {
     ForceCommand command = answer;
     command.echo_sample = state.sample;
     command.echo_sample_time_ns = state.sample_time_ns;
+    if (takes_views && !views.empty()) command.view_revision = views.back().revision;
     if (floor_z_m) command.visual_offset_m.z() = *floor_z_m - state.p_WD.z();
     say(kHaptics, command, delay_ns);
   }
@@ -230,6 +232,28 @@ TEST_F(Servos, silence_lets_go_and_the_force_ramps_back_in) {
   EXPECT_EQ(stats().ledger.lost, 0U);  // they wait for the patience to end
   run(250);
   EXPECT_NEAR(static_cast<double>(stats().ledger.lost), 22.0, 1.0);
+}
+
+TEST_F(Servos, confirms_the_view_that_the_forces_are_computed_with) {
+  make();
+  join(kVision, NodeRole::vision);
+  say(kVision, ViewTransform{.revision = 3});
+  run(100);
+  EXPECT_EQ(probes.back().view_revision, 3U) << "no haptics node: the view that the next one will get";
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  EXPECT_EQ(probes.back().view_revision, 3U);
+  takes_views = false;
+  answer.view_revision = 3;
+  views.clear();
+  say(kVision, ViewTransform{.revision = 4});
+  run(100);
+  ASSERT_FALSE(views.empty());
+  EXPECT_EQ(views.back().revision, 4U);
+  EXPECT_EQ(probes.back().view_revision, 3U) << "relayed, and not in use";
+  answer.view_revision = 4;
+  run(20);
+  EXPECT_EQ(probes.back().view_revision, 4U);
 }
 
 TEST_F(Servos, a_haptics_node_that_died_loses_nothing_and_its_successor_gets_the_view) {

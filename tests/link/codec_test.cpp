@@ -71,8 +71,10 @@ class RandomDatagrams {
         return draw_setup();
       case 11:
         return ReportAsk{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
-      default:
+      case 12:
         return draw_part();
+      default:
+        return ViewRejected{bits32()};
     }
   }
 
@@ -210,6 +212,7 @@ void expect_equal(const ReportPart& a, const ReportPart& b) {
   EXPECT_EQ(a.parts, b.parts);
   EXPECT_EQ(std::string_view(a.text.data(), a.size), std::string_view(b.text.data(), b.size));
 }
+void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }
 
 void expect_equal(const Datagram& a, const Datagram& b) {
   EXPECT_EQ(a.header.session, b.header.session);
@@ -480,13 +483,14 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
     for (const std::size_t place : {0U, 3U, 11U}) {
       ViewTransform view;
       view.X_WS[place] = static_cast<float>(bad);
-      EXPECT_EQ(round_trip(view), DecodeStatus::bad_value) << place;
+      EXPECT_EQ(round_trip(view), DecodeStatus::not_rigid) << place;
     }
   }
   EXPECT_EQ(round_trip(DeviceState{.q_WT = Quat(0, 0, 0, 0)}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(DeviceState{.q_WT = Quat(1.01, 0, 0, 0)}), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(ViewTransform{.X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0}}), DecodeStatus::bad_value);  // a mirror
-  EXPECT_EQ(round_trip(ViewTransform{.X_WS = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0}}), DecodeStatus::bad_value);   // a scale
+  EXPECT_EQ(round_trip(ViewTransform{.X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0}}), DecodeStatus::not_rigid);  // a mirror
+  EXPECT_EQ(round_trip(ViewTransform{.X_WS = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0}}), DecodeStatus::not_rigid);   // a scale
+  EXPECT_EQ(round_trip(HapticsSetup{.X_WS = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Hello{static_cast<NodeRole>(0)}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Hello{static_cast<NodeRole>(5)}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Settings{.servo_rate_hz = 100.0}), DecodeStatus::bad_value);

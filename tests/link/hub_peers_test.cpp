@@ -367,6 +367,40 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
   EXPECT_EQ(hub_->counts().misplaced, 14U);
 }
 
+TEST_F(HubPeersTest, ReportsARejectedViewToItsSender) {
+  RawNode vision = raw_node(2, 20);
+  RawNode other = raw_node(3, 30);
+  RawNode tool = raw_node(4, 40);
+  send(vision, Hello{NodeRole::vision}, 0);
+  send(other, Hello{NodeRole::vision}, 0);
+  send(tool, Hello{NodeRole::tool}, 0);
+  EXPECT_EQ(events().size(), 3U);
+  received_by(vision);
+  received_by(other);
+  received_by(tool);
+  const ViewTransform scaled{.revision = 7, .X_WS = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0}};
+  send(vision, scaled, kSession);
+  EXPECT_TRUE(events().empty());
+  const std::vector<Datagram> told = received_by(vision);
+  ASSERT_EQ(told.size(), 1U);
+  ASSERT_TRUE(std::holds_alternative<ViewRejected>(told[0].message));
+  EXPECT_EQ(std::get<ViewRejected>(told[0].message).revision, 7U);
+  EXPECT_TRUE(received_by(other).empty());
+  EXPECT_EQ(hub_->counts().views_rejected, 1U);
+  EXPECT_EQ(hub_->counts().undecodable, 1U);
+  // Who may not send a view, or has not joined, gets no reply.
+  send(tool, scaled, kSession);
+  EXPECT_TRUE(events().empty());
+  EXPECT_TRUE(received_by(tool).empty());
+  RawNode stranger = raw_node(5, 50);
+  send(stranger, scaled, kSession);
+  EXPECT_TRUE(events().empty());
+  EXPECT_TRUE(received_by(stranger).empty());
+  EXPECT_EQ(hub_->counts().views_rejected, 1U);
+  EXPECT_EQ(hub_->counts().misplaced, 1U);
+  EXPECT_EQ(hub_->counts().strangers, 1U);
+}
+
 TEST_F(HubPeersTest, SaysByeToEveryoneWhenItGoes) {
   RawNode node = raw_node(2, 20);
   send(node, Hello{NodeRole::tool}, 0);

@@ -54,6 +54,7 @@ void lengthen(HapticsSetup& m) {
   fill_text(m.refusal);
 }
 void lengthen(ReportAsk& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
+void lengthen(ViewRejected& m) { m = {kMost32}; }
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;
   m.revision = kMost32;
