@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "core/math/types.h"
-#include "watchdog/guard_page.h"
+#include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 
@@ -76,15 +76,15 @@ class Device {
   virtual bool cut() noexcept { return false; }
   virtual void restore() noexcept {}
 
-  // Set-up only, by the owner: says in the page how another process takes the force away (watchdog/guard_page.h), and keeps that up to
+  // Set-up only, by the owner: says in the page how another process takes the force away (watchdog/heartbeat_page.h), and keeps that up to
   // date.
-  virtual void use_guard(GuardPage& /*page*/) noexcept {}
+  virtual void use_heartbeat_page(HeartbeatPage& /*page*/) noexcept {}
 
   virtual DeviceStatus status() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept { return {}; }
 
   // Leads the simulated hand to p_WH, or lets it go its own way again; false: a real hand or a recording moves this device.
-  virtual bool lead_hand(const std::optional<Vec3>& p_WH) noexcept = 0;
+  virtual bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept = 0;
 };
 
 }  // namespace hapton

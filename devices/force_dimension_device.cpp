@@ -52,12 +52,12 @@ class ForceDimensionDevice final : public Device {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override {
     return {model_, serial_, {}, exchange_.reading().is_calibrated, exchange_.reading().motor_temperature};
   }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   std::string last_error() const;

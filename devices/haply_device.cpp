@@ -64,10 +64,10 @@ class HaplyDevice final : public Device {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override { return {model_, id_, firmware_, exchange_.reading().is_calibrated, -1.0}; }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   void run();

@@ -95,7 +95,7 @@ void HidDevice::tell_status() noexcept {
   if (told_ == DeviceStatus::fault) log_error("{}: it reports a fault of its own; switch it off and on", name());
 }
 
-void HidDevice::use_guard(GuardPage& page) noexcept {
+void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
   const auto transport = port_.transport();
   const std::lock_guard lock(driver_mutex_);
   guard_ = &page;

@@ -42,10 +42,10 @@ class HidDevice final : public Device, private HidListener {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override;
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override;
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   HidDevice(std::unique_ptr<HidBackend> backend, HidOpener opener, std::optional<RealtimeSettings> realtime);
@@ -72,7 +72,7 @@ class HidDevice final : public Device, private HidListener {
   DeviceExchange::Reading reading_;
   bool has_news_ = false;
   DeviceStatus told_ = DeviceStatus::ready;  // to people
-  GuardPage* guard_ = nullptr;
+  HeartbeatPage* guard_ = nullptr;
   int refused_ = 0;  // of the writer
   sem_t wishes_;     // posted by the servo: a wrench is there
   std::atomic<bool> has_heard_{false};

@@ -79,10 +79,10 @@ class OpenHapticsDevice final : public Device {
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   // Set-up, on the keeper's thread but for the first time.

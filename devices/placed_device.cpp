@@ -33,8 +33,8 @@ void PlacedDevice::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   device_->write({.force_n = X_BW_.linear() * wrench.force_n, .torque_nm = X_BW_.linear() * wrench.torque_nm}, now_ns);
 }
 
-bool PlacedDevice::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
-  return device_->lead_hand(p_WH ? std::optional<Vec3>(X_BW_ * *p_WH) : std::nullopt);
+bool PlacedDevice::set_hand_target(const std::optional<Vec3>& p_WH) noexcept {
+  return device_->set_hand_target(p_WH ? std::optional<Vec3>(X_BW_ * *p_WH) : std::nullopt);
 }
 
 }  // namespace hapton

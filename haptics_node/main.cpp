@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "haptics_node/answer_loop.h"
+#include "haptics_node/reply_loop.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/haptics_setup.h"
@@ -40,7 +40,7 @@ int run(const HapticsOptions& options) {
   log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
-  // A flood at this node's port is not to take its time. Refused: it costs a look at each datagram.
+  // A flood at this node's port is not to take its time. Rejected: it costs a look at each datagram.
   (void)(*endpoint)->accept_only(*hub);
 
   SteadyClock clock;
@@ -51,7 +51,7 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
-  AnswerLoop loop(client, clock, step, builder, setup, options.method.build_on_approach);
+  ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

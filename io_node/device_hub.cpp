@@ -132,10 +132,10 @@ struct DeviceHub::Parts {
         ways(metered),
         latch_file(find_latch_file(options.device.name + options.device.id, options.bind)),
         session(*servo, steady, options) {
-    servo->set_way_meter(&ways);
+    servo->set_hop_meter(&ways);
     servo->set_budget(&budget);
-    servo->set_report_desk(&desk);
-    session.set_report_desk(&desk);
+    servo->set_report_server(&report_server);
+    session.set_report_server(&report_server);
     session.set_metrics(metrics.get());
   }
 
@@ -164,9 +164,9 @@ struct DeviceHub::Parts {
   SessionRecorder recorder;
   HubPeers peers;
   std::unique_ptr<Servo> servo;
-  WayMeter ways;
-  ReportDesk desk;
-  GuardMemory guard;
+  HopMeter ways;
+  ReportServer report_server;
+  HeartbeatMemory guard;
   WatchdogProcess watchdog;
   LatchFile latch_file;
   IoSession session;
@@ -210,8 +210,8 @@ Result<void> DeviceHub::start_watchdog() {
   if (options.watchdog == RealtimeMode::off) return {};
   Result<void> started = parts_->guard.make();
   if (started) {
-    parts_->device->use_guard(parts_->guard.page());
-    parts_->servo->device_loop().set_guard(&parts_->guard.page());
+    parts_->device->use_heartbeat_page(parts_->guard.page());
+    parts_->servo->device_loop().set_heartbeat_page(&parts_->guard.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
     started = parts_->watchdog.start(parts_->guard, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
   }

@@ -22,7 +22,7 @@ namespace hapton {
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
-// How a person's presence is known to whoever asks for a reset of a latched fault (reset_right.h): already, or by the dead man's switch,
+// How a person's presence is known to whoever asks for a reset of a latched fault (reset_permission.h): already, or by the dead man's switch,
 // which must still be held when the reset takes effect.
 enum class ResetPresence : std::uint8_t { known, while_held };
 
@@ -42,7 +42,7 @@ struct DeviceCycle {
 struct DeviceSide {
   Wrench written;  // on the motors
   DeviceStatus status = DeviceStatus::ready;
-  GovernorFigures governor;
+  GovernorStats governor;
   bool is_silent = true;  // see SafetyGovernor::is_silent
   bool is_energy_gone = false;
   bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
@@ -69,8 +69,8 @@ struct DeviceLoopStats {
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
   std::uint64_t resets_denied = 0;      // the switch was let go before they took effect
   std::uint64_t cuts = 0;               // times the device was cut, because that took too long or this loop stood still
-  std::uint64_t cycles_untold = 0;      // the network side was too far behind to be told of them
-  GovernorFigures governor;
+  std::uint64_t cycles_unreported = 0;      // the network side was too far behind to be told of them
+  GovernorStats governor;
   DeviceStatus status = DeviceStatus::ready;
   DeviceCondition condition;
 };
@@ -108,7 +108,7 @@ class DeviceLoop {
   DeviceLoop(Device& device, const Clock& clock, const Options& options);
 
   // Set up before start: where the watchdog process sees that this side lives. Pre: outlives this.
-  void set_guard(GuardPage* guard) noexcept { guard_ = guard; }
+  void set_heartbeat_page(HeartbeatPage* guard) noexcept { guard_ = guard; }
 
   // ... and the fault that an earlier process left latched.
   void latch_again(SafetyFault fault) noexcept { governor_.latch_again(fault); }
@@ -140,19 +140,19 @@ class DeviceLoop {
   bool take_cycle(DeviceCycle& cycle) noexcept;
   bool has_cycle() const noexcept { return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire); }
   // The newest state of the device side; stays as it is until the next call.
-  const DeviceSide& look() noexcept {
+  const DeviceSide& latest() noexcept {
     sides_.take();
     return sides_.value();
   }
   // A force to be put out. Returns its number, see DeviceSide::command: governed and written when this returns, as a rule.
-  std::uint64_t post(const WantedWrench& wanted) noexcept;
+  std::uint64_t post(const WrenchCommand& wanted) noexcept;
   // These take effect with the next cycle.
-  void lead_hand(const std::optional<Vec3>& p_WH) noexcept;
+  void set_hand_target(const std::optional<Vec3>& p_WH) noexcept;
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
   void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
   // Asks for a copy of what was measured; take_stats is true once when it is there.
-  void ask_for_stats() noexcept;
+  void request_stats() noexcept;
   bool take_stats() noexcept { return stats_copies_.take(); }
   const DeviceLoopStats& stats_copy() const noexcept { return stats_copies_.value(); }
   const DeviceLimits& limits() const noexcept { return governor_.limits(); }
@@ -171,7 +171,7 @@ class DeviceLoop {
 
  private:
   struct Command {
-    WantedWrench wanted;
+    WrenchCommand wanted;
     std::uint64_t number = 0;
   };
   struct Requests {
@@ -203,7 +203,7 @@ class DeviceLoop {
   Device& device_;
   const Clock& clock_;
   OverrunPolicy policy_;
-  GuardPage* guard_ = nullptr;
+  HeartbeatPage* guard_ = nullptr;
   SafetyGovernor governor_;
   DeviceLoopStats stats_;
   AdaptiveSpin spin_;

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "devices/device_maker.h"
-#include "io_node/servo.h"
+#include "link/messages.h"
 #include "runtime/toml_reader.h"
 
 namespace hapton {
@@ -93,7 +93,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   std::int64_t hold_button = options.device.hold_button;
   reader.read("hold_button", hold_button, -1, 31);
   options.device.hold_button = static_cast<int>(hold_button);
-  reader.read("rate_hz", options.rate_hz, Servo::kLowestRateHz, Servo::kHighestRateHz);
+  reader.read("rate_hz", options.rate_hz, kMinServoRateHz, kMaxServoRateHz);
   std::int64_t cpu = options.realtime.cpu;
   reader.read("cpu", cpu, -1, 4095);
   options.realtime.cpu = static_cast<int>(cpu);

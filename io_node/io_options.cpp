@@ -6,7 +6,7 @@
 #include <string>
 
 #include "devices/device_maker.h"
-#include "io_node/servo.h"
+#include "link/messages.h"
 #include "link/link_key.h"
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
@@ -45,11 +45,11 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--trajectory", options.device.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
   app.add_flag("--loop", options.device.loop, "Begin the replay again at its end, else the program ends with it");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")
-      ->check(between(Servo::kLowestRateHz, Servo::kHighestRateHz))
+      ->check(between(kMinServoRateHz, kMaxServoRateHz))
       ->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
                  "Probe positions a second to each vision node, at most; it gets no more than it draws; 0: none")
-      ->check(between(0.0, Servo::kHighestRateHz))
+      ->check(between(0.0, kMaxServoRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
       ->check(between(0.0, 1e9))

@@ -31,35 +31,35 @@ std::string describe_causes(const ServoStats& stats) {
 }
 
 void add_counters(LatencyReport& report, const ServoStats& s) {
-  const auto rejected = s.hub.undecodable + s.hub.other_session + s.hub.strangers + s.hub.misplaced;
+  const auto rejected = s.hub.undecodable + s.hub.other_session + s.hub.unknown_peers + s.hub.wrong_role;
   report.counters = {{"samples", whole(s.samples)},
                      {"states_sent", whole(s.states_sent)},
                      {"forces", whole(s.forces)},
                      {"contact_samples", whole(s.contact_samples)},
-                     {"forces_in_time", whole(s.ledger.in_time)},
-                     {"late", whole(s.ledger.late)},
-                     {"reordered", whole(s.ledger.reordered)},
-                     {"duplicate", whole(s.ledger.duplicate)},
-                     {"unknown_echo", whole(s.ledger.unknown)},
-                     {"superseded", whole(s.ledger.superseded)},
-                     {"lost", whole(s.ledger.lost)},
-                     {"unanswered_without_haptics", whole(s.ledger.excused)},
+                     {"forces_in_time", whole(s.responses.in_time)},
+                     {"late", whole(s.responses.late)},
+                     {"reordered", whole(s.responses.reordered)},
+                     {"duplicate", whole(s.responses.duplicate)},
+                     {"unknown_echo", whole(s.responses.unknown)},
+                     {"superseded", whole(s.responses.superseded)},
+                     {"lost", whole(s.responses.lost)},
+                     {"unanswered_without_haptics", whole(s.responses.excused)},
                      {"missed_cycles", whole(s.missed_cycles)},
                      {"caught_up_cycles", whole(s.caught_up_cycles)},
                      {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
                      {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
                      {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
                      {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
-                     {"silence_events", whole(s.governor.counters.silences)},
+                     {"silence_events", whole(s.governor.counters.command_timeouts)},
                      {"clamped", whole(s.governor.counters.clamped)},
                      {"slewed", whole(s.governor.counters.slewed)},
                      {"not_finite", whole(s.governor.counters.not_finite)},
-                     {"refused_old", whole(s.governor.counters.refused_old)},
-                     {"refused_future", whole(s.governor.counters.refused_future)},
+                     {"rejected_old", whole(s.governor.counters.rejected_old)},
+                     {"rejected_future", whole(s.governor.counters.rejected_future)},
                      {"longest_release_us", (s.longest_release_ns + 999) / 1000},
-                     {"datagrams_sent", whole(s.ways.link.datagrams_sent)},
-                     {"bytes_sent", whole(s.ways.link.bytes_sent)},
-                     {"bytes_received", whole(s.ways.link.bytes_received)},
+                     {"datagrams_sent", whole(s.hops.link.datagrams_sent)},
+                     {"bytes_sent", whole(s.hops.link.bytes_sent)},
+                     {"bytes_received", whole(s.hops.link.bytes_received)},
                      {"datagrams_received", whole(s.hub.received)},
                      {"datagrams_rejected", whole(rejected)},
                      {"sessions_sealed", whole(s.seal.handshakes)},
@@ -76,17 +76,17 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"refused_replayed", whole(s.seal.replayed)},
                      {"refused_forged", whole(s.seal.forged)},
                      {"refused_no_place", whole(s.seal.no_place)},
-                     {"strangers", whole(s.socket.strangers)},
+                     {"strangers", whole(s.socket.unknown_peers)},
                      {"dropped_by_kernel", whole(s.socket.dropped)},
                      {"floods", whole(s.socket.floods)},
                      {"budget_spent", whole(s.budget_spent)},
-                     {"cycles_untold", whole(s.cycles_untold)},
+                     {"cycles_unreported", whole(s.cycles_unreported)},
                      {"device_cuts", whole(s.cuts)},
-                     {"joins_refused", whole(s.hub.refusals)},
+                     {"joins_refused", whole(s.hub.rejections)},
                      {"peers_timed_out", whole(s.hub.timeouts)},
                      {"bad_settings", whole(s.bad_settings)},
                      {"vision_sent", whole(s.probe_states_sent)},
-                     {"vision_spared", whole(s.probe_states_spared)},
+                     {"vision_spared", whole(s.probe_states_unchanged)},
                      {"views_forwarded", whole(s.views_forwarded)},
                      {"drawn", whole(s.drawn)},
                      {"echo_sent", whole(s.echo.sent)},
@@ -96,7 +96,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
 }
 
 // What the safety governor does and has done.
-void add_safety(LatencyReport& report, const GovernorFigures& g) {
+void add_safety(LatencyReport& report, const GovernorStats& g) {
   const GovernorCounters& c = g.counters;
   report.counters["workspace_stopped"] = whole(c.stopped);
   report.counters["speed_braked"] = whole(c.braked);
@@ -106,7 +106,7 @@ void add_safety(LatencyReport& report, const GovernorFigures& g) {
   report.counters["bad_device_samples"] = whole(c.bad_samples);
   report.counters["faults_latched"] = whole(c.latched);
   report.counters["faults_reset"] = whole(c.resets);
-  report.counters["resets_refused"] = whole(c.resets_refused);
+  report.counters["resets_rejected"] = whole(c.resets_rejected);
   report.ratios["fault_latched_now"] = g.fault == SafetyFault::none ? 0.0 : 1.0;
   report.ratios["thermal_load"] = g.thermal_load;
   report.ratios["energy_spent"] = g.energy_most_j > 0.0 ? g.energy_spent_j / g.energy_most_j : 0.0;
@@ -117,7 +117,7 @@ void add_safety(LatencyReport& report, const GovernorFigures& g) {
 
 std::vector<ReportNode> make_nodes(const ServoStats& stats) {
   std::vector<ReportNode> nodes;
-  for (const PeerFigures& peer : stats.peers) {
+  for (const PeerStats& peer : stats.peers) {
     if (!peer.present) continue;
     nodes.push_back({.role = name_of(peer.role),
                      .address = to_string(peer.address),
@@ -132,14 +132,14 @@ std::vector<ReportNode> make_nodes(const ServoStats& stats) {
   return nodes;
 }
 
-std::string describe_clocks(const WayStats& ways) {
+std::string describe_clocks(const HopStats& ways) {
   if (!ways.is_offset_known) return "not known yet";
   const std::string measured = fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(ways.clock_offset_ns),
                                            1e-3 * static_cast<double>(ways.clock_error_ns));
   return ways.is_one_clock ? "one clock; measured it would be " + measured : measured;
 }
 
-void add_scheduling(LatencyReport& report, const SchedulingFigures& s) {
+void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
   if (!s.is_known) return;
   report.ratios["loop_worked"] = s.worked_share;
   report.ratios["loop_spun"] = s.spun_share;
@@ -151,7 +151,7 @@ void add_scheduling(LatencyReport& report, const SchedulingFigures& s) {
   report.counters["near_throttling"] = whole(s.near_throttling);
 }
 
-std::string describe_scheduling(const SchedulingFigures& s) {
+std::string describe_scheduling(const SchedulingStats& s) {
   return fmt::format(
       "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; kept waiting for a CPU {:.1f} ms, displaced {} times, {:.0f} ms stolen from "
       "the machine\n",
@@ -196,19 +196,19 @@ void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name,
 std::vector<LatencyHop> make_hops(const ServoStats& stats, bool has_echo) {
   std::vector<LatencyHop> hops = {{"wake_lateness", stats.wake_lateness},
                                   {"device_read", stats.device_read},
-                                  {"encode", stats.ways.encode},
-                                  {"wire_out", stats.ways.wire_out},
+                                  {"encode", stats.hops.encode},
+                                  {"wire_out", stats.hops.wire_out},
                                   {"haptics_compute", stats.haptics_compute},
-                                  {"wire_back", stats.ways.wire_back},
-                                  {"decode", stats.ways.decode},
-                                  {"device_write", stats.ways.device_write},
+                                  {"wire_back", stats.hops.wire_back},
+                                  {"decode", stats.hops.decode},
+                                  {"device_write", stats.hops.device_write},
                                   {"round_trip", stats.round_trip},
                                   {"wire", stats.wire},
                                   {"force_age", stats.force_age},
-                                  {"jitter", stats.ways.jitter},
+                                  {"jitter", stats.hops.jitter},
                                   {"device_to_drawn", stats.device_to_drawn},
-                                  {"vision_draw", stats.ways.vision_draw},
-                                  {"motion_to_photon", stats.ways.motion_to_photon}};
+                                  {"vision_draw", stats.hops.vision_draw},
+                                  {"motion_to_photon", stats.hops.motion_to_photon}};
   if (has_echo) hops.push_back({"bare_echo", stats.bare_echo});
   return hops;
 }
@@ -236,7 +236,7 @@ const char* name_of(NodeRole role) {
 }
 
 LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
-                             const SchedulingFigures& scheduling) {
+                             const SchedulingStats& scheduling) {
   LatencyReport report;
   report.program = "io_node";
   report.machine = read_machine_info();
@@ -256,10 +256,10 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                   {"realtime", realtime},
                   {"seed", std::to_string(options.device.seed)},
                   {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
-  report.notes["haptics_clock_ahead"] = describe_clocks(stats.ways);
-  if (stats.ways.is_offset_known) {
-    report.notes["haptics_clock_ahead_ns"] = std::to_string(stats.ways.clock_offset_ns);
-    report.notes["haptics_clock_error_ns"] = std::to_string(stats.ways.clock_error_ns);
+  report.notes["haptics_clock_ahead"] = describe_clocks(stats.hops);
+  if (stats.hops.is_offset_known) {
+    report.notes["haptics_clock_ahead_ns"] = std::to_string(stats.hops.clock_offset_ns);
+    report.notes["haptics_clock_error_ns"] = std::to_string(stats.hops.clock_error_ns);
   }
   report.nodes = make_nodes(stats);
   add_device(report, stats);
@@ -274,17 +274,17 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
   return report;
 }
 
-std::string describe_run(const ServoStats& s, const SchedulingFigures& scheduling) {
+std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling) {
   std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, strongest {:.2f} N\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
   text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
-                      s.ledger.late, s.ledger.lost, s.ledger.superseded, s.ledger.reordered, s.missed_cycles, s.governor.counters.silences,
+                      s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles, s.governor.counters.command_timeouts,
                       s.governor.counters.clamped, s.governor.counters.slewed);
-  if (const GovernorFigures& g = s.governor; g.counters.latched > 0) {
+  if (const GovernorStats& g = s.governor; g.counters.latched > 0) {
     text += fmt::format("faults: {} latched, {} reset, {} resets refused; now: {}\n", g.counters.latched, g.counters.resets,
-                        g.counters.resets_refused, describe(g.fault));
+                        g.counters.resets_rejected, describe(g.fault));
   }
-  if (s.seal.refused() > 0) {
+  if (s.seal.rejected() > 0) {
     text += fmt::format(
         "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form, {} "
         "replayed handshakes, {} handshakes too many\n",

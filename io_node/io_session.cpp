@@ -30,11 +30,11 @@ std::string describe(const ServoEvent& event) {
       return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
     case ServoEvent::Kind::left:
       return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
-    case ServoEvent::Kind::refused:
+    case ServoEvent::Kind::rejected:
       return fmt::format("a {} node was rejected: the hub has no free slot for it; it keeps trying", name_of(event.role));
     case ServoEvent::Kind::rate_changed:
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
-    case ServoEvent::Kind::method_asked:
+    case ServoEvent::Kind::method_requested:
       return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
     case ServoEvent::Kind::wrong_key:
       return "someone asks to join with another key or none; if it is a node of yours, give it a key made from this hub's master key: "
@@ -48,7 +48,7 @@ std::string describe(const ServoEvent& event) {
       return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
     case ServoEvent::Kind::reset:
       return fmt::format("fault reset ({}), the force ramps in", to_string(event.fault));
-    case ServoEvent::Kind::reset_refused:
+    case ServoEvent::Kind::reset_rejected:
       return fmt::format("fault not reset, its cause is still there: {}", describe(event.fault));
     case ServoEvent::Kind::reset_without_right:
       return fmt::format("fault reset refused: the tool at {} has no operator's key (hapton keygen --role operator)",
@@ -204,26 +204,26 @@ void IoSession::tell_service() {
 }
 
 void IoSession::note_wishes(const StopSignal& stop) {
-  const bool asked_by_tool = servo_.take_report_wish();
-  const bool asked_by_reader = desk_ != nullptr && desk_->take_wish();
+  const bool asked_by_tool = servo_.take_report_request();
+  const bool asked_by_reader = report_server_ != nullptr && report_server_->take_request();
   const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
   const std::uint32_t asked_before = std::exchange(reports_asked_, stop.report_requests());
   const bool asked_by_signal = reports_asked_ != asked_before;
   if (!asked_by_tool && !asked_by_reader && !metrics_due && !asked_by_signal) return;
   file_wished_ = file_wished_ || asked_by_tool || asked_by_signal;
-  desk_wished_ = desk_wished_ || asked_by_reader;
+  server_wants_report_ = server_wants_report_ || asked_by_reader;
   metrics_wished_ = metrics_wished_ || metrics_due;
   if (metrics_due) next_metrics_ns_ = clock_.now_ns() + kMetricsEveryNs;
-  servo_.ask_for_snapshot();
+  servo_.request_snapshot();
 }
 
 Result<void> IoSession::grant_wishes(const ServoStats& stats) {
   const bool writes_file = std::exchange(file_wished_, false);
-  const bool fills_desk = std::exchange(desk_wished_, false);
+  const bool fills_desk = std::exchange(server_wants_report_, false);
   const bool fills_metrics = std::exchange(metrics_wished_, false);
   if (fills_desk || fills_metrics) {
     const LatencyReport report = make_io_report(stats, options_, realtime_, watch_.figures());
-    if (fills_desk) desk_->publish(to_json(report), to_csv(report));
+    if (fills_desk) report_server_->publish(to_json(report), to_csv(report));
     if (fills_metrics) metrics_->set_text(to_prometheus(report));
   }
   if (!writes_file) return {};

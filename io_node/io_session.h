@@ -9,8 +9,8 @@
 #include "io_node/io_options.h"
 #include "io_node/latch_file.h"
 #include "io_node/release_watch.h"
-#include "io_node/report_desk.h"
-#include "io_node/scheduling_watch.h"
+#include "io_node/report_server.h"
+#include "io_node/scheduling_monitor.h"
 #include "io_node/servo.h"
 #include "link/metrics_endpoint.h"
 #include "runtime/service_notify.h"
@@ -28,14 +28,14 @@ class IoSession {
   IoSession(Servo& servo, const Clock& clock, const IoOptions& options);
 
   // Set up before run: hands out the report to tools; serves it as metrics. Pre: they outlive the session.
-  void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
+  void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
   // ... and looks after the watchdog process.
   void set_watchdog(WatchdogProcess* watchdog) noexcept { watchdog_ = watchdog; }
   // ... and where a latched fault is kept for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
-  // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and refused, the device
+  // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and rejected, the device
   // failed, or a report could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -59,7 +59,7 @@ class IoSession {
   const Clock& clock_;
   const IoOptions& options_;
   const std::string prefix_;  // of every line for people
-  ReportDesk* desk_ = nullptr;
+  ReportServer* report_server_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
   WatchdogProcess* watchdog_ = nullptr;
   const LatchFile* latch_file_ = nullptr;
@@ -68,7 +68,7 @@ class IoSession {
   std::uint64_t cuts_told_ = 0;
   // What the next copy of the figures is for.
   bool file_wished_ = false;
-  bool desk_wished_ = false;
+  bool server_wants_report_ = false;
   bool metrics_wished_ = false;
   std::uint32_t reports_asked_ = 0;  // by signal, so far
   std::int64_t next_metrics_ns_ = 0;
@@ -82,7 +82,7 @@ class IoSession {
   pid_t servo_thread_ = 0;
   DeviceThread device_;
   ReleaseWatch release_watch_;
-  SchedulingWatch watch_;
+  SchedulingMonitor watch_;
   std::int64_t next_watch_ns_ = 0;
 };
 

@@ -19,7 +19,7 @@ class VisionPace {
   // After a state that gave the same picture: as long as a frame of an ordinary screen.
   static constexpr std::int64_t kUnseenNs = 16 * kNanosecondsPerMillisecond;
 
-  enum class Verdict : std::uint8_t { wait, spare, send };
+  enum class Decision : std::uint8_t { wait, skip, send };
 
   // rate_hz: states a second to each node, at most; 0: none.
   explicit VisionPace(double rate_hz) noexcept;
@@ -28,7 +28,7 @@ class VisionPace {
   void on_drawn(std::size_t peer, const Drawn& drawn, std::int64_t now_ns) noexcept;
 
   // Pre: the peer is a vision node. spare: it is its turn, and it knows this state already. send: the caller sends it now.
-  Verdict judge(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept;
+  Decision decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept;
 
  private:
   struct Place {

@@ -113,7 +113,7 @@ void write(const Settings& from, wire::Settings& to) {
   to.mutable_method()->assign(from.method.data(), static_cast<std::size_t>(end - from.method.data()));
   to.set_report_now(from.report_now);
   to.set_reset_faults(from.reset_faults);
-  to.set_method_ask(from.method_ask);
+  to.set_method_request(from.method_request);
 }
 
 template <std::size_t N>
@@ -133,11 +133,11 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   write_text(from.build, *to.mutable_build());
   write_text(from.method, *to.mutable_method());
   to.set_scene_loading(from.scene_loading);
-  to.set_method_ask(from.method_ask);
-  write_text(from.refusal, *to.mutable_refusal());
+  to.set_method_request(from.method_request);
+  write_text(from.rejection, *to.mutable_rejection());
 }
 
-void write(const ReportAsk& from, wire::ReportAsk& to) {
+void write(const ReportRequest& from, wire::ReportRequest& to) {
   to.set_document(static_cast<std::uint32_t>(from.document));
   to.set_revision(from.revision);
   to.set_part(from.part);
@@ -250,7 +250,7 @@ bool read(const wire::Settings& from, Settings& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.report_now = from.report_now();
   to.reset_faults = from.reset_faults();
-  to.method_ask = from.method_ask();
+  to.method_request = from.method_request();
   const std::string& method = from.method();
   if (method.size() > to.method.size() || !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
     return false;
@@ -276,10 +276,10 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.method_serial = from.method_serial();
   to.view_revision = from.view_revision();
   to.scene_hash = from.scene_hash();
-  to.method_ask = from.method_ask();
+  to.method_request = from.method_request();
   to.scene_loading = from.scene_loading();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
-         read_text(from.method(), to.method) && read_text(from.refusal(), to.refusal);
+         read_text(from.method(), to.method) && read_text(from.rejection(), to.rejection);
 }
 
 bool read_document(std::uint32_t from, ReportDocument& to) {
@@ -287,7 +287,7 @@ bool read_document(std::uint32_t from, ReportDocument& to) {
   return from <= static_cast<std::uint32_t>(ReportDocument::csv);
 }
 
-bool read(const wire::ReportAsk& from, ReportAsk& to) {
+bool read(const wire::ReportRequest& from, ReportRequest& to) {
   to.revision = from.revision();
   to.part = from.part();
   return read_document(from.document(), to.document);
@@ -363,8 +363,8 @@ constexpr std::tuple kMessageKinds{
     MessageKind<Settings, wire::Settings>{&wire::Envelope::has_settings, &wire::Envelope::settings, &wire::Envelope::mutable_settings},
     MessageKind<HapticsSetup, wire::HapticsSetup>{&wire::Envelope::has_haptics_setup, &wire::Envelope::haptics_setup,
                                                   &wire::Envelope::mutable_haptics_setup},
-    MessageKind<ReportAsk, wire::ReportAsk>{&wire::Envelope::has_report_ask, &wire::Envelope::report_ask,
-                                            &wire::Envelope::mutable_report_ask},
+    MessageKind<ReportRequest, wire::ReportRequest>{&wire::Envelope::has_report_request, &wire::Envelope::report_request,
+                                            &wire::Envelope::mutable_report_request},
     MessageKind<ReportPart, wire::ReportPart>{&wire::Envelope::has_report_part, &wire::Envelope::report_part,
                                               &wire::Envelope::mutable_report_part},
     MessageKind<ViewRejected, wire::ViewRejected>{&wire::Envelope::has_view_rejected, &wire::Envelope::view_rejected,
@@ -465,9 +465,9 @@ void reserve(wire::HapticsSetup& m) {
   m.mutable_scene()->reserve(kMaxDatagramBytes);
   m.mutable_build()->reserve(kMaxDatagramBytes);
   m.mutable_method()->reserve(kMaxDatagramBytes);
-  m.mutable_refusal()->reserve(kMaxDatagramBytes);
+  m.mutable_rejection()->reserve(kMaxDatagramBytes);
 }
-void reserve(wire::ReportAsk&) {}
+void reserve(wire::ReportRequest&) {}
 void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }
 void reserve(wire::ViewRejected&) {}
 void reserve(wire::Bye&) {}

@@ -8,7 +8,7 @@
 
 #include "link/address.h"
 #include "link/key_role.h"
-#include "link/refusal_watch.h"
+#include "link/rejection_monitor.h"
 #include "link/seal_counts.h"
 
 namespace hapton {
@@ -25,7 +25,7 @@ struct Received {
 // What a socket met besides datagrams for its owner.
 struct SocketCounts {
   std::uint64_t oversized = 0;  // longer than kMaxDatagramBytes, or empty
-  std::uint64_t strangers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
+  std::uint64_t unknown_peers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
   std::uint64_t dropped = 0;    // by the kernel: kept out during a flood, or no room
   std::uint64_t kept_out = 0;   // of these, those during a flood
   std::uint64_t floods = 0;     // that began
@@ -40,7 +40,7 @@ class Endpoint {
  public:
   virtual ~Endpoint() = default;
 
-  // Sends one datagram; false when the system refused it (counted by the caller, never fatal).
+  // Sends one datagram; false when the system rejected it (counted by the caller, never fatal).
   virtual bool send(const Address& to, std::span<const std::byte> datagram) noexcept = 0;
 
   // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
@@ -59,12 +59,12 @@ class Endpoint {
   // Optional: data of this session (its connection number) is awaited from there, and is no stranger's. RT: yes.
   virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
 
-  // What a sealed endpoint has passed and refused; all zero for others.
+  // What a sealed endpoint has passed and rejected; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
   // What a socket has met; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
 
-  // What is refused so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
+  // What is rejected so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 

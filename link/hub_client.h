@@ -12,20 +12,20 @@
 namespace hapton {
 
 enum class JoinState : std::uint8_t {
-  joining,  // no hub has answered, or it has been silent for kHubSilenceNs
-  refused,  // the hub answered, but another live haptics node holds the place; asking goes on
+  joining,  // no hub has answered, or it has been silent for kHubTimeoutNs
+  rejected,  // the hub replied, but another live haptics node holds the place; asking goes on
   joined,
 };
 
 struct ClientCounts {
   std::uint64_t sent = 0;
-  std::uint64_t send_failures = 0;  // the system refused, or we have not joined
+  std::uint64_t send_failures = 0;  // the system rejected, or we have not joined
   std::uint64_t received = 0;       // messages handed to the caller
   std::uint64_t undecodable = 0;    // see Codec
   std::uint64_t wrong_version = 0;  // of these, those of another protocol version: the hub is another build
   std::uint64_t foreign = 0;        // not from the hub's address
   std::uint64_t other_session = 0;  // from an earlier life of the hub, or before we joined
-  std::uint64_t joins = 0;          // 2 or more: the hub came back, or we were refused for a while
+  std::uint64_t joins = 0;          // 2 or more: the hub came back, or we were rejected for a while
 };
 
 // What a node (haptics, vision, tool) uses to speak with the hub. It joins by itself, says Hello every 100 ms for ever, joins again when
@@ -34,7 +34,7 @@ struct ClientCounts {
 class HubClient {
  public:
   static constexpr std::int64_t kHelloPeriodNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kHubSilenceNs = 500 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kHubTimeoutNs = 500 * kNanosecondsPerMillisecond;
 
   // Pre: endpoint and clock outlive the client. sender_id 0: a random one.
   HubClient(Endpoint& endpoint, const Clock& clock, NodeRole role, const Address& hub, std::uint64_t sender_id = 0);
@@ -42,7 +42,7 @@ class HubClient {
   HubClient(const HubClient&) = delete;
   HubClient& operator=(const HubClient&) = delete;
 
-  // Sends to the hub; false (and counted) while not joined or when the system refuses.
+  // Sends to the hub; false (and counted) while not joined or when the system rejects.
   bool send(const Message& message) noexcept;
 
   // Waits until a message from the hub is there or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are

@@ -114,7 +114,7 @@ struct Settings {
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;           // write the latency report
   bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool with an operator's key only
-  std::uint32_t method_ask = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
+  std::uint32_t method_request = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
 };
 
 // haptics -> hub -> every tool, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt
@@ -129,14 +129,14 @@ struct HapticsSetup {
   Text scene = {};  // the file's path
   Text build = {};
   Text method = {};                 // "name=proxy probe_radius_m=0 ..."
-  std::uint32_t method_ask = 0;     // of the Settings answered last; 0: none yet, or one that nobody waits for
-  Text refusal = {};                // why that method is not used; empty: it is in use
+  std::uint32_t method_request = 0;     // of the Settings answered last; 0: none yet, or one that nobody waits for
+  Text rejection = {};                // why that method is not used; empty: it is in use
   std::uint32_t scene_loading = 0;  // unit, sealing and fit of the scene (scene/scene_loading.h); 0: not said
 };
 
 // tool -> hub: a part of the hub's report.
 enum class ReportDocument : std::uint8_t { json = 0, csv = 1 };
-struct ReportAsk {
+struct ReportRequest {
   ReportDocument document = ReportDocument::json;
   std::uint32_t revision = 0;  // 0: a fresh one, its first part
   std::uint32_t part = 0;
@@ -153,7 +153,7 @@ struct ReportPart {
 };
 
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
-                             HapticsSetup, ReportAsk, ReportPart, ViewRejected>;
+                             HapticsSetup, ReportRequest, ReportPart, ViewRejected>;
 
 // In front of every message.
 struct Header {

@@ -28,7 +28,7 @@ enum class SessionFault : std::uint8_t {
   none,
   silence,         // no force for 20 ms, in contact
   not_finite,      // a force that is no number
-  refused_future,  // a force for a sample that was not taken
+  rejected_future,  // a force for a sample that was not taken
   clamped,         // a force above the limit
   stalled,         // the loop stood still longer than a force may be old
   device,          // the device failed

@@ -58,7 +58,7 @@ bool SafetyGovernor::is_cause_there() const noexcept {
 bool SafetyGovernor::reset_faults() noexcept {
   if (fault_ == SafetyFault::none) return true;
   if (is_cause_there()) {
-    ++counters_.resets_refused;
+    ++counters_.resets_rejected;
     return false;
   }
   fault_ = SafetyFault::none;
@@ -73,7 +73,7 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
   unheld_s_ += advance(sample.time_ns);
   status_ = status;
   if (status == DeviceStatus::fault) latch(SafetyFault::device);
-  const bool was_held = std::exchange(is_held_, dead_man_.is_held(sample));
+  const bool was_held = std::exchange(is_held_, dead_mans_switch_.is_held(sample));
   if (was_held && !is_held_) ++counters_.releases;
   if (status == DeviceStatus::away || status == DeviceStatus::calibrating) {
     motion_.forget();
@@ -87,13 +87,13 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
 void SafetyGovernor::look(const DeviceSample& sample) noexcept {
   const DeviceLimits& limits = limits_.now();
   switch (motion_.look(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
-    case MotionWatch::Verdict::fine:
+    case MotionMonitor::Verdict::fine:
       break;
-    case MotionWatch::Verdict::no_pose:
+    case MotionMonitor::Verdict::no_pose:
       ++counters_.bad_samples;
       if (bad_samples_.note(now_ns_)) latch(SafetyFault::position);
       return;
-    case MotionWatch::Verdict::jump:
+    case MotionMonitor::Verdict::jump:
       latch(SafetyFault::jump);
       break;
   }
@@ -106,25 +106,25 @@ void SafetyGovernor::observe_temperature(double temperature) noexcept {
   if (temperature >= kTooHot) latch(SafetyFault::thermal);
 }
 
-void SafetyGovernor::take(const WantedWrench& wanted) noexcept {
+void SafetyGovernor::take(const WrenchCommand& wanted) noexcept {
   switch (intake_.take(wanted, now_ns_)) {
-    case WrenchIntake::Verdict::accepted:
+    case CommandFilter::Verdict::accepted:
       ++counters_.accepted;
       is_accepted_ = true;
       return;
-    case WrenchIntake::Verdict::force_not_finite:
+    case CommandFilter::Verdict::force_not_finite:
       ++counters_.not_finite;
       if (bad_forces_.note(now_ns_)) latch(SafetyFault::not_finite);
       return;
-    case WrenchIntake::Verdict::torque_not_finite:
+    case CommandFilter::Verdict::torque_not_finite:
       ++counters_.not_finite;
       if (bad_torques_.note(now_ns_)) latch(SafetyFault::torque);
       return;
-    case WrenchIntake::Verdict::future:
-      ++counters_.refused_future;
+    case CommandFilter::Verdict::future:
+      ++counters_.rejected_future;
       return;
-    case WrenchIntake::Verdict::old:
-      ++counters_.refused_old;
+    case CommandFilter::Verdict::old:
+      ++counters_.rejected_old;
       return;
   }
 }
@@ -166,10 +166,10 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   return inside_n;
 }
 
-const Wrench& SafetyGovernor::step(const std::optional<WantedWrench>& wanted, std::int64_t now_ns) noexcept {
+const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, std::int64_t now_ns) noexcept {
   const double passed_s = std::exchange(unheld_s_, 0.0) + advance(now_ns);
-  if (intake_.falls_silent(now_ns_)) {
-    ++counters_.silences;
+  if (intake_.times_out(now_ns_)) {
+    ++counters_.command_timeouts;
     is_open_ = false;
   }
   is_accepted_ = false;

@@ -4,16 +4,16 @@
 #include <cstdint>
 #include <optional>
 
-#include "safety/dead_man.h"
+#include "safety/dead_mans_switch.h"
 #include "safety/energy_budget.h"
-#include "safety/motion_watch.h"
+#include "safety/motion_monitor.h"
 #include "safety/ramp.h"
 #include "safety/safety_fault.h"
 #include "safety/safety_limits.h"
 #include "safety/slew_limit.h"
-#include "safety/strikes.h"
+#include "safety/fault_debouncer.h"
 #include "safety/thermal_budget.h"
-#include "safety/wrench_intake.h"
+#include "safety/command_filter.h"
 
 namespace hapton {
 
@@ -21,9 +21,9 @@ namespace hapton {
 struct GovernorCounters {
   std::uint64_t accepted = 0;
   std::uint64_t not_finite = 0;      // forces and torques that are no numbers
-  std::uint64_t refused_old = 0;     // repeated, overtaken or older than the silence limit
-  std::uint64_t refused_future = 0;  // answers a sample that has not been taken
-  std::uint64_t silences = 0;        // times it went quiet after a force had been accepted
+  std::uint64_t rejected_old = 0;     // repeated, overtaken or older than the silence limit
+  std::uint64_t rejected_future = 0;  // answers a sample that has not been taken
+  std::uint64_t command_timeouts = 0;        // times it went quiet after a force had been accepted
   std::uint64_t clamped = 0;         // accepted forces above the limit
   std::uint64_t slewed = 0;          // accepted forces that the slew limit cut
   std::uint64_t bad_samples = 0;     // of the device: no pose
@@ -34,12 +34,12 @@ struct GovernorCounters {
   std::uint64_t releases = 0;        // times the dead man's switch let go
   std::uint64_t latched = 0;         // faults
   std::uint64_t resets = 0;
-  std::uint64_t resets_refused = 0;  // their cause was still there
+  std::uint64_t resets_rejected = 0;  // their cause was still there
   std::array<std::uint64_t, kSafetyFaults> faults = {};
 };
 
 // A governor at one moment, for people and programs.
-struct GovernorFigures {
+struct GovernorStats {
   GovernorCounters counters;
   GovernorState state = GovernorState::silent;
   SafetyFault fault = SafetyFault::none;
@@ -70,7 +70,7 @@ class SafetyGovernor {
 
   void tighten(const DeviceLimits& limits) noexcept { limits_.tighten(limits); }
   void forbid_force() noexcept { limits_.forbid_force(); }
-  void require_button(int button) noexcept { dead_man_.require_button(button); }
+  void require_button(int button) noexcept { dead_mans_switch_.require_button(button); }
 
   // The device as it was just read, at sample.time_ns.
   void observe(const DeviceSample& sample, DeviceStatus status) noexcept;
@@ -78,7 +78,7 @@ class SafetyGovernor {
   void observe_temperature(double temperature) noexcept;
 
   // The wrench to put out now: in answer to wanted, or without news. It must go to the motors as it is.
-  const Wrench& step(const std::optional<WantedWrench>& wanted, std::int64_t now_ns) noexcept;
+  const Wrench& step(const std::optional<WrenchCommand>& wanted, std::int64_t now_ns) noexcept;
 
   // Another barrier has taken the force off the motors: it sinks, and ramps in with the next one that is accepted.
   void interrupt() noexcept {
@@ -94,7 +94,7 @@ class SafetyGovernor {
   // A dead man's switch is asked for, and held: a person is at the device. A device that is away repeats its last sample, which says
   // nothing of now.
   bool is_switch_held() const noexcept {
-    return dead_man_.required_buttons() != 0 && is_held_ && status_ == DeviceStatus::ready && motion_.is_current(now_ns_);
+    return dead_mans_switch_.required_buttons() != 0 && is_held_ && status_ == DeviceStatus::ready && motion_.is_current(now_ns_);
   }
 
   const Wrench& output() const noexcept { return out_; }
@@ -108,7 +108,7 @@ class SafetyGovernor {
   double thermal_load() const noexcept { return thermal_.load(limits_.now()); }
   double energy_spent_j() const noexcept { return energy_.spent_j(); }
   bool is_energy_gone() const noexcept { return energy_.share(limits().max_force_n) == 0.0; }
-  GovernorFigures figures() const noexcept {
+  GovernorStats figures() const noexcept {
     return {counters_, state(), fault_, thermal_load(), energy_spent_j(), EnergyBudget::most_j(limits().max_force_n)};
   }
   double speed_m_per_s() const noexcept { return motion_.speed_m_per_s(); }
@@ -118,7 +118,7 @@ class SafetyGovernor {
   double advance(std::int64_t now_ns) noexcept;
   void latch(SafetyFault fault) noexcept;
   bool is_cause_there() const noexcept;
-  void take(const WantedWrench& wanted) noexcept;
+  void take(const WrenchCommand& wanted) noexcept;
   void look(const DeviceSample& sample) noexcept;
   GovernorState gate() const noexcept;
   double allowed_share() const noexcept;
@@ -127,17 +127,17 @@ class SafetyGovernor {
   void count_accepted() noexcept;
 
   SafetyLimits limits_;
-  DeadMan dead_man_;
-  WrenchIntake intake_;
+  DeadMansSwitch dead_mans_switch_;
+  CommandFilter intake_;
   Ramp ramp_;
-  MotionWatch motion_;
+  MotionMonitor motion_;
   ThermalBudget thermal_;
   EnergyBudget energy_;
   SlewLimit force_;
   SlewLimit torque_;
-  Strikes bad_forces_;
-  Strikes bad_torques_;
-  Strikes bad_samples_;
+  FaultDebouncer bad_forces_;
+  FaultDebouncer bad_torques_;
+  FaultDebouncer bad_samples_;
   Wrench out_;
   GovernorCounters counters_;
   SafetyFault fault_ = SafetyFault::none;

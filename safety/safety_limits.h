@@ -7,9 +7,9 @@
 namespace hapton {
 
 // How long the motors go on after the last force that is good; how long coming back takes; and by when a force that must go has gone.
-constexpr std::int64_t kSilenceLimitNs = 20'000'000;
+constexpr std::int64_t kCommandTimeoutNs = 20'000'000;
 constexpr std::int64_t kRampNs = 100'000'000;
-constexpr std::int64_t kLongestReleaseNs = kSilenceLimitNs / 2;
+constexpr std::int64_t kLongestReleaseNs = kCommandTimeoutNs / 2;
 
 // Where a device does not say: no hand moves a stylus so fast.
 constexpr double kFastestHandMPerS = 5.0;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "safety/motion_watch.h"
+#include "safety/motion_monitor.h"
 
 namespace hapton {
 
@@ -22,7 +22,7 @@ class SpeedLimit {
     return std::clamp((speed_m_per_s - soft) / (limits.max_speed_m_per_s - soft), 0.0, 1.0);
   }
 
-  static Vec3 shape(const DeviceLimits& limits, double damping_n_s_per_m, const Vec3& force_n, const MotionWatch& motion) noexcept {
+  static Vec3 shape(const DeviceLimits& limits, double damping_n_s_per_m, const Vec3& force_n, const MotionMonitor& motion) noexcept {
     const double share = excess(limits, motion.speed_m_per_s());
     if (share == 0.0) return force_n;
     const Vec3 along = motion.velocity_m_per_s() / motion.speed_m_per_s();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "watchdog/guard_page.h"
+#include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 
@@ -27,7 +27,7 @@ class OuterWatchdog {
   enum class Verdict : std::uint8_t { fine, frozen, stale, gone };
 
   // As of now; is_gone: the process has ended.
-  Verdict look(const GuardPage& page, bool is_gone, std::int64_t now_ns) noexcept;
+  Verdict look(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept;
 
   // At the last look.
   std::int64_t force_age_ns() const noexcept { return force_age_ns_; }
@@ -44,7 +44,7 @@ class OuterWatchdog {
 class ForceCutter {
  public:
   // process: whom to kill where there is no other means.
-  ForceCutter(GuardPage& page, int process) : page_(page), process_(process) {}
+  ForceCutter(HeartbeatPage& page, int process) : page_(page), process_(process) {}
   ~ForceCutter();
   ForceCutter(const ForceCutter&) = delete;
   ForceCutter& operator=(const ForceCutter&) = delete;
@@ -58,7 +58,7 @@ class ForceCutter {
  private:
   void close_device() noexcept;
 
-  GuardPage& page_;
+  HeartbeatPage& page_;
   int process_;
   std::uint32_t generation_ = 0;
   int device_ = -1;

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/base/result.h"
-#include "watchdog/guard_memory.h"
+#include "watchdog/heartbeat_memory.h"
 
 namespace hapton {
 
@@ -14,13 +14,13 @@ namespace hapton {
 // does. RT: no. Threads: one.
 class WatchdogProcess {
  public:
-  static constexpr std::int64_t kSilenceNs = 1'000'000'000;
+  static constexpr std::int64_t kPeerTimeoutNs = 1'000'000'000;
 
   // Beside this program: bin/hapton_watchdog.
   static std::filesystem::path find_program();
 
   // Pre: memory is there and outlives this. priority: SCHED_FIFO, 0 for none. Error: it is not there or cannot be started, one line.
-  Result<void> start(const GuardMemory& memory, const std::filesystem::path& program, int priority);
+  Result<void> start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority);
 
   // A few times a second. True: it had died or stood still, and was started again; tell people.
   bool look_after(std::int64_t now_ns);
@@ -34,7 +34,7 @@ class WatchdogProcess {
  private:
   Result<void> spawn();
 
-  const GuardMemory* memory_ = nullptr;
+  const HeartbeatMemory* memory_ = nullptr;
   std::filesystem::path program_;
   int priority_ = 0;
   pid_t process_ = 0;

@@ -70,7 +70,7 @@ bool Client::hear_message(const Message& message, Time now) {
   if (message.type < 0 || !is_about_us(message.sender)) return true;
   if (ping_type_ == message.type) append_empty(out_, header(OurType::pong, now));
   if (workspace_type_ == message.type) wants_workspace_ = true;
-  if (contains(force_types_, message.type)) ++refused_forces_;
+  if (contains(force_types_, message.type)) ++rejected_forces_;
   return true;
 }
 

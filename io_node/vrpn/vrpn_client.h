@@ -21,7 +21,7 @@ constexpr std::int32_t kOurSender = 0;
 
 // One program that speaks VRPN: what it says is understood, and what it must be answered is put into out(). Whatever bytes come, memory and
 // time stay within bounds. Pure: no socket, no clock.
-// Forces that it asks for (vrpn_ForceDevice Plane, Force_Field and the rest) are refused and counted: see docs/vrpn.md.
+// Forces that it asks for (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted: see docs/vrpn.md.
 class Client {
  public:
   // name: of the device, what clients write before the '@'.
@@ -38,7 +38,7 @@ class Client {
     std::uint16_t port = 0;
   };
   const std::optional<UdpWish>& udp_wish() const { return udp_wish_; }
-  std::uint64_t refused_forces() const { return refused_forces_; }
+  std::uint64_t rejected_forces() const { return rejected_forces_; }
   // Wants to know the workspace since the last call.
   bool take_workspace_wish();
 
@@ -69,7 +69,7 @@ class Client {
   std::optional<std::int32_t> workspace_type_;
   bool wants_workspace_ = false;
   std::optional<UdpWish> udp_wish_;
-  std::uint64_t refused_forces_ = 0;
+  std::uint64_t rejected_forces_ = 0;
 };
 
 }  // namespace hapton::vrpn

@@ -66,7 +66,7 @@ struct Server::State final : StreamEndpoint::Listener {
     bool is_open = false;  // TCP is there
     bool is_told = false;  // the log knows it
     bool knows_buttons = false;
-    bool is_refusal_told = false;
+    bool is_rejection_logged = false;
     std::optional<Address> udp;
   };
 
@@ -82,7 +82,7 @@ struct Server::State final : StreamEndpoint::Listener {
 
   void answer(StreamEndpoint::Id id, Peer& peer);
   void follow_udp_wish(Peer& peer);
-  void drop_silent(std::int64_t now_ns);
+  void drop_timed_out(std::int64_t now_ns);
   void take_samples();
   void report();
   void report_to(Peer& peer, Time time);
@@ -115,7 +115,7 @@ void Server::State::run() {
     if (!is_watched) newest = told = std::nullopt;
     endpoint->wait(is_watched ? next_ns : clock.now_ns() + kIdleNs, *this);
     const std::int64_t now_ns = clock.now_ns();
-    drop_silent(now_ns);
+    drop_timed_out(now_ns);
     if (now_ns < next_ns) continue;
     next_ns = std::max(next_ns + period_ns, now_ns);
     take_samples();
@@ -142,7 +142,7 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
   if (peer.client.is_connected() && !std::exchange(peer.is_told, true)) {
     log_info("a VRPN client at {} sees {}", to_string(peer.address), options.name);
   }
-  if (peer.client.refused_forces() > 0 && !std::exchange(peer.is_refusal_told, true)) {
+  if (peer.client.rejected_forces() > 0 && !std::exchange(peer.is_rejection_logged, true)) {
     log_warning("the VRPN client at {} asks for forces; they are refused: forces come from the haptics node alone",
                 to_string(peer.address));
   }
@@ -203,7 +203,7 @@ StreamEndpoint::Id Server::State::give_up_for_another() {
 }
 
 // Who takes a place and says nothing.
-void Server::State::drop_silent(std::int64_t now_ns) {
+void Server::State::drop_timed_out(std::int64_t now_ns) {
   for (const auto& [id, peer] : peers) {
     if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookiePatienceNs) endpoint->close(id);
   }

@@ -9,7 +9,7 @@ namespace {
 
 HandScript::Options box(std::uint64_t seed) { return {seed, Vec3(-0.1, -0.1, -0.2), Vec3(0.1, 0.1, 0.2), Vec3(0.0, 0.0, 0.18)}; }
 
-TEST(HandScript, moves_smoothly_and_stays_in_the_workspace_where_there_is_nothing_to_touch) {
+TEST(HandScript, MovesSmoothlyAndStaysInTheWorkspaceWhereThereIsNothingToTouch) {
   HandScript script(box(9));
   Vec3 last = box(9).start_m;
   for (int step = 0; step < 60'000; ++step) {
@@ -21,7 +21,7 @@ TEST(HandScript, moves_smoothly_and_stays_in_the_workspace_where_there_is_nothin
   }
 }
 
-TEST(HandScript, survives_a_force_that_makes_no_sense) {
+TEST(HandScript, SurvivesAForceThatMakesNoSense) {
   HandScript script(box(2));
   const Vec3 forces[] = {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, -8), Vec3(0, 8, 0), Vec3::Zero()};
   Vec3 last = box(2).start_m;
@@ -31,7 +31,7 @@ TEST(HandScript, survives_a_force_that_makes_no_sense) {
   }
 }
 
-TEST(HandScript, follows_a_lead_and_returns_to_its_script) {
+TEST(HandScript, FollowsALeadAndReturnsToItsScript) {
   HandScript script(box(1));
   Vec3 last = box(1).start_m;
   script.lead(Vec3(0.05, -0.05, 0.0));
@@ -47,7 +47,7 @@ TEST(HandScript, follows_a_lead_and_returns_to_its_script) {
   EXPECT_GT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-3);
 }
 
-TEST(HandScript, letting_go_without_a_lead_changes_nothing) {
+TEST(HandScript, LettingGoWithoutALeadChangesNothing) {
   HandScript script(box(1)), other(box(1));
   Vec3 a = box(1).start_m, b = a;
   for (int step = 0; step < 3000; ++step) {

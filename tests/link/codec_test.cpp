@@ -70,7 +70,7 @@ class RandomDatagrams {
       case 10:
         return draw_setup();
       case 11:
-        return ReportAsk{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
+        return ReportRequest{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
       case 12:
         return draw_part();
       default:
@@ -101,7 +101,7 @@ class RandomDatagrams {
                        {"0.1.0 release"}, {"name=proxy"}, bits32()};
     if (flag()) std::fill(setup.scene.begin(), setup.scene.end() - 1, 's');
     setup.scene_loading = bits32();
-    if (flag()) std::fill(setup.refusal.begin(), setup.refusal.end() - 1, 'r');
+    if (flag()) std::fill(setup.rejection.begin(), setup.rejection.end() - 1, 'r');
     return setup;
   }
 
@@ -185,7 +185,7 @@ void expect_equal(const Settings& a, const Settings& b) {
   EXPECT_EQ(a.method, b.method);
   EXPECT_EQ(a.report_now, b.report_now);
   EXPECT_EQ(a.reset_faults, b.reset_faults);
-  EXPECT_EQ(a.method_ask, b.method_ask);
+  EXPECT_EQ(a.method_request, b.method_request);
 }
 void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.method_serial, b.method_serial);
@@ -195,12 +195,12 @@ void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
   EXPECT_EQ(a.scene, b.scene);
   EXPECT_EQ(a.build, b.build);
   EXPECT_EQ(a.method, b.method);
-  EXPECT_EQ(a.method_ask, b.method_ask);
-  EXPECT_EQ(a.refusal, b.refusal);
+  EXPECT_EQ(a.method_request, b.method_request);
+  EXPECT_EQ(a.rejection, b.rejection);
   EXPECT_EQ(a.scene_loading, b.scene_loading);
 }
 
-void expect_equal(const ReportAsk& a, const ReportAsk& b) {
+void expect_equal(const ReportRequest& a, const ReportRequest& b) {
   EXPECT_EQ(a.document, b.document);
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.part, b.part);
@@ -246,7 +246,7 @@ void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(settings->servo_rate_hz == 0.0 ||
                 (settings->servo_rate_hz >= kMinServoRateHz && settings->servo_rate_hz <= kMaxServoRateHz));
   } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {
-    for (const HapticsSetup::Text& text : {setup->scene, setup->build, setup->method, setup->refusal}) {
+    for (const HapticsSetup::Text& text : {setup->scene, setup->build, setup->method, setup->rejection}) {
       EXPECT_EQ(text.back(), '\0');
       EXPECT_TRUE(std::none_of(text.begin(), text.end(), [](char c) { return (c > 0 && c < ' ') || c == '\x7f'; }));
     }
@@ -361,7 +361,7 @@ TEST_F(CodecTest, NoTruncationPasses) {
 }
 
 TEST_F(CodecTest, NoCorruptedByteCrashesOrBreaksThePromises) {
-  std::size_t refused = 0;
+  std::size_t rejected = 0;
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     const Bytes bytes = encode(random_.draw(kind));
     for (std::size_t place = 0; place < bytes.size(); ++place) {
@@ -371,12 +371,12 @@ TEST_F(CodecTest, NoCorruptedByteCrashesOrBreaksThePromises) {
         if (decode(corrupted) == DecodeStatus::ok) {
           expect_sane(decoded_);
         } else {
-          ++refused;
+          ++rejected;
         }
       }
     }
   }
-  EXPECT_GT(refused, 1000U);
+  EXPECT_GT(rejected, 1000U);
 }
 
 TEST_F(CodecTest, RandomBytesNeverCrash) {
@@ -496,14 +496,14 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(Settings{.servo_rate_hz = 100.0}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Settings{.servo_rate_hz = 20'000.0}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Settings{.method = {'a', '\n'}}), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(HapticsSetup{.refusal = {'a', '\n'}}), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(HapticsSetup{.refusal = {'\x1b', '['}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(HapticsSetup{.rejection = {'a', '\n'}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(HapticsSetup{.rejection = {'\x1b', '['}}), DecodeStatus::bad_value);
   HapticsSetup endless;
-  endless.refusal.fill('x');  // the last place is NUL
+  endless.rejection.fill('x');  // the last place is NUL
   EXPECT_EQ(round_trip(endless), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(ReportAsk{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
 }
 
 TEST_F(CodecTest, RefusesMoreThanADatagramHolds) {

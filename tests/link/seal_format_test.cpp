@@ -44,16 +44,16 @@ void lengthen(Settings& m) {
   m.method.fill('x');
   m.report_now = true;
   m.reset_faults = true;
-  m.method_ask = kMost32;
+  m.method_request = kMost32;
 }
 void lengthen(HapticsSetup& m) {
   m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}, kMost32};
   fill_text(m.scene);
   fill_text(m.build);
   fill_text(m.method);
-  fill_text(m.refusal);
+  fill_text(m.rejection);
 }
-void lengthen(ReportAsk& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
+void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
 void lengthen(ViewRejected& m) { m = {kMost32}; }
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;

@@ -79,15 +79,15 @@ TEST(Keys, AKeyOfAnotherRoleOrOfAnOlderVersionIsRefusedInALine) {
   const auto old = system.folder() / "old.key";
   std::ofstream(old) << "thirty-two bytes of an older key";
   std::filesystem::permissions(old, std::filesystem::perms(0600));
-  const auto refusal = [&](const std::string& program, const std::string& key) {
+  const auto rejection = [&](const std::string& program, const std::string& key) {
     const auto ended = run(program, {"--key", key, "--seconds", "0.1"}, system.folder());
     EXPECT_TRUE(ended && ended->exit_code == 1);
     return ended ? ended->err : std::string();
   };
-  EXPECT_THAT(refusal("io_node", vision), ::testing::HasSubstr("the hub needs the master key"));
-  EXPECT_THAT(refusal("haptics_node", vision), ::testing::HasSubstr("is the key of role vision"));
+  EXPECT_THAT(rejection("io_node", vision), ::testing::HasSubstr("the hub needs the master key"));
+  EXPECT_THAT(rejection("haptics_node", vision), ::testing::HasSubstr("is the key of role vision"));
   for (const char* program : {"io_node", "haptics_node"}) {
-    EXPECT_THAT(refusal(program, old.string()), ::testing::HasSubstr("is a key of an older Hapton"));
+    EXPECT_THAT(rejection(program, old.string()), ::testing::HasSubstr("is a key of an older Hapton"));
   }
 }
 

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(SlewLimit, follows_with_its_haste_and_arrives_exactly) {
+TEST(SlewLimit, FollowsWithItsHasteAndArrivesExactly) {
   SlewLimit slew;
   EXPECT_NEAR(slew.follow(Vec3(0, 0, 1), 10.0, {0.4, 0.4}).z(), 0.4, 1e-9);
   EXPECT_TRUE(slew.was_cut());
@@ -16,7 +16,7 @@ TEST(SlewLimit, follows_with_its_haste_and_arrives_exactly) {
   EXPECT_FALSE(slew.was_cut());
 }
 
-TEST(SlewLimit, comes_into_the_ball_before_it_follows) {
+TEST(SlewLimit, ComesIntoTheBallBeforeItFollows) {
   SlewLimit slew;
   slew.follow(Vec3(4, 0, 0), 10.0, {10.0, 10.0});
   // The goal is aside; all haste goes into the ball.
@@ -27,14 +27,14 @@ TEST(SlewLimit, comes_into_the_ball_before_it_follows) {
   EXPECT_NEAR(slew.follow(Vec3(0, 3, 0), 1.0, {0.1, 1.5}).norm(), 1.5, 1e-9);
 }
 
-TEST(SlewLimit, nothing_is_exactly_nothing) {
+TEST(SlewLimit, NothingIsExactlyNothing) {
   SlewLimit slew;
   slew.follow(Vec3(0.3, 0.1, -0.7), 10.0, {10.0, 10.0});
   for (int n = 0; n < 20; ++n) slew.follow(Vec3::Zero(), 0.0, {0.05, 0.05});
   EXPECT_EQ(slew.value(), Vec3::Zero());
 }
 
-TEST(SlewLimit, keeps_ball_and_haste_whatever_is_asked) {
+TEST(SlewLimit, KeepsBallAndHasteWhateverIsAsked) {
   SplitMix random(5);
   SlewLimit slew;
   for (int n = 0; n < 100'000; ++n) {
@@ -52,7 +52,7 @@ TEST(SlewLimit, keeps_ball_and_haste_whatever_is_asked) {
   }
 }
 
-TEST(VectorLimit, lengths_are_exact_where_squares_are_not) {
+TEST(VectorLimit, LengthsAreExactWhereSquaresAreNot) {
   EXPECT_DOUBLE_EQ(length_of(Vec3(3e300, 4e300, 0)), 5e300);
   EXPECT_DOUBLE_EQ(length_of(Vec3(3e-300, 4e-300, 0)), 5e-300);
   EXPECT_EQ(length_of(Vec3::Zero()), 0.0);

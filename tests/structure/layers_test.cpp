@@ -147,7 +147,7 @@ TEST(Layers, ForceMethodsDoNotIncludeEachOther) {
   EXPECT_FALSE(may_know_method("core/force/reference/a.cpp", "core/force/proxy/b.h")) << "the reference shares no code with the proxy";
 }
 
-// A refusal by the system must end in one line, not in an abort.
+// A rejection by the system must end in one line, not in an abort.
 TEST(Layers, EveryThreadIsStartedByStartThread) {
   static const std::regex kStarted(R"(std::j?thread(\s+\w+)?\s*[({]|vector<std::j?thread> \w+\(|std::async)");
   std::vector<std::string> wrong;

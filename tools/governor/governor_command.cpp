@@ -76,14 +76,14 @@ class GovernorRun {
 
 void print_stages(const GovernorCounters& g) {
   fmt::print("wrenches: {} accepted, {} not finite, {} old, {} of the future, {} command timeouts\n", g.accepted, g.not_finite,
-             g.refused_old, g.refused_future, g.silences);
+             g.rejected_old, g.rejected_future, g.command_timeouts);
   fmt::print("stages: {} clamped, {} slewed, {} stopped at the workspace's end, {} braked, {} damped, {} cooled, {} released\n", g.clamped,
              g.slewed, g.stopped, g.braked, g.damped, g.cooled, g.releases);
   fmt::print("device: {} bad samples; faults: {} latched", g.bad_samples, g.latched);
   for (int fault = 1; fault < kSafetyFaults; ++fault) {
     fmt::print(", {} {}", g.faults[static_cast<std::size_t>(fault)], to_string(static_cast<SafetyFault>(fault)));
   }
-  fmt::print("; {} reset, {} resets refused\n", g.resets, g.resets_refused);
+  fmt::print("; {} reset, {} resets refused\n", g.resets, g.resets_rejected);
 }
 
 void print_worst(const GovernorWorst& worst) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/governor/governor_judge.h"
+#include "tools/governor/governor_evaluator.h"
 
 namespace hapton {
 

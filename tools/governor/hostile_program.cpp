@@ -219,7 +219,7 @@ Vec3 HostileProgram::wanted_n(double most) noexcept {
 void HostileProgram::ask() noexcept {
   step_.wanted.reset();
   if (force_ == Force::none || random_.once_in(20)) return;
-  WantedWrench& told = told_[static_cast<std::size_t>(turn_) % told_.size()];
+  WrenchCommand& told = told_[static_cast<std::size_t>(turn_) % told_.size()];
   if (force_ == Force::replay) {
     step_.wanted = told_[random_.below(told_.size())];
     return;

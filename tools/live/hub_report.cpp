@@ -24,7 +24,7 @@ struct HubReader::State {
 
   bool wait_for_hub();
   Result<std::string> read(ReportDocument document, std::uint32_t& revision);
-  bool hear_part(const ReportAsk& wanted, ReportPart& part);
+  bool hear_part(const ReportRequest& wanted, ReportPart& part);
 
   SteadyClock clock;
   Address hub;
@@ -41,7 +41,7 @@ bool HubReader::State::wait_for_hub() {
 }
 
 // Until the part has come that was asked for, or the first of a newer report; false when it is time to ask again.
-bool HubReader::State::hear_part(const ReportAsk& wanted, ReportPart& part) {
+bool HubReader::State::hear_part(const ReportRequest& wanted, ReportPart& part) {
   const std::int64_t end_ns = clock.now_ns() + kAskAgainNs;
   Datagram datagram;
   while (client.receive(datagram, end_ns)) {
@@ -57,7 +57,7 @@ bool HubReader::State::hear_part(const ReportAsk& wanted, ReportPart& part) {
 }
 
 Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_t& revision) {
-  ReportAsk wanted{document, revision, 0};
+  ReportRequest wanted{document, revision, 0};
   ReportPart part;
   std::string text;
   std::int64_t end_ns = clock.now_ns() + kPatienceNs;

@@ -66,7 +66,7 @@ Result<Settings> make_settings(const SetOptions& options) {
     return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
   }
   std::copy(options.method.begin(), options.method.end(), settings.method.begin());
-  if (!options.method.empty()) settings.method_ask = static_cast<std::uint32_t>(make_random_id()) | 1U;
+  if (!options.method.empty()) settings.method_request = static_cast<std::uint32_t>(make_random_id()) | 1U;
   return settings;
 }
 
@@ -78,10 +78,10 @@ Result<std::string> confirm_method(HubClient& client, const Clock& clock, const 
   }
   Settings again;
   std::copy(options.method.begin(), options.method.end(), again.method.begin());
-  again.method_ask = ask;
+  again.method_request = ask;
   std::int64_t next_ask_ns = clock.now_ns() + kAskAgainNs;
   const auto is_answered = [&] {
-    if (setup->method_ask == ask) return true;
+    if (setup->method_request == ask) return true;
     if (clock.now_ns() >= next_ask_ns) {
       client.send(again);
       next_ask_ns += kAskAgainNs;
@@ -94,7 +94,7 @@ Result<std::string> confirm_method(HubClient& client, const Clock& clock, const 
         "build",
         options.method);
   }
-  if (setup->refusal[0] != '\0') return fail("the haptics node refuses: {}; the method in use stays", setup->refusal.data());
+  if (setup->rejection[0] != '\0') return fail("the haptics node refuses: {}; the method in use stays", setup->rejection.data());
   return fmt::format("method {} in use", options.method);
 }
 
@@ -158,7 +158,7 @@ Result<std::string> set(const SetOptions& options) {
   }
   std::string told = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
   if (!options.method.empty()) {
-    const auto method = confirm_method(client, clock, options, settings->method_ask, setup);
+    const auto method = confirm_method(client, clock, options, settings->method_request, setup);
     if (!method) return method;
     told += "; " + *method;
   }

@@ -125,8 +125,8 @@ double worst_round_trip_us(const SoakRun& run) {
 }
 
 nlohmann::ordered_json process_json(const SoakRun& run, std::size_t index) {
-  const ProcessFigures& first = run.looks.front().processes[index];
-  const ProcessFigures& last = run.looks.back().processes[index];
+  const ProcessStats& first = run.looks.front().processes[index];
+  const ProcessStats& last = run.looks.back().processes[index];
   return {{"name", run.processes[index]},
           {"resident_kib", {{"first", first.resident_kib}, {"last", last.resident_kib}}},
           {"descriptors", {{"first", first.descriptors}, {"last", last.descriptors}}},
