@@ -98,14 +98,14 @@ Result<void> HaplyDevice::open() {
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
   if (!socket) return fail("the Haply Inverse Service does not answer at {}; {}", socket.error().what, kRemedy);
   if (!(*socket)->receive(said_, kConnectPatienceNs)) {
-    return fail("the Haply Inverse Service at {} says nothing: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
+    return fail("the Haply Inverse Service at {} sends no data: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
   }
   const auto inventory = haply::read_state(said_);
   if (!inventory) return tl::unexpected(inventory.error());
   const auto arm =
       std::find_if(inventory->arms.begin(), inventory->arms.end(), [&](const haply::Arm& each) { return id_.empty() || each.id == id_; });
   if (arm == inventory->arms.end()) {
-    return fail("the Haply Inverse Service sees {}; check its cable and power, and the Haply Hub",
+    return fail("the Haply Inverse Service finds {}; check its cable and power, and the Haply Hub",
                 inventory->arms.empty() ? "no Inverse3" : "no Inverse3 of that --device-id");
   }
   if (model_.empty()) {
@@ -135,7 +135,7 @@ void HaplyDevice::run() {
     if (socket_ == nullptr) {
       look_for_service(tick_ns);
     } else if (!tick()) {
-      log_warning("the Haply Inverse Service is gone ({}); looking for it", socket_->reason());
+      log_warning("the Haply Inverse Service is disconnected ({}); trying to reconnect", socket_->reason());
       socket_.reset();
       next_try_ns_ = clock_.now_ns() + kRetryEveryNs / 4;
       publish(DeviceStatus::away, clock_.now_ns());
@@ -152,7 +152,7 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
   publish(DeviceStatus::away, now_ns);
   if (now_ns < next_try_ns_) return;
   next_try_ns_ = now_ns + kRetryEveryNs;
-  if (open()) log_info("the Haply Inverse Service is back, with {}", id_);
+  if (open()) log_info("reconnected to the Haply Inverse Service, device {}", id_);
 }
 
 // The answer to what was said last, then what is to be said next. False: the connection is over.
@@ -167,7 +167,7 @@ bool HaplyDevice::tick() {
 void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
   const auto arm = std::find_if(state.arms.begin(), state.arms.end(), [&](const haply::Arm& each) { return each.id == id_; });
   if (arm == state.arms.end()) {
-    if (++absences_ == kMostAbsences) log_warning("{} {} is gone; looking for it", model_, id_);
+    if (++absences_ == kMostAbsences) log_warning("{} {} is disconnected; trying to reconnect", model_, id_);
     if (absences_ >= kMostAbsences) publish(DeviceStatus::away, now_ns);
     return;
   }

@@ -27,7 +27,7 @@ class HidBackend {
   virtual std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept = 0;
 
   // What a person is to do while the device is calibrating.
-  virtual std::string_view advice() const noexcept { return "wait until it has calibrated itself"; }
+  virtual std::string_view advice() const noexcept { return "wait until it has finished calibrating"; }
 
   // As of the first begin.
   virtual std::string_view name() const noexcept = 0;

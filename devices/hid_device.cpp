@@ -17,7 +17,7 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
   const auto transport = device->port_.transport();
   const std::string path = transport ? transport->description().path : "gone";
   if (!device->await_first_report()) {
-    return fail("{} at {}: it sends no reports that make sense; see that its firmware runs, then plug it in again", device->name(), path);
+    return fail("{} at {}: its reports are invalid; check that its firmware runs, then plug it in again", device->name(), path);
   }
   const DeviceCondition condition = device->backend_->condition();
   log_info("{}: {} {} at {}", device->name(), condition.model, condition.serial, path);
@@ -90,9 +90,9 @@ void HidDevice::on_drained(std::int64_t) noexcept {
 void HidDevice::tell_status() noexcept {
   const DeviceStatus was = std::exchange(told_, reading_.status);
   if (was == told_) return;
-  if (told_ == DeviceStatus::calibrating) log_warning("{}: its position is not known yet: {}", name(), backend_->advice());
+  if (told_ == DeviceStatus::calibrating) log_warning("{}: not calibrated yet: {}", name(), backend_->advice());
   if (told_ == DeviceStatus::ready && was == DeviceStatus::calibrating) log_info("{}: calibrated", name());
-  if (told_ == DeviceStatus::fault) log_error("{}: it reports a fault of its own; switch it off and on", name());
+  if (told_ == DeviceStatus::fault) log_error("{}: it reports a device fault; switch it off and on", name());
 }
 
 void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {

@@ -52,7 +52,7 @@ std::string_view instruction_for(Calibration calibration) {
       return "calibrate: hold the arm in its neutral pose, all links at right angles, and press the stylus button (where there is none, "
              "calibrate with the vendor's own program first)";
     case Calibration::in_inkwell:
-      return "calibrate: put the stylus into its inkwell and leave it there until this says that it is done";
+      return "calibrate: put the stylus into its inkwell and leave it there until calibration is reported done";
     case Calibration::by_moving:
       return "calibrate: move the stylus slowly through its whole workspace";
   }
@@ -176,7 +176,7 @@ Result<void> OpenHapticsDevice::read_limits() {
   const bool is_box_sane = low_m.allFinite() && high_m.allFinite() && ((high_m - low_m).array() > 0.01).all();
   if (!is_box_sane || max_n <= 0.0 || max_n > 100.0) {
     return fail(
-        "OpenHaptics says that {} has a workspace of {:g} x {:g} x {:g} m and {:g} N, which cannot be; set it up again (Touch_Setup)",
+        "OpenHaptics reports an impossible workspace or force for {}: {:g} x {:g} x {:g} m and {:g} N; set it up again (Touch_Setup)",
         model_, high_m.x() - low_m.x(), high_m.y() - low_m.y(), high_m.z() - low_m.z(), max_n);
   }
   middle_m_ = 0.5 * (low_m + high_m);
@@ -362,7 +362,7 @@ void OpenHapticsDevice::tell_errors(std::int64_t now_ns) {
   if (error == hd::kSuccess) return;
   next_error_line_ns_ = now_ns + kSayEveryNs;
   const std::string_view remedy = hd::remedy_for_error(error);
-  log_warning("{} reports {} and its force was let go{}{}", model_, hd::name_of_error(error), remedy.empty() ? "" : "; ", remedy);
+  log_warning("{} reports {}; its force was released{}{}", model_, hd::name_of_error(error), remedy.empty() ? "" : "; ", remedy);
 }
 
 bool OpenHapticsDevice::is_lost(std::int64_t now_ns) const {
@@ -374,7 +374,8 @@ bool OpenHapticsDevice::is_lost(std::int64_t now_ns) const {
 void OpenHapticsDevice::reopen(std::int64_t now_ns) {
   if (is_open_) {
     const hd::Enum error = device_error_.load(std::memory_order_relaxed);
-    log_warning("{} is gone ({}); looking for it", model_, error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler stands still");
+    log_warning("{} is disconnected ({}); trying to reconnect", model_,
+                error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler has stopped");
     session_->detach(attached_);
     is_open_ = false;
     // Nobody ticks now: the last word until it is back.

@@ -2,10 +2,10 @@
 
 #include <cstdio>
 
-#include "haptics_node/reply_loop.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/haptics_setup.h"
+#include "haptics_node/reply_loop.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
@@ -65,7 +65,7 @@ int run(const HapticsOptions& options) {
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
     return give_up(
-        {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",
+        {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
                      to_string(*hub), options.seconds)});
   }
   return 0;

@@ -18,7 +18,7 @@ constexpr int kSetupRepeats = 3;
 }  // namespace
 
 ReplyLoop::ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup,
-                       bool builds_on_approach)
+                     bool builds_on_approach)
     : hub_(hub),
       clock_(clock),
       step_(step),
@@ -144,7 +144,7 @@ void ReplyLoop::tell_of_hub() {
   if (state == told_) {
     if (state == JoinState::joining && !told_absent_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
       told_absent_ = true;
-      log_warning("no hub answers; start io_node, or check --hub and --key; retrying");
+      log_warning("no reply from a hub; start io_node, or check --hub and --key; retrying");
     }
     return;
   }
@@ -152,7 +152,7 @@ void ReplyLoop::tell_of_hub() {
   told_absent_ = true;
   switch (state) {
     case JoinState::joined:
-      log_info("joined the hub, {} samples a second", hub_.servo_rate_hz());
+      log_info("joined the hub, {} samples per second", hub_.servo_rate_hz());
       break;
     case JoinState::rejected:
       log_warning("the hub already has a haptics node; waiting to take over");

@@ -22,8 +22,8 @@ namespace hapton {
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
-// How a person's presence is known to whoever asks for a reset of a latched fault (reset_permission.h): already, or by the dead man's switch,
-// which must still be held when the reset takes effect.
+// How a person's presence is known to whoever asks for a reset of a latched fault (reset_permission.h): already, or by the dead man's
+// switch, which must still be held when the reset takes effect.
 enum class ResetPresence : std::uint8_t { known, while_held };
 
 // One cycle of the device loop, told to the network side.
@@ -69,7 +69,7 @@ struct DeviceLoopStats {
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
   std::uint64_t resets_denied = 0;      // the switch was let go before they took effect
   std::uint64_t cuts = 0;               // times the device was cut, because that took too long or this loop stood still
-  std::uint64_t cycles_unreported = 0;      // the network side was too far behind to be told of them
+  std::uint64_t cycles_unreported = 0;  // the network side was too far behind to be told of them
   GovernorStats governor;
   DeviceStatus status = DeviceStatus::ready;
   DeviceCondition condition;

@@ -35,12 +35,12 @@ struct ServoEvent {
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;                   // of rate_changed; of flood: datagrams a second
-  std::array<char, 16> method = {};       // of method_requested
-  SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_rejected
-  Rejection flood = Rejection::malformed;     // of flood: what it is of
-  bool is_from_several = false;           // of flood: from other addresses, too
-  bool is_kept_out = false;               // of flood: most of it in the kernel
+  double rate_hz = 0.0;                    // of rate_changed; of flood: datagrams a second
+  std::array<char, 16> method = {};        // of method_requested
+  SafetyFault fault = SafetyFault::none;   // of latched, reset and reset_rejected
+  Rejection flood = Rejection::malformed;  // of flood: what it is of
+  bool is_from_several = false;            // of flood: from other addresses, too
+  bool is_kept_out = false;                // of flood: most of it in the kernel
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

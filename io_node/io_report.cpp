@@ -50,9 +50,9 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
                      {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
                      {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
-                     {"silence_events", whole(s.governor.counters.command_timeouts)},
+                     {"command_timeouts", whole(s.governor.counters.command_timeouts)},
                      {"clamped", whole(s.governor.counters.clamped)},
-                     {"slewed", whole(s.governor.counters.slewed)},
+                     {"rate_limited", whole(s.governor.counters.slewed)},
                      {"not_finite", whole(s.governor.counters.not_finite)},
                      {"rejected_old", whole(s.governor.counters.rejected_old)},
                      {"rejected_future", whole(s.governor.counters.rejected_future)},
@@ -63,30 +63,30 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"datagrams_received", whole(s.hub.received)},
                      {"datagrams_rejected", whole(rejected)},
                      {"sessions_sealed", whole(s.seal.handshakes)},
-                     {"refused_malformed", whole(s.seal.malformed)},
-                     {"refused_wrong_version", whole(s.seal.wrong_version)},
-                     {"refused_wrong_key", whole(s.seal.wrong_key)},
-                     {"refused_replayed_handshakes", whole(s.seal.replayed_handshakes)},
-                     {"refused_too_many_handshakes", whole(s.seal.too_many_handshakes)},
-                     {"refused_oversized", whole(s.seal.oversized)},
-                     {"refused_role", whole(s.hub.role_violations)},
+                     {"rejected_malformed", whole(s.seal.malformed)},
+                     {"rejected_wrong_version", whole(s.seal.wrong_version)},
+                     {"rejected_wrong_key", whole(s.seal.wrong_key)},
+                     {"rejected_replayed_handshakes", whole(s.seal.replayed_handshakes)},
+                     {"rejected_too_many_handshakes", whole(s.seal.too_many_handshakes)},
+                     {"rejected_oversized", whole(s.seal.oversized)},
+                     {"rejected_role", whole(s.hub.role_violations)},
                      {"handshake_retries", whole(s.seal.retries)},
                      {"resets_denied", whole(s.resets_denied)},
-                     {"refused_unknown_session", whole(s.seal.unknown_session)},
-                     {"refused_replayed", whole(s.seal.replayed)},
-                     {"refused_forged", whole(s.seal.forged)},
-                     {"refused_no_place", whole(s.seal.no_place)},
-                     {"strangers", whole(s.socket.unknown_peers)},
+                     {"rejected_unknown_session", whole(s.seal.unknown_session)},
+                     {"rejected_replayed", whole(s.seal.replayed)},
+                     {"rejected_forged", whole(s.seal.forged)},
+                     {"rejected_no_slot", whole(s.seal.no_place)},
+                     {"unknown_peers", whole(s.socket.unknown_peers)},
                      {"dropped_by_kernel", whole(s.socket.dropped)},
                      {"floods", whole(s.socket.floods)},
                      {"budget_spent", whole(s.budget_spent)},
                      {"cycles_unreported", whole(s.cycles_unreported)},
                      {"device_cuts", whole(s.cuts)},
-                     {"joins_refused", whole(s.hub.rejections)},
+                     {"joins_rejected", whole(s.hub.rejections)},
                      {"peers_timed_out", whole(s.hub.timeouts)},
                      {"bad_settings", whole(s.bad_settings)},
                      {"vision_sent", whole(s.probe_states_sent)},
-                     {"vision_spared", whole(s.probe_states_unchanged)},
+                     {"vision_unchanged", whole(s.probe_states_unchanged)},
                      {"views_forwarded", whole(s.views_forwarded)},
                      {"drawn", whole(s.drawn)},
                      {"echo_sent", whole(s.echo.sent)},
@@ -98,12 +98,12 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
 // What the safety governor does and has done.
 void add_safety(LatencyReport& report, const GovernorStats& g) {
   const GovernorCounters& c = g.counters;
-  report.counters["workspace_stopped"] = whole(c.stopped);
-  report.counters["speed_braked"] = whole(c.braked);
+  report.counters["workspace_limited"] = whole(c.stopped);
+  report.counters["speed_limited"] = whole(c.braked);
   report.counters["energy_damped"] = whole(c.damped);
-  report.counters["thermal_cooled"] = whole(c.cooled);
-  report.counters["let_go_of"] = whole(c.releases);
-  report.counters["bad_device_samples"] = whole(c.bad_samples);
+  report.counters["thermal_limited"] = whole(c.cooled);
+  report.counters["dead_mans_switch_releases"] = whole(c.releases);
+  report.counters["invalid_poses"] = whole(c.bad_samples);
   report.counters["faults_latched"] = whole(c.latched);
   report.counters["faults_reset"] = whole(c.resets);
   report.counters["resets_rejected"] = whole(c.resets_rejected);
@@ -112,7 +112,7 @@ void add_safety(LatencyReport& report, const GovernorStats& g) {
   report.ratios["energy_spent"] = g.energy_most_j > 0.0 ? g.energy_spent_j / g.energy_most_j : 0.0;
   report.notes["governor"] = std::string(to_string(g.state));
   report.notes["safety_fault"] = std::string(to_string(g.fault));
-  if (g.fault != SafetyFault::none) report.notes["safety_fault_is"] = std::string(describe(g.fault));
+  if (g.fault != SafetyFault::none) report.notes["safety_fault_text"] = std::string(describe(g.fault));
 }
 
 std::vector<ReportNode> make_nodes(const ServoStats& stats) {
@@ -133,10 +133,10 @@ std::vector<ReportNode> make_nodes(const ServoStats& stats) {
 }
 
 std::string describe_clocks(const HopStats& ways) {
-  if (!ways.is_offset_known) return "not known yet";
+  if (!ways.is_offset_known) return "not measured yet";
   const std::string measured = fmt::format("{:.1f} us, within {:.1f} us", 1e-3 * static_cast<double>(ways.clock_offset_ns),
                                            1e-3 * static_cast<double>(ways.clock_error_ns));
-  return ways.is_one_clock ? "one clock; measured it would be " + measured : measured;
+  return ways.is_one_clock ? "same clock; measured difference " + measured : measured;
 }
 
 void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
@@ -153,7 +153,7 @@ void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
 
 std::string describe_scheduling(const SchedulingStats& s) {
   return fmt::format(
-      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; kept waiting for a CPU {:.1f} ms, displaced {} times, {:.0f} ms stolen from "
+      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; waited for a CPU {:.1f} ms, preempted {} times, {:.0f} ms stolen from "
       "the machine\n",
       100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
 }
@@ -256,9 +256,9 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
                   {"realtime", realtime},
                   {"seed", std::to_string(options.device.seed)},
                   {"max_force_written_n", fmt::format("{:.3f}", stats.max_force_n)}};
-  report.notes["haptics_clock_ahead"] = describe_clocks(stats.hops);
+  report.notes["haptics_clock_offset"] = describe_clocks(stats.hops);
   if (stats.hops.is_offset_known) {
-    report.notes["haptics_clock_ahead_ns"] = std::to_string(stats.hops.clock_offset_ns);
+    report.notes["haptics_clock_offset_ns"] = std::to_string(stats.hops.clock_offset_ns);
     report.notes["haptics_clock_error_ns"] = std::to_string(stats.hops.clock_error_ns);
   }
   report.nodes = make_nodes(stats);
@@ -275,19 +275,19 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
 }
 
 std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling) {
-  std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, strongest {:.2f} N\n", s.seconds(), s.samples,
+  std::string text = fmt::format("{:.1f} s, {} samples ({:.0f} Hz), {} forces, {} in contact, maximum {:.2f} N\n", s.seconds(), s.samples,
                                  per_second(s.samples, s), s.forces, s.contact_samples, s.max_force_n);
-  text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, silences {}, clamped {}, slewed {}\n",
-                      s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles, s.governor.counters.command_timeouts,
-                      s.governor.counters.clamped, s.governor.counters.slewed);
+  text += fmt::format("late {}, lost {}, superseded {}, reordered {}, missed cycles {}, command timeouts {}, clamped {}, rate-limited {}\n",
+                      s.responses.late, s.responses.lost, s.responses.superseded, s.responses.reordered, s.missed_cycles,
+                      s.governor.counters.command_timeouts, s.governor.counters.clamped, s.governor.counters.slewed);
   if (const GovernorStats& g = s.governor; g.counters.latched > 0) {
-    text += fmt::format("faults: {} latched, {} reset, {} resets refused; now: {}\n", g.counters.latched, g.counters.resets,
+    text += fmt::format("faults: {} latched, {} reset, {} resets rejected; now: {}\n", g.counters.latched, g.counters.resets,
                         g.counters.resets_rejected, describe(g.fault));
   }
   if (s.seal.rejected() > 0) {
     text += fmt::format(
-        "refused in silence: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} of no known form, {} "
-        "replayed handshakes, {} handshakes too many\n",
+        "rejected without a reply: {} with another key, {} of another version, {} forged, {} replayed, {} of no session, {} malformed, {} "
+        "replayed handshakes, {} handshakes above the rate limit\n",
         s.seal.wrong_key, s.seal.wrong_version, s.seal.forged, s.seal.replayed, s.seal.unknown_session + s.seal.no_place,
         s.seal.malformed + s.seal.oversized, s.seal.replayed_handshakes, s.seal.too_many_handshakes);
   }
@@ -297,7 +297,7 @@ std::string describe_run(const ServoStats& s, const SchedulingStats& scheduling)
   if (scheduling.is_known) text += describe_scheduling(scheduling);
   text += describe_hops(s);
   if (s.bare_echo.count() > 0 && s.round_trip.count() > 0) {
-    text += fmt::format("the round trip is {:.2f} times as long as the bare echo at p50, {:.2f} times at p99\n",
+    text += fmt::format("the round trip takes {:.2f} times as long as the bare echo at p50, {:.2f} times at p99\n",
                         s.round_trip.quantile_ns(0.5) / s.bare_echo.quantile_ns(0.5),
                         s.round_trip.quantile_ns(0.99) / s.bare_echo.quantile_ns(0.99));
   }

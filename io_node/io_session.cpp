@@ -35,42 +35,43 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::rate_changed:
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
     case ServoEvent::Kind::method_requested:
-      return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
+      return fmt::format("method requested: {}", std::string_view(event.method.data()).substr(0, 16));
     case ServoEvent::Kind::wrong_key:
-      return "someone asks to join with another key or none; if it is a node of yours, give it a key made from this hub's master key: "
+      return "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: "
              "hapton keygen --role ROLE "
              "--master MASTER FILE";
     case ServoEvent::Kind::wrong_version:
-      return "someone speaks another protocol version; if it is a node of yours, build all from the same sources, and make new keys "
+      return "a node uses another protocol version; if it is yours, build all nodes from the same sources, and make new keys "
              "(hapton keygen) if it is older "
              "than version 3";
     case ServoEvent::Kind::latched:
-      return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
+      return fmt::format("fault latched, no force: {}; fix the cause, then: hapton set --reset-faults (docs/safety.md)",
+                         describe(event.fault));
     case ServoEvent::Kind::reset:
-      return fmt::format("fault reset ({}), the force ramps in", to_string(event.fault));
+      return fmt::format("fault reset ({}); the force ramps up", to_string(event.fault));
     case ServoEvent::Kind::reset_rejected:
-      return fmt::format("fault not reset, its cause is still there: {}", describe(event.fault));
+      return fmt::format("fault not reset: its cause persists: {}", describe(event.fault));
     case ServoEvent::Kind::reset_without_right:
-      return fmt::format("fault reset refused: the tool at {} has no operator's key (hapton keygen --role operator)",
+      return fmt::format("fault reset rejected: the tool at {} has no operator's key (hapton keygen --role operator)",
                          to_string(event.address));
     case ServoEvent::Kind::reset_without_person:
       return fmt::format(
-          "fault reset refused: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
+          "fault reset rejected: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
           "holds the switch (--hold-button)",
           to_string(event.address));
     case ServoEvent::Kind::flood:
-      return fmt::format("flood of {} from {}{}, {:.0f} a second; {}, the force does not wait for it", describe(event.flood),
+      return fmt::format("flood of {} from {}{}, {:.0f} a second: {}; the force is not delayed", describe(event.flood),
                          to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz,
-                         event.is_kept_out ? "kept out in the kernel (nodes that join may take longer)" : "refused");
+                         event.is_kept_out ? "dropped in the kernel (nodes may take longer to join)" : "rejected");
     case ServoEvent::Kind::role_violation:
-      return "a node asks for a role that its key does not allow; if it is a node of yours, give it the key of its role: hapton keygen "
+      return "a node requested a role that its key does not allow; if it is yours, give it the key of its role: hapton keygen "
              "--role ROLE --master MASTER FILE";
     case ServoEvent::Kind::away:
-      return "the device is away; no force until it is back";
+      return "the device is disconnected; no force until it is back";
     case ServoEvent::Kind::calibrating:
       return "the device is being calibrated; no force until it is ready";
     case ServoEvent::Kind::back:
-      return "the device is ready, the force ramps in";
+      return "the device is ready; the force ramps up";
   }
   return {};
 }
@@ -137,8 +138,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
   if (servo_.has_overrun()) {
-    return fail("a cycle was missed ({}) and --overrun stop asks for the end; allow the loop real time (--rt), or a lower --rate",
-                main_cause(stats));
+    return fail("a cycle was missed ({}) and --overrun is stop; allow the loop real time (--rt), or set a lower --rate", main_cause(stats));
   }
   return reported;
 }
@@ -176,7 +176,7 @@ void IoSession::watch_scheduling(bool now) {
   const bool was_near = watch_.figures().near_throttling > 0;
   servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
   if (!was_near && watch_.figures().near_throttling > 0) {
-    log_warning("{}the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate", prefix_,
+    log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);
   }
 }
@@ -184,13 +184,14 @@ void IoSession::watch_scheduling(bool now) {
 void IoSession::look_after_watchdog() {
   if (watchdog_ == nullptr) return;
   if (watchdog_->look_after(clock_.now_ns())) {
-    log_warning("{}the watchdog process had ended or stood still; started again: see why, for without it a frozen io_node is on its own",
-                prefix_);
+    log_warning(
+        "{}the watchdog process had ended or hung, and was restarted; find out why: without it nothing releases the force of a frozen "
+        "io_node",
+        prefix_);
   }
   const std::uint64_t told = std::exchange(cuts_told_, watchdog_->cuts());
   if (cuts_told_ != told) {
-    log_warning("{}the watchdog process took the force away: this program stood still or held a force too long; see hapton doctor",
-                prefix_);
+    log_warning("{}the watchdog process released the force: this program hung or held a force too long; see hapton doctor", prefix_);
   }
 }
 
@@ -245,7 +246,7 @@ void IoSession::keep_latch(const ServoEvent& event) {
   if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
   if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;
   if (const auto kept = latch_file_->keep(event.fault); !kept) {
-    log_warning("{}a restart of this program would reset the fault: {}", prefix_, kept.error().what);
+    log_warning("{}the latched fault could not be saved, so a restart would reset it: {}", prefix_, kept.error().what);
   }
 }
 

@@ -40,9 +40,8 @@ class UnknownPeerNotices {
   std::int64_t next_ns_ = 0;
 };
 
-// A node that is rejected because its slot is taken tries again ten times a second. A person gets one notice, and another when the node comes
-// back after a pause.
-// RT: yes. Threads: one.
+// A node that is rejected because its slot is taken tries again ten times a second. A person gets one notice, and another when the node
+// comes back after a pause. RT: yes. Threads: one.
 class RejectionNotices {
  public:
   static constexpr std::int64_t kPauseNs = 10 * kNanosecondsPerSecond;

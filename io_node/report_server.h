@@ -13,8 +13,8 @@
 namespace hapton {
 
 // Where tools get the hub's report: they ask for it, the thread that has time writes it, and the servo hands it out, a part to a datagram
-// and a datagram a cycle at most. RT: ask and serve yes, no heap; publish no. Threads: the servo calls ask and serve, one other take_request
-// and publish.
+// and a datagram a cycle at most. RT: ask and serve yes, no heap; publish no. Threads: the servo calls ask and serve, one other
+// take_request and publish.
 class ReportServer {
  public:
   // The servo: this peer requests a part; an earlier request of it is dropped.

@@ -4,10 +4,10 @@
 #include <cstdint>
 
 #include "io_node/device_loop.h"
+#include "io_node/hop_meter.h"
 #include "io_node/probe_history.h"
 #include "io_node/servo_stats.h"
 #include "io_node/vision_pace.h"
-#include "io_node/hop_meter.h"
 #include "link/hub_peers.h"
 #include "link/messages.h"
 

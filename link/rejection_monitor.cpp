@@ -5,7 +5,7 @@ namespace hapton {
 std::string_view describe(Rejection rejection) noexcept {
   switch (rejection) {
     case Rejection::malformed:
-      return "datagrams of no known form";
+      return "malformed datagrams";
     case Rejection::wrong_version:
       return "datagrams of another protocol version";
     case Rejection::wrong_key:
@@ -15,7 +15,7 @@ std::string_view describe(Rejection rejection) noexcept {
     case Rejection::too_many_handshakes:
       return "handshakes beyond the rate limit";
     case Rejection::no_place:
-      return "handshakes while every place is taken";
+      return "handshakes above the hub's capacity";
     case Rejection::unknown_session:
       return "datagrams of no session";
     case Rejection::replayed:
@@ -23,7 +23,7 @@ std::string_view describe(Rejection rejection) noexcept {
     case Rejection::forged:
       return "forged datagrams";
     case Rejection::oversized:
-      return "datagrams too long to be ours";
+      return "oversized datagrams";
   }
   return "datagrams";
 }

@@ -35,7 +35,7 @@ Result<std::string> scalar_text(const toml::node& node) {
   if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
   if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
   if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");
-  return fail("is no text, number, true or false");
+  return fail("is not a text, number, true or false");
 }
 
 // The file's keys as they would stand on the command line, those that `given` overrides left out.

@@ -10,7 +10,7 @@ namespace hapton {
 
 void end_without_thread(const std::system_error& rejection) {
   std::fflush(stdout);
-  fmt::print(stderr, "{}: the system starts no more threads ({}); raise the user's limit (ulimit -u) or the unit's (TasksMax=)\n",
+  fmt::print(stderr, "{}: cannot start another thread ({}); raise the user's limit (ulimit -u) or the unit's (TasksMax=)\n",
              program_invocation_short_name, rejection.code().message());
   std::_Exit(EXIT_FAILURE);
 }

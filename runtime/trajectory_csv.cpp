@@ -100,8 +100,8 @@ class Parser {
     if (column == kTimeColumn && std::abs(value) > kLongestS)
       return fail("{}:{}: t_s is {}, more than 30 years; give times in seconds", name_, line_number_, quoted(text));
     if (column != kTimeColumn && column < kFirstRotationColumn && std::abs(value) > kFarthestM)
-      return fail("{}:{}: {} is {}, where no device reaches; give positions in metres, within {:.0f} of the origin", name_, line_number_,
-                  kColumns[column], quoted(text), kFarthestM);
+      return fail("{}:{}: {} is {}, beyond the reach of any device; give positions in metres, within {:.0f} of the origin", name_,
+                  line_number_, kColumns[column], quoted(text), kFarthestM);
     return {};
   }
 

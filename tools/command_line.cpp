@@ -33,6 +33,10 @@ CommandLine CommandLine::add_subcommand(const std::string& name, const std::stri
   return CommandLine(*app_->add_subcommand(name, help));
 }
 
+CommandLine CommandLine::add_old_subcommand(const std::string& old_name, const std::string& name) const {
+  return CommandLine(*app_->add_subcommand(old_name, "Old name of " + name)->group(""));
+}
+
 CommandLine CommandLine::add_group(const std::string& name, const std::string& help) const {
   return CommandLine(*app_->add_option_group(name, help));
 }

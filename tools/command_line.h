@@ -44,6 +44,8 @@ class CommandLine {
   explicit CommandLine(CLI::App& app) : app_(&app) {}
 
   CommandLine add_subcommand(const std::string& name, const std::string& help) const;
+  // The old name of a command: it still works, and --help does not list it.
+  CommandLine add_old_subcommand(const std::string& old_name, const std::string& name) const;
   // Options that stand together in --help.
   CommandLine add_group(const std::string& name, const std::string& help = {}) const;
   // T is std::string, std::filesystem::path, int, unsigned, std::size_t, double, an optional number or a vector of strings.

@@ -59,10 +59,10 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_bench_command(commands, exit_code);
   add_doctor_command(commands, exit_code);
   add_echo_command(commands, exit_code);
+  add_evaluate_command(commands, exit_code);
   add_figures_command(commands, exit_code);
   add_governor_command(commands, exit_code);
   add_info_command(commands, exit_code);
-  add_judge_command(commands, exit_code);
   add_keygen_command(commands, exit_code);
   add_latency_command(commands, exit_code);
   add_plot_command(commands, exit_code);

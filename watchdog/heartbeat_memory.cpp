@@ -38,10 +38,10 @@ Result<void> HeartbeatMemory::open(int file) {
   struct stat found = {};
   const bool is_big_enough = ::fstat(file, &found) == 0 && found.st_size >= static_cast<off_t>(sizeof(HeartbeatPage));
   void* const memory = is_big_enough ? map(file) : nullptr;
-  if (memory == nullptr) return fail("descriptor {} is no memory shared by io_node; this program is started by io_node", file);
+  if (memory == nullptr) return fail("descriptor {} is not shared memory of io_node; this program is started by io_node", file);
   page_ = static_cast<HeartbeatPage*>(memory);
   if (page_->magic.load() != HeartbeatPage::kMagic)
-    return fail("descriptor {} is not the memory of this version's io_node; install both anew", file);
+    return fail("descriptor {} belongs to another version of io_node; reinstall both", file);
   return {};
 }
 

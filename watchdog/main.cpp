@@ -82,7 +82,7 @@ void watch(HeartbeatPage& page, int process, int process_file, bool tells) {
       if (tells) tell("has ended", watchdog, cutter);
       return;
     }
-    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "stands still" : "holds a force", watchdog, cutter);
+    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "hangs" : "holds a force too long", watchdog, cutter);
     is_told = true;
     rest(process_file);
   }
@@ -96,8 +96,9 @@ int main(int argc, char** argv) {
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
     fmt::print(
-        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: takes the force of io_node's "
-        "device away when\n"
+        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: releases the force of "
+        "io_node's "
+        "device when\n"
         "io_node is frozen or killed (docs/safety-case.md).\n",
         kGuardFile);
     return 0;
@@ -105,7 +106,7 @@ int main(int argc, char** argv) {
   HeartbeatMemory memory;
   if (const auto opened = memory.open(kGuardFile); !opened || process <= 0) {
     fmt::print(stderr, "hapton_watchdog: {}\n",
-               opened ? "tell it io_node's process; this program is started by io_node" : opened.error().what);
+               opened ? "process number missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
   // It outlives io_node by a moment: what ends io_node's unit or terminal must not end it first.

@@ -68,14 +68,14 @@ bool ForceCutter::cut() noexcept {
 std::string ForceCutter::describe() const {
   switch (page_.means.load(std::memory_order_acquire)) {
     case CutMeans::none:
-      return "its device cannot be told from here";
+      return "it has no means of releasing the force of this device";
     case CutMeans::hid:
-      return device_ >= 0 ? "told its device to be off"
-                          : "its device could not be opened from here: give this user the right to (udev rule)";
+      return device_ >= 0 ? "released the force (device off)"
+                          : "could not open the device to release the force: give this user access (udev rule)";
     case CutMeans::kill:
-      return "killed it, so that the vendor's driver lets go";
+      return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:
-      return "cut its simulated motors";
+      return "released the force of the simulated motors";
   }
   return {};
 }

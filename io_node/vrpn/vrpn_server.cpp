@@ -143,8 +143,7 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
     log_info("a VRPN client at {} sees {}", to_string(peer.address), options.name);
   }
   if (peer.client.rejected_forces() > 0 && !std::exchange(peer.is_rejection_logged, true)) {
-    log_warning("the VRPN client at {} asks for forces; they are refused: forces come from the haptics node alone",
-                to_string(peer.address));
+    log_warning("the VRPN client at {} requests forces; rejected: only the haptics node sends forces", to_string(peer.address));
   }
   follow_udp_wish(peer);
   if (peer.client.take_workspace_wish()) {
@@ -278,14 +277,15 @@ Result<std::unique_ptr<Server>> Server::open(Feed& feed, const Options& options)
   const bool is_name_good = !options.name.empty() && options.name.size() <= kLongestName &&
                             std::all_of(options.name.begin(), options.name.end(),
                                         [](unsigned char letter) { return std::isalnum(letter) != 0 || letter == '_' || letter == '-'; });
-  if (!is_name_good) return fail("'{}' is no name for a VRPN device; take letters, digits, '-' and '_'", options.name);
+  if (!is_name_good) return fail("'{}' is not a valid VRPN device name; use letters, digits, '-' and '_'", options.name);
   auto endpoint = StreamEndpoint::open(options.address, kPort);
   if (!endpoint) return tl::unexpected(endpoint.error());
   const Address at = (*endpoint)->local_address();
   log_info("VRPN: {}@{}", options.name, to_string(at));
   if (!is_loopback(at)) {
-    log_warning("VRPN knows no passwords: whoever reaches {} sees where the hand is; bind it to 127.0.0.1, or to a network of your own",
-                to_string(at));
+    log_warning(
+        "VRPN has no authentication: anyone who reaches {} can read the hand's position; bind it to 127.0.0.1 or to a private network",
+        to_string(at));
   }
   auto state = std::make_unique<State>(feed, options, std::move(*endpoint));
   State& running = *state;

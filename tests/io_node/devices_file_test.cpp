@@ -86,7 +86,8 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToMendIt) {
   EXPECT_THAT(rejection("[[device]]\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'name' is missing in [[device]] 1"));
   EXPECT_THAT(rejection("[[device]]\nname = \"a\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'device' is missing"));
   EXPECT_THAT(rejection("[[device]]\nname = \"a\"\ndevice = \"simulated\"\n"), HasSubstr("'bind' is missing"));
-  EXPECT_THAT(rejection("[[device]]\nname = \"../a\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr(":2: 'name' is '../a'"));
+  EXPECT_THAT(rejection("[[device]]\nname = \"../a\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"),
+              HasSubstr(":2: 'name' is '../a'"));
   EXPECT_THAT(rejection("[[device]]\nname = \"a\"\ndevice = \"sofa\"\nbind = \"127.0.0.1:0\"\n"),
               HasSubstr("there is no device 'sofa'; take simulated"));
   EXPECT_THAT(rejection(kLeft + "max_force_n = -1\n"), HasSubstr("'max_force_n' in [[device]] 1 is -1"));

@@ -83,7 +83,7 @@ TEST(IoReport, SaysWhatTheGovernorDoes) {
   const LatencyReport report = make_io_report(*stats, {}, "");
   EXPECT_EQ(report.notes.at("governor"), "latched");
   EXPECT_EQ(report.notes.at("safety_fault"), "speed");
-  EXPECT_THAT(report.notes.at("safety_fault_is"), HasSubstr("faster"));
+  EXPECT_THAT(report.notes.at("safety_fault_text"), HasSubstr("faster"));
   EXPECT_EQ(report.counters.at("faults_latched"), 2);
   EXPECT_EQ(report.counters.at("faults_reset"), 1);
   EXPECT_EQ(report.ratios.at("fault_latched_now"), 1.0);
@@ -111,8 +111,8 @@ TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
   EXPECT_EQ(report.nodes[0].address, "10.0.0.2:4444");
   EXPECT_EQ(report.nodes[0].seconds, 1.0);
   EXPECT_EQ(report.nodes[0].lost, 10);
-  EXPECT_EQ(report.notes.at("haptics_clock_ahead"), "-1500.0 us, within 20.0 us");
-  EXPECT_EQ(report.notes.at("haptics_clock_ahead_ns"), "-1500000");
+  EXPECT_EQ(report.notes.at("haptics_clock_offset"), "-1500.0 us, within 20.0 us");
+  EXPECT_EQ(report.notes.at("haptics_clock_offset_ns"), "-1500000");
   EXPECT_EQ(report.notes.at("haptics_clock_error_ns"), "20000");
 }
 

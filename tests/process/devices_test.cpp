@@ -63,7 +63,7 @@ TEST_F(TwoHands, TouchEachByItself) {
       << io->out() << io->err();
   // The right hand goes on when the left one's haptics node is gone.
   haptics["left"]->kill();
-  ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "silence_events") > 0; })) << io->err();
+  ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "command_timeouts") > 0; })) << io->err();
   const std::int64_t felt = count(report_of("right"), "contact_samples");
   ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > felt; })) << io->err();
   io->send_signal(SIGTERM);

@@ -99,10 +99,10 @@ TEST(Keys, ANodeWithAnotherOneIsMetWithSilenceAndTheHubSaysSo) {
   Program stranger("haptics_node",
                    {"--hub", system.hub(), "--scene", (system.folder() / "cube.toml").string(), "--key", make_key(system, "other.key")},
                    system.folder());
-  const auto is_refused = [](const Json& report) { return count(report, "refused_wrong_key") > 0; };
+  const auto is_refused = [](const Json& report) { return count(report, "rejected_wrong_key") > 0; };
   const Json refused = system.wait_for_report(is_refused);
   EXPECT_TRUE(is_refused(refused)) << refused;
-  EXPECT_EQ(count(refused, "joins_refused"), 0);
+  EXPECT_EQ(count(refused, "joins_rejected"), 0);
   EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("hapton keygen --role ROLE") != std::string::npos; }));
   EXPECT_TRUE(System::wait_until([&] { return stranger.err().find("no hub answers") != std::string::npos; }));
   const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(refused, "contact_samples") + 100; };

@@ -111,7 +111,7 @@ TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {
 
 TEST_F(ConfigTest, RefusesSectionsAndDates) {
   EXPECT_EQ(parse({"--config", file("[rate]\nvalue = 3\n")}), 2);
-  expect_one_error(":1: 'rate' is no text, number, true or false");
+  expect_one_error(":1: 'rate' is not a text, number, true or false");
   EXPECT_EQ(parse({"--config", file("rate = 2020-01-01\n")}), 2);
   expect_one_error(":1: 'rate' is no text");
   EXPECT_EQ(parse({"--config", file("gains = [1, [2]]\n")}), 2);

@@ -16,6 +16,7 @@ namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // What a person sees of a command.
 struct Seen {
@@ -170,8 +171,16 @@ TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatItTookForSharp) {
   EXPECT_THAT(seen.out, HasSubstr("faces turn by more than 70 degrees"));
 }
 
-TEST_F(HaptonCommandTest, JudgeLabelsAShadedForce) {
-  const Seen seen = run({"judge", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
+TEST_F(HaptonCommandTest, EvaluateIsStillFoundUnderItsOldName) {
+  const Seen seen = run({"judge", "--shape", "torus", "--rows", "50", "--threads", "1"});
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.err, HasSubstr("hapton judge is now hapton evaluate"));
+  EXPECT_THAT(seen.out, HasSubstr("force error"));
+  EXPECT_THAT(run({"--help"}).out, Not(HasSubstr("judge")));
+}
+
+TEST_F(HaptonCommandTest, EvaluateLabelsAShadedForce) {
+  const Seen seen = run({"evaluate", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("force shading 1: the shaded force against the unshaded reference"));
 }

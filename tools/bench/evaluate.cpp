@@ -62,8 +62,8 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
 }
 
 Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
-  Evaluation judgement;
-  if (settings.method.name == "proxy") judgement.shading = settings.method.shading;
+  Evaluation evaluation;
+  if (settings.method.name == "proxy") evaluation.shading = settings.method.shading;
   auto run = [&](const MethodSettings& method, std::vector<FeltStep>& felt) -> Result<void> {
     auto done = run_method(method, scene, trajectory, settings.threads);
     if (!done) return tl::unexpected(done.error());
@@ -74,22 +74,22 @@ Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const Tou
   reference.name = "reference";
   reference.reference_substeps = settings.substeps;
   reference.reference_substep_limit = settings.substep_limit;
-  if (auto done = run(settings.method, judgement.method); !done) return tl::unexpected(done.error());
-  if (auto done = run(reference, judgement.reference); !done) return tl::unexpected(done.error());
+  if (auto done = run(settings.method, evaluation.method); !done) return tl::unexpected(done.error());
+  if (auto done = run(reference, evaluation.reference); !done) return tl::unexpected(done.error());
   ForceErrorSettings error;
   error.stiffness_n_per_m = scene.objects.front().material.stiffness_n_per_m;
   error.extent_m = 0.0;
   for (const TouchObject& object : scene.objects) error.extent_m = std::max(error.extent_m, compute_bounds(*object.mesh).extent());
   error.reset_every = trajectory.reset_every;
-  judgement.error = compare_forces(judgement.method, judgement.reference, error);
-  return judgement;
+  evaluation.error = compare_forces(evaluation.method, evaluation.reference, error);
+  return evaluation;
 }
 
-std::string to_text(const Evaluation& judgement) {
-  const ForceError& error = judgement.error;
+std::string to_text(const Evaluation& evaluation) {
+  const ForceError& error = evaluation.error;
   std::string text;
-  if (judgement.shading > 0.0) {
-    text += fmt::format("force shading {:g}: the shaded force against the unshaded reference\n", judgement.shading);
+  if (evaluation.shading > 0.0) {
+    text += fmt::format("force shading {:g}: the shaded force against the unshaded reference\n", evaluation.shading);
   }
   text += fmt::format("steps {}, contact {}, reference not settled {}, not finite {}\n", error.steps, error.contact_steps,
                       error.unsettled_steps, error.not_finite);
@@ -104,9 +104,9 @@ std::string to_text(const Evaluation& judgement) {
   return text;
 }
 
-std::string to_json(const Evaluation& judgement) {
-  const ForceError& error = judgement.error;
-  const Json json{{"shading", judgement.shading},
+std::string to_json(const Evaluation& evaluation) {
+  const ForceError& error = evaluation.error;
+  const Json json{{"shading", evaluation.shading},
                   {"reference_shading", 0.0},
                   {"steps", error.steps},
                   {"contact_steps", error.contact_steps},

@@ -35,9 +35,9 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
 Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // For people.
-std::string to_text(const Evaluation& judgement);
+std::string to_text(const Evaluation& evaluation);
 
 // One JSON object.
-std::string to_json(const Evaluation& judgement);
+std::string to_json(const Evaluation& evaluation);
 
 }  // namespace hapton

@@ -49,7 +49,7 @@ std::vector<std::string> find_troubles(const Json& report) {
     if (count(key) > 0.0) troubles.push_back(fmt::format("{:.0f} {}", count(key), name));
   };
   add("faults_latched", "faults latched");
-  add("silence_events", "command timeouts");
+  add("command_timeouts", "command timeouts");
   add("lost", "forces lost");
   if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");

@@ -58,7 +58,7 @@ std::string safety_text(const Json& report) {
   const Json& notes = section(report, "notes");
   const Json& ratios = section(report, "ratios");
   if (word(notes, "governor").empty()) return "";
-  const std::string fault = word(notes, "safety_fault_is");
+  const std::string fault = word(notes, "safety_fault_text");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
   // The hand may have given more than it got: then nothing is spent.
   const double spent = std::max(0.0, number(ratios, "energy_spent"));
@@ -78,7 +78,7 @@ std::string nodes_text(const Span& span) {
     text += fmt::format("{:<9} {:<28} {:>12.1f} {:>12.1f} {:>8.0f} {:>10.0f} {:>8.0f} s\n", word(node, "role"), word(node, "address"),
                         rate("received"), rate("sent"), number(node, "lost"), number(node, "reordered"), number(node, "seconds"));
   }
-  return section(span.now, "nodes").empty() ? text + "(none has joined)\n" : text;
+  return section(span.now, "nodes").empty() ? text + "(no node has joined)\n" : text;
 }
 
 std::string hops_text(const std::vector<HopCounts>& hops) {

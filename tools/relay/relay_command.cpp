@@ -76,7 +76,7 @@ class PhaseTeller {
     if (relay.phase() == told_) return;
     told_ = relay.phase();
     if (schedule_.phases.size() == 1 && schedule_.phases[0].duration_ns == FaultPhase::kForever) return;
-    fmt::print("phase {}\n", told_ < schedule_.phases.size() ? schedule_.phases[told_].name : "none: the network is good");
+    fmt::print("phase {}\n", told_ < schedule_.phases.size() ? schedule_.phases[told_].name : "none: no faults");
     std::fflush(stdout);
   }
 

@@ -36,7 +36,7 @@ Result<ProcessStats> read_process_figures(pid_t pid) {
   figures.resident_kib = read_number(folder / "status", "VmRSS");
   figures.threads = static_cast<int>(read_number(folder / "status", "Threads"));
   figures.descriptors = count_entries(folder / "fd");
-  if (figures.resident_kib < 0 || figures.threads < 0) return fail("{}: there is no such process any more", folder.string());
+  if (figures.resident_kib < 0 || figures.threads < 0) return fail("{}: the process has ended", folder.string());
   if (figures.descriptors < 0) return fail("{}: its descriptors cannot be counted; run as the user whose process it is", folder.string());
   return figures;
 }

@@ -22,7 +22,7 @@ TouchScene bumps() {
   return scene;
 }
 
-TEST(Judge, ThreadsChangeNothing) {
+TEST(Evaluate, ThreadsChangeNothing) {
   const TouchScene scene = bumps();
   const auto trajectory = make_tap_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 400});
   MethodSettings settings;
@@ -38,29 +38,29 @@ TEST(Judge, ThreadsChangeNothing) {
   EXPECT_GT(contacts, 50);
 }
 
-TEST(Judge, ReferenceAgainstItselfHasNoError) {
+TEST(Evaluate, ReferenceAgainstItselfHasNoError) {
   const TouchScene scene = bumps();
   const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 600});
   EvaluationSettings settings;
   settings.method.name = "reference";
-  const auto judged = evaluate_method(settings, scene, *trajectory);
-  ASSERT_TRUE(judged.has_value());
-  EXPECT_EQ(judged->error.error.most, 0.0);
-  EXPECT_GT(judged->error.contact_steps, 300u);
-  EXPECT_EQ(judged->error.falls + judged->error.locks + judged->error.pops + judged->error.ghosts, 0u);
-  EXPECT_THAT(to_text(*judged), ::testing::HasSubstr("falls 0"));
-  EXPECT_THAT(to_json(*judged), ::testing::HasSubstr("\"branch_switches\""));
+  const auto evaluation = evaluate_method(settings, scene, *trajectory);
+  ASSERT_TRUE(evaluation.has_value());
+  EXPECT_EQ(evaluation->error.error.most, 0.0);
+  EXPECT_GT(evaluation->error.contact_steps, 300u);
+  EXPECT_EQ(evaluation->error.falls + evaluation->error.locks + evaluation->error.pops + evaluation->error.ghosts, 0u);
+  EXPECT_THAT(to_text(*evaluation), ::testing::HasSubstr("falls 0"));
+  EXPECT_THAT(to_json(*evaluation), ::testing::HasSubstr("\"branch_switches\""));
 }
 
-TEST(Judge, ProxyIsWithinATenthOfAPercentInAllButAHundredthOfTheSteps) {
+TEST(Evaluate, ProxyIsWithinATenthOfAPercentInAllButAHundredthOfTheSteps) {
   const TouchScene scene = bumps();
   const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 1000});
   EvaluationSettings settings;
   settings.method.name = "proxy";
-  const auto judged = evaluate_method(settings, scene, *trajectory);
-  ASSERT_TRUE(judged.has_value());
-  EXPECT_LT(judged->error.error.p99, 1e-3);
-  EXPECT_EQ(judged->error.falls, 0u);
+  const auto evaluation = evaluate_method(settings, scene, *trajectory);
+  ASSERT_TRUE(evaluation.has_value());
+  EXPECT_LT(evaluation->error.error.p99, 1e-3);
+  EXPECT_EQ(evaluation->error.falls, 0u);
 }
 
 // Slides in which proxy and reference once went different ways; each up to just after the row where they did.
@@ -71,9 +71,9 @@ struct Row {
   bool friction;
 };
 
-class JudgedRow : public ::testing::TestWithParam<Row> {};
+class EvaluatedRow : public ::testing::TestWithParam<Row> {};
 
-TEST_P(JudgedRow, ProxyAndReferenceGoTheSameWay) {
+TEST_P(EvaluatedRow, ProxyAndReferenceGoTheSameWay) {
   const Row row = GetParam();
   const auto mesh = make_bench_mesh(row.mesh, std::filesystem::path(HAPTON_SOURCE_DIR) / "meshes");
   ASSERT_TRUE(mesh.has_value()) << mesh.error().what;
@@ -90,13 +90,14 @@ TEST_P(JudgedRow, ProxyAndReferenceGoTheSameWay) {
   trajectory.p_SD.resize(row.row + 20);
   EvaluationSettings settings;
   settings.method.name = "proxy";
-  const auto judged = evaluate_method(settings, scene, trajectory);
-  ASSERT_TRUE(judged.has_value());
-  EXPECT_EQ(judged->error.branch_switches, 0u) << "at worst " << judged->error.error.most << " in row " << judged->error.worst_step;
-  EXPECT_EQ(judged->error.ghosts + judged->error.falls, 0u);
+  const auto evaluation = evaluate_method(settings, scene, trajectory);
+  ASSERT_TRUE(evaluation.has_value());
+  EXPECT_EQ(evaluation->error.branch_switches, 0u)
+      << "at worst " << evaluation->error.error.most << " in row " << evaluation->error.worst_step;
+  EXPECT_EQ(evaluation->error.ghosts + evaluation->error.falls, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rows, JudgedRow,
+INSTANTIATE_TEST_SUITE_P(Rows, EvaluatedRow,
                          ::testing::Values(Row{"mountain_51k_open.ply", 3, 849, true},       // held at an edge for ever: proxy
                                            Row{"octagonal_pocket.ply", 2, 564, true},        // the same
                                            Row{"nefertiti_70k.ply", 1, 1227, true},          // its sphere's contacts at a vertex: reference
@@ -111,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, JudgedRow,
                            return name + "_" + std::to_string(test.param.seed) + (test.param.friction ? "_friction" : "");
                          });
 
-TEST(Judge, AShadedForceIsJudgedByTheUnshadedReferenceAndSaysSo) {
+TEST(Evaluate, AShadedForceIsComparedWithTheUnshadedReferenceAndSaysSo) {
   const TouchScene scene = bumps();
   const auto trajectory = make_slide_trajectory(*scene.objects[0].mesh, {.seed = 4, .rows = 600});
   EvaluationSettings settings;
@@ -130,7 +131,7 @@ TEST(Judge, AShadedForceIsJudgedByTheUnshadedReferenceAndSaysSo) {
   EXPECT_THAT(to_text(*plain), ::testing::Not(::testing::HasSubstr("shading")));
 }
 
-TEST(Judge, SaysWhyAMethodCannotRun) {
+TEST(Evaluate, SaysWhyAMethodCannotRun) {
   MethodSettings settings;
   settings.name = "no such method";
   EXPECT_FALSE(run_method(settings, bumps(), TouchTrajectory{.p_SD = {Vec3::Zero()}}, 1).has_value());
