@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
+#include "haptic_step/haptics_setup.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
-#include "haptics_node/haptics_setup.h"
 #include "haptics_node/reply_loop.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "haptic_step/haptics_setup.h"
 #include "haptic_step/method_text.h"
 #include "haptics_node/haptics_report.h"
-#include "haptics_node/haptics_setup.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 
@@ -58,9 +58,9 @@ void MethodBuilder::build(const Request& request) {
   auto method = make_method(settings, scene_);
   if (!method) {
     log_warning("{}; the current method stays in use", method.error().what);
-    refusals_.draft().ask = request.ask;
-    put_text(method.error().what, refusals_.draft().why);
-    refusals_.publish_draft();
+    rejections_.draft().ask = request.ask;
+    put_text(method.error().what, rejections_.draft().why);
+    rejections_.publish_draft();
     return;
   }
   log_info("built and now in use:");

@@ -50,7 +50,7 @@ class MethodBuilder {
   std::unique_ptr<BuiltMethod> take() noexcept;
 
   // The request rejected last, once; none when there is no new one. It stays until the next call.
-  const RejectedMethod* take_rejection() noexcept { return refusals_.take() ? &refusals_.value() : nullptr; }
+  const RejectedMethod* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
   // Takes what take() gave, with the method that it replaced in it, to be freed.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
@@ -69,7 +69,7 @@ class MethodBuilder {
   MethodSettings settings_;
   TouchScene scene_;
   Mailbox<Request> requests_;
-  Mailbox<RejectedMethod> refusals_;
+  Mailbox<RejectedMethod> rejections_;
   std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;

@@ -19,9 +19,9 @@ TouchScene one_sheet() { return {.objects = {{made::shared(made::sheet(0.1, 0.0,
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 // A hub and a haptics node in one process on simulated time.
-class AnswerLoopTest : public ::testing::Test {
+class ReplyLoopTest : public ::testing::Test {
  protected:
-  AnswerLoopTest() {
+  ReplyLoopTest() {
     start_hub(1);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
       turn(1 * kMs);
@@ -76,7 +76,7 @@ class AnswerLoopTest : public ::testing::Test {
   int commands_ = 0;
 };
 
-TEST_F(AnswerLoopTest, EveryStateIsAnswered) {
+TEST_F(ReplyLoopTest, EveryStateIsAnswered) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   ASSERT_TRUE(exchange({0.01, 0.01, 0.001}));
   const auto pressed = exchange({0.01, 0.01, -0.002});
@@ -89,7 +89,7 @@ TEST_F(AnswerLoopTest, EveryStateIsAnswered) {
   EXPECT_LE(loop_.step_times().max_ns(), loop_.compute_times().max_ns());
 }
 
-TEST_F(AnswerLoopTest, ABacklogGetsOneAnswerToItsNewest) {
+TEST_F(ReplyLoopTest, ABacklogGetsOneAnswerToItsNewest) {
   send_state({0.01, 0.01, 0.003});
   send_state({0.01, 0.01, 0.002});
   send_state({0.01, 0.01, 0.001});
@@ -101,7 +101,7 @@ TEST_F(AnswerLoopTest, ABacklogGetsOneAnswerToItsNewest) {
   EXPECT_EQ(commands_, 1);
 }
 
-TEST_F(AnswerLoopTest, ViewTransformsTurnTheScene) {
+TEST_F(ReplyLoopTest, ViewTransformsTurnTheScene) {
   exchange({0.01, 0.01, 0.001});
   ViewTransform raised{.revision = 1};
   raised.X_WS[11] = 0.003F;
@@ -111,7 +111,7 @@ TEST_F(AnswerLoopTest, ViewTransformsTurnTheScene) {
   EXPECT_NEAR(command->force_n[2], 2.0, 1e-6);
 }
 
-TEST_F(AnswerLoopTest, AMethodChangesWhileInContact) {
+TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
   exchange({0.01, 0.01, 0.001});
   ASSERT_TRUE(exchange({0.01, 0.01, -0.002})->contact);
   Settings settings;
@@ -128,7 +128,7 @@ TEST_F(AnswerLoopTest, AMethodChangesWhileInContact) {
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
 }
 
-TEST_F(AnswerLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
+TEST_F(ReplyLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
   exchange({0.01, 0.01, 0.001});
   const auto ask = [&](std::string_view name, std::uint32_t number) {
     Settings settings{.method_request = number};
@@ -157,7 +157,7 @@ TEST_F(AnswerLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
   EXPECT_EQ(step_.counts().methods_taken, 1U) << "asked again and again, built once";
 }
 
-TEST_F(AnswerLoopTest, TheHubIsToldTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
+TEST_F(ReplyLoopTest, TheHubIsToldTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
   ASSERT_EQ(setups_.size(), 1U);
   EXPECT_EQ(setups_[0].scene_hash, 42U);
   const std::int64_t begin_ns = clock_.now_ns();
@@ -178,7 +178,7 @@ TEST_F(AnswerLoopTest, TheHubIsToldTheSetupAtOnceSoonAgainOnceASecondAndWhenTheM
   EXPECT_STREQ(setups_.back().method.data(), "name=sweep");
 }
 
-TEST_F(AnswerLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
+TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   const MethodSettings proxy{.name = "proxy", .build_on_approach = true};
   HapticsStep step(std::make_unique<TouchStep>(*make_method(proxy, one_sheet())), 1e-5);
   MethodBuilder builder(proxy, one_sheet(), step.touch().share_method());
@@ -199,7 +199,7 @@ TEST_F(AnswerLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   EXPECT_TRUE(hear()->contact);
 }
 
-TEST_F(AnswerLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {
+TEST_F(ReplyLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {
   std::uint64_t session = 1;
   for (const double depth : {0.002, 1.1 * kResumeReachM}) {
     exchange({0.01, 0.01, 0.001});
@@ -216,7 +216,7 @@ TEST_F(AnswerLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsew
   }
 }
 
-TEST_F(AnswerLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
+TEST_F(ReplyLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
   network_.set_impairments({.seed = 7, .reorder = 0.5, .reorder_by_ns = 3 * kMs});
   const std::int64_t begin_ns = clock_.now_ns();
   std::uint64_t newest = 0;

@@ -15,14 +15,14 @@ Kinds check(UnknownPeerNotices& notices, const SealCounts& seal, const HubCounts
   return told;
 }
 
-TEST(StrangerNewsTest, TellsOfEachKindThatCame) {
+TEST(UnknownPeerNoticesTest, TellsOfEachKindThatCame) {
   UnknownPeerNotices notices;
   EXPECT_TRUE(check(notices, {}, {}, 0).empty());
   EXPECT_EQ(check(notices, {.wrong_version = 3, .wrong_key = 1}, {.role_violations = 2}, 1),
             (Kinds{ServoEvent::Kind::wrong_key, ServoEvent::Kind::wrong_version, ServoEvent::Kind::role_violation}));
 }
 
-TEST(StrangerNewsTest, TellsEveryTenSecondsAtMostAndNothingTwice) {
+TEST(UnknownPeerNoticesTest, TellsEveryTenSecondsAtMostAndNothingTwice) {
   UnknownPeerNotices notices;
   EXPECT_EQ(check(notices, {.wrong_key = 1}, {}, 0), Kinds{ServoEvent::Kind::wrong_key});
   EXPECT_TRUE(check(notices, {.wrong_key = 9}, {.role_violations = 1}, UnknownPeerNotices::kEveryNs - 1).empty());
@@ -31,7 +31,7 @@ TEST(StrangerNewsTest, TellsEveryTenSecondsAtMostAndNothingTwice) {
   EXPECT_TRUE(check(notices, {.wrong_key = 9}, {.role_violations = 1}, 3 * UnknownPeerNotices::kEveryNs).empty());
 }
 
-TEST(RefusalNewsTest, OfANodeThatKeepsTryingIsOneUntilItPauses) {
+TEST(RejectionNoticesTest, OfANodeThatKeepsTryingIsOneUntilItPauses) {
   RejectionNotices notices;
   EXPECT_TRUE(notices.is_due(NodeRole::haptics, 0));
   std::int64_t now_ns = 0;

@@ -18,7 +18,7 @@ void note(RejectionMonitor& watch, Rejection rejection, const Address& from, int
   for (int i = 0; i < count; ++i) watch.note(rejection, from);
 }
 
-TEST(RefusalWatchTest, SaysNothingOfAFew) {
+TEST(RejectionMonitorTest, SaysNothingOfAFew) {
   RejectionMonitor watch;
   EXPECT_FALSE(watch.take(kSecond));
   note(watch, Rejection::wrong_key, kOne, 900);
@@ -28,7 +28,7 @@ TEST(RefusalWatchTest, SaysNothingOfAFew) {
 }
 
 // Nodes of ours send none: someone who repeats a hundred a second is named, though a thousand of other kinds would pass.
-TEST(RefusalWatchTest, NamesASlowFloodOfHandshakes) {
+TEST(RejectionMonitorTest, NamesASlowFloodOfHandshakes) {
   for (const Rejection rejection : {Rejection::replayed_handshake, Rejection::too_many_handshakes}) {
     RejectionMonitor watch;
     watch.take(kSecond);
@@ -41,7 +41,7 @@ TEST(RefusalWatchTest, NamesASlowFloodOfHandshakes) {
   }
 }
 
-TEST(RefusalWatchTest, TakesMoreThanOneAtATime) {
+TEST(RejectionMonitorTest, TakesMoreThanOneAtATime) {
   RejectionMonitor watch;
   watch.take(kSecond);
   watch.note(Rejection::oversized, kOne, 700'000);
@@ -51,7 +51,7 @@ TEST(RefusalWatchTest, TakesMoreThanOneAtATime) {
   EXPECT_DOUBLE_EQ(flood->per_second, 700'000.0);
 }
 
-TEST(RefusalWatchTest, NamesAFloodOnceASecondAndTheWorstAlone) {
+TEST(RejectionMonitorTest, NamesAFloodOnceASecondAndTheWorstAlone) {
   RejectionMonitor watch;
   watch.take(kSecond);
   note(watch, Rejection::malformed, kOther, 2000);
@@ -68,7 +68,7 @@ TEST(RefusalWatchTest, NamesAFloodOnceASecondAndTheWorstAlone) {
 }
 
 // A filter in the kernel lets a few through, by chance.
-TEST(RefusalWatchTest, WhatWasKeptOutCountsForEachKindInItsShare) {
+TEST(RejectionMonitorTest, WhatWasKeptOutCountsForEachKindInItsShare) {
   RejectionMonitor watch;
   watch.take(kSecond);
   note(watch, Rejection::malformed, kOne, 300);
@@ -88,14 +88,14 @@ TEST(RefusalWatchTest, WhatWasKeptOutCountsForEachKindInItsShare) {
   EXPECT_FALSE(next->is_kept_out);
 }
 
-TEST(RefusalWatchTest, ARateIsOfTheTimeThatPassed) {
+TEST(RejectionMonitorTest, ARateIsOfTheTimeThatPassed) {
   RejectionMonitor watch;
   watch.take(0);
   note(watch, Rejection::forged, kOne, 5000);
   EXPECT_FALSE(watch.take(10 * kSecond));
 }
 
-TEST(RefusalWatchTest, SaysWhenThereAreSeveralSources) {
+TEST(RejectionMonitorTest, SaysWhenThereAreSeveralSources) {
   RejectionMonitor watch;
   watch.take(kSecond);
   note(watch, Rejection::forged, kOne, 1);
@@ -106,7 +106,7 @@ TEST(RefusalWatchTest, SaysWhenThereAreSeveralSources) {
   EXPECT_TRUE(flood->is_from_several);
 }
 
-TEST(RefusalWatchTest, EveryRefusalHasWordsOfItsOwn) {
+TEST(RejectionMonitorTest, EveryRefusalHasWordsOfItsOwn) {
   std::set<std::string_view> words;
   for (std::size_t n = 0; n < kRejections; ++n) words.insert(describe(static_cast<Rejection>(n)));
   EXPECT_EQ(words.size(), kRejections);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(GuardMemoryTest, OneSideSeesWhatTheOtherWrites) {
+TEST(HeartbeatMemoryTest, OneSideSeesWhatTheOtherWrites) {
   HeartbeatMemory ours;
   ASSERT_TRUE(ours.make());
   HeartbeatMemory theirs;
@@ -18,7 +18,7 @@ TEST(GuardMemoryTest, OneSideSeesWhatTheOtherWrites) {
   EXPECT_EQ(ours.page().is_cut.load(), 1U);
 }
 
-TEST(GuardMemoryTest, OtherMemoryIsRefused) {
+TEST(HeartbeatMemoryTest, OtherMemoryIsRefused) {
   const int small = ::memfd_create("small", MFD_CLOEXEC);
   HeartbeatMemory memory;
   EXPECT_FALSE(memory.open(small));
