@@ -174,7 +174,7 @@ void IoSession::watch_scheduling(bool now) {
   usage->voluntary_switches += device->voluntary_switches;
   usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
-  servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
+  servo_.spin().set_limit(watch_.update(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
   if (!was_near && watch_.figures().near_throttling > 0) {
     log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);

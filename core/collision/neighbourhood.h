@@ -8,6 +8,7 @@
 
 #include "core/collision/touch_geometry.h"
 #include "core/geometry/contact_triangle.h"
+#include "core/math/float8.h"
 
 namespace hapton {
 
@@ -125,15 +126,15 @@ class Neighbourhood {
   void copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept;
   static void derive(Block& block) noexcept;
   unsigned of_object(const Block& block, std::uint32_t triangle) const noexcept;
-  static unsigned overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept;
+  static unsigned overlapping(const Block& block, const Float8 low[3], const Float8 high[3]) noexcept;
 
   // Per lane, from one separating direction (from the triangle's nearest point to the point p): the moving point is at least
   // `distance` + t * `approach` away at time t. A wrong direction only weakens the bound.
   struct Bound {
-    __m256 distance;
-    __m256 approach;  // <= 0
+    Float8 distance;
+    Float8 approach;  // <= 0
   };
-  static Bound separation_bound(const Block& block, const __m256 p[3], const __m256 motion[3]) noexcept;
+  static Bound separation_bound(const Block& block, const Float8 p[3], const Float8 motion[3]) noexcept;
 
   const TouchGeometry* geometry_ = nullptr;
   std::array<ContactTriangle, kCapacity> shapes_;
