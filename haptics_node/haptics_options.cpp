@@ -32,7 +32,7 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
   app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_flag("--no-seal", no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
-  app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centered and scaled to the workspace");
+  app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
   app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")

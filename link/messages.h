@@ -113,8 +113,9 @@ struct Settings {
   double servo_rate_hz = 0.0;        // kMinServoRateHz .. kMaxServoRateHz
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;           // write the latency report
-  bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool with an operator's key only
-  std::uint32_t method_request = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
+  bool reset_faults = false;         // a person says that what latched the safety governor is fixed; of a tool with an operator's key only
+  std::uint32_t method_request =
+      0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
 };
 
 // haptics -> hub -> every tool, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt
@@ -128,10 +129,10 @@ struct HapticsSetup {
   std::uint64_t scene_hash = 0;
   Text scene = {};  // the file's path
   Text build = {};
-  Text method = {};                 // "name=proxy probe_radius_m=0 ..."
-  std::uint32_t method_request = 0;     // of the Settings answered last; 0: none yet, or one that nobody waits for
-  Text rejection = {};                // why that method is not used; empty: it is in use
-  std::uint32_t scene_loading = 0;  // unit, sealing and fit of the scene (scene/scene_loading.h); 0: not said
+  Text method = {};                  // "name=proxy probe_radius_m=0 ..."
+  std::uint32_t method_request = 0;  // of the Settings answered last; 0: none yet, or one that nobody waits for
+  Text rejection = {};               // why that method is not used; empty: it is in use
+  std::uint32_t scene_loading = 0;   // unit, sealing and fit of the scene (scene/scene_loading.h); 0: not said
 };
 
 // tool -> hub: a part of the hub's report.

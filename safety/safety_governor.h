@@ -4,35 +4,35 @@
 #include <cstdint>
 #include <optional>
 
+#include "safety/command_filter.h"
 #include "safety/dead_mans_switch.h"
 #include "safety/energy_budget.h"
+#include "safety/fault_debouncer.h"
 #include "safety/motion_monitor.h"
 #include "safety/ramp.h"
 #include "safety/safety_fault.h"
 #include "safety/safety_limits.h"
 #include "safety/slew_limit.h"
-#include "safety/fault_debouncer.h"
 #include "safety/thermal_budget.h"
-#include "safety/command_filter.h"
 
 namespace hapton {
 
 // What a governor has done.
 struct GovernorCounters {
   std::uint64_t accepted = 0;
-  std::uint64_t not_finite = 0;      // forces and torques that are no numbers
-  std::uint64_t rejected_old = 0;     // repeated, overtaken or older than the silence limit
-  std::uint64_t rejected_future = 0;  // answers a sample that has not been taken
-  std::uint64_t command_timeouts = 0;        // times it went quiet after a force had been accepted
-  std::uint64_t clamped = 0;         // accepted forces above the limit
-  std::uint64_t slewed = 0;          // accepted forces that the slew limit cut
-  std::uint64_t bad_samples = 0;     // of the device: no pose
-  std::uint64_t stopped = 0;         // accepted forces that the end of the workspace cut
-  std::uint64_t braked = 0;          // ... that the speed limit shaped
-  std::uint64_t damped = 0;          // ... that the energy budget damped or cut
-  std::uint64_t cooled = 0;          // ... that the thermal budget cut
-  std::uint64_t releases = 0;        // times the dead man's switch let go
-  std::uint64_t latched = 0;         // faults
+  std::uint64_t not_finite = 0;        // forces and torques that are no numbers
+  std::uint64_t rejected_old = 0;      // repeated, overtaken or older than the silence limit
+  std::uint64_t rejected_future = 0;   // answers a sample that has not been taken
+  std::uint64_t command_timeouts = 0;  // times it went quiet after a force had been accepted
+  std::uint64_t clamped = 0;           // accepted forces above the limit
+  std::uint64_t slewed = 0;            // accepted forces that the slew limit cut
+  std::uint64_t bad_samples = 0;       // of the device: no pose
+  std::uint64_t stopped = 0;           // accepted forces that the end of the workspace cut
+  std::uint64_t braked = 0;            // ... that the speed limit shaped
+  std::uint64_t damped = 0;            // ... that the energy budget damped or cut
+  std::uint64_t cooled = 0;            // ... that the thermal budget cut
+  std::uint64_t releases = 0;          // times the dead man's switch let go
+  std::uint64_t latched = 0;           // faults
   std::uint64_t resets = 0;
   std::uint64_t resets_rejected = 0;  // their cause was still there
   std::array<std::uint64_t, kSafetyFaults> faults = {};
@@ -89,7 +89,7 @@ class SafetyGovernor {
   // Set-up: this fault was latched before this program began, and nobody has reset it. Latched again; counted it was then.
   void latch_again(SafetyFault fault) noexcept { fault_ = fault; }
 
-  // A person says that the cause of the latched fault is mended. False: it is still there, and so is the fault. The force ramps in.
+  // A person says that the cause of the latched fault is fixed. False: it is still there, and so is the fault. The force ramps in.
   bool reset_faults() noexcept;
   // A dead man's switch is asked for, and held: a person is at the device. A device that is away repeats its last sample, which says
   // nothing of now.

@@ -16,7 +16,7 @@ double crack_width(const MeshTopology& topology) { return kCrackShare * (topolog
 MeshFlaws find_flaws(const TriangleMesh& mesh) {
   MeshFlaws flaws{.topology = compute_mesh_topology(mesh), .borders = {}, .mend = {}, .normals = count_authored_normals(mesh)};
   flaws.borders = count_border_edges(mesh, crack_width(flaws.topology));
-  mend_mesh(mesh, flaws.mend);
+  repair_mesh(mesh, flaws.mend);
   return flaws;
 }
 

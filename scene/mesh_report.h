@@ -7,8 +7,8 @@
 #include "core/base/result.h"
 #include "core/geometry/border_edges.h"
 #include "core/geometry/corner_normals.h"
-#include "core/geometry/mend_mesh.h"
 #include "core/geometry/mesh_topology.h"
+#include "core/geometry/repair_mesh.h"
 #include "core/geometry/seal_cracks.h"
 #include "scene/mesh_file.h"
 
@@ -19,7 +19,7 @@ namespace hapton {
 struct MeshFlaws {
   MeshTopology topology;  // metres
   BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
-  MendReport mend;
+  RepairReport mend;
   AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
 

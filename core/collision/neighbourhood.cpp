@@ -127,9 +127,9 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
   Float8 move[3];
   float magnitude = 0.0F;
   for (int k = 0; k < 3; ++k) {
-    low[k] = Float8(detail::round_down(way.low[k] - center_[k]));
-    high[k] = Float8(detail::round_up(way.high[k] - center_[k]));
-    const auto s = static_cast<float>(p[k] - center_[k]);
+    low[k] = Float8(detail::round_down(way.low[k] - centre_[k]));
+    high[k] = Float8(detail::round_up(way.high[k] - centre_[k]));
+    const auto s = static_cast<float>(p[k] - centre_[k]);
     const auto m = static_cast<float>(motion[k]);
     start[k] = Float8(s);
     move[k] = Float8(m);
@@ -175,7 +175,7 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
   for (std::size_t i = 0; i < way.size(); ++i) {
     float size = 0.0F;
     for (int k = 0; k < 3; ++k) {
-      const auto x = static_cast<float>(way[i][k] - center_[k]);
+      const auto x = static_cast<float>(way[i][k] - centre_[k]);
       points[i][k] = x;
       least[k] = i == 0 ? x : std::min(least[k], x);
       most[k] = i == 0 ? x : std::max(most[k], x);
@@ -327,7 +327,7 @@ void Neighbourhood::fetch() const noexcept {
 }
 
 void Neighbourhood::take() noexcept {
-  center_ = wanted_.center();
+  centre_ = wanted_.centre();
   is_prepared_.reset();
   for (int first = 0; first < found_count_; first += 8) {
     Block& block = blocks_[first / 8];
@@ -340,7 +340,7 @@ void Neighbourhood::take() noexcept {
 }
 
 void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept {
-  const Double4 center = Double4::load_three(center_.data());
+  const Double4 centre = Double4::load_three(centre_.data());
   // A point infinitely far away overlaps nothing.
   const Float4 nowhere = Float4(std::numeric_limits<float>::infinity());
   Float4 a[8];
@@ -358,7 +358,7 @@ void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block)
     const std::uint32_t triangle = triangles[lane];
     const ObjectGeometry::Corners corners = geometry_->corners(triangle);
     const Double4 corner = Double4::load_three(corners.a.data());
-    a[lane] = rounded(corner - center);
+    a[lane] = rounded(corner - centre);
     ab[lane] = rounded(Double4::load_three(corners.b.data()) - corner);
     ac[lane] = rounded(Double4::load_three(corners.c.data()) - corner);
     block.triangle[lane] = triangle;

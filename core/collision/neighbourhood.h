@@ -100,7 +100,7 @@ class Neighbourhood {
                     std::array<Meeting, kCapacity>& meetings) const noexcept;
 
  private:
-  // Eight triangles: corner a and edges ab, ac relative to center_, their boxes, and a bound on the rounding of all of it.
+  // Eight triangles: corner a and edges ab, ac relative to centre_, their boxes, and a bound on the rounding of all of it.
   struct alignas(32) Block {
     float low[3][8];
     float high[3][8];
@@ -142,7 +142,7 @@ class Neighbourhood {
   std::array<Block, kCapacity / 8> blocks_;
   int count_ = 0;
   Box region_;
-  Vec3 center_ = Vec3::Zero();
+  Vec3 centre_ = Vec3::Zero();
   std::array<std::uint32_t, kCapacity> found_;  // by look_for, in wanted_
   int found_count_ = 0;
   Box wanted_;

@@ -26,8 +26,8 @@ struct Item {
   static constexpr std::uint32_t kNotSubnormal = 0x40000000U;
   FloatBox box;
   std::uint32_t id() const { return last_word(box.low) ^ kNotSubnormal; }
-  Float4 twice_center() const { return box.low + box.high; }
-  float twice_center(int axis) const { return box.low[axis] + box.high[axis]; }
+  Float4 twice_centre() const { return box.low + box.high; }
+  float twice_centre(int axis) const { return box.low[axis] + box.high[axis]; }
 };
 
 Item make_item(const Box& box, std::uint32_t id) {
@@ -43,7 +43,7 @@ struct Range {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   FloatBox box;
-  FloatBox centers;
+  FloatBox centres;
   std::uint32_t size() const { return end - begin; }
 };
 
@@ -62,8 +62,8 @@ struct WideBvh::Builder {
     Range range{begin, end, {}, {}};
     for (std::uint32_t i = begin; i < end; ++i) {
       range.box.grow(items[i].box);
-      const Float4 center = items[i].twice_center();
-      range.centers.grow({center, center});
+      const Float4 centre = items[i].twice_centre();
+      range.centres.grow({centre, centre});
     }
     return range;
   }
@@ -76,29 +76,29 @@ struct WideBvh::Builder {
       return {range_of(range.begin, middle), range_of(middle, range.end)};
     }
     std::nth_element(items.begin() + range.begin, items.begin() + middle, items.begin() + range.end,
-                     [axis](const Item& a, const Item& b) { return a.twice_center(axis) < b.twice_center(axis); });
+                     [axis](const Item& a, const Item& b) { return a.twice_centre(axis) < b.twice_centre(axis); });
     return {range_of(range.begin, middle), range_of(middle, range.end)};
   }
 
   // The `count` items that come first along the axis, put before the others; otherwise the order stays. Each item's rank is counted, eight
   // comparisons at a time: nothing to guess for the processor.
   void part_few(const Range& range, int axis, std::uint32_t count) {
-    alignas(32) std::array<float, kFew> centers;
-    centers.fill(std::numeric_limits<float>::infinity());
+    alignas(32) std::array<float, kFew> centres;
+    centres.fill(std::numeric_limits<float>::infinity());
     const std::uint32_t size = range.size();
-    for (std::uint32_t i = 0; i < size; ++i) centers[i] = items[range.begin + i].twice_center(axis);
+    for (std::uint32_t i = 0; i < size; ++i) centres[i] = items[range.begin + i].twice_centre(axis);
     std::array<std::uint32_t, kFew> before;  // how many come before this one
     std::uint32_t candidates = 0;
     float last = -std::numeric_limits<float>::infinity();  // of those that fewer than `count` come before
     for (std::uint32_t i = 0; i < size; ++i) {
-      const Float8 own = Float8(centers[i]);
+      const Float8 own = Float8(centres[i]);
       Uint32x8 less = Uint32x8(0U);
       for (std::uint32_t j = 0; j < size; j += 8) {
-        less = less + as_words(Float8::load(&centers[j]) < own);
+        less = less + as_words(Float8::load(&centres[j]) < own);
       }
       before[i] = 0U - sum(less);  // each is -1
       candidates += before[i] < count ? 1 : 0;
-      last = before[i] < count ? std::max(last, centers[i]) : last;
+      last = before[i] < count ? std::max(last, centres[i]) : last;
     }
     std::uint32_t surplus = candidates - count;  // of those level with the last
     std::array<Item, kFew> others;
@@ -107,7 +107,7 @@ struct WideBvh::Builder {
     for (std::uint32_t i = 0; i < size; ++i) {
       const Item item = items[range.begin + i];
       bool is_first = before[i] < count;
-      if (surplus > 0 && is_first && centers[i] == last) {
+      if (surplus > 0 && is_first && centres[i] == last) {
         is_first = false;
         --surplus;
       }
@@ -121,12 +121,12 @@ struct WideBvh::Builder {
 
   struct Bin {
     FloatBox box;
-    FloatBox centers;
+    FloatBox centres;
     std::uint32_t count = 0;
 
     void join(const Bin& other) {
       box.grow(other.box);
-      centers.grow(other.centers);
+      centres.grow(other.centres);
       count += other.count;
     }
   };
@@ -134,8 +134,8 @@ struct WideBvh::Builder {
   std::pair<Range, Range> split(const Range& range, bool balanced) {
     alignas(16) std::array<float, 4> low;
     alignas(16) std::array<float, 4> extent;
-    store(low.data(), range.centers.low);
-    store(extent.data(), range.centers.high - range.centers.low);
+    store(low.data(), range.centres.low);
+    store(extent.data(), range.centres.high - range.centres.low);
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
     const std::uint32_t half = range.size() / 2;
     // What fits into one level of full nodes is cut at whole nodes: fewer of them, and no worse where items are of a size.
@@ -146,26 +146,26 @@ struct WideBvh::Builder {
     std::array<float, 4> scale_lanes = {};
     for (int k = 0; k < 3; ++k) scale_lanes[k] = extent[k] > 0.0F ? kBins * 0.999F / extent[k] : 0.0F;
     const Float4 scale = Float4::load_unaligned(scale_lanes.data());
-    const Float4 base = range.centers.low;
+    const Float4 base = range.centres.low;
     const Int4 last = Int4(kBins - 1);
-    const auto bins_of = [&](const Float4& center) { return max(Int4(0), min(Int4::truncated((center - base) * scale), last)); };
+    const auto bins_of = [&](const Float4& centre) { return max(Int4(0), min(Int4::truncated((centre - base) * scale), last)); };
     std::array<std::array<Bin, kBins>, 3> bins;
     const bool one_axis = range.size() > 512;  // large runs: the widest axis is nearly always the best, and a third of the work
     const int first_axis = one_axis ? widest : 0;
     const int last_axis = one_axis ? widest : 2;
-    const auto put = [](Bin& bin, const Item& item, const Float4& center) {
+    const auto put = [](Bin& bin, const Item& item, const Float4& centre) {
       bin.box.grow(item.box);
-      bin.centers.grow({center, center});
+      bin.centres.grow({centre, centre});
       ++bin.count;
     };
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const Float4 center = items[i].twice_center();
+      const Float4 centre = items[i].twice_centre();
       alignas(16) std::array<std::int32_t, 4> b;
-      store(b.data(), bins_of(center));
+      store(b.data(), bins_of(centre));
       if (one_axis) {
-        put(bins[i % 3][b[widest]], items[i], center);  // neighbours fall into one bin: three in turn need not wait for each other
+        put(bins[i % 3][b[widest]], items[i], centre);  // neighbours fall into one bin: three in turn need not wait for each other
       } else {
-        for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], center);
+        for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], centre);
       }
     }
     if (one_axis) {
@@ -207,7 +207,7 @@ struct WideBvh::Builder {
     std::uint32_t at = range.begin;
     const Int4 cut = Int4(best_bin);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const Int4 beyond = bins_of(items[i].twice_center()) > cut;
+      const Int4 beyond = bins_of(items[i].twice_centre()) > cut;
       const auto is_before = ~sign_bits(beyond) >> best_axis & 1U;
       std::swap(items[i], items[at]);
       at += is_before;
@@ -217,7 +217,7 @@ struct WideBvh::Builder {
     for (int b = 0; b < kBins; ++b) {
       Range& side = b <= best_bin ? left : right;
       side.box.grow(bins[best_axis][b].box);
-      side.centers.grow(bins[best_axis][b].centers);
+      side.centres.grow(bins[best_axis][b].centres);
     }
     return {left, right};
   }

@@ -26,14 +26,18 @@ Lanes map(const Lanes& a, const Lanes& b, Function&& f) noexcept {
   for (std::size_t i = 0; i < a.v.size(); ++i) result.v[i] = f(a.v[i], b.v[i]);
   return result;
 }
+inline std::uint32_t word(float x) noexcept { return std::bit_cast<std::uint32_t>(x); }
+// Not std::signbit: g++ 12 fails on a loop of it (internal compiler error, or a wrong result at -O3).
+inline unsigned sign(float x) noexcept { return word(x) >> 31; }
+inline unsigned sign(double x) noexcept { return static_cast<unsigned>(std::bit_cast<std::uint64_t>(x) >> 63); }
+
 template <class Lanes>
 unsigned sign_bits(const Lanes& a) noexcept {
   unsigned bits = 0;
-  for (std::size_t i = 0; i < a.v.size(); ++i) bits |= (std::signbit(a.v[i]) ? 1U : 0U) << i;
+  for (std::size_t i = 0; i < a.v.size(); ++i) bits |= sign(a.v[i]) << i;
   return bits;
 }
 
-inline std::uint32_t word(float x) noexcept { return std::bit_cast<std::uint32_t>(x); }
 inline float number(std::uint32_t x) noexcept { return std::bit_cast<float>(x); }
 inline float all_ones(bool is_set) noexcept { return number(is_set ? 0xFFFFFFFFU : 0U); }
 
@@ -101,16 +105,19 @@ inline Float8 sqrt(Float8 a) noexcept {
   return detail::map(a, [](float x) { return std::sqrt(x); });
 }
 inline Float8 fma(Float8 a, Float8 b, Float8 c) noexcept {
-  for (std::size_t i = 0; i < 8; ++i) c.v[i] = std::fma(a.v[i], b.v[i], c.v[i]);
-  return c;
+  Float8 result;
+  for (std::size_t i = 0; i < 8; ++i) result.v[i] = std::fma(a.v[i], b.v[i], c.v[i]);
+  return result;
 }
 inline Float8 fms(Float8 a, Float8 b, Float8 c) noexcept {
-  for (std::size_t i = 0; i < 8; ++i) c.v[i] = std::fma(a.v[i], b.v[i], -c.v[i]);
-  return c;
+  Float8 result;
+  for (std::size_t i = 0; i < 8; ++i) result.v[i] = std::fma(a.v[i], b.v[i], -c.v[i]);
+  return result;
 }
 inline Float8 select(Float8 mask, Float8 set, Float8 clear) noexcept {
-  for (std::size_t i = 0; i < 8; ++i) clear.v[i] = std::signbit(mask.v[i]) ? set.v[i] : clear.v[i];
-  return clear;
+  Float8 result;
+  for (std::size_t i = 0; i < 8; ++i) result.v[i] = detail::sign(mask.v[i]) != 0 ? set.v[i] : clear.v[i];
+  return result;
 }
 inline unsigned sign_bits(Float8 a) noexcept { return detail::sign_bits(a); }
 
@@ -179,8 +186,7 @@ inline Float4 max(Float4 a, Float4 b) noexcept {
 }
 inline std::uint32_t last_word(Float4 a) noexcept { return detail::word(a.v[3]); }
 inline Float4 with_last_word(Float4 a, std::uint32_t word) noexcept {
-  a.v[3] = detail::number(word);
-  return a;
+  return {a.v[0], a.v[1], a.v[2], detail::number(word)};
 }
 inline void transpose(Float4& a, Float4& b, Float4& c, Float4& d) noexcept {
   const Float4 rows[4] = {a, b, c, d};

@@ -119,7 +119,7 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   service = std::make_unique<HaplyService>(port);
   EXPECT_TRUE(serve_until_ready());
   const std::string said = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("is gone"));
+  EXPECT_THAT(said, HasSubstr("is disconnected"));
   EXPECT_THAT(said, HasSubstr("is back"));
 }
 

@@ -89,7 +89,7 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToMendIt) {
   EXPECT_THAT(rejection("[[device]]\nname = \"../a\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"),
               HasSubstr(":2: 'name' is '../a'"));
   EXPECT_THAT(rejection("[[device]]\nname = \"a\"\ndevice = \"sofa\"\nbind = \"127.0.0.1:0\"\n"),
-              HasSubstr("there is no device 'sofa'; take simulated"));
+              HasSubstr("unknown device 'sofa'; choose one of simulated"));
   EXPECT_THAT(rejection(kLeft + "max_force_n = -1\n"), HasSubstr("'max_force_n' in [[device]] 1 is -1"));
   EXPECT_THAT(rejection(kLeft + "position_m = [0, 0, 1e9]\n"), HasSubstr("number 3 of 'position_m'"));
   EXPECT_THAT(rejection(kLeft + "posiiton_m = [0, 0, 0]\n"), HasSubstr(":5: unknown key 'posiiton_m' in [[device]] 1"));

@@ -131,7 +131,7 @@ TEST(IoReport, TellsPeopleTheAgeAtEveryHop) {
   for (const char* part : {"p99.9", "\nwire_out ", "\nround_trip ", "\nbare_echo ", "\ndevice_to_drawn "}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
-  EXPECT_THAT(text, HasSubstr("the round trip is 1.50 times as long as the bare echo at p50, 2.99 times at p99"));
+  EXPECT_THAT(text, HasSubstr("the round trip takes 1.50 times as long as the bare echo at p50, 2.99 times at p99"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("wire_back"))) << "it was not measured";
 }
 

@@ -74,7 +74,7 @@ TEST_F(LinkKeyTest, LeavesAFileThatIsThereAsItIs) {
   const auto path = folder_.write("key", "something dear");
   const auto made = make_key_file(path);
   ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().what, HasSubstr("there already"));
+  EXPECT_THAT(made.error().what, HasSubstr("already exists"));
   EXPECT_EQ(std::filesystem::file_size(path), 14U);
   // Not through a link either.
   std::filesystem::create_symlink(folder_.path() / "elsewhere", folder_.path() / "link");
@@ -145,7 +145,7 @@ TEST_F(LinkKeyTest, RefusesAKeyOfAnOlderHaptonAndSaysWhatToDo) {
 
 TEST_F(LinkKeyTest, RefusesAFileOfTheRightLengthThatIsNoKey) {
   for (const std::string role : {"io", "Master", "vision2", ""}) {
-    EXPECT_THAT(rejection(write_key("key", kKeyFileBytes, 0600, role)), HasSubstr("no key file")) << role;
+    EXPECT_THAT(rejection(write_key("key", kKeyFileBytes, 0600, role)), HasSubstr("not a Hapton key file")) << role;
   }
 }
 

@@ -94,8 +94,8 @@ TEST_F(SessionReaders, RefuseInOneLineWhatIsNoSession) {
   const struct {
     std::string bytes;
     std::string says;
-  } kCases[] = {{"", "no recorded session"},
-                {"t_s,x_m\n", "no recorded session"},
+  } kCases[] = {{"", "not a recorded session"},
+                {"t_s,x_m\n", "not a recorded session"},
                 {"hapton.session/2\n....", "another schema"},
                 {whole.substr(0, kSessionMagic.size() + 2), "header"}};
   for (const auto& [bytes, says] : kCases) {

@@ -158,7 +158,7 @@ TEST(Devices, AFileThatIsWrongIsOneLine) {
   const auto ended = run("io_node", {"--devices", (folder.path() / "bad.toml").string()}, folder.path());
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->exit_code, 1);
-  EXPECT_THAT(ended->err, HasSubstr("bad.toml:3: there is no device 'sofa'; take simulated"));
+  EXPECT_THAT(ended->err, HasSubstr("bad.toml:3: unknown device 'sofa'; choose one of simulated"));
   const auto both = run("io_node", {"--devices", (folder.path() / "bad.toml").string(), "--device", "simulated"}, folder.path());
   ASSERT_TRUE(both);
   EXPECT_EQ(both->exit_code, 2);

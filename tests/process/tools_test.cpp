@@ -40,7 +40,7 @@ TEST(Top, WithoutAHubSaysSo) {
   System system;
   const Ended none = hapton(system, {"top", "--hub", system.hub(), "--once"});
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.err, HasSubstr("no hub answers at " + system.hub()));
+  EXPECT_THAT(none.err, HasSubstr("no reply from a hub at " + system.hub()));
 }
 
 // What GET /metrics gives there; empty when nobody serves.

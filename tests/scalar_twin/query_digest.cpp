@@ -93,7 +93,7 @@ std::uint64_t digest_hulls(const TriangleMesh& mesh, Numbers& numbers) {
     tree->for_each_overlapping(FdhBall{p, 0.004}, [&](std::uint32_t triangle) { digest.add(std::uint64_t{triangle}); });
     tree->for_each_overlapping(FdhSweep{p, p + numbers.vector(0.02), 0.001},
                                [&](std::uint32_t triangle) { digest.add(std::uint64_t{triangle}); });
-    digest.add(tree->find_nearest(p).distance);
+    digest.add(std::uint64_t{tree->find_nearest(p).triangle});
   }
   return digest.value();
 }

@@ -189,6 +189,14 @@ TEST(Layers, OnlyEndpointFilesSeeSockets) {
               IsEmpty());
 }
 
+TEST(Layers, OnlyFloat8SeesVectorInstructions) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           return include.path.ends_with("intrin.h") && file.path != "core/math/float8_avx2.h";
+                         }),
+              IsEmpty());
+}
+
 // A haptics node, which reads the same scenes, must load no GL.
 TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
   EXPECT_THAT(find_wrong(kFolders,
@@ -251,6 +259,8 @@ const std::map<std::string, std::string> kTestedElsewhere = {
     {"core/force/touch_scene.h", "plain data"},
     {"core/geometry/shaded_mesh.h", "plain data: corner_normals and split_large fill it"},
     {"core/geometry/triangle_mesh.h", "plain data"},
+    {"core/math/float8_avx2.h", "tested by float8_test against its scalar twin"},
+    {"core/math/float8_scalar.h", "tested by float8_test against AVX2"},
     {"core/math/types.h", "names for Eigen's types"},
 };
 

@@ -259,7 +259,7 @@ Result<Figure> draw_algorithm_1() {
     scene->for_each_near(P, kRadius, [&](const SetTriangle& t) { kept.push_back(t); });
     for (const SetTriangle& t : kept) {
       const Separation s = separation_from_triangle(P, t.corner[0], t.corner[1], t.corner[2]);
-      if (t.kind != SurfaceKind::kFace || s.distance >= least) continue;
+      if (t.kind != SurfaceKind::face || s.distance >= least) continue;
       least = s.distance;
       nearest = &t;
     }
@@ -333,9 +333,10 @@ Result<Figure> draw_proxy() {
   return Figure{"proxy", script};
 }
 
-// --- proxy: hover -----------------------------------------------------------------------------------------------------------------
+// --- proxy: contact offset
+// -----------------------------------------------------------------------------------------------------------------
 
-// A wall over one edge of a cross-section, in units of hover.
+// A wall over one edge of a cross-section, in units of contact offset.
 struct Wall {
   Vec3 a, b, c;
   Separation separation(const Vec3& p) const { return separation_from_triangle(p, a, b, c); }
@@ -355,7 +356,7 @@ std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& st
   return walls;
 }
 
-// How far a proxy at hover over the ground gets to the right, as a part of the motion; 1: all the way.
+// How far a proxy at contact offset over the ground gets to the right, as a part of the motion; 1: all the way.
 double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
   const Clearance clearance = {.rest = 1.0, .slack = 0.5, .tolerance = 0x1p-10};
   double first = 1.0;
@@ -363,7 +364,7 @@ double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& m
   return first;
 }
 
-Result<Figure> draw_hover() {
+Result<Figure> draw_contact_offset() {
   const std::vector<std::vector<Eigen::Vector2d>> strokes = {
       {{-14, 0}, {-10.2, 0}}, {{-9.8, 0}, {-7.5, 0}, {-5.0, 3.0}, {-2.5, 0}, {2, 0}, {2, 0.4}, {6, 0.4}, {6, 1.1}, {11, 1.1}}};
   const std::vector<Wall> walls = walls_over(strokes);
@@ -389,7 +390,7 @@ Result<Figure> draw_hover() {
   const Vec3 high(3.5, 1.4, 0.3);
   const double over_high = free_part(walls, high, {5.5, 0.0, 0.0});
   ways.add(1e-3 * high, 1e-3 * Vec3(5.5 * over_high, 0.0, 0.0));
-  std::string script = begin("hover", 1000, 490) + field + surface.block("surface") + ways.block("ways");
+  std::string script = begin("contact_offset", 1000, 490) + field + surface.block("surface") + ways.block("ways");
   script += fmt::format(
       "set table $levels\n"
       "set contour base\n"
@@ -401,22 +402,22 @@ Result<Figure> draw_hover() {
       "set cntrparam levels discrete 0.5\n"
       "splot $field using 1:2:3\n"
       "unset table\n"
-      "set title 'A point probe is a sphere of one hover, 2^{{-30}} of the scene: cracks are as tight as faces'\n"
+      "set title 'A point probe is a sphere of one contact offset, 2^{{-30}} of the scene: cracks are as tight as faces'\n"
       "set size ratio -1\n"
       "set xrange [-14:11]\n"
       "set yrange [-3:4.6]\n"
-      "set xlabel 'hover' offset 0,0.4\n"
-      "set label 1 \"crack narrower\\nthan hover\" at -10,-1.7 center\n"
+      "set xlabel 'contact offset' offset 0,0.4\n"
+      "set label 1 \"crack narrower\\nthan contact offset\" at -10,-1.7 center\n"
       "set label 2 'ridge' at -5,4.3 center\n"
       "set label 3 'fold' at -7.6,2.3 right\n"
-      "set label 4 \"step of 0.4 hover:\\n{3}\" at 1.6,-1.7 center\n"
-      "set label 5 \"step of 0.7 hover:\\n{4}\" at 7.8,-1.7 center\n"
+      "set label 4 \"step of 0.4 contact offset:\\n{3}\" at 1.6,-1.7 center\n"
+      "set label 5 \"step of 0.7 contact offset:\\n{4}\" at 7.8,-1.7 center\n"
       "plot $levels using 1:2 with lines linewidth 2.5 linecolor rgb '{0}' title 'rest: a proxy in contact is here (distance 1)', \\\n "
-      "$low using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb '{1}' title 'rest - slack: it never comes nearer (distance 1/2)', "
+      "$low using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb '{1}' title 'rest - slop: it never comes nearer (distance 1/2)', "
       "\\\n $surface with lines linewidth 4 linecolor rgb '#303030' title 'surface', \\\n $ways using 1:2:3:4 with vectors head filled "
       "size 0.35,18 linewidth 3 linecolor rgb '{2}' title 'a motion to the right'\n",
-      kBlue, kRed, kGreen, over_low >= 1.0 ? "passed within the slack" : "stops", over_high >= 1.0 ? "passed" : "stops, then climbs");
-  return Figure{"hover", script};
+      kBlue, kRed, kGreen, over_low >= 1.0 ? "passed within the slop" : "stops", over_high >= 1.0 ? "passed" : "stops, then climbs");
+  return Figure{"contact_offset", script};
 }
 
 // --- All methods on one slide ----------------------------------------------------------------------------------------------------
@@ -527,7 +528,7 @@ Result<Figure> draw_slide() {
 
 Result<std::vector<Figure>> make_figures() {
   std::vector<Figure> figures;
-  for (const auto draw : {draw_sweep, draw_hulls, draw_algorithm_1, draw_proxy, draw_hover, draw_slide}) {
+  for (const auto draw : {draw_sweep, draw_hulls, draw_algorithm_1, draw_proxy, draw_contact_offset, draw_slide}) {
     auto figure = draw();
     if (!figure) return tl::unexpected(figure.error());
     figures.push_back(std::move(*figure));

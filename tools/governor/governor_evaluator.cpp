@@ -30,7 +30,7 @@ bool is_pose(const DeviceSample& sample) {
 }  // namespace
 
 std::string_view to_string(GovernorBreach breach) noexcept {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(GovernorBreach::kCount)> kNames = {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(GovernorBreach::count)> kNames = {
       "not finite", "force",  "torque",    "force slew", "torque slew", "silence",     "ramp",
       "heat",       "energy", "workspace", "gate",       "unlatched",   "not latched",
   };

@@ -24,7 +24,7 @@ enum class GovernorBreach : std::uint8_t {
   gate,         // has not let go although latched, away, calibrating, blind or not held
   unlatched,    // a fault is gone without a reset
   not_latched,  // a fault that latches has not
-  kCount,
+  count,
 };
 std::string_view to_string(GovernorBreach breach) noexcept;
 
@@ -49,7 +49,7 @@ class GovernorEvaluator {
   // After each turn.
   void look(const HostileStep& step, bool was_reset, const Wrench& out) noexcept;
 
-  const std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::kCount)>& breaches() const noexcept { return breaches_; }
+  const std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)>& breaches() const noexcept { return breaches_; }
   const GovernorWorst& worst() const noexcept { return worst_; }
 
  private:
@@ -80,7 +80,7 @@ class GovernorEvaluator {
   const SafetyGovernor& governor_;
   std::uint32_t buttons_ = 0;
   bool is_physical_;
-  std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::kCount)> breaches_ = {};
+  std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)> breaches_ = {};
   GovernorWorst worst_;
 
   bool has_begun_ = false;

@@ -63,9 +63,9 @@ class HostileProgram {
   const HostileStep& turn(const Wrench& out) noexcept;
 
  private:
-  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, kCount };
-  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, kCount };
-  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, kCount };
+  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, count };
+  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, count };
+  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, count };
 
   void choose_device() noexcept;
   void choose_spell() noexcept;

@@ -100,7 +100,7 @@ class SmoothMethod final : public ForceMethod {
   bool would_help(const Vec3& p, double radius) const;
   void select_at(const Vec3& p) noexcept;
   template <class Visit>
-  void look_near(const Vec3& center, double radius, Visit&& visit) noexcept;
+  void look_near(const Vec3& centre, double radius, Visit&& visit) noexcept;
   template <class Visit>
   void look_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept;
 

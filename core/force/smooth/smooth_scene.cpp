@@ -66,7 +66,7 @@ void SmoothScene::measure_all() {
   Box all;
   for (const Object& object : objects_) all.grow(object.bounds);
   diagonal_ = all.diagonal();
-  center_ = 0.5 * all.low + 0.5 * all.high;
+  centre_ = 0.5 * all.low + 0.5 * all.high;
   // Far from the origin the coordinates themselves are coarse.
   skin_ = std::max(kSkin * diagonal_, 1e-12 * std::max(all.low.cwiseAbs().maxCoeff(), all.high.cwiseAbs().maxCoeff()));
 }
@@ -83,9 +83,9 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   out.triangle = triangle;
   out.kind = from.surface.kind(triangle);
   out.two_sided = from.material.two_sided;
-  out.one_winding = from.report.mend.unorientable_pieces == 0;
+  out.one_winding = from.report.repair.unorientable_pieces == 0;
   out.stiffness_n_per_m = from.material.stiffness_n_per_m;
-  if (out.kind == SurfaceKind::kFace) {
+  if (out.kind == SurfaceKind::face) {
     const Vec3 ab = out.corner[1] - out.corner[0];
     const Vec3 ac = out.corner[2] - out.corner[0];
     const Vec3 n = ab.cross(ac);

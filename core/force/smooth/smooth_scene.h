@@ -38,10 +38,10 @@ class SmoothScene {
 
   // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.
   template <class Visit>
-  void for_each_near(const Vec3& center, double radius, Visit&& visit) const noexcept {
+  void for_each_near(const Vec3& centre, double radius, Visit&& visit) const noexcept {
     std::visit(
         [&](const auto& tree) {
-          tree.for_each_overlapping(FdhBall{center, radius},
+          tree.for_each_overlapping(FdhBall{centre, radius},
                                     [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
         },
         tree_);
@@ -72,7 +72,7 @@ class SmoothScene {
 
   std::uint64_t version() const { return version_; }
   double diagonal() const { return diagonal_; }
-  const Vec3& center() const { return center_; }
+  const Vec3& centre() const { return centre_; }
   // Far above any rounding of positions here, far below anything that is felt.
   double skin() const { return skin_; }
   std::size_t object_count() const { return objects_.size(); }
@@ -105,7 +105,7 @@ class SmoothScene {
   int directions_ = 14;
   std::uint64_t version_ = 1;
   double diagonal_ = 0.0;
-  Vec3 center_ = Vec3::Zero();
+  Vec3 centre_ = Vec3::Zero();
   double skin_ = 0.0;
 };
 

@@ -1,4 +1,4 @@
-#include "core/geometry/mend_mesh.h"
+#include "core/geometry/repair_mesh.h"
 
 #include <fmt/core.h>
 
@@ -69,7 +69,7 @@ Bits rotated(const Triangle& t) {
   return {{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}};
 }
 
-void weld(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& source) {
+void weld(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
   KeyTable seen(mesh.vertices.size());
   std::vector<std::uint32_t> renumbered(mesh.vertices.size());
   std::uint32_t used = 0;
@@ -89,7 +89,7 @@ void weld(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& so
   }
 }
 
-void drop_useless(TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>& source) {
+void drop_useless(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
   KeyTable seen(mesh.triangles.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -113,7 +113,7 @@ void drop_useless(TriangleMesh& mesh, MendReport& report, std::vector<std::uint3
   source.resize(kept);
 }
 
-void count_thin(const TriangleMesh& mesh, MendReport& report) {
+void count_thin(const TriangleMesh& mesh, RepairReport& report) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vec3 ab = mesh.corner(i, 1) - mesh.corner(i, 0);
     const Vec3 ac = mesh.corner(i, 2) - mesh.corner(i, 0);
@@ -128,15 +128,15 @@ void count_thin(const TriangleMesh& mesh, MendReport& report) {
 }
 
 // Winds every piece one way, where one way fits all of it.
-void wind(TriangleMesh& mesh, const SharedEdges& edges, MendReport& report) {
-  enum : std::uint8_t { kNew, kAsIs, kTurned };
-  std::vector<std::uint8_t> state(mesh.triangles.size(), kNew);
+void wind(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
+  enum : std::uint8_t { unseen, as_is, flipped };
+  std::vector<std::uint8_t> state(mesh.triangles.size(), unseen);
   std::vector<std::uint32_t> piece;
   for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
-    if (state[start] != kNew) continue;
+    if (state[start] != unseen) continue;
     ++report.pieces;
     piece.assign(1, start);
-    state[start] = kAsIs;
+    state[start] = as_is;
     bool fits = true;
     std::size_t turned = 0;
     for (std::size_t i = 0; i < piece.size(); ++i) {
@@ -146,10 +146,10 @@ void wind(TriangleMesh& mesh, const SharedEdges& edges, MendReport& report) {
         if (other == nullptr) continue;
         const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
         const bool same_way = upward == other->upward;  // two triangles of one winding run along their edge in opposite ways
-        const std::uint8_t wanted = (state[t] == kTurned) != same_way ? kTurned : kAsIs;
-        if (state[other->triangle] == kNew) {
+        const std::uint8_t wanted = (state[t] == flipped) != same_way ? flipped : as_is;
+        if (state[other->triangle] == unseen) {
           state[other->triangle] = wanted;
-          turned += wanted == kTurned ? 1 : 0;
+          turned += wanted == flipped ? 1 : 0;
           piece.push_back(other->triangle);
         } else if (state[other->triangle] != wanted) {
           fits = false;
@@ -161,7 +161,7 @@ void wind(TriangleMesh& mesh, const SharedEdges& edges, MendReport& report) {
       continue;
     }
     if (turned == 0) continue;
-    const std::uint8_t minority = 2 * turned > piece.size() ? kAsIs : kTurned;
+    const std::uint8_t minority = 2 * turned > piece.size() ? as_is : flipped;
     for (const std::uint32_t t : piece) {
       if (state[t] != minority) continue;
       std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
@@ -173,30 +173,30 @@ void wind(TriangleMesh& mesh, const SharedEdges& edges, MendReport& report) {
 
 }  // namespace
 
-TriangleMesh mend_mesh(const TriangleMesh& mesh, MendReport& report, std::vector<std::uint32_t>* source,
-                       std::vector<std::uint32_t>* vertex_source) {
+TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>* source,
+                         std::vector<std::uint32_t>* vertex_source) {
   report = {};
-  TriangleMesh mended = mesh;
+  TriangleMesh repaired = mesh;
   std::vector<std::uint32_t> from(mesh.triangles.size());
   std::iota(from.begin(), from.end(), 0U);
   std::vector<std::uint32_t> vertex_from;
-  weld(mended, report, vertex_from);
-  drop_useless(mended, report, from);
-  count_thin(mended, report);
-  const SharedEdges edges(mended.triangles);
+  weld(repaired, report, vertex_from);
+  drop_useless(repaired, report, from);
+  count_thin(repaired, report);
+  const SharedEdges edges(repaired.triangles);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     report.border_edges += edges[e].size() == 1 ? 1 : 0;
     report.nonmanifold_edges += edges[e].size() > 2 ? 1 : 0;
   }
-  wind(mended, edges, report);
+  wind(repaired, edges, report);
   if (source != nullptr) *source = std::move(from);
   if (vertex_source != nullptr) *vertex_source = std::move(vertex_from);
-  return mended;
+  return repaired;
 }
 
-std::string MendReport::describe() const {
+std::string RepairReport::describe() const {
   return fmt::format(
-      "mend: welded {} vertices, dropped {} empty and {} duplicate triangles, turned {} round; left: {} double faces, {} on a line, "
+      "repair: welded {} vertices, dropped {} empty and {} duplicate triangles, turned {} round; left: {} double faces, {} on a line, "
       "{} needles, {} border edges, {} non-manifold edges, {} of {} pieces unorientable",
       welded_vertices, dropped_empty, dropped_duplicates, turned, double_faces, empty_area, needles, border_edges, nonmanifold_edges,
       unorientable_pieces, pieces);

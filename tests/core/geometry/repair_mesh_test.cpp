@@ -1,4 +1,4 @@
-#include "core/geometry/mend_mesh.h"
+#include "core/geometry/repair_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -21,13 +21,13 @@ TriangleMesh unwelded(const TriangleMesh& mesh) {
   return loose;
 }
 
-TEST(MendMesh, LeavesACleanMeshAsItIs) {
+TEST(RepairMesh, LeavesACleanMeshAsItIs) {
   const TriangleMesh mesh = make_torus(1.0, 0.3, 20, 12);
-  MendReport report;
+  RepairReport report;
   std::vector<std::uint32_t> source;
-  const TriangleMesh mended = mend_mesh(mesh, report, &source);
-  EXPECT_EQ(mended.triangles, mesh.triangles);
-  EXPECT_EQ(mended.vertices.size(), mesh.vertices.size());
+  const TriangleMesh repaired = repair_mesh(mesh, report, &source);
+  EXPECT_EQ(repaired.triangles, mesh.triangles);
+  EXPECT_EQ(repaired.vertices.size(), mesh.vertices.size());
   EXPECT_EQ(report.welded_vertices + report.dropped_empty + report.dropped_duplicates + report.turned + report.border_edges +
                 report.nonmanifold_edges + report.unorientable_pieces + report.double_faces,
             0U);
@@ -35,44 +35,44 @@ TEST(MendMesh, LeavesACleanMeshAsItIs) {
   for (std::uint32_t i = 0; i < source.size(); ++i) EXPECT_EQ(source[i], i);
 }
 
-TEST(MendMesh, WeldsWhatIsEqualToTheBit) {
+TEST(RepairMesh, WeldsWhatIsEqualToTheBit) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
-  MendReport report;
+  RepairReport report;
   std::vector<std::uint32_t> vertex_source;
   const TriangleMesh loose = unwelded(mesh);
-  const TriangleMesh mended = mend_mesh(loose, report, nullptr, &vertex_source);
-  EXPECT_EQ(mended.vertices.size(), mesh.vertices.size());
+  const TriangleMesh repaired = repair_mesh(loose, report, nullptr, &vertex_source);
+  EXPECT_EQ(repaired.vertices.size(), mesh.vertices.size());
   EXPECT_EQ(report.welded_vertices, loose.vertices.size() - mesh.vertices.size());
-  EXPECT_TRUE(count_edges(mended).closed());
-  for (std::size_t i = 0; i < mended.vertices.size(); ++i) EXPECT_EQ(mended.vertices[i], loose.vertices[vertex_source[i]]);
+  EXPECT_TRUE(count_edges(repaired).closed());
+  for (std::size_t i = 0; i < repaired.vertices.size(); ++i) EXPECT_EQ(repaired.vertices[i], loose.vertices[vertex_source[i]]);
 }
 
-TEST(MendMesh, ZeroAndMinusZeroAreOnePlace) {
+TEST(RepairMesh, ZeroAndMinusZeroAreOnePlace) {
   const TriangleMesh mesh = {{Vec3(0.0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.0, 0, 0), Vec3(0, -1, 0)}, {{0, 1, 2}, {3, 4, 1}}};
-  MendReport report;
-  EXPECT_EQ(mend_mesh(mesh, report).vertices.size(), 4U);
+  RepairReport report;
+  EXPECT_EQ(repair_mesh(mesh, report).vertices.size(), 4U);
 }
 
-TEST(MendMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
+TEST(RepairMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
   TriangleMesh mesh = make_box(Vec3(1, 1, 1));
   const std::size_t clean = mesh.triangles.size();
   const Triangle t = mesh.triangles[3];
   mesh.triangles.insert(mesh.triangles.begin() + 1, Triangle{t[0], t[0], t[1]});
   mesh.triangles.push_back({t[1], t[2], t[0]});  // the same, begun elsewhere
   mesh.triangles.push_back({t[0], t[2], t[1]});  // the other side
-  MendReport report;
+  RepairReport report;
   std::vector<std::uint32_t> source;
-  const TriangleMesh mended = mend_mesh(mesh, report, &source);
+  const TriangleMesh repaired = repair_mesh(mesh, report, &source);
   EXPECT_EQ(report.dropped_empty, 1U);
   EXPECT_EQ(report.dropped_duplicates, 1U);
   EXPECT_EQ(report.double_faces, 1U);
   EXPECT_EQ(report.nonmanifold_edges, 3U);
-  ASSERT_EQ(mended.triangles.size(), clean + 1);
+  ASSERT_EQ(repaired.triangles.size(), clean + 1);
   EXPECT_EQ(source[0], 0U);
   EXPECT_EQ(source[1], 2U);
 }
 
-TEST(MendMesh, TurnsTheMinority) {
+TEST(RepairMesh, TurnsTheMinority) {
   TriangleMesh mesh = make_torus(1.0, 0.3, 20, 12);
   const double volume = compute_volume(mesh);
   std::mt19937 random(5);
@@ -82,14 +82,14 @@ TEST(MendMesh, TurnsTheMinority) {
     std::swap(t[0], t[1]);
     ++turned;
   }
-  MendReport report;
-  const TriangleMesh mended = mend_mesh(mesh, report);
+  RepairReport report;
+  const TriangleMesh repaired = repair_mesh(mesh, report);
   EXPECT_EQ(report.turned, turned);
-  EXPECT_TRUE(count_edges(mended).closed());
-  EXPECT_NEAR(compute_volume(mended), volume, 1e-12);
+  EXPECT_TRUE(count_edges(repaired).closed());
+  EXPECT_NEAR(compute_volume(repaired), volume, 1e-12);
 }
 
-TEST(MendMesh, LeavesAMoebiusStripAlone) {
+TEST(RepairMesh, LeavesAMoebiusStripAlone) {
   TriangleMesh mesh;
   constexpr std::uint32_t kAround = 12;
   for (std::uint32_t i = 0; i < kAround; ++i) {
@@ -108,14 +108,14 @@ TEST(MendMesh, LeavesAMoebiusStripAlone) {
     mesh.triangles.push_back({a, c, b});
     mesh.triangles.push_back({b, c, d});
   }
-  MendReport report;
-  const TriangleMesh mended = mend_mesh(mesh, report);
+  RepairReport report;
+  const TriangleMesh repaired = repair_mesh(mesh, report);
   EXPECT_EQ(report.unorientable_pieces, 1U);
   EXPECT_EQ(report.turned, 0U);
-  EXPECT_EQ(mended.triangles, mesh.triangles);
+  EXPECT_EQ(repaired.triangles, mesh.triangles);
 }
 
-TEST(MendMesh, CountsWhatItCannotMend) {
+TEST(RepairMesh, CountsWhatItCannotMend) {
   TriangleMesh mesh = make_plane_grid(1.0, 2);
   mesh.vertices.emplace_back(2, 0, 0);
   mesh.vertices.emplace_back(3, 0, 0);
@@ -124,8 +124,8 @@ TEST(MendMesh, CountsWhatItCannotMend) {
   const auto n = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.triangles.push_back({n - 4, n - 3, n - 2});
   mesh.triangles.push_back({n - 4, n - 2, n - 1});
-  MendReport report;
-  mend_mesh(mesh, report);
+  RepairReport report;
+  repair_mesh(mesh, report);
   EXPECT_EQ(report.empty_area, 1U);
   EXPECT_EQ(report.needles, 1U);
   EXPECT_EQ(report.border_edges, 8U + 4U);
