@@ -31,7 +31,7 @@ struct HopStats {
   std::int64_t clock_error_ns = 0;
 };
 
-// Measures them as the servo tells what it does, from the times that the datagrams carry and those at which the endpoint met them.
+// Measures them from the times that the datagrams carry and those at which the endpoint sent and received them.
 // One-way times between hosts rest on ClockOffset and are as good as its error bound; on one host they are exact.
 // RT: yes. Threads: the servo's.
 class HopMeter {
@@ -39,7 +39,7 @@ class HopMeter {
   // Pre: the endpoint, the one that carries the hub's datagrams, outlives this.
   explicit HopMeter(const MeteredEndpoint& endpoint) : endpoint_(endpoint) {}
 
-  // Another node sits at this place.
+  // Another node has taken this slot.
   void on_joined(std::size_t place, const Address& address) noexcept;
   // The newest sample has been sent to the haptics node, or to the vision nodes.
   void on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept;
@@ -47,7 +47,7 @@ class HopMeter {
   // A force is ready to be written.
   void on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
   void on_force_written(std::int64_t ready_ns, std::int64_t now_ns) noexcept { stats_.device_write.record(now_ns - ready_ns); }
-  // A picture has been drawn by the vision node at this place.
+  // The vision node in this slot has drawn a frame.
   void on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept;
 
   // Up to date as of now_ns.

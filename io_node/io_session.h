@@ -19,15 +19,14 @@
 
 namespace hapton {
 
-// Runs a servo in a thread of its own that keeps time, and does meanwhile what may take long: prints who joins and leaves, writes
-// reports, watches for the end.
-// RT: no; the servo's thread is. Threads: call from one.
+// Runs a servo in a real-time thread, and does everything without deadlines meanwhile: prints who joins and leaves, writes reports, checks
+// for the end. RT: no; the servo's thread is. Threads: call from one.
 class IoSession {
  public:
   // Pre: all outlive the session.
   IoSession(Servo& servo, const Clock& clock, const IoOptions& options);
 
-  // Set up before run: hands out the report to tools; serves it as metrics. Pre: they outlive the session.
+  // Set up before run: serves the report to tools, and as metrics. Pre: they outlive the session.
   void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
   // ... and looks after the watchdog process.

@@ -12,30 +12,30 @@
 
 namespace hapton {
 
-// Where the probe was at the newest samples, and where it rests: for the picture, whose pose and visual offset are one sample's, and for a
-// haptics node that comes in another's stead and goes on from there.
+// Poses of the newest samples, and where the probe rests: for the frame, whose pose and visual offset must belong to one sample, and for a
+// haptics node that replaces another and resumes contact from there.
 // Frames: world. Units: m, ns of the hub's clock. RT: yes. Threads: one.
 class ProbeHistory {
  public:
-  // How many samples are known: a force that answers an older one has no pose.
+  // Samples kept: a force that replies to an older one has no pose.
   static constexpr std::size_t kSamples = 256;
 
   // Pre: samples count up.
   void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
-  // The answer to the newest sample that has one.
+  // The reply to the newest sample that has one.
   void note_answer(const ForceCommand& command) noexcept;
-  // A haptics node has joined that has not answered yet.
+  // A haptics node has joined and not replied yet.
   void note_new_haptics() noexcept { is_haptics_new_ = true; }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
-  // The scene was turned: where the probe rests is known no more.
+  // The scene was turned: the rest position is no longer valid.
   void forget_rest() noexcept { p_WP_.reset(); }
 
-  // Where a haptics node that has not answered yet goes on from, if the device is still near (kResumeReachM).
+  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM).
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_answer() const noexcept { return last_; }
 
-  // Pose, contact and visual offset: of the newest sample that was answered; an older answer's offset beside the newest pose would draw the
-  // probe beside the surface by what the device moved meanwhile. While nobody answers it is the newest sample, as it is.
+  // Pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw the
+  // probe off the surface by the device's motion in between. Without replies: the newest sample, without offset.
   void show(bool is_silent, ProbeState& probe) const noexcept;
 
  private:

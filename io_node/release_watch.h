@@ -15,11 +15,11 @@ namespace hapton {
 // are throttled. RT: no. Threads: one; device_loop.h says why its own may cut.
 class ReleaseWatch {
  public:
-  // Half a cycle of 1 kHz later than the loop itself lets go.
+  // Half a cycle of 1 kHz later than the loop itself releases the force.
   static constexpr std::int64_t kLimitNs = kCommandTimeoutNs + 500'000;
-  // While no force is out: a force that comes may have been long on its way.
+  // While there is no force: the next one may already be old when it arrives.
   static constexpr std::int64_t kIdleNs = 5 * kNanosecondsPerMillisecond;
-  // Of SCHED_DEADLINE: a look takes 2 us, a cut within a library more.
+  // For SCHED_DEADLINE: a check takes 2 us, a cut within a library more.
   static constexpr std::int64_t kRuntimeNs = 50'000;
   static constexpr std::int64_t kPeriodNs = 500'000;
 
@@ -29,11 +29,11 @@ class ReleaseWatch {
   ReleaseWatch(const ReleaseWatch&) = delete;
   ReleaseWatch& operator=(const ReleaseWatch&) = delete;
 
-  // is_realtime: asks for SCHED_DEADLINE.
+  // is_realtime: requests SCHED_DEADLINE.
   void start(bool is_realtime);
   void stop();
 
-  // One look, and when to look again.
+  // One check. Returns the time of the next one.
   std::int64_t check() noexcept;
 
  private:

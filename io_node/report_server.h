@@ -19,10 +19,10 @@ class ReportServer {
  public:
   // The servo: this peer requests a part; an earlier request of it is dropped.
   void accept(std::size_t peer, const ReportRequest& wanted) noexcept;
-  // The servo, once a cycle: answers one of those who wait, as soon as there is what they wait for.
+  // The servo, once a cycle: replies to one pending request, if its part is there.
   void serve(HubPeers& peers) noexcept;
 
-  // The other thread: true once when someone waits for a fresh report.
+  // The other thread: true once when a fresh report was requested.
   bool take_request() noexcept { return is_requested_.exchange(false, std::memory_order_acq_rel); }
   // A fresh report; later ones replace it.
   void publish(std::string json, std::string csv);

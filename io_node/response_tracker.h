@@ -7,12 +7,12 @@
 
 namespace hapton {
 
-// Which device samples have been answered by a force, and what became of the others.
+// Tracks which device samples got a force in response, and what became of the others.
 //
-// A sample that a newer one's answer has overtaken is `superseded` when the haptics node says that it skipped it, else `lost` once
-// kPatienceNs have passed (until then its answer may still come, reordered). Samples that no answer has passed wait until the haptics
-// node answers, leaves or is replaced; in the latter cases they are `excused`: nobody was there to answer. So are samples
-// taken while nobody had joined, or before the node had been there for kWarmUpNs.
+// A sample older than the newest one answered is `superseded` if the haptics node reports that it skipped it, else `lost` after kPatienceNs
+// (until then its response may still arrive, reordered). Newer samples wait until the haptics node responds, leaves or is replaced; in the
+// latter cases they are `excused`: no node was there to respond. So are samples taken while no haptics node had joined, or in its first
+// kWarmUpNs.
 // RT: yes. Threads: one.
 class ResponseTracker {
  public:
@@ -28,7 +28,7 @@ class ResponseTracker {
     unknown,    // no sample of ours, or one forgotten long ago
   };
 
-  // taken = in_time + late + reordered + superseded + lost + excused + those still waiting. An answer that comes after all is moved over.
+  // taken = in_time + late + reordered + superseded + lost + excused + waiting. A response that arrives after all moves its sample.
   struct Counts {
     std::uint64_t taken = 0;
     std::uint64_t in_time = 0;
@@ -41,18 +41,18 @@ class ResponseTracker {
     std::uint64_t excused = 0;
   };
 
-  // A sample was taken and sent; samples count up, those that nobody was told of are left out. Pre: time rises.
+  // A sample was taken and sent. Numbers and times increase; numbers may be skipped.
   void take(std::uint64_t sample, std::int64_t time_ns, bool is_expected) noexcept;
-  // A sample was taken and never sent: a newer one was there already. It is excused, and the haptics node knows nothing of it: it is none
-  // of those that it says it skipped.
+  // A sample was taken and not sent, as a newer one was there already. It is excused, and is not among those that the haptics node reports
+  // as skipped.
   void withhold(std::uint64_t sample, std::int64_t time_ns) noexcept;
-  // A force came that says it answers this sample.
+  // A force arrived in response to this sample.
   Verdict answer(const ForceCommand& command) noexcept;
-  // The haptics node left or another came: what waits has nobody to answer it.
+  // The haptics node left or was replaced: nobody will respond to waiting samples.
   void excuse_waiting() noexcept;
-  // Call now and then: gives up what has been overtaken for too long.
+  // Call periodically: declares samples lost that have been overtaken for too long.
   void settle(std::int64_t now_ns) noexcept;
-  // At the end of a run: everything overtaken is given up, what still waits is lost if the node was alive, else excused.
+  // At the end of a run: overtaken samples are lost; waiting ones are lost if the node was alive, else excused.
   void close(bool is_alive) noexcept;
 
   std::uint64_t newest_answered() const noexcept { return newest_answered_; }

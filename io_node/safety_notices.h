@@ -12,20 +12,20 @@
 
 namespace hapton {
 
-// What the device side's governor and device have come to, told once each: to people (the event ring), and to the recording (the tap).
+// Reports each fault and change of state of governor and device once: to people (the event ring) and to the recording (the tap).
 // RT: yes. Threads: one.
 class SafetyNotices {
  public:
-  // A device is away, or being calibrated, for so long before it is told.
+  // How long a device must be disconnected, or calibrating, before that is reported.
   static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
 
   // Pre: both outlive this; tap may be null.
   SafetyNotices(EventRing& events, ServoTap* tap) noexcept : events_(events), tap_(tap) {}
 
   void start(std::int64_t now_ns) noexcept { status_since_ns_ = now_ns; }
-  // Once a cycle. is_missed: a silence would be a loss to the hand, which was in contact with a node that is still there.
+  // Once a cycle. is_missed: a command timeout counts as a fault, as the hand was in contact and the haptics node is still there.
   void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
-  // A cycle that a newer one has overtaken already. Pre: there is a tap.
+  // A cycle that a newer one has already superseded. Pre: there is a tap.
   void note_cycle(const DeviceSide& side, const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
 
  private:

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// How a loop's time went, as shares of the whole, and what the system did to it.
+// How a loop spent its time, as shares of the whole, and how the system scheduled it.
 struct SchedulingStats {
   bool is_known = false;
   double worked_share = 0.0;
@@ -21,9 +21,8 @@ struct SchedulingStats {
   std::uint64_t near_throttling = 0;  // looks at which the loop had used nearly all of that
 };
 
-// Watches a loop from outside, a few times a second, and says how much it may spin: so much that work and spinning together stay well below
-// what the kernel allows real-time threads, so that it is never throttled and leaves the machine to the others.
-// RT: no. Threads: one, not the loop's.
+// Monitors a loop from another thread, a few times a second, and limits how much it may spin: work and spinning together stay well below
+// what the kernel allows real-time threads, so that the loop is never throttled. RT: no. Threads: one, not the loop's.
 class SchedulingMonitor {
  public:
   // Of what the kernel allows, this much may be used by work and spinning together.

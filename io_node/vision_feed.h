@@ -13,9 +13,8 @@
 
 namespace hapton {
 
-// What the vision nodes are told: the probe, each at its own pace, and what they say of their pictures. What it measures goes into the
-// servo's stats.
-// Units: ns of the hub's clock. RT: yes. Threads: one.
+// Sends the probe to the vision nodes, each at its own pace, and evaluates their frame acknowledgements. What it measures goes into the
+// servo's stats. Units: ns of the hub's clock. RT: yes. Threads: one.
 class VisionFeed {
  public:
   // Pre: peers and stats outlive this. rate_hz: states a second to each node, at most; 0: none.
@@ -25,12 +24,12 @@ class VisionFeed {
   void start(std::int64_t now_ns) noexcept { statistics_since_ns_ = now_ns; }
 
   void on_joined(std::size_t peer) noexcept { pace_.on_joined(peer); }
-  // newest_sample: of this session. A word about a state that was never sent is passed over.
+  // newest_sample: of this session. An acknowledgement of a state that was never sent is ignored.
   void on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
-  // Once a cycle: those whose turn it is.
+  // Once a cycle: to the nodes that are due.
   void send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
             std::int64_t now_ns) noexcept;
-  // Now and then: the rate and the round trip that people read in the picture.
+  // Periodically: the rate and the round trip that the frame shows.
   void refresh_statistics(std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
 
  private:

@@ -5,7 +5,7 @@ namespace hapton {
 CommandFilter::Verdict CommandFilter::take(const WrenchCommand& wanted, std::int64_t now_ns) noexcept {
   const bool is_force_finite = wanted.wrench.force_n.allFinite();
   if (!is_force_finite || !wanted.wrench.torque_nm.allFinite()) {
-    let_go();
+    release();
     return is_force_finite ? Verdict::torque_not_finite : Verdict::force_not_finite;
   }
   if (wanted.sample_time_ns > now_ns) return Verdict::future;
@@ -19,7 +19,7 @@ CommandFilter::Verdict CommandFilter::take(const WrenchCommand& wanted, std::int
 
 bool CommandFilter::times_out(std::int64_t now_ns) noexcept {
   if (!is_live_ || now_ns - answered_ns_ < kCommandTimeoutNs) return false;
-  let_go();
+  release();
   return true;
 }
 

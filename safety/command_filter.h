@@ -6,17 +6,18 @@
 
 namespace hapton {
 
-// A wrench that someone asks for, in answer to the device sample taken at sample_time_ns (the governor's own clock).
+// A requested wrench, in reply to the device sample taken at sample_time_ns (the governor's own clock).
 struct WrenchCommand {
   Wrench wrench;
   std::int64_t sample_time_ns = 0;
 };
 
-// Which wrenches count, and for how long: the checks for finite and fresh, and the watchdog.
-//   finite   what is not finite does not count, and ends what counted
-//   fresh    what answers a sample of the future, one as old as kCommandTimeoutNs, or none newer than the last is rejected
-//   silence  kCommandTimeoutNs after the sample that the last one answered nothing counts any more: counted from when it came, a force that
-//            was on its way for 19 ms would be held until its sample is 39 ms old
+// Decides which commands are valid, and for how long.
+//   finite   a command that is not finite is rejected and also ends the one before
+//   fresh    a command is rejected if it replies to a future sample, to one of age kCommandTimeoutNs or more, or to none newer than the
+//   last timeout  a command is valid until kCommandTimeoutNs after its sample. Counted from its arrival instead, a force that travelled for
+//   19 ms
+//            would be held until its sample is 39 ms old
 // RT: yes.
 class CommandFilter {
  public:
@@ -24,13 +25,13 @@ class CommandFilter {
 
   // Pre, here and below: now_ns >= 0 and never goes back.
   Verdict take(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
-  // True once each time it falls silent.
+  // True once for each command timeout.
   bool times_out(std::int64_t now_ns) noexcept;
-  void let_go() noexcept { is_live_ = false; }
+  void release() noexcept { is_live_ = false; }
 
   bool is_live() const noexcept { return is_live_; }
   const Wrench& wanted() const noexcept { return wanted_; }
-  // Until it would fall silent.
+  // Until the command timeout.
   double left_s(std::int64_t now_ns) const noexcept { return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - answered_ns_)); }
 
  private:

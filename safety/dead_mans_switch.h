@@ -6,14 +6,14 @@
 
 namespace hapton {
 
-// The dead man's switch: what has to be held for force to be there. Presence holds wherever a device can tell (one that cannot says it is
-// held); a button may be asked for on top. It can be asked for, never waived.
+// The dead man's switch: what must be held for force. A device that senses a hand must report it as held (one that cannot always reports
+// held). A button can be required as well; no requirement can be removed.
 // RT: yes.
 class DeadMansSwitch {
  public:
   static constexpr int kMostButtons = 32;
 
-  // button: 0 .. 31, lowest bit first; anything else changes nothing.
+  // button: 0 .. 31, lowest bit first; any other number has no effect.
   void require_button(int button) noexcept {
     if (button >= 0 && button < kMostButtons) buttons_ |= std::uint32_t{1} << button;
   }

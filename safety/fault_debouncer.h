@@ -4,13 +4,13 @@
 
 namespace hapton {
 
-// When something that may happen once has happened too often: kMost times, of which one is forgotten every kForgetNs. RT: yes.
+// Leaky counter: tolerates an occasional error and reports a repeated one. It trips at kMost errors and loses one every kForgetNs. RT: yes.
 class FaultDebouncer {
  public:
   static constexpr int kMost = 5;
   static constexpr std::int64_t kForgetNs = 100'000'000;
 
-  // Once more; true: too often. Pre: now_ns never goes back.
+  // One more error; true: it trips. Pre: now_ns never decreases.
   bool note(std::int64_t now_ns) noexcept {
     const std::int64_t forgotten = (now_ns - since_ns_) / kForgetNs;
     count_ = forgotten >= count_ ? 0 : count_ - static_cast<int>(forgotten);

@@ -29,7 +29,7 @@ void MotionMonitor::rest() noexcept {
 }
 
 MotionMonitor::Verdict MotionMonitor::look(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s,
-                                       bool has_torque) noexcept {
+                                           bool has_torque) noexcept {
   moved_m_ = turned_rad_ = Vec3::Zero();
   if (!is_pose(sample)) return Verdict::no_pose;
   const bool knows_motion = std::exchange(has_begun_, true);

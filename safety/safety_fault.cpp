@@ -54,12 +54,12 @@ std::string_view to_string(GovernorState state) noexcept {
       return "away";
     case GovernorState::calibrating:
       return "calibrating";
-    case GovernorState::blind:
-      return "blind";
-    case GovernorState::not_held:
-      return "not held";
-    case GovernorState::silent:
-      return "silent";
+    case GovernorState::pose_timeout:
+      return "pose timeout";
+    case GovernorState::switch_released:
+      return "switch released";
+    case GovernorState::no_command:
+      return "no command";
     case GovernorState::ramping:
       return "ramping";
     case GovernorState::live:

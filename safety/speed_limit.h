@@ -6,9 +6,8 @@
 
 namespace hapton {
 
-// What keeps a device from being driven fast: from kSoftShare of max_speed on, what pushes along the motion fades, and damping rises; at
-// max_speed nothing is left that pushes along, and the device is out of control.
-// RT: yes.
+// Keeps forces from accelerating a fast device: from kSoftShare of max_speed on, force along the motion fades and damping rises. At
+// max_speed no force along the motion is left; a device that is still faster is out of control (is_broken). RT: yes.
 class SpeedLimit {
  public:
   static constexpr double kSoftShare = 0.6;

@@ -173,7 +173,7 @@ void List::thread_is_missed_by_nobody(const std::string& name, const std::string
       const auto watched = bed->observer().watch(1.0);
       note(row, watched);
       row.is_broken = watched.force_share == 0.0 && !bed->observer().await_force(TestBed::kForceN, 30.0);
-      row.note = row.is_broken ? "no force any more" : "touch goes on";
+      row.note = row.is_broken ? "no force afterwards" : "touch goes on";
     });
   }
   finish(row);

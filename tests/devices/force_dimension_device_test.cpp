@@ -198,7 +198,7 @@ TEST_F(ForceDimension, AServoThatDiesLeavesNoForce) {
 }
 
 TEST_F(ForceDimension, NoneThereOrAnotherNumberIsTold) {
-  EXPECT_THAT(make("1").error().what, HasSubstr("asks for number 1"));
+  EXPECT_THAT(make("1").error().what, HasSubstr("is number 1"));
   EXPECT_THAT(make("left").error().what, HasSubstr("not 'left'"));
   EXPECT_THAT(make("-1").error().what, HasSubstr("not '-1'"));
   board->is_plugged = 0;

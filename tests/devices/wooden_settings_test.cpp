@@ -81,7 +81,7 @@ TEST_F(WoodenSettingsFile, WhatMakesNoSenseIsRefusedWithItsLine) {
   EXPECT_THAT(rejection("[body_b]\ndirection = 0.5"), HasSubstr("'direction' is 1, or -1"));
   EXPECT_THAT(rejection("report_bytes = 9"), HasSubstr("'report_bytes' is 8 or 14"));
   EXPECT_THAT(rejection("[[wrist]]\naxis = [1, 0, 0]"), HasSubstr("three times"));
-  EXPECT_THAT(rejection("[[wrist]]\naxis = [0, 0, 0]\n[[wrist]]\naxis = [0, 0, 1]\n[[wrist]]\naxis = [0, 1, 0]"), HasSubstr("no direction"));
+  EXPECT_THAT(rejection("[[wrist]]\naxis = [0, 0, 0]\n[[wrist]]\naxis = [0, 0, 1]\n[[wrist]]\naxis = [0, 1, 0]"), HasSubstr("zero length"));
   EXPECT_THAT(rejection("[[wrist]]\n[[wrist]]\n[[wrist]]\n"), HasSubstr("axis"));
 }
 

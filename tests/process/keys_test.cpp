@@ -104,7 +104,7 @@ TEST(Keys, ANodeWithAnotherOneIsMetWithSilenceAndTheHubSaysSo) {
   EXPECT_TRUE(is_refused(refused)) << refused;
   EXPECT_EQ(count(refused, "joins_rejected"), 0);
   EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("hapton keygen --role ROLE") != std::string::npos; }));
-  EXPECT_TRUE(System::wait_until([&] { return stranger.err().find("no hub answers") != std::string::npos; }));
+  EXPECT_TRUE(System::wait_until([&] { return stranger.err().find("no reply from a hub") != std::string::npos; }));
   const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(refused, "contact_samples") + 100; };
   EXPECT_TRUE(goes_on(system.wait_for_report(goes_on)));
   stranger.send_signal(SIGTERM);

@@ -72,7 +72,7 @@ TEST(SafetyGovernor, IsZeroAfterTwentyMillisecondsOfSilenceAndRampsBack) {
       before = bench.out;
     }
     EXPECT_TRUE(bench.governor.is_silent());
-    EXPECT_EQ(bench.governor.state(), GovernorState::silent);
+    EXPECT_EQ(bench.governor.state(), GovernorState::no_command);
     EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
     EXPECT_LT(bench.press(8.0, 10).z(), 0.9);
     EXPECT_EQ(bench.press(8.0, 150).z(), 8.0);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(SlewLimit, FollowsWithItsHasteAndArrivesExactly) {
+TEST(SlewLimit, FollowsAtItsRateAndArrivesExactly) {
   SlewLimit slew;
   EXPECT_NEAR(slew.follow(Vec3(0, 0, 1), 10.0, {0.4, 0.4}).z(), 0.4, 1e-9);
   EXPECT_TRUE(slew.was_cut());
@@ -19,7 +19,7 @@ TEST(SlewLimit, FollowsWithItsHasteAndArrivesExactly) {
 TEST(SlewLimit, ComesIntoTheBallBeforeItFollows) {
   SlewLimit slew;
   slew.follow(Vec3(4, 0, 0), 10.0, {10.0, 10.0});
-  // The goal is aside; all haste goes into the ball.
+  // The goal is aside; the whole step goes into coming within the limit.
   const Vec3 v = slew.follow(Vec3(0, 3, 0), 3.0, {1.0, 1.0});
   EXPECT_NEAR(v.x(), 3.0, 1e-9);
   EXPECT_NEAR(v.y(), 0.0, 1e-9);
@@ -34,19 +34,19 @@ TEST(SlewLimit, NothingIsExactlyNothing) {
   EXPECT_EQ(slew.value(), Vec3::Zero());
 }
 
-TEST(SlewLimit, KeepsBallAndHasteWhateverIsAsked) {
+TEST(SlewLimit, KeepsLimitAndRatesForAnyGoal) {
   SplitMix random(5);
   SlewLimit slew;
   for (int n = 0; n < 100'000; ++n) {
     const Vec3 before = slew.value();
     const double ball = random.once_in(5) ? 0.0 : random.uniform(0.0, 8.0);
-    const SlewLimit::Haste haste{random.uniform(0.0, 1.0), random.uniform(1.0, 2.0)};
+    const SlewLimit::Rates rates{random.uniform(0.0, 1.0), random.uniform(1.0, 2.0)};
     const double size = random.once_in(10) ? 1e300 : 10.0;
-    const Vec3 after = slew.follow(random.vector(size), ball, haste);
+    const Vec3 after = slew.follow(random.vector(size), ball, rates);
     ASSERT_TRUE(after.allFinite());
-    ASSERT_LE((after - before).norm(), haste.letting_go + 1e-9);
-    ASSERT_LE(after.norm(), std::max(ball, before.norm() - haste.letting_go) + 1e-9);
-    if ((after - before).norm() > haste.towards_goal + 1e-9) {
+    ASSERT_LE((after - before).norm(), rates.release + 1e-9);
+    ASSERT_LE(after.norm(), std::max(ball, before.norm() - rates.release) + 1e-9);
+    if ((after - before).norm() > rates.towards_goal + 1e-9) {
       ASSERT_LE(after.norm(), before.norm());
     }
   }

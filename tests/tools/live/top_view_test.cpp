@@ -70,7 +70,7 @@ TEST(TopView, RubbishIsNamedAndAnEmptyReportShown) {
   EXPECT_FALSE(read_top_look("{\"schema\": \"other\"}", ""));
   const auto empty = read_top_look("{\"schema\": \"hapton.report/2\"}", "");
   ASSERT_TRUE(empty);
-  EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("none has joined"));
+  EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("no node has joined"));
 }
 
 }  // namespace
