@@ -62,7 +62,7 @@ class SimulatedPhantom final : public Device {
   Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
   std::atomic<bool> is_cut_{false};
   HeartbeatPage* guard_ = nullptr;  // where its motors are seen, and cut, from outside
-  Vec3 hand_m_;                 // intention at device_ns_
+  Vec3 hand_m_;                     // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
   std::int64_t zero_ns_ = 0;     // host time of device time 0

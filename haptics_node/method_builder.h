@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// A method ready to be put in place.
+// A method ready for use.
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
   HapticsSetup::Text text = {};  // as in HapticsSetup::method
@@ -27,10 +27,10 @@ struct RejectedMethod {
 };
 
 // Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
-// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared
-// here. A name that cannot be built is logged and told of, and the method in use stays. What takes over in contact must be whole: nothing
-// of such a method is left to be built on approach. RT: request, take, take_rejection and retire yes; the rest set-up only. Threads: one
-// caller.
+// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps request is prepared
+// here. A method that cannot be built is logged and reported, and the current one stays in use. A method that takes over in contact must be
+// complete: nothing of such a method is left to be built on approach. RT: request, take, take_rejection and retire yes; the rest set-up
+// only. Threads: one caller.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -40,10 +40,10 @@ class MethodBuilder {
   MethodBuilder(const MethodBuilder&) = delete;
   MethodBuilder& operator=(const MethodBuilder&) = delete;
 
-  // Asks for a method; a later request replaces one not yet begun.
+  // Requests a method; a later request replaces one that has not begun.
   void request(const MethodName& name, std::uint32_t ask = 0) noexcept { requests_.publish({name, ask}); }
 
-  // How often the slow task has found nothing to do: two more than before mean that all that was asked for until then is built.
+  // How often the slow task found nothing to do: two more than before mean that everything requested by then is built.
   std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
 
   // The method built last, once; none when there is no new one.

@@ -12,15 +12,14 @@
 
 namespace hapton {
 
-// The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
-// Where a method builds on approach, the first answer waits until what is near is built: contact that goes on from before is there from the
-// first answer on, and the same states give the same forces again.
-// Once a second, and when it has changed, it tells the hub its setup, for recordings; and what became of a method that was asked for.
-// RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
+// The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. Where a method builds
+// on approach, the first reply waits until the objects nearby are built: so resumed contact is felt from the first reply on, and the same
+// states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the result of a
+// method request. RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
 class ReplyLoop {
  public:
   ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
-             bool builds_on_approach = false);
+            bool builds_on_approach = false);
 
   // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
   void run(const StopSignal& stop, double seconds);
@@ -28,7 +27,7 @@ class ReplyLoop {
   // One turn of it: waits for a message no longer than until deadline_ns, answers the newest state there is.
   void turn(std::int64_t deadline_ns);
 
-  // From a state's arrival to its answer's departure.
+  // From a state's arrival to its reply's departure.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
   // Of them the step alone: device sample to force.
   const LatencyHistogram& step_times() const noexcept { return step_times_; }
@@ -49,10 +48,10 @@ class ReplyLoop {
   MethodBuilder& builder_;
   HapticsSetup setup_;
   bool builds_on_approach_;
-  std::optional<std::uint64_t> looks_before_;  // of the builder, when the method looked around
+  std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
   std::int64_t next_setup_ns_ = 0;
   std::uint64_t told_session_ = 0;  // of the setup
-  int setup_repeats_ = 0;           // still to be told soon
+  int setup_repeats_ = 0;           // still to be sent soon
   Datagram datagram_;
   LatencyHistogram compute_times_;
   LatencyHistogram step_times_;

@@ -10,17 +10,17 @@
 
 namespace hapton {
 
-// Why a sealed endpoint took nothing of a datagram. Each has a counter of its own in SealCounts.
+// Why a sealed endpoint rejected a datagram. Each has a counter of its own in SealCounts.
 enum class Rejection : std::uint8_t {
-  malformed,            // of no kind or length that we know
+  malformed,            // of an unknown kind or length
   wrong_version,        // of another protocol version
   wrong_key,            // a handshake without the key of its role
   replayed_handshake,   // a handshake that is no later than one seen before
-  too_many_handshakes,  // a good handshake beyond the rate, or the room, that handshakes are given
-  no_place,             // a good handshake, and every place taken
-  unknown_session,      // for a session that there is not, or from another address than its own
+  too_many_handshakes,  // a valid handshake above the rate limit or the capacity for handshakes
+  no_place,             // a valid handshake, and no free slot
+  unknown_session,      // for an unknown session, or from another address than its own
   replayed,             // seen before, or too old to tell
-  forged,               // for a session that there is, and not by who shares it
+  forged,               // for a known session, and not by its peer
   oversized,            // longer than any datagram of ours, or empty
 };
 constexpr std::size_t kRejections = 10;
@@ -28,7 +28,7 @@ constexpr std::size_t kRejections = 10;
 // "datagrams of another protocol version": what a flood is of.
 std::string_view describe(Rejection rejection) noexcept;
 
-// Rejected datagrams by the thousand.
+// A flood of rejected datagrams.
 struct Flood {
   Rejection rejection = Rejection::malformed;
   Address from;                  // of the newest
@@ -37,7 +37,7 @@ struct Flood {
   bool is_kept_out = false;      // most of it before it was received
 };
 
-// Sees floods: what is rejected more often than is_flood_above allows is told once a second, the worst kind of it alone.
+// Detects floods: reports rejections above is_flood_above once a second, the most frequent kind only.
 // RT: yes; note costs a few stores and asks for no time. Threads: one.
 class RejectionMonitor {
  public:

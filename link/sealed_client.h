@@ -16,7 +16,8 @@ namespace hapton {
 
 // A node's way to its hub: what it sends is sealed, what it receives was opened, and the session that this takes is agreed on by itself,
 // within send and receive.
-//   silence   When nothing was received from the hub for kPeerTimeoutNs, a new session is requested while the old one stays in use until the
+//   silence   When nothing was received from the hub for kPeerTimeoutNs, a new session is requested while the old one stays in use until
+//   the
 //             hub sends in the new one: a hub that restarts is found again, and one that was only slow has lost nothing.
 //   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. The old one is received in for kOverlapNs after
 //             the hub has changed over, so that no datagram is lost, nor late, at the change.

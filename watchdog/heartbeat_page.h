@@ -9,16 +9,16 @@
 
 namespace hapton {
 
-// How the force of a device can be taken away by another process.
+// How another process can release the force of a device.
 enum class CutMeans : std::uint32_t {
-  none,       // its motors, if any, are nobody's concern (a replay)
-  hid,        // the report that turns it off, written to its own handle of the device
-  kill,       // a vendor's library in the process: with the process its handles are closed, and the device or its driver lets go
-  simulated,  // motors that are numbers in this page
+  none,       // it has no motors that matter (a replay)
+  hid,        // by the report that turns it off, through the watchdog's own handle of the device
+  kill,       // a vendor's library in the process: killing the process closes its handles, and the device or its driver releases the force
+  simulated,  // its motors are numbers in this page
 };
 
-// What io_node's device side and the watchdog process share: a page of memory. One writer for each field; the other side looks at it when
-// it will and never waits. Units: ns of CLOCK_MONOTONIC, which is one clock for the whole machine. RT: all yes, wait-free.
+// The page of memory that io_node's device side and the watchdog process share. Each field has one writer; the other side polls it and
+// never waits. Units: ns of CLOCK_MONOTONIC, which is one clock for the whole machine. RT: all yes, wait-free.
 struct HeartbeatPage {
   static constexpr std::uint64_t kMagic = 0x32647261'75477048;
   static constexpr std::size_t kMostPath = 64;
@@ -28,7 +28,7 @@ struct HeartbeatPage {
 
   // io_node, device side.
   std::atomic<std::int64_t> heartbeat_ns{0};      // the newest cycle; 0: none yet
-  std::atomic<std::int64_t> force_sample_ns{0};   // of the force on the motors, the time of the sample that it answers; 0: no force
+  std::atomic<std::int64_t> force_sample_ns{0};   // time of the sample that the force on the motors replies to; 0: no force
   std::array<std::atomic<double>, 3> motors_n{};  // of simulated motors: what was written
 
   std::atomic<std::uint32_t> is_cut_within{0};  // ... and whether io_node has cut them itself
@@ -40,7 +40,7 @@ struct HeartbeatPage {
   std::array<std::atomic<std::uint8_t>, kMostReport> report{};  // that turns it off
   std::atomic<std::uint32_t> report_size{0};
 
-  // The watchdog. is_cut: it has taken the force away; the device side puts it back to 0 once its own force is zero.
+  // The watchdog. is_cut: it has released the force; the device side clears it once its own force is zero.
   std::atomic<std::uint32_t> is_cut{0};
   std::atomic<std::int64_t> guard_beat_ns{0};
   std::atomic<std::uint64_t> cuts{0};
@@ -48,7 +48,7 @@ struct HeartbeatPage {
 
   void set_means(CutMeans wanted) noexcept { means.store(wanted, std::memory_order_release); }
 
-  // What is longer than fits makes the device one without means: then it is its own watchdog that is left.
+  // A path or report that does not fit leaves the device without means: then only its own watchdog remains.
   void set_hid(std::string_view device_path, std::span<const std::uint8_t> off_report) noexcept {
     generation.fetch_add(1, std::memory_order_acq_rel);
     const bool fits = device_path.size() < kMostPath && off_report.size() <= kMostReport;

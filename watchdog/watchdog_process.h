@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// The watchdog as a child process of this one: started, looked after, started again when it has died. It ends by itself when this process
+// The watchdog as a child process of this one: started, monitored, restarted when it has died. It ends by itself when this process
 // does. RT: no. Threads: one.
 class WatchdogProcess {
  public:
@@ -22,12 +22,12 @@ class WatchdogProcess {
   // Pre: memory is there and outlives this. priority: SCHED_FIFO, 0 for none. Error: it is not there or cannot be started, one line.
   Result<void> start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority);
 
-  // A few times a second. True: it had died or stood still, and was started again; tell people.
+  // Call a few times a second. True: it had died or hung, and was restarted; report that.
   bool look_after(std::int64_t now_ns);
 
   bool is_started() const noexcept { return process_ > 0; }
   pid_t id() const noexcept { return process_; }
-  // Times it was started again, and times it has cut the force.
+  // Restarts, and times it has released the force.
   std::uint64_t restarts() const noexcept { return restarts_; }
   std::uint64_t cuts() const noexcept { return memory_ != nullptr ? memory_->page().cuts.load() : 0; }
 
