@@ -79,7 +79,7 @@ std::string to_text(const MeshReport& report) {
   line("components", "{}", t.components);
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
-    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : part.name);
+    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : full_name(part));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks)", report.is_closed_for_touch ? "yes" : "no",
        report.left.open + report.left.cracks, report.left.open, report.left.cracks);
@@ -92,7 +92,10 @@ std::string to_json(const MeshReport& report) {
   using Json = nlohmann::ordered_json;
   const MeshTopology& t = report.flaws.topology;
   Json parts = Json::array();
-  for (const MeshPart& part : report.file.parts) parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
+  for (const MeshPart& part : report.file.parts) {
+    parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
+    if (!part.object.empty()) parts.back()["object"] = part.object;
+  }
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
   const Json json = {{"schema", "hapton-mesh-info-1"},
                      {"file", report.path},
