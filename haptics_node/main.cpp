@@ -15,6 +15,7 @@
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
+#include "scene/scene_report.h"
 
 namespace {
 
@@ -35,6 +36,7 @@ int run(const HapticsOptions& options) {
   const auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
+  for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   auto method = make_method(options.method, scene->touch_scene());
   if (!method) return give_up(method.error());
   log_method(**method);
