@@ -17,7 +17,7 @@ TriangleMesh moved(TriangleMesh mesh, double scale, const Vec3& by) {
   return mesh;
 }
 
-TriangleMesh joined(TriangleMesh one, const TriangleMesh& other) {
+TriangleMesh put_beside(TriangleMesh one, const TriangleMesh& other) {
   const auto first = static_cast<std::uint32_t>(one.vertices.size());
   one.vertices.insert(one.vertices.end(), other.vertices.begin(), other.vertices.end());
   for (const auto& [a, b, c] : other.triangles) one.triangles.push_back({first + a, first + b, first + c});
@@ -41,14 +41,14 @@ TEST(InsideOut, TellsAClosedBodyFromOneTurnedRound) {
 TEST(InsideOut, LooksAtEachBodyByItself) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
   // The large one outweighs the small one that is turned round.
-  expect(joined(moved(ball, 10.0, Vec3(20, 0, 0)), turned(ball)), 2, 1);
-  expect(joined(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0))), 2, 2);
+  expect(put_beside(moved(ball, 10.0, Vec3(20, 0, 0)), turned(ball)), 2, 1);
+  expect(put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0))), 2, 2);
 }
 
 TEST(InsideOut, LeavesCavitiesAlone) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
-  expect(joined(ball, moved(turned(ball), 0.5, Vec3::Zero())), 2, 0);
-  expect(joined(turned(ball), moved(ball, 0.5, Vec3::Zero())), 2, 1);
+  expect(put_beside(ball, moved(turned(ball), 0.5, Vec3::Zero())), 2, 0);
+  expect(put_beside(turned(ball), moved(ball, 0.5, Vec3::Zero())), 2, 1);
 }
 
 TEST(InsideOut, SaysNothingOfWhatIsNotClosed) {
@@ -56,7 +56,7 @@ TEST(InsideOut, SaysNothingOfWhatIsNotClosed) {
   open.triangles.pop_back();
   expect(open, 0, 0);
   expect(turned(make_plane_grid(1.0, 4)), 0, 0);
-  TriangleMesh sheets = joined(make_plane_grid(1.0, 4), TriangleMesh());
+  TriangleMesh sheets = put_beside(make_plane_grid(1.0, 4), TriangleMesh());
   for (const Triangle& t : std::vector<Triangle>(sheets.triangles)) sheets.triangles.push_back({t[0], t[2], t[1]});
   expect(sheets, 0, 0);
   expect({}, 0, 0);
