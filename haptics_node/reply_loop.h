@@ -15,11 +15,12 @@ namespace hapton {
 // The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. Where a method builds
 // on approach, the first reply waits until the objects nearby are built: so resumed contact is felt from the first reply on, and the same
 // states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the result of a
-// method request. RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
+// method request, and its scene. A vision node with another scene is a line in the log. RT: run and turn yes, apart from such lines. Threads:
+// one.
 class ReplyLoop {
  public:
   ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
-            bool builds_on_approach = false);
+            bool builds_on_approach = false, const SceneFacts& scene = {});
 
   // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
   void run(const StopSignal& stop, double seconds);
@@ -41,12 +42,16 @@ class ReplyLoop {
   void tell_setup_soon() noexcept;
   void tell_setup() noexcept;
   void tell_of_hub();
+  void tell_of_scene();
 
   HubClient& hub_;
   const Clock& clock_;
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
+  SceneFacts scene_;
+  std::uint64_t scene_shown_ = 0;  // its hash, as a vision node said last; 0: none did
+  std::uint64_t scene_told_ = 0;   // of these, the one that the log spoke of
   bool builds_on_approach_;
   std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
   std::int64_t next_setup_ns_ = 0;

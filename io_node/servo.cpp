@@ -27,6 +27,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       cycles_(loop_, receiver_, peers, clock),
       forces_(loop_, peers, clock, stats_),
       view_(peers, stats_),
+      scene_(loop_, peers, events_, stats_),
       vision_(peers, stats_, options.vision_rate_hz),
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
       peer_notices_(events_, peers),
@@ -86,8 +87,9 @@ void Servo::await_force(std::int64_t deadline_ns) noexcept {
 void Servo::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
+  stats_.status = find_probe_status(loop_.latest(), peers_.has_haptics(), scene_.reach());
   if (peers_.count(NodeRole::vision) > 0) {
-    vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), now_ns);
+    vision_.send(forces_.history(), loop_.latest(), cycle_, view_.revision_in_use(forces_.history()), stats_.status, now_ns);
   }
   view_.repeat_if_due(now_ns);
   if (now_ns >= next_statistics_ns_) {
@@ -128,7 +130,8 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   }
   if (const auto* target = std::get_if<HandTarget>(&message)) return requests_.accept(*target, event.peer);
   if (const auto* settings = std::get_if<Settings>(&message)) return requests_.accept(*settings, event);
-  if (std::holds_alternative<HapticsSetup>(message)) peers_.send_to_role(NodeRole::tool, message);
+  if (const auto* setup = std::get_if<HapticsSetup>(&message)) return on_setup(*setup);
+  if (const auto* scene = std::get_if<SceneFacts>(&message)) return scene_.accept(*scene, event.role, view_.view());
   if (const auto* request = std::get_if<ReportRequest>(&message); request != nullptr && report_server_ != nullptr) {
     report_server_->accept(event.peer, *request);
   }
@@ -149,7 +152,14 @@ void Servo::on_left(const PeerEvent& event) noexcept {
 }
 
 void Servo::on_view(const ViewTransform& view) noexcept {
-  if (view_.accept(view, clock_.now_ns())) forces_.forget_rest();
+  if (!view_.accept(view, clock_.now_ns())) return;
+  forces_.forget_rest();
+  scene_.place(view_.view());
+}
+
+void Servo::on_setup(const HapticsSetup& setup) noexcept {
+  stats_.setup = setup;
+  peers_.send_to_role(NodeRole::tool, setup);
 }
 
 void Servo::finish() noexcept {

@@ -15,6 +15,7 @@
 #include "io_node/report_server.h"
 #include "io_node/request_handler.h"
 #include "io_node/safety_notices.h"
+#include "io_node/scene_relay.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
 #include "io_node/stats_publisher.h"
@@ -91,6 +92,7 @@ class Servo final : private PeerEventHandler {
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void on_view(const ViewTransform& view) noexcept;
+  void on_setup(const HapticsSetup& setup) noexcept;
 
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;
 
@@ -109,6 +111,7 @@ class Servo final : private PeerEventHandler {
   CycleSource cycles_;
   ForceExchange forces_;
   ViewRelay view_;
+  SceneRelay scene_;
   VisionFeed vision_;
   RequestHandler requests_;
   PeerNotices peer_notices_;

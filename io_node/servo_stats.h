@@ -8,6 +8,7 @@
 #include "io_node/echo_probe.h"
 #include "io_node/hop_meter.h"
 #include "io_node/response_tracker.h"
+#include "io_node/scene_reach.h"
 #include "link/hub_peers.h"
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
@@ -71,6 +72,9 @@ struct ServoStats {
   HopStats hops;
   std::array<PeerStats, HubPeers::kCapacity> peers = {};
   DeviceStatus device_status = DeviceStatus::ready;
+  ProbeStatus status = ProbeStatus::ok;  // as the picture says it
+  SceneReach reach = SceneReach::unknown;
+  HapticsSetup setup;  // told last; its hash is 0 when none was
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }

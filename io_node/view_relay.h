@@ -27,6 +27,7 @@ class ViewRelay {
   void on_haptics_joined(std::size_t peer, std::int64_t now_ns) noexcept;
   void repeat_if_due(std::int64_t now_ns) noexcept;
 
+  const std::optional<ViewTransform>& view() const noexcept { return view_; }
   // Of the view that the forces are computed with; see ProbeState::view_revision.
   std::uint32_t revision_in_use(const ProbeHistory& history) const noexcept;
 

@@ -27,7 +27,7 @@ class VisionFeed {
   // newest_sample: of this session. An acknowledgement of a state that was never sent is ignored.
   void on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
   // Once a cycle: to the nodes that are due.
-  void send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
+  void send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision, ProbeStatus status,
             std::int64_t now_ns) noexcept;
   // Periodically: the rate and the round trip that the frame shows.
   void refresh_statistics(std::uint64_t newest_sample, std::int64_t now_ns) noexcept;

@@ -74,6 +74,8 @@ constexpr std::tuple kMessageKinds{
                                                     &wire::Envelope::mutable_report_request},
     MessageKind<ReportPart, wire::ReportPart>{&wire::Envelope::has_report_part, &wire::Envelope::report_part,
                                               &wire::Envelope::mutable_report_part},
+    MessageKind<SceneFacts, wire::SceneFacts>{&wire::Envelope::has_scene_facts, &wire::Envelope::scene_facts,
+                                              &wire::Envelope::mutable_scene_facts},
     MessageKind<ViewRejected, wire::ViewRejected>{&wire::Envelope::has_view_rejected, &wire::Envelope::view_rejected,
                                                   &wire::Envelope::mutable_view_rejected},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
@@ -173,6 +175,11 @@ void reserve(wire::HapticsSetup& m) {
   m.mutable_build()->reserve(kMaxDatagramBytes);
   m.mutable_method()->reserve(kMaxDatagramBytes);
   m.mutable_rejection()->reserve(kMaxDatagramBytes);
+}
+void reserve(wire::SceneFacts& m) {
+  reserve_field(*m.mutable_lowest_m());
+  reserve_field(*m.mutable_highest_m());
+  reserve_field(*m.mutable_points_m());
 }
 void reserve(wire::ReportRequest&) {}
 void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }

@@ -82,6 +82,20 @@ bool read_document(std::uint32_t from, ReportDocument& to) {
   return from <= static_cast<std::uint32_t>(ReportDocument::csv);
 }
 
+template <class Field>
+void add_point(Field& field, const SceneFacts::Point& point) {
+  for (const float value : point) field.AddAlreadyReserved(value);
+}
+
+template <class Field>
+bool read_point(const Field& field, int first, SceneFacts::Point& point) {
+  for (std::size_t axis = 0; axis < point.size(); ++axis) {
+    point[axis] = field.Get(first + static_cast<int>(axis));
+    if (!(std::abs(point[axis]) <= static_cast<float>(kMaxWireMagnitude))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 // --- writing ---
@@ -139,6 +153,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_round_trip_p50_us(from.round_trip_p50_us);
   to.set_round_trip_p99_us(from.round_trip_p99_us);
   to.set_view_revision(from.view_revision);
+  to.set_status(static_cast<std::uint32_t>(from.status));
 }
 
 void write(const Drawn& from, wire::Drawn& to) {
@@ -178,6 +193,18 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   to.set_scene_loading(from.scene_loading);
   to.set_method_request(from.method_request);
   write_text(from.rejection, *to.mutable_rejection());
+}
+
+void write(const SceneFacts& from, wire::SceneFacts& to) {
+  to.set_given_hash(from.given_hash);
+  to.mutable_lowest_m()->Clear();
+  to.mutable_highest_m()->Clear();
+  to.mutable_points_m()->Clear();
+  add_point(*to.mutable_lowest_m(), from.lowest_m);
+  add_point(*to.mutable_highest_m(), from.highest_m);
+  for (std::size_t i = 0; i < std::min<std::size_t>(from.point_count, from.points_m.size()); ++i) {
+    add_point(*to.mutable_points_m(), from.points_m[i]);
+  }
 }
 
 void write(const ReportRequest& from, wire::ReportRequest& to) {
@@ -240,6 +267,9 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.round_trip_p50_us = from.round_trip_p50_us();
   to.round_trip_p99_us = from.round_trip_p99_us();
   to.view_revision = from.view_revision();
+  // An unknown status of a newer hub is no reason to reject the state.
+  to.status =
+      from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) && is_rate(to.servo_rate_hz) &&
          is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
@@ -282,6 +312,19 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.scene_loading = from.scene_loading();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
          read_text(from.method(), to.method) && read_text(from.rejection(), to.rejection);
+}
+
+bool read(const wire::SceneFacts& from, SceneFacts& to) {
+  to.given_hash = from.given_hash();
+  const int numbers = from.points_m_size();
+  if (from.lowest_m_size() != 3 || from.highest_m_size() != 3 || numbers % 3 != 0 || numbers > 3 * static_cast<int>(to.points_m.size())) {
+    return false;
+  }
+  to.point_count = static_cast<std::uint32_t>(numbers / 3);
+  for (int i = 0; i < numbers / 3; ++i) {
+    if (!read_point(from.points_m(), 3 * i, to.points_m[static_cast<std::size_t>(i)])) return false;
+  }
+  return read_point(from.lowest_m(), 0, to.lowest_m) && read_point(from.highest_m(), 0, to.highest_m);
 }
 
 bool read(const wire::ReportRequest& from, ReportRequest& to) {

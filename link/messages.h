@@ -70,6 +70,17 @@ struct ViewRejected {
   std::uint32_t revision = 0;
 };
 
+// Why there is no force, or not the right one; of several causes the one to fix first.
+enum class ProbeStatus : std::uint8_t {
+  ok = 0,
+  no_haptics = 1,     // no haptics node replies
+  fault_latched = 2,  // no force until a person resets it
+  device_away = 3,    // unplugged or not responding
+  calibrating = 4,    // the device's position is not valid yet
+  out_of_reach = 5,   // no part of the scene lies in the device's workspace
+  too_small = 6,      // the scene is tiny in it: probably a wrong unit
+};
+
 // hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest with a reply, or without replies the
 // newest of all (offset zero then). Force, buttons and statistics are the newest.
 struct ProbeState {
@@ -87,6 +98,7 @@ struct ProbeState {
   // Of the ViewTransform that the forces are computed with, by the haptics node's newest reply. While no haptics node replies, of the
   // one that the hub keeps for it.
   std::uint32_t view_revision = 0;
+  ProbeStatus status = ProbeStatus::ok;
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests
@@ -135,6 +147,19 @@ struct HapticsSetup {
   std::uint32_t scene_loading = 0;   // unit, sealing and fit of the scene (scene/scene_loading.h); 0: unknown
 };
 
+// haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: the scene that a node has, so
+// that two nodes with different ones know of it; of haptics, where it can be touched, so that a simulated hand finds it. Frame S, m.
+struct SceneFacts {
+  static constexpr std::size_t kMostPoints = 16;
+  using Point = std::array<float, 3>;
+
+  std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
+  Point lowest_m = {};           // corners of its box
+  Point highest_m = {};
+  std::uint32_t point_count = 0;
+  std::array<Point, kMostPoints> points_m = {};  // spread over its surface
+};
+
 // tool -> hub: a part of the hub's report.
 enum class ReportDocument : std::uint8_t { json = 0, csv = 1 };
 struct ReportRequest {
@@ -154,7 +179,7 @@ struct ReportPart {
 };
 
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
-                             HapticsSetup, ReportRequest, ReportPart, ViewRejected>;
+                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected>;
 
 // In front of every message.
 struct Header {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/near_miss.h"
 #include "runtime/config.h"
-#include "scene/near_miss.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 

@@ -58,7 +58,12 @@ class BenchDevice final : public Device {
   DeviceCondition condition_now;
   std::vector<Written> written;
   std::vector<std::int64_t> reads;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override {
+    aims.assign(p_WA.begin(), p_WA.end());
+    return true;
+  }
   std::optional<Vec3> hand;
+  std::vector<Vec3> aims;
 
  private:
   DeviceLimits limits_;
@@ -78,6 +83,7 @@ struct Servos : testing::Test {
   std::vector<ViewTransform> views;
   std::vector<Settings> settings;
   std::vector<std::pair<Address, HapticsSetup>> setups;
+  std::vector<std::pair<Address, SceneFacts>> scenes;
   // How the haptics node answers; -1: not at all.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
@@ -114,6 +120,7 @@ struct Servos : testing::Test {
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
     if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) setups.emplace_back(to, *setup);
+    if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) scenes.emplace_back(to, *scene);
   }
 
   void force(const DeviceState& state, std::int64_t delay_ns) {

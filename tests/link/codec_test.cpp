@@ -162,6 +162,9 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   HapticsSetup endless;
   endless.rejection.fill('x');  // the last place is NUL
   EXPECT_EQ(round_trip(endless), DecodeStatus::bad_value);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(round_trip(SceneFacts{.lowest_m = {0, kNan, 0}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(SceneFacts{.point_count = 1, .points_m = {{{0, 0, 2e9F}}}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);

@@ -82,7 +82,7 @@ void add(CommandLine command, int& exit_code, const char* note) {
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->settings.threads, "Segments evaluated in parallel").between(1, 1024).shows_default();
-  command.add_option("--out", options->out, "Folder for evaluation.json and evaluation.csv");
+  command.add_option("--out", options->out, "Folder for evaluation.json and evaluation.csv").folder_to_write();
   command.on_run([options, &exit_code, note] {
     fmt::print(stderr, "{}", note);
     const auto done = evaluate(*options);
