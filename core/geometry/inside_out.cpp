@@ -52,7 +52,7 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
   // From a point of the body, where a small one far away keeps its digits.
   for (const Triangle& t : mesh.triangles) {
     Body& body = bodies[root_of(parent, t[0])];
-    const Vec3 centre = body.box.centre();
+    const Vec3 centre = body.box.center();
     const Vec3 a = mesh.vertices[t[0]] - centre;
     body.volume += a.dot((mesh.vertices[t[1]] - centre).cross(mesh.vertices[t[2]] - centre)) / 6.0;
   }
