@@ -38,7 +38,7 @@ TEST(DeviceMaker, PutsTheDeviceWhereItStands) {
 TEST(DeviceMaker, SaysWhatIsMissing) {
   DeviceSettings settings;
   settings.trajectory = "t.csv";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory goes with --device replay"));
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device replay"));
   settings.name = "replay";
   EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
   settings.trajectory = "";

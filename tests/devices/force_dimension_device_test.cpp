@@ -202,7 +202,7 @@ TEST_F(ForceDimension, NoneThereOrAnotherNumberIsTold) {
   EXPECT_THAT(make("left").error().what, HasSubstr("not 'left'"));
   EXPECT_THAT(make("-1").error().what, HasSubstr("not '-1'"));
   board->is_plugged = 0;
-  EXPECT_THAT(make().error().what, HasSubstr("sees 0 devices"));
+  EXPECT_THAT(make().error().what, HasSubstr("finds 0 devices"));
 }
 
 TEST_F(ForceDimension, OneThatSomebodyHasIsTold) {

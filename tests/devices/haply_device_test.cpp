@@ -120,7 +120,7 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   EXPECT_TRUE(serve_until_ready());
   const std::string said = testing::internal::GetCapturedStderr();
   EXPECT_THAT(said, HasSubstr("is disconnected"));
-  EXPECT_THAT(said, HasSubstr("is back"));
+  EXPECT_THAT(said, HasSubstr("reconnected"));
 }
 
 TEST_F(Haply, AServiceThatFallsSilentIsMetAnew) {

@@ -161,7 +161,7 @@ TEST_F(OpenHaptics, WhatFailsIsToldByNameWithTheLibrarysWordsAndARemedy) {
 
 TEST_F(OpenHaptics, ADeviceWhoseFiguresCannotBeIsRefused) {
   board->max_force_n = 0.0;
-  EXPECT_THAT(make().error().what, HasSubstr("cannot be"));
+  EXPECT_THAT(make().error().what, HasSubstr("impossible workspace"));
   EXPECT_EQ(board->opened, board->closed);
 }
 
