@@ -25,15 +25,14 @@ SceneReach judge_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLi
   const Vec3& high = limits.workspace_max_m;
   if (!((high - low).minCoeff() > 0.0) || scene.point_count == 0) return SceneReach::unknown;
   if (2.0 * half_S.maxCoeff() < kSpeck * (high - low).maxCoeff()) return SceneReach::too_small;
-  bool is_any_within = false;
+  const bool is_apart = ((middle_W + half_W) - low).minCoeff() < 0.0 || (high - (middle_W - half_W)).minCoeff() < 0.0;
+  if (is_apart) return SceneReach::out_of_reach;
   for (std::size_t i = 0; i < scene.point_count; ++i) {
     const Vec3 p_W = point_in_world(scene, X_WS, i);
-    is_any_within = is_any_within || ((p_W - low).minCoeff() >= 0.0 && (high - p_W).minCoeff() >= 0.0);
+    if ((p_W - low).minCoeff() >= 0.0 && (high - p_W).minCoeff() >= 0.0) return SceneReach::in_reach;
   }
-  if (is_any_within) return SceneReach::in_reach;
-  // Few points of a large scene say little of the piece of it that is here.
-  const bool is_around = ((middle_W + half_W) - high).minCoeff() >= 0.0 && (low - (middle_W - half_W)).minCoeff() >= 0.0;
-  return is_around ? SceneReach::unknown : SceneReach::out_of_reach;
+  // Few points of a scene say little of the piece of it that is here.
+  return SceneReach::unknown;
 }
 
 }  // namespace hapton

@@ -8,8 +8,8 @@ namespace hapton {
 
 enum class SceneReach : std::uint8_t { unknown, in_reach, out_of_reach, too_small };
 
-// Whether a device with these limits can touch the scene where it is posed. Out of reach: its box and the workspace do not meet, or none of
-// its points lies within and the workspace is not in the midst of it. Too small: its longest side is below a fiftieth of the workspace's.
+// Whether a device with these limits can touch the scene where it is posed. Out of reach: its box and the workspace do not meet. In
+// reach: one of its points lies within. Too small: its longest side is below a fiftieth of the workspace's.
 // RT: yes.
 SceneReach judge_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept;
 

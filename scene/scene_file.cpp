@@ -233,10 +233,11 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   if (const auto read = read_materials(table, spec); !read) return tl::unexpected(read.error());
   const toml::array* objects = table["object"].as_array();
   const toml::node* given = table.get("object");
-  if (given != nullptr && (objects == nullptr || !objects->is_array_of_tables())) {
+  const bool is_empty = objects != nullptr && objects->empty();
+  if (given != nullptr && !is_empty && (objects == nullptr || !objects->is_array_of_tables())) {
     return fail("line {}: 'object' must be tables that begin with [[object]]", given->source().begin.line);
   }
-  if (objects == nullptr || objects->empty()) return fail("there is no [[object]]: add one with its mesh");
+  if (objects == nullptr || is_empty) return fail("there is no [[object]]: add one with its mesh");
   for (const toml::node& node : *objects) {
     Result<ObjectSpec> object = read_object(*node.as_table(), spec.objects.size() + 1);
     if (!object) return tl::unexpected(object.error());
