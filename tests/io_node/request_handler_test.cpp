@@ -56,7 +56,7 @@ TEST_F(Servos, AMethodGoesOnToHapticsAndAReportWishToTheOtherThread) {
   EXPECT_EQ(servo->snapshot().samples, 8U);
 }
 
-TEST_F(Servos, WhatHapticsSaysToAMethodIsHeardByToolsAlone) {
+TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -67,10 +67,13 @@ TEST_F(Servos, WhatHapticsSaysToAMethodIsHeardByToolsAlone) {
   say(kHaptics, rejected);
   say(kTool, HapticsSetup{.method_request = 78});
   run(2);
-  ASSERT_EQ(setups.size(), 1U);
+  ASSERT_EQ(setups.size(), 2U);
   EXPECT_EQ(setups[0].first, at(kTool));
-  EXPECT_EQ(setups[0].second.method_request, 77U);
-  EXPECT_STREQ(setups[0].second.rejection.data(), "no");
+  EXPECT_EQ(setups[1].first, at(kVision)) << "it draws the probe at its true size";
+  for (const auto& [to, setup] : setups) {
+    EXPECT_EQ(setup.method_request, 77U);
+    EXPECT_STREQ(setup.rejection.data(), "no");
+  }
 }
 
 TEST_F(Servos, TheMouseLeadsTheHandUntilItLetsGoOrLeaves) {
