@@ -171,7 +171,7 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
     for (const RealtimeItem& item : report.items) {
       if (!item.obtained) refused += (refused.empty() ? "" : "; ") + item_text(item);
     }
-    return fail("real time is required, but the system does not grant {}; or start with --rt try", refused);
+    return fail("real time is required, but was not granted: {}; or start with --rt try", refused);
   }
   return report;
 }

@@ -47,7 +47,7 @@ TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
   write_trajectory(folder.path() / "leaps.csv", true);
   write_trajectory(folder.path() / "rests.csv", false);
   const std::string kLatched = "fault latched, no force";
-  const std::string kStill = "a fault latched before this start has not been reset: the device's position leapt";
+  const std::string kStill = "a fault latched before this start has not been reset: the device's position jumped";
   {
     Program io = start("leaps.csv");
     ASSERT_TRUE(says(io, kLatched)) << io.err();

@@ -132,7 +132,7 @@ TEST_F(ConfigTest, RefusesSectionsAndDates) {
   EXPECT_EQ(parse({"--config", file("[rate]\nvalue = 3\n")}), 2);
   expect_one_error(":1: 'rate' is not a text, number, true or false");
   EXPECT_EQ(parse({"--config", file("rate = 2020-01-01\n")}), 2);
-  expect_one_error(":1: 'rate' is no text");
+  expect_one_error(":1: 'rate' is not a text");
   EXPECT_EQ(parse({"--config", file("gains = [1, [2]]\n")}), 2);
   expect_one_error("an element of 'gains'");
 }

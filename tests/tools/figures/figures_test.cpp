@@ -53,8 +53,8 @@ TEST_F(FiguresTest, HullsWithMoreDirectionsCoverLess) {
 // The picture says what the sweep did: under half a contact offset passed, above it not.
 TEST_F(FiguresTest, ContactOffsetPassesLowStepsOnly) {
   const std::string script = script_of(figures_, "contact_offset");
-  EXPECT_THAT(script, HasSubstr("step of 0.4 contact offset:\\npassed within the slop"));
-  EXPECT_THAT(script, HasSubstr("step of 0.7 contact offset:\\nstops, then climbs"));
+  EXPECT_THAT(script, HasSubstr("step of 0.4:\\npassed within the slop"));
+  EXPECT_THAT(script, HasSubstr("step of 0.7:\\nstops, then climbs"));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST(SmoothMethod, DescribesWhatItDid) {
   method->reset(Vec3(0.06, 0, 0));
   method->step({.p_SD = Vec3(0.049, 0, 0)});
   const std::string text = method->describe();
-  for (const char* word : {"RADIUS", "fix:", "hulls of 14", "1 entries", "selected here"})
+  for (const char* word : {"RADIUS", "repair:", "hulls of 14", "1 entries", "selected here"})
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 

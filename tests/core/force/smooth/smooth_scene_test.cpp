@@ -131,7 +131,7 @@ TEST(SmoothScene, RefusesDirectionsItDoesNotHave) {
 TEST(SmoothScene, DescribesEveryPassAndTheTree) {
   const auto scene = SmoothScene::build(two_objects(), {});
   const std::string text = scene->describe();
-  for (const char* word : {"object 1: fix:", "split:", "fans:", "tree: hulls of 14 directions"})
+  for (const char* word : {"object 1: repair:", "split:", "fans:", "tree: hulls of 14 directions"})
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
