@@ -2,15 +2,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/geometry/triangle_mesh.h"
 #include "vision_node/interaction.h"
 #include "vision_node/probe_shown.h"
+#include "vision_node/scene_painter.h"
 #include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
 
@@ -27,12 +28,6 @@ struct ViewSettings {
   Framing framing;
 };
 
-// A mesh of the static scene. Frame S.
-struct ShownObject {
-  std::shared_ptr<const TriangleMesh> mesh;
-  Vec3 colour = {0.7, 0.7, 0.72};
-};
-
 // What is in the window: rows from the bottom, 3 bytes a pixel.
 struct Picture {
   PictureSize size;
@@ -40,7 +35,8 @@ struct Picture {
   const std::uint8_t* at(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * size.width_px + x)]; }
 };
 
-// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD.
+// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD. The scene is drawn when
+// it looks different and kept; probe and HUD are drawn over it.
 // side_by_side draws two viewports, each eye with its own view and off-axis projection matrix. All other modes are composed by VTK, whose
 // own eye matrices are replaced by ours for each eye's pass: so every mode shows the same two pictures.
 // Threads: all calls from the one that opened it. RT: no.
@@ -58,8 +54,19 @@ class StereoView {
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
 
-  // Draws and waits until it is done.
-  void draw();
+  // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: what it sets of the probe and
+  // the HUD is in the picture.
+  void draw(std::function<void()> before_probe = {});
+
+  // Spends some milliseconds on a picture of the scene in full detail, to be called while it rests. True when the next draw() shows more
+  // than the last.
+  bool refine();
+  // How much of the scene's levels of detail has been made, 0 to 1.
+  double detail_progress() const;
+  // Of the newest picture of the scene that was drawn in levels, one eye's.
+  const PaintCount& paint_count() const;
+  // How often the scene has been drawn, each eye's picture counted.
+  std::uint64_t scenes_drawn() const;
 
   // The newest picture, as drawn.
   Picture read_picture();

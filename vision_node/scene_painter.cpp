@@ -1,0 +1,291 @@
+#include "vision_node/scene_painter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <GL/glew.h>
+
+#include "vision_node/detail_choice.h"
+#include "vision_node/view_culling.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::string_view kVertexShader = R"(#version 150
+in vec3 position;
+uniform mat4 to_clip, to_eye;
+out vec3 at;
+void main() {
+  at = (to_eye * vec4(position, 1.0)).xyz;
+  gl_Position = to_clip * vec4(position, 1.0);
+}
+)";
+
+// The normal of the triangle itself, from how the place changes between pixels. The highlight's power of 18 by products: pow is slow in
+// software.
+constexpr std::string_view kFragmentShader = R"(#version 150
+in vec3 at;
+uniform vec3 colour, light;
+uniform int plain;
+out vec4 shown;
+void main() {
+  if (plain != 0) {
+    shown = vec4(colour, 1.0);
+    return;
+  }
+  vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
+  float towards = dot(normal, light);
+  float mirrored = max(0.0, dot(2.0 * towards * normal - light, -normalize(at)));
+  float p2 = mirrored * mirrored;
+  float p4 = p2 * p2;
+  float p16 = p4 * p4;
+  p16 *= p16;
+  shown = vec4(colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards), 1.0);
+}
+)";
+
+constexpr std::string_view kBackgroundVertexShader = R"(#version 150
+out float height;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  height = 0.5 * corner.y + 0.5;
+  gl_Position = vec4(corner, 1.0, 1.0);
+}
+)";
+
+constexpr std::string_view kBackgroundFragmentShader = R"(#version 150
+in float height;
+uniform vec3 low, high;
+out vec4 shown;
+void main() { shown = vec4(mix(low, high, height), 1.0); }
+)";
+
+const Vec3 kLow(0.055, 0.07, 0.095);
+const Vec3 kHigh(0.30, 0.36, 0.44);
+// From over the viewer's left shoulder.
+const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
+
+struct Vertices {
+  GLuint array = 0;
+  GLuint buffer = 0;
+};
+
+}  // namespace
+
+struct ScenePainter::Object {
+  DetailFrame frame;
+  Vec3 colour;
+  double radius_m = 0.0;            // around frame.centre
+  std::unique_ptr<DetailLevel> full;  // as it came; read by the builder
+  std::unique_ptr<DetailLevel> divided_full;
+  Vertices full_vertices;
+  std::vector<DetailLevel> coarser;  // from the finest
+  std::vector<Vertices> coarser_vertices;
+  bool has_rough = false;
+  std::vector<LevelFacts> facts;  // full, then coarser
+
+  const DetailLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : divided_full ? *divided_full : *full; }
+  GLuint vertices(std::size_t i) const { return i > 0 ? coarser_vertices[i - 1].array : full_vertices.array; }
+
+  void list_facts() {
+    facts = {{full_triangles, 0.0}};
+    for (const DetailLevel& made : coarser) facts.push_back({made.triangles(), made.error * frame.scale_m});
+  }
+  std::size_t full_triangles = 0;
+};
+
+namespace {
+
+void release(Vertices& vertices) {
+  if (vertices.array != 0) glDeleteVertexArrays(1, &vertices.array);
+  if (vertices.buffer != 0) glDeleteBuffers(1, &vertices.buffer);
+  vertices = {};
+}
+
+Vertices upload_positions(const std::vector<Vec3f>& positions, GLuint index_buffer) {
+  Vertices made;
+  glGenVertexArrays(1, &made.array);
+  glGenBuffers(1, &made.buffer);
+  glBindVertexArray(made.array);
+  glBindBuffer(GL_ARRAY_BUFFER, made.buffer);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size() * sizeof(Vec3f)), positions.data(), GL_STATIC_DRAW);
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  return made;
+}
+
+}  // namespace
+
+ScenePainter::ScenePainter() = default;
+
+ScenePainter::~ScenePainter() {
+  builder_.reset();
+  for (const auto& object : objects_) {
+    release(object->full_vertices);
+    for (Vertices& vertices : object->coarser_vertices) release(vertices);
+  }
+  if (index_buffer_ != 0) glDeleteBuffers(1, &index_buffer_);
+  if (empty_vertices_ != 0) glDeleteVertexArrays(1, &empty_vertices_);
+}
+
+Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<ShownObject>& objects) {
+  std::unique_ptr<ScenePainter> painter(new ScenePainter);
+  auto shaded = GlProgram::make(kVertexShader, kFragmentShader);
+  if (!shaded) return tl::unexpected(shaded.error());
+  auto background = GlProgram::make(kBackgroundVertexShader, kBackgroundFragmentShader);
+  if (!background) return tl::unexpected(background.error());
+  painter->shaded_ = std::make_unique<GlProgram>(std::move(*shaded));
+  painter->background_ = std::make_unique<GlProgram>(std::move(*background));
+  glGenBuffers(1, &painter->index_buffer_);
+  glGenVertexArrays(1, &painter->empty_vertices_);
+  std::vector<const DetailLevel*> levels;
+  for (const ShownObject& shown : objects) {
+    auto object = std::make_unique<Object>();
+    object->frame = frame_detail(*shown.mesh);
+    object->colour = shown.colour;
+    object->full = std::make_unique<DetailLevel>(make_full_level(*shown.mesh, object->frame));
+    object->full_triangles = object->full->triangles();
+    object->radius_m = object->full->clusters.front().radius * object->frame.scale_m;
+    painter->all_triangles_ += object->full_triangles;
+    object->list_facts();
+    levels.push_back(object->full.get());
+    painter->objects_.push_back(std::move(object));
+  }
+  painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));
+  for (const auto& object : painter->objects_) {
+    object->full_vertices = upload_positions(object->full->positions, painter->index_buffer_);
+  }
+  return painter;
+}
+
+bool ScenePainter::take_levels() {
+  auto made = builder_->take_made();
+  for (DetailBuilder::Made& one : made) {
+    Object& object = *objects_[one.object];
+    if (one.level.error == 0.0 && one.level.triangles() == object.full_triangles) {
+      object.divided_full = std::make_unique<DetailLevel>(std::move(one.level));
+      release(object.full_vertices);
+      object.full_vertices = upload_positions(object.divided_full->positions, index_buffer_);
+      continue;
+    }
+    if (object.has_rough && !one.rough) {
+      object.coarser.clear();
+      for (Vertices& vertices : object.coarser_vertices) release(vertices);
+      object.coarser_vertices.clear();
+    }
+    object.has_rough = one.rough;
+    object.coarser.push_back(std::move(one.level));
+    object.coarser_vertices.push_back(upload_positions(object.coarser.back().positions, index_buffer_));
+    object.list_facts();
+  }
+  return !made.empty();
+}
+
+std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
+  // Where the object comes nearest to the viewer a metre has the most pixels.
+  const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.frame.centre);
+  const double nearest_m = std::max(pass.screen.near_m, pass.screen.distance_m - p_VO.z() - object.radius_m);
+  const double pixels_per_m = pass.size.width_px / pass.screen.width_m * pass.screen.distance_m / nearest_m;
+  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.full_triangles) /
+                                               static_cast<double>(std::max<std::size_t>(1, all_triangles_)));
+  const std::size_t level = choose_level(object.facts, pixels_per_m, budget);
+  if (error_px != nullptr) *error_px = object.facts[level].error_m * pixels_per_m;
+  return level;
+}
+
+bool ScenePainter::is_full(const ScenePass& pass) const {
+  return std::all_of(objects_.begin(), objects_.end(), [&](const auto& object) { return choose(*object, pass) == 0; });
+}
+
+void ScenePainter::paint_background(const ScenePass& pass) const {
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+  glClear(GL_DEPTH_BUFFER_BIT | (pass.plain ? GL_COLOR_BUFFER_BIT : 0));
+  if (pass.plain) return;
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  background_->use();
+  background_->set("low", kLow);
+  background_->set("high", kHigh);
+  glBindVertexArray(empty_vertices_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+void ScenePainter::begin_objects(const ScenePass& pass) const {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  pass.cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
+  shaded_->use();
+  shaded_->set("light", kLight_V);
+  shaded_->set("plain", pass.plain ? 1 : 0);
+}
+
+std::size_t ScenePainter::paint_clusters(const Object& object, const DetailLevel& level, std::uint32_t vertices, const ScenePass& pass,
+                                         std::size_t from, std::size_t to) {
+  const Mat4 X_WU = pass.X_WS.matrix() * object.frame.matrix();
+  const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
+  const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
+  const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();
+  const ViewCulling culling(clip, p_UE, pass.cull);
+  visible_.clear();
+  for (std::size_t i = from; i < to; ++i) {
+    const DetailCluster& cluster = level.clusters[i];
+    if (!culling.may_see(cluster)) continue;
+    const auto first = level.indices.begin() + cluster.first;
+    visible_.insert(visible_.end(), first, first + cluster.count);
+  }
+  if (visible_.empty()) return 0;
+  // In eyes' distances, so that a scene of any size is in the range of single precision.
+  Mat4 to_eye = X_EU;
+  to_eye.topRows<3>() /= pass.screen.distance_m;
+  shaded_->set("to_clip", clip);
+  shaded_->set("to_eye", to_eye);
+  shaded_->set("colour", object.colour);
+  glBindVertexArray(vertices);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(visible_.size() * sizeof(std::uint32_t)), visible_.data(), GL_STREAM_DRAW);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(visible_.size()), GL_UNSIGNED_INT, nullptr);
+  glBindVertexArray(0);
+  return visible_.size() / 3;
+}
+
+PaintCount ScenePainter::paint(const ScenePass& pass) {
+  paint_background(pass);
+  begin_objects(pass);
+  PaintCount count;
+  for (const auto& object : objects_) {
+    double error_px = 0.0;
+    const std::size_t i = choose(*object, pass, &error_px);
+    const DetailLevel& level = object->level(i);
+    count.triangles += level.triangles();
+    count.largest_error_px = std::max(count.largest_error_px, error_px);
+    count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size());
+  }
+  return count;
+}
+
+bool ScenePainter::paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles) {
+  if (cursor.object == 0 && cursor.cluster == 0) paint_background(pass);
+  begin_objects(pass);
+  std::size_t drawn = 0;
+  while (cursor.object < objects_.size() && drawn < triangles) {
+    const Object& object = *objects_[cursor.object];
+    const DetailLevel& level = object.level(0);
+    std::size_t to = cursor.cluster;
+    for (std::size_t sum = 0; to < level.clusters.size() && sum < 3 * (triangles - drawn); ++to) sum += level.clusters[to].count;
+    drawn += std::max<std::size_t>(1, paint_clusters(object, level, object.full_vertices.array, pass, cursor.cluster, to));
+    cursor.cluster = to;
+    if (cursor.cluster == level.clusters.size()) cursor = {cursor.object + 1, 0};
+  }
+  return cursor.object >= objects_.size();
+}
+
+}  // namespace hapton
