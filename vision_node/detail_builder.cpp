@@ -54,7 +54,8 @@ void DetailBuilder::run() {
     if (full_[i]->triangles() < kLeastTriangles || full_[i]->triangles() < kLarge) continue;
     if (auto rough = make_rough_level(*full_[i], kRoughTriangles)) {
       rough->error = measure_level_error(*rough, *full_[i], kErrorSamples);
-      offer({i, std::move(*rough), true});
+      divide_into_clusters(*rough);
+      offer({.object = i, .level = make_flat(*rough), .is_rough = true});
     }
   }
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
@@ -78,13 +79,13 @@ void DetailBuilder::build(std::size_t object) {
     finer = &last;
     DetailLevel divided = last;
     divide_into_clusters(divided);
-    offer({object, std::move(divided), false});
+    offer({.object = object, .level = make_flat(divided)});
     progress_ = begin + share * (0.7 - 0.7 * static_cast<double>(wanted) / static_cast<double>(full.triangles()));
   }
   if (stop_) return;
   DetailLevel divided = full;
   divide_into_clusters(divided);
-  offer({object, std::move(divided), false});
+  offer({.object = object, .level = make_flat(divided), .is_full = true});
   progress_ = begin + share;
 }
 

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "vision_node/detail_levels.h"
+#include "vision_node/flat_level.h"
 
 namespace hapton {
 
@@ -26,8 +26,9 @@ class DetailBuilder {
 
   struct Made {
     std::size_t object = 0;
-    DetailLevel level;    // an error of 0: the full level, divided into clusters
-    bool rough = false;   // stands in until the object's first good level
+    FlatLevel level;
+    bool is_full = false;   // the mesh itself, divided into clusters
+    bool is_rough = false;  // stands in until the object's first good level
   };
   // What has been made since the last call.
   std::vector<Made> take_made();

@@ -13,11 +13,13 @@
 namespace hapton {
 namespace {
 
-// What meshoptimizer takes: at most 255 vertices and 512 triangles a cluster. 256 triangles are left out as a whole often enough and are
-// few enough calls (`frames_bench`).
+// A level has about so many clusters: few enough to be looked at one by one for each picture, small enough to be left out as a whole when
+// they are seen from behind. meshoptimizer takes 255 vertices and 512 triangles at most, triangles by fours.
+constexpr std::size_t kClusters = 2000;
 constexpr std::size_t kClusterVertices = 255;
-constexpr std::size_t kClusterTriangles = 256;
-constexpr float kConeWeight = 0.5F;
+constexpr std::size_t kLeastClusterTriangles = 16;
+constexpr std::size_t kMostClusterTriangles = 256;
+constexpr float kConeWeight = 0.8F;
 // A level that saves less is not worth its memory.
 constexpr double kWorthwhile = 0.8;
 // Squared; no two points of U's cube are so far apart.
@@ -119,12 +121,13 @@ double measure_level_error(const DetailLevel& level, const DetailLevel& full, st
 
 void divide_into_clusters(DetailLevel& level) {
   if (level.indices.empty()) return;
-  const std::size_t most = meshopt_buildMeshletsBound(level.indices.size(), kClusterVertices, kClusterTriangles);
+  const std::size_t at_most = std::clamp(level.triangles() / kClusters, kLeastClusterTriangles, kMostClusterTriangles) / 4 * 4;
+  const std::size_t most = meshopt_buildMeshletsBound(level.indices.size(), kClusterVertices, at_most);
   std::vector<meshopt_Meshlet> meshlets(most);
   std::vector<unsigned int> vertices(most * kClusterVertices);
-  std::vector<unsigned char> corners(most * kClusterTriangles * 3);
+  std::vector<unsigned char> corners(most * at_most * 3);
   meshlets.resize(meshopt_buildMeshlets(meshlets.data(), vertices.data(), corners.data(), level.indices.data(), level.indices.size(),
-                                        floats(level.positions), level.positions.size(), sizeof(Vec3f), kClusterVertices, kClusterTriangles,
+                                        floats(level.positions), level.positions.size(), sizeof(Vec3f), kClusterVertices, at_most,
                                         kConeWeight));
   std::vector<std::uint32_t> ordered;
   ordered.reserve(level.indices.size());
@@ -134,9 +137,8 @@ void divide_into_clusters(DetailLevel& level) {
     cluster.first = static_cast<std::uint32_t>(ordered.size());
     cluster.count = 3 * m.triangle_count;
     for (std::size_t i = 0; i < cluster.count; ++i) ordered.push_back(vertices[m.vertex_offset + corners[m.triangle_offset + i]]);
-    const meshopt_Bounds bounds =
-        meshopt_computeMeshletBounds(&vertices[m.vertex_offset], &corners[m.triangle_offset], m.triangle_count, floats(level.positions),
-                                     level.positions.size(), sizeof(Vec3f));
+    const meshopt_Bounds bounds = meshopt_computeMeshletBounds(&vertices[m.vertex_offset], &corners[m.triangle_offset], m.triangle_count,
+                                                               floats(level.positions), level.positions.size(), sizeof(Vec3f));
     cluster.centre = Vec3f(bounds.center);
     cluster.radius = bounds.radius;
     cluster.cone_apex = Vec3f(bounds.cone_apex);

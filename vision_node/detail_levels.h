@@ -55,7 +55,7 @@ std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::siz
 // The largest distance of up to `samples` of the full level's vertices, evenly taken, from the level's triangles.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
-// Orders the triangles so that neighbours follow each other, and divides them into clusters of at most 256 triangles.
+// Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many triangles.
 void divide_into_clusters(DetailLevel& level);
 
 }  // namespace hapton

@@ -34,7 +34,7 @@ Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view frag
   }
   GlProgram made(glCreateProgram());
   glBindAttribLocation(made.program_, 0, "position");
-  glBindAttribLocation(made.program_, 1, "attribute");
+  glBindAttribLocation(made.program_, 1, "direction");
   for (const GLuint shader : {*first, *second}) {
     glAttachShader(made.program_, shader);
     glDeleteShader(shader);  // with the program

@@ -85,8 +85,8 @@ void GlTarget::release() {
   size_ = {};
 }
 
-void GlTarget::shape(PictureSize size, const GlFormat& format) {
-  if (framebuffer_ != 0 && size == size_ && format == format_) return;
+bool GlTarget::shape(PictureSize size, const GlFormat& format) {
+  if (framebuffer_ != 0 && size == size_ && format == format_) return false;
   release();
   size_ = size;
   format_ = format;
@@ -104,6 +104,7 @@ void GlTarget::shape(PictureSize size, const GlFormat& format) {
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
   const bool has_stencil = format.depth == GL_DEPTH24_STENCIL8 || format.depth == GL_DEPTH32F_STENCIL8;
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, has_stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+  return true;
 }
 
 void GlTarget::bind() const {
@@ -114,6 +115,7 @@ void GlTarget::bind() const {
 
 void GlTarget::copy_to_bound(int x, int y) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glDisable(GL_SCISSOR_TEST);
   glBlitFramebuffer(0, 0, size_.width_px, size_.height_px, x, y, x + size_.width_px, y + size_.height_px,
                     GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }

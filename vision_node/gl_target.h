@@ -41,8 +41,8 @@ class GlTarget {
   GlTarget(const GlTarget&) = delete;
   GlTarget& operator=(const GlTarget&) = delete;
 
-  // Of this size and format from now on; what was in it is lost where one changed.
-  void shape(PictureSize size, const GlFormat& format);
+  // Of this size and format from now on; what was in it is lost where one changed, which is said by true.
+  bool shape(PictureSize size, const GlFormat& format);
   PictureSize size() const { return size_; }
   const GlFormat& format() const { return format_; }
   // Everything is drawn into it from now on.

@@ -41,16 +41,26 @@ void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& for
     const bool is_same = here.is_valid && same_pass(here.pass, pass) && here.shown.format() == format;
     if (is_same && (here.is_full || !better)) continue;
     const GlStateGuard guard;
+    here.pass = pass;
     here.shown.shape(pass.size, format);
-    here.shown.bind();
+    begin(here, here.shown);
     count_ = painter_->paint(pass);
     ++drawn_;
-    here.pass = pass;
     here.is_valid = true;
     here.is_full = painter_->is_full(pass);
     here.is_finer_whole = false;
     here.cursor = {};
   }
+}
+
+// The target is bound, with the background in it.
+void SceneLayers::begin(Layer& here, GlTarget& target) {
+  if (here.background.shape(target.size(), target.format())) {
+    here.background.bind();
+    painter_->paint_background(here.pass);
+  }
+  target.bind();
+  here.background.copy_to_bound(0, 0);
 }
 
 bool SceneLayers::wants_refining() const {
@@ -67,7 +77,7 @@ bool SceneLayers::refine() {
   for (Layer& here : layers_) {
     if (!here.is_active || !here.is_valid || here.is_full || here.is_finer_whole) continue;
     here.finer.shape(here.shown.size(), here.shown.format());
-    here.finer.bind();
+    here.cursor.object == 0 && here.cursor.cluster == 0 ? begin(here, here.finer) : here.finer.bind();
     here.is_finer_whole = painter_->paint_full(here.pass, here.cursor, kPart);
     if (!here.is_finer_whole) return false;
   }
@@ -84,7 +94,7 @@ void SceneLayers::refine_whole() {
   painter_->take_levels();
   for (Layer& here : layers_) {
     if (!here.is_active || !here.is_valid || here.is_full) continue;
-    here.shown.bind();
+    begin(here, here.shown);
     here.cursor = {};
     while (!painter_->paint_full(here.pass, here.cursor, std::numeric_limits<std::size_t>::max() / 8)) {
     }

@@ -43,6 +43,7 @@ class SceneLayers {
  private:
   struct Layer {
     ScenePass pass;
+    GlTarget background;  // copied faster than drawn
     GlTarget shown;
     GlTarget finer;
     PaintCursor cursor;
@@ -53,6 +54,7 @@ class SceneLayers {
   };
 
   explicit SceneLayers(std::unique_ptr<ScenePainter> painter) : painter_(std::move(painter)) {}
+  void begin(Layer& here, GlTarget& target);
   Layer& layer(Eye eye) { return layers_[static_cast<std::size_t>(eye)]; }
 
   std::unique_ptr<ScenePainter> painter_;

@@ -1,6 +1,7 @@
 #include "vision_node/scene_painter.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include <GL/glew.h>
@@ -11,37 +12,34 @@
 namespace hapton {
 namespace {
 
+// One colour for each triangle, from its last corner. The side that is seen is lit. The highlight's power of 18 by products.
 constexpr std::string_view kVertexShader = R"(#version 150
 in vec3 position;
+in vec4 direction;
 uniform mat4 to_clip, to_eye;
-out vec3 at;
-void main() {
-  at = (to_eye * vec4(position, 1.0)).xyz;
-  gl_Position = to_clip * vec4(position, 1.0);
-}
-)";
-
-// The normal of the triangle itself, from how the place changes between pixels. The highlight's power of 18 by products: pow is slow in
-// software.
-constexpr std::string_view kFragmentShader = R"(#version 150
-in vec3 at;
 uniform vec3 colour, light;
 uniform int plain;
-out vec4 shown;
+flat out vec4 shade;
 void main() {
-  if (plain != 0) {
-    shown = vec4(colour, 1.0);
-    return;
-  }
-  vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
+  gl_Position = to_clip * vec4(position, 1.0);
+  vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
+  vec3 normal = normalize(mat3(to_eye) * direction.xyz);
+  normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
   float towards = dot(normal, light);
-  float mirrored = max(0.0, dot(2.0 * towards * normal - light, -normalize(at)));
+  float mirrored = max(0.0, dot(2.0 * towards * normal - light, normalize(to_viewer)));
   float p2 = mirrored * mirrored;
   float p4 = p2 * p2;
   float p16 = p4 * p4;
   p16 *= p16;
-  shown = vec4(colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards), 1.0);
+  vec3 lit = colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards);
+  shade = vec4(plain != 0 ? colour : lit, 1.0);
 }
+)";
+
+constexpr std::string_view kFragmentShader = R"(#version 150
+flat in vec4 shade;
+out vec4 shown;
+void main() { shown = shade; }
 )";
 
 constexpr std::string_view kBackgroundVertexShader = R"(#version 150
@@ -76,22 +74,21 @@ struct ScenePainter::Object {
   DetailFrame frame;
   Vec3 colour;
   double radius_m = 0.0;            // around frame.centre
-  std::unique_ptr<DetailLevel> full;  // as it came; read by the builder
-  std::unique_ptr<DetailLevel> divided_full;
+  std::unique_ptr<DetailLevel> whole;  // read by the builder
+  FlatLevel full;
   Vertices full_vertices;
-  std::vector<DetailLevel> coarser;  // from the finest
+  std::vector<FlatLevel> coarser;  // from the finest
   std::vector<Vertices> coarser_vertices;
   bool has_rough = false;
   std::vector<LevelFacts> facts;  // full, then coarser
 
-  const DetailLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : divided_full ? *divided_full : *full; }
+  const FlatLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : full; }
   GLuint vertices(std::size_t i) const { return i > 0 ? coarser_vertices[i - 1].array : full_vertices.array; }
 
   void list_facts() {
-    facts = {{full_triangles, 0.0}};
-    for (const DetailLevel& made : coarser) facts.push_back({made.triangles(), made.error * frame.scale_m});
+    facts = {{full.triangles(), 0.0}};
+    for (const FlatLevel& made : coarser) facts.push_back({made.triangles(), made.error * frame.scale_m});
   }
-  std::size_t full_triangles = 0;
 };
 
 namespace {
@@ -102,15 +99,18 @@ void release(Vertices& vertices) {
   vertices = {};
 }
 
-Vertices upload_positions(const std::vector<Vec3f>& positions, GLuint index_buffer) {
+Vertices upload(const std::vector<FlatVertex>& vertices, GLuint index_buffer) {
   Vertices made;
   glGenVertexArrays(1, &made.array);
   glGenBuffers(1, &made.buffer);
   glBindVertexArray(made.array);
   glBindBuffer(GL_ARRAY_BUFFER, made.buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size() * sizeof(Vec3f)), positions.data(), GL_STATIC_DRAW);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(FlatVertex)), vertices.data(), GL_STATIC_DRAW);
   glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(FlatVertex), nullptr);
+  glEnableVertexAttribArray(1);
+  glVertexAttribPointer(1, 4, GL_INT_2_10_10_10_REV, GL_TRUE, sizeof(FlatVertex),
+                        reinterpret_cast<const void*>(offsetof(FlatVertex, normal)));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
@@ -146,17 +146,17 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     auto object = std::make_unique<Object>();
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
-    object->full = std::make_unique<DetailLevel>(make_full_level(*shown.mesh, object->frame));
-    object->full_triangles = object->full->triangles();
-    object->radius_m = object->full->clusters.front().radius * object->frame.scale_m;
-    painter->all_triangles_ += object->full_triangles;
-    object->list_facts();
-    levels.push_back(object->full.get());
+    object->whole = std::make_unique<DetailLevel>(make_full_level(*shown.mesh, object->frame));
+    object->radius_m = object->whole->clusters.front().radius * object->frame.scale_m;
+    levels.push_back(object->whole.get());
     painter->objects_.push_back(std::move(object));
   }
   painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));
   for (const auto& object : painter->objects_) {
-    object->full_vertices = upload_positions(object->full->positions, painter->index_buffer_);
+    object->full = make_flat(*object->whole);
+    painter->all_triangles_ += object->full.triangles();
+    object->list_facts();
+    object->full_vertices = upload(object->full.vertices, painter->index_buffer_);
   }
   return painter;
 }
@@ -165,20 +165,20 @@ bool ScenePainter::take_levels() {
   auto made = builder_->take_made();
   for (DetailBuilder::Made& one : made) {
     Object& object = *objects_[one.object];
-    if (one.level.error == 0.0 && one.level.triangles() == object.full_triangles) {
-      object.divided_full = std::make_unique<DetailLevel>(std::move(one.level));
+    if (one.is_full) {
+      object.full = std::move(one.level);
       release(object.full_vertices);
-      object.full_vertices = upload_positions(object.divided_full->positions, index_buffer_);
+      object.full_vertices = upload(object.full.vertices, index_buffer_);
       continue;
     }
-    if (object.has_rough && !one.rough) {
+    if (object.has_rough && !one.is_rough) {
       object.coarser.clear();
       for (Vertices& vertices : object.coarser_vertices) release(vertices);
       object.coarser_vertices.clear();
     }
-    object.has_rough = one.rough;
+    object.has_rough = one.is_rough;
     object.coarser.push_back(std::move(one.level));
-    object.coarser_vertices.push_back(upload_positions(object.coarser.back().positions, index_buffer_));
+    object.coarser_vertices.push_back(upload(object.coarser.back().vertices, index_buffer_));
     object.list_facts();
   }
   return !made.empty();
@@ -189,7 +189,7 @@ std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, do
   const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.frame.centre);
   const double nearest_m = std::max(pass.screen.near_m, pass.screen.distance_m - p_VO.z() - object.radius_m);
   const double pixels_per_m = pass.size.width_px / pass.screen.width_m * pass.screen.distance_m / nearest_m;
-  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.full_triangles) /
+  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.full.triangles()) /
                                                static_cast<double>(std::max<std::size_t>(1, all_triangles_)));
   const std::size_t level = choose_level(object.facts, pixels_per_m, budget);
   if (error_px != nullptr) *error_px = object.facts[level].error_m * pixels_per_m;
@@ -229,7 +229,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   shaded_->set("plain", pass.plain ? 1 : 0);
 }
 
-std::size_t ScenePainter::paint_clusters(const Object& object, const DetailLevel& level, std::uint32_t vertices, const ScenePass& pass,
+std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass,
                                          std::size_t from, std::size_t to) {
   const Mat4 X_WU = pass.X_WS.matrix() * object.frame.matrix();
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
@@ -258,13 +258,12 @@ std::size_t ScenePainter::paint_clusters(const Object& object, const DetailLevel
 }
 
 PaintCount ScenePainter::paint(const ScenePass& pass) {
-  paint_background(pass);
   begin_objects(pass);
   PaintCount count;
   for (const auto& object : objects_) {
     double error_px = 0.0;
     const std::size_t i = choose(*object, pass, &error_px);
-    const DetailLevel& level = object->level(i);
+    const FlatLevel& level = object->level(i);
     count.triangles += level.triangles();
     count.largest_error_px = std::max(count.largest_error_px, error_px);
     count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size());
@@ -273,12 +272,11 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
 }
 
 bool ScenePainter::paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles) {
-  if (cursor.object == 0 && cursor.cluster == 0) paint_background(pass);
   begin_objects(pass);
   std::size_t drawn = 0;
   while (cursor.object < objects_.size() && drawn < triangles) {
     const Object& object = *objects_[cursor.object];
-    const DetailLevel& level = object.level(0);
+    const FlatLevel& level = object.level(0);
     std::size_t to = cursor.cluster;
     for (std::size_t sum = 0; to < level.clusters.size() && sum < 3 * (triangles - drawn); ++to) sum += level.clusters[to].count;
     drawn += std::max<std::size_t>(1, paint_clusters(object, level, object.full_vertices.array, pass, cursor.cluster, to));

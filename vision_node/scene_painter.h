@@ -46,7 +46,7 @@ struct PaintCursor {
 class ScenePainter {
  public:
   // Triangles of a picture while the scene moves, of all objects together, where no coarser level is as good (frames_bench).
-  static constexpr std::size_t kTriangleBudget = 90'000;
+  static constexpr std::size_t kTriangleBudget = 60'000;
 
   // Begins to make the levels of detail. Error: shaders the driver refuses.
   static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects);
@@ -57,11 +57,11 @@ class ScenePainter {
   // How much of all levels has been made, 0 to 1.
   double progress() const { return builder_->progress(); }
 
-  // Background and scene into the framebuffer that is bound, with its depth, in levels good enough to move.
+  // What lies behind the scene, over everything in the framebuffer that is bound; its depth is the farthest.
+  void paint_background(const ScenePass& pass) const;
+  // The scene, with its depth, in levels good enough to move.
   PaintCount paint(const ScenePass& pass);
-
-  // The same in full detail, in parts: begins with the background where the cursor is at its start, then draws about as many triangles as
-  // asked for. True when the picture is whole.
+  // The scene in full detail, in parts: from the cursor on, about as many triangles as asked for. True when the picture is whole.
   bool paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles);
   // Whether the levels of paint() are the meshes themselves, seen from there.
   bool is_full(const ScenePass& pass) const;
@@ -70,11 +70,9 @@ class ScenePainter {
   struct Object;
   ScenePainter();
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
-  void paint_background(const ScenePass& pass) const;
   void begin_objects(const ScenePass& pass) const;
-  std::size_t paint_clusters(const Object& object, const DetailLevel& level, std::uint32_t vertices, const ScenePass& pass, std::size_t from,
+  std::size_t paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass, std::size_t from,
                              std::size_t to);
-  void upload(Object& object, std::size_t level);
 
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
