@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/collision/fdh_tree.h"
-#include "core/force/smooth_method.h"
+#include "core/force/smooth/smooth_method.h"
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "haptics_node/haptics_step.h"
+#include "haptic_step/haptics_step.h"
 #include "haptics_node/method_builder.h"
 #include "link/hub_client.h"
 #include "runtime/clock.h"

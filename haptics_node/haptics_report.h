@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "haptics_node/haptics_step.h"
+#include "haptic_step/haptics_step.h"
 #include "link/hub_client.h"
 #include "runtime/latency_histogram.h"
 

@@ -5,13 +5,12 @@
 
 #include <utility>
 
-#include "io_node/device_maker.h"
+#include "devices/device_maker.h"
 #include "io_node/io_session.h"
 #include "io_node/latch_file.h"
 #include "io_node/session_recorder.h"
 #include "io_node/session_setup.h"
 #include "io_node/vrpn/vrpn_server.h"
-#include "io_node/watchdog/watchdog_process.h"
 #include "link/budgeted_endpoint.h"
 #include "link/link_key.h"
 #include "link/metered_endpoint.h"
@@ -19,6 +18,7 @@
 #include "link/sealed_hub.h"
 #include "link/udp_endpoint.h"
 #include "runtime/log.h"
+#include "watchdog/watchdog_process.h"
 
 namespace hapton {
 namespace {

@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <optional>
 
-#include "io_node/devices/device.h"
-#include "io_node/safety/safety_governor.h"
+#include "devices/device.h"
 #include "link/session_entry.h"
 #include "runtime/adaptive_spin.h"
 #include "runtime/clock.h"
 #include "runtime/latency_histogram.h"
 #include "runtime/mailbox.h"
+#include "safety/safety_governor.h"
 
 namespace hapton {
 

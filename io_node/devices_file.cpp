@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "io_node/device_maker.h"
+#include "devices/device_maker.h"
 #include "io_node/servo.h"
 #include "runtime/toml_reader.h"
 

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "io_node/safety/safety_fault.h"
 #include "link/endpoint.h"
 #include "link/messages.h"
+#include "safety/safety_fault.h"
 
 namespace hapton {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "io_node/device_maker.h"
+#include "devices/device_maker.h"
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "runtime/config.h"

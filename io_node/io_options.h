@@ -4,7 +4,7 @@
 #include <string>
 #include <variant>
 
-#include "io_node/devices/device_settings.h"
+#include "devices/device_settings.h"
 #include "runtime/realtime.h"
 
 namespace hapton {

@@ -12,10 +12,10 @@
 #include "io_node/report_desk.h"
 #include "io_node/scheduling_watch.h"
 #include "io_node/servo.h"
-#include "io_node/watchdog/watchdog_process.h"
 #include "link/metrics_endpoint.h"
 #include "runtime/service_notify.h"
 #include "runtime/stop_signal.h"
+#include "watchdog/watchdog_process.h"
 
 namespace hapton {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/base/result.h"
-#include "io_node/safety/safety_fault.h"
+#include "safety/safety_fault.h"
 
 namespace hapton {
 

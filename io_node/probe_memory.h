@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "core/math/types.h"
+#include "devices/device.h"
 #include "io_node/device_loop.h"
-#include "io_node/devices/device.h"
 #include "link/messages.h"
 
 namespace hapton {

@@ -4,11 +4,11 @@
 
 #include "io_node/device_loop.h"
 #include "io_node/event_ring.h"
-#include "io_node/safety/safety_fault.h"
-#include "io_node/safety/safety_governor.h"
 #include "io_node/servo_tap.h"
 #include "link/session_entry.h"
 #include "runtime/clock.h"
+#include "safety/safety_fault.h"
+#include "safety/safety_governor.h"
 
 namespace hapton {
 

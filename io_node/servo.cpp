@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "io_node/safety/reset_right.h"
 #include "link/link_key.h"
+#include "safety/reset_right.h"
 
 namespace hapton {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "devices/device.h"
 #include "io_node/device_loop.h"
-#include "io_node/devices/device.h"
 #include "io_node/echo_probe.h"
 #include "io_node/event_ring.h"
 #include "io_node/probe_memory.h"

@@ -3,14 +3,14 @@
 #include <array>
 #include <cstdint>
 
-#include "io_node/devices/device.h"
+#include "devices/device.h"
 #include "io_node/echo_probe.h"
-#include "io_node/safety/safety_governor.h"
 #include "io_node/sample_ledger.h"
 #include "io_node/way_meter.h"
 #include "link/hub_peers.h"
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
+#include "safety/safety_governor.h"
 
 namespace hapton {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "io_node/safety/safety_fault.h"
 #include "link/session_entry.h"
+#include "safety/safety_fault.h"
 
 namespace hapton {
 

@@ -33,7 +33,7 @@ enum class SessionFault : std::uint8_t {
   stalled,         // the loop stood still longer than a force may be old
   device,          // the device failed
   overrun,         // a cycle was missed where none may be
-  speed,           // from here on what the safety governor latches (io_node/safety/safety_fault.h)
+  speed,           // from here on what the safety governor latches (safety/safety_fault.h)
   position,
   jump,
   thermal,

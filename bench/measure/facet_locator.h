@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/collision/wide_bvh.h"
-#include "core/force/force_error.h"
+#include "core/force/evaluation/force_error.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace hapton {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "bench/measure/facet_locator.h"
-#include "core/force/reference_method.h"
+#include "core/force/reference/reference_method.h"
 #include "core/geometry/mesh_measures.h"
 
 namespace hapton {

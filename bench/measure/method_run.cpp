@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bench/measure/live_heap.h"
-#include "core/force/reference_method.h"
+#include "core/force/reference/reference_method.h"
 #include "core/force/touch_step.h"
 #include "core/geometry/mesh_measures.h"
 

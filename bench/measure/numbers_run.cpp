@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/measure/mesh_rows.h"
-#include "core/force/smooth_scene.h"
+#include "core/force/smooth/smooth_scene.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "core/force/smooth_scene.h"
+#include "core/force/smooth/smooth_scene.h"
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "core/force/smooth_force.h"
+#include "core/force/smooth/smooth_force.h"
 #include "core/geometry/mesh_measures.h"
 
 namespace hapton {

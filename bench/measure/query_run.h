@@ -7,7 +7,7 @@
 
 #include "bench/measure/query_structure.h"
 #include "bench/measure/step_times.h"
-#include "core/force/force_error.h"
+#include "core/force/evaluation/force_error.h"
 
 namespace hapton {
 

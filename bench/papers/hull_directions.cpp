@@ -5,7 +5,7 @@
 
 #include "bench/measure/method_run.h"
 #include "bench/measure/own_structures.h"
-#include "core/force/smooth_scene.h"
+#include "core/force/smooth/smooth_scene.h"
 #include "core/geometry/mesh_measures.h"
 
 namespace hapton {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/force/smooth_method.h"
+#include "core/force/smooth/smooth_method.h"
 #include "core/geometry/touch_trajectory.h"
 
 namespace hapton {

@@ -6,7 +6,7 @@
 
 #include "bench/measure/step_times.h"
 #include "core/base/result.h"
-#include "core/force/smooth_force.h"
+#include "core/force/smooth/smooth_force.h"
 #include "core/force/touch_scene.h"
 
 namespace hapton {

@@ -2,10 +2,10 @@
 #include <array>
 
 #include "core/force/force_method.h"
-#include "core/force/proxy_method.h"
-#include "core/force/reference_method.h"
-#include "core/force/smooth_method.h"
-#include "core/force/sweep_method.h"
+#include "core/force/proxy/proxy_method.h"
+#include "core/force/reference/reference_method.h"
+#include "core/force/smooth/smooth_method.h"
+#include "core/force/sweep/sweep_method.h"
 
 namespace hapton {
 namespace {

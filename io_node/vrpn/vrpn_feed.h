@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "io_node/devices/device.h"
+#include "devices/device.h"
 #include "runtime/byte_ring.h"
 
 namespace hapton::vrpn {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "devices/model_a.h"
 #include "haptics_node/answer_loop.h"
-#include "io_node/devices/model_a.h"
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"

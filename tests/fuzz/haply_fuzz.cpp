@@ -1,7 +1,7 @@
 // Any bytes as a state of the Haply Inverse Service.
 #include <cmath>
 
-#include "io_node/devices/haply_messages.h"
+#include "devices/haply_messages.h"
 #include "tests/fuzz/fuzz_target.h"
 
 FUZZ_TARGET(haply) {

@@ -3,11 +3,11 @@
 #include <array>
 #include <cmath>
 
+#include "devices/hapton_hid_device.h"
+#include "devices/wooden_haptics.h"
 #include "hid/hapton_hid_reports.h"
 #include "hid/hid_layout.h"
 #include "hid/space_mouse.h"
-#include "io_node/devices/hapton_hid_device.h"
-#include "io_node/devices/wooden_haptics.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/fake_hid.h"
 

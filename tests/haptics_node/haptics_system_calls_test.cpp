@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "haptics_node/haptics_step.h"
+#include "haptic_step/haptics_step.h"
 #include "link/codec.h"
 #include "link/endpoint.h"
 #include "runtime/clock.h"

@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "core/geometry/mesh_shapes.h"
-#include "haptics_node/haptics_step.h"
+#include "haptic_step/haptics_step.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "devices/wooden_kinematics.h"
 #include "hid/hidapi_transport.h"
-#include "io_node/devices/wooden_kinematics.h"
 #include "tests/hid_guest/virtual_devices.h"
 #include "tests/hid_guest/wall_haptics.h"
 #include "tests/process/program.h"

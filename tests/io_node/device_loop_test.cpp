@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "devices/simulated_phantom.h"
 #include "io_node/device_thread.h"
-#include "io_node/devices/simulated_phantom.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/system_call_guard.h"
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "io_node/devices/simulated_phantom.h"
+#include "devices/simulated_phantom.h"
 #include "runtime/thread_usage.h"
 
 namespace hapton {

@@ -12,8 +12,8 @@
 #include <sstream>
 #include <thread>
 
-#include "io_node/devices/replay_device.h"
-#include "io_node/devices/simulated_phantom.h"
+#include "devices/replay_device.h"
+#include "devices/simulated_phantom.h"
 #include "link/hub_client.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"

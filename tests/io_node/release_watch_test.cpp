@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "io_node/devices/simulated_phantom.h"
-#include "io_node/watchdog/guard_page.h"
+#include "devices/simulated_phantom.h"
+#include "watchdog/guard_page.h"
 
 namespace hapton {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "io_node/devices/replay_device.h"
-#include "io_node/devices/simulated_phantom.h"
+#include "devices/replay_device.h"
+#include "devices/simulated_phantom.h"
 #include "io_node/servo.h"
 #include "io_node/session_recorder.h"
 #include "tests/io_node/fixed_endpoint.h"

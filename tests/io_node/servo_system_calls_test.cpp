@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "io_node/devices/simulated_phantom.h"
+#include "devices/simulated_phantom.h"
 #include "io_node/servo.h"
 #include "io_node/session_recorder.h"
 #include "tests/io_node/fixed_endpoint.h"

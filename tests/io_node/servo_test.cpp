@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "io_node/devices/simulated_phantom.h"
+#include "devices/simulated_phantom.h"
 #include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
 

@@ -11,8 +11,8 @@
 #include <functional>
 #include <string>
 
-#include "io_node/watchdog/guard_memory.h"
 #include "runtime/clock.h"
+#include "watchdog/guard_memory.h"
 
 namespace hapton {
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "core/force/surface_point.h"
+#include "core/force/proxy/surface_point.h"
 
 namespace hapton {
 

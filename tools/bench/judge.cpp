@@ -7,7 +7,7 @@
 #include <numbers>
 #include <thread>
 
-#include "core/force/reference_method.h"
+#include "core/force/reference/reference_method.h"
 #include "core/geometry/mesh_measures.h"
 #include "runtime/start_thread.h"
 

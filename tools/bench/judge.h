@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/force/force_error.h"
+#include "core/force/evaluation/force_error.h"
 #include "core/force/force_method.h"
 #include "core/geometry/touch_trajectory.h"
 

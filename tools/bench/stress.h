@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/force/stress_run.h"
+#include "core/force/evaluation/stress_run.h"
 
 namespace hapton {
 

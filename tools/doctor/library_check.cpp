@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "io_node/devices/vendor_library.h"
+#include "devices/vendor_library.h"
 #include "tools/doctor/ask_in_child.h"
 #include "tools/doctor/plugged_device.h"
 

@@ -12,8 +12,8 @@
 #include "core/collision/fdh_directions.h"
 #include "core/collision/swept_sphere.h"
 #include "core/force/force_method.h"
-#include "core/force/smooth_force.h"
-#include "core/force/smooth_scene.h"
+#include "core/force/smooth/smooth_force.h"
+#include "core/force/smooth/smooth_scene.h"
 #include "core/geometry/mesh_shapes.h"
 
 // Most pictures are cross-sections: the scene is a prism along z, the probe moves in the plane z = kSlice (not 0, where triangles may share

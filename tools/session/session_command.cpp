@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "haptics_node/method_text.h"
+#include "haptic_step/method_text.h"
 #include "link/session_reader.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <iterator>
 
-#include "haptics_node/method_text.h"
+#include "haptic_step/method_text.h"
 
 namespace hapton {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/result.h"
-#include "haptics_node/haptics_step.h"
+#include "haptic_step/haptics_step.h"
 #include "link/messages.h"
 
 namespace hapton {

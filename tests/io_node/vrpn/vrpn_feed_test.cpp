@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "io_node/devices/simulated_phantom.h"
+#include "devices/simulated_phantom.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/system_call_guard.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/force/sweep_method.h"
+#include "core/force/sweep/sweep_method.h"
 #include "scene/mesh_file.h"
 #include "tests/support/brute_force_sweep.h"
 

@@ -1,0 +1,27 @@
+#include "core/force/evaluation/close_up_rest.h"
+
+#include <memory>
+
+#include "core/force/reference/reference_method.h"
+#include "core/geometry/close_up.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kStaysShare = 0.25;  // of half the side: farther than any hover leads, nearer than what is not seen
+
+}  // namespace
+
+bool rests_in_close_up(const TriangleMesh& mesh, const Material& material, const Vec3& centre, double half_side, const Vec3& start,
+                       const Vec3& device) {
+  TouchScene scene;
+  scene.objects.push_back({std::make_shared<TriangleMesh>(make_close_up(mesh, centre, half_side)), material});
+  MethodSettings settings;
+  settings.name = "reference";
+  const auto reference = ReferenceMethod::make_reference(settings, scene);
+  if (!reference) return false;
+  const Vec3 from = start - centre;
+  return ((*reference)->settle_from(from, device - centre).p_SP - from).norm() < kStaysShare * half_side;
+}
+
+}  // namespace hapton

@@ -1,0 +1,97 @@
+#include "core/force/evaluation/force_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+constexpr double kFallShare = 0.0025;
+constexpr double kLockShare = 0.10;
+
+bool is_finite(const FeltStep& step) { return step.force_n.allFinite() && step.proxy.allFinite(); }
+
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+bool starts_segment(std::size_t i, const ForceErrorSettings& settings) {
+  return i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0);
+}
+
+double jump(std::span<const FeltStep> steps, std::size_t i) { return (steps[i].force_n - steps[i - 1].force_n).norm(); }
+
+}  // namespace
+
+ErrorSpread spread_of(std::vector<double> values) {
+  ErrorSpread spread;
+  spread.count = values.size();
+  if (values.empty()) return spread;
+  std::sort(values.begin(), values.end());
+  auto rank = [&](double share) {
+    const double at = std::ceil(share * static_cast<double>(values.size())) - 1.0;
+    return values[static_cast<std::size_t>(std::max(0.0, at))];
+  };
+  long double squares = 0.0L;
+  for (const double value : values) squares += static_cast<long double>(value) * value;
+  spread.rms = static_cast<double>(std::sqrt(squares / static_cast<long double>(values.size())));
+  spread.p50 = rank(0.50);
+  spread.p99 = rank(0.99);
+  spread.most = values.back();
+  return spread;
+}
+
+ForceError compare_forces(std::span<const FeltStep> method, std::span<const FeltStep> reference, const ForceErrorSettings& settings) {
+  ForceError error;
+  error.steps = std::min(method.size(), reference.size());
+  const double k = settings.stiffness_n_per_m;
+  const double deep = kFallShare * settings.extent_m;
+  std::vector<double> shares, directions;
+  double worst = -1.0;
+  bool in_switch = false;
+  for (std::size_t i = 0; i < error.steps; ++i) {
+    if (starts_segment(i, settings)) in_switch = false;
+    if (!is_finite(method[i])) {
+      ++error.not_finite;
+      in_switch = false;
+      continue;
+    }
+    const double felt = method[i].force_n.norm();
+    const double expected = reference[i].force_n.norm();
+    bool is_switched = false;
+    if (expected > 0.0) {
+      ++error.contact_steps;
+      error.unsettled_steps += reference[i].settled ? 0 : 1;
+      const double share = (method[i].force_n - reference[i].force_n).norm() / expected;
+      shares.push_back(share);
+      if (felt > 0.0) directions.push_back(angle_between(method[i].force_n, reference[i].force_n));
+      is_switched = share > ForceError::kBranchShare;
+      if (share > worst) {
+        worst = share;
+        error.worst_step = i;
+      }
+    }
+    error.switched_steps += is_switched ? 1 : 0;
+    error.branch_switches += is_switched && !in_switch ? 1 : 0;
+    in_switch = is_switched;
+    const double depth = (reference[i].proxy - reference[i].device).norm();
+    const double extension = (method[i].proxy - method[i].device).norm();
+    if (felt == 0.0 && depth > deep) ++error.falls;
+    if (expected == 0.0 && felt > 0.0 && extension > deep) ++error.ghosts;
+    if (extension > depth + kLockShare * settings.extent_m) ++error.locks;
+    if (starts_segment(i, settings) || !is_finite(method[i - 1])) continue;
+    double own = 0.0;
+    for (std::size_t j = i - 1; j <= i + 1 && j < error.steps; ++j) {
+      if (!starts_segment(j, settings)) own = std::max(own, jump(reference, j));
+    }
+    const double allowed = 2.0 * k * (method[i].device - method[i - 1].device).norm() + own;
+    const double above = jump(method, i) - allowed;
+    if (above > 1e-6 * std::max(felt, k * deep)) {
+      ++error.pops;
+      error.worst_pop_n = std::max(error.worst_pop_n, above);
+    }
+  }
+  error.error = spread_of(std::move(shares));
+  error.direction_rad = spread_of(std::move(directions));
+  return error;
+}
+
+}  // namespace hapton

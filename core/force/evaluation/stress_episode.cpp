@@ -1,0 +1,220 @@
+#include "core/force/evaluation/stress_episode.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kLongestEpisode = 400;
+constexpr int kWalkSteps = 390;
+constexpr int kLongWalkLegs = 20;
+constexpr int kLongWalkLegSteps = 1000;
+
+std::uint64_t hash_of(std::string_view text) {  // FNV-1a
+  std::uint64_t hash = 1469598103934665603ULL;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash;
+}
+
+}  // namespace
+
+std::string_view name_of(StressMotion motion) {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressMotion::kCount)> kNames = {
+      "slide", "tap-face", "tap-vertex", "tap-edge", "coincident", "near-parallel", "fast", "tiny", "walk", "hostile"};
+  return kNames[static_cast<std::size_t>(motion)];
+}
+
+StressEpisode::StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool inwards, std::uint64_t seed,
+                             std::string_view body, std::uint64_t number)
+    : mesh_(mesh), walk_(walk), extent_(extent), side_(inwards ? 1.0 : -1.0) {
+  const std::uint64_t name = hash_of(body);
+  std::seed_seq sequence{seed, seed >> 32, name, name >> 32, number, number >> 32};
+  random_.seed(sequence);
+  motion_ = static_cast<StressMotion>(random_() % static_cast<std::uint64_t>(StressMotion::kCount));
+  is_long_ = number >= kFirstLongWalk;
+  if (is_long_) motion_ = StressMotion::kWalk;
+}
+
+void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& places) {
+  places.clear();
+  for (int i = 0; i < 32; ++i) {
+    choose_place();
+    start_ = at_ + 0.05 * extent_ * up_;
+    if (is_free(start_)) break;
+  }
+  places.push_back(start_);
+  if (is_long_) return travel(places);
+  switch (motion_) {
+    case StressMotion::kSlide:
+      slide(places);
+      break;
+    case StressMotion::kTapFace:
+    case StressMotion::kTapVertex:
+    case StressMotion::kTapEdge:
+      tap(places);
+      break;
+    case StressMotion::kCoincident:
+      coincide(places);
+      break;
+    case StressMotion::kNearParallel:
+      graze(places);
+      break;
+    case StressMotion::kFast:
+      jump(places);
+      break;
+    case StressMotion::kTiny:
+      creep(places);
+      break;
+    default:
+      wander(places);
+      break;
+  }
+  if (places.size() > kLongestEpisode) places.resize(kLongestEpisode);
+}
+
+Vec3 StressEpisode::direction() {
+  Vec3 v(normal(), normal(), normal());
+  return v.norm() > 0.0 ? Vec3(v.normalized()) : Vec3(Vec3::UnitX());
+}
+
+void StressEpisode::choose_place() {
+  for (int i = 0; i < 64; ++i) {
+    triangle_ = static_cast<std::uint32_t>(random_() % mesh_.triangles.size());
+    if (walk_.has_area(triangle_)) break;
+  }
+  corner_ = static_cast<int>(random_() % 3);
+  const Vec3 &a = mesh_.corner(triangle_, corner_), &b = mesh_.corner(triangle_, (corner_ + 1) % 3),
+             &c = mesh_.corner(triangle_, (corner_ + 2) % 3);
+  const Vec3 n = (b - a).cross(c - a);
+  up_ = n.squaredNorm() > 0.0 ? Vec3(side_ * n.normalized()) : direction();
+  double u = uniform(0.0, 1.0), v = uniform(0.0, 1.0);
+  if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
+  const double quarter = static_cast<double>(1 + random_() % 3) / 4.0;
+  at_ = motion_ == StressMotion::kTapVertex ? a
+        : motion_ == StressMotion::kTapEdge ? Vec3(a + quarter * (b - a))
+                                            : Vec3(a + u * (b - a) + v * (c - a));
+}
+
+void StressEpisode::go_to(std::vector<Vec3>& places, const Vec3& to, double step) {
+  const Vec3 from = places.back();
+  const auto n = static_cast<std::size_t>(std::clamp(std::ceil((to - from).norm() / step), 1.0, 200.0));
+  for (std::size_t i = 1; i <= n; ++i)
+    places.push_back(i == n ? to : Vec3(from + (static_cast<double>(i) / static_cast<double>(n)) * (to - from)));
+}
+
+void StressEpisode::slide(std::vector<Vec3>& places) {
+  walk_.start(triangle_, uniform(-std::numbers::pi, std::numbers::pi));
+  const double step = extent_ * power(-5.0, -1.5);
+  const double depth = extent_ * power(-4.0, -1.5);
+  const double bend = 0.3 * normal();
+  go_to(places, walk_.point() - depth * side_ * walk_.normal(), extent_ * 0.01);
+  Vec3 up = side_ * walk_.normal();
+  for (int i = 0; i < 300; ++i) {
+    walk_.turn(bend * normal());
+    walk_.advance(step);
+    up = (up + 0.2 * (side_ * walk_.normal() - up));
+    places.push_back(walk_.point() - depth * (1.0 + 0.7 * std::sin(0.1 * i)) * up);
+  }
+}
+
+void StressEpisode::tap(std::vector<Vec3>& places) {
+  const double step = extent_ * power(-3.5, -1.0);
+  // Straight down the normal, or from any direction on the near side.
+  Vec3 from = up_;
+  if (random_() % 2 == 0) {
+    from = direction();
+    if (from.dot(up_) < 0.0) from = -from;
+  }
+  const Vec3 above = at_ + 0.02 * extent_ * from;
+  go_to(places, above, 0.01 * extent_);
+  const double depth = extent_ * power(-4.0, -1.5);
+  for (int i = 0; i < 3; ++i) {
+    go_to(places, at_, step);
+    go_to(places, at_ - depth * from, step);
+    for (int k = 0; k < 5; ++k) places.push_back(places.back());
+    go_to(places, above, step);
+  }
+}
+
+void StressEpisode::coincide(std::vector<Vec3>& places) {
+  const Vec3 &a = mesh_.corner(triangle_, 0), &b = mesh_.corner(triangle_, 1), &c = mesh_.corner(triangle_, 2);
+  auto on_lattice = [&] {
+    const auto u = static_cast<double>(static_cast<int>(random_() % 7) - 2) / 2.0;
+    const auto v = static_cast<double>(static_cast<int>(random_() % 7) - 2) / 2.0;
+    const double lift = random_() % 3 == 0 ? (random_() % 2 == 0 ? 1.0 : -1.0) * power(-16.0, -8.0) * extent_ : 0.0;
+    return Vec3(a + u * (b - a) + v * (c - a) + lift * up_);
+  };
+  const double size = std::max((b - a).norm(), (c - a).norm());
+  for (int i = 0; i < 12; ++i) go_to(places, on_lattice(), std::max(size * power(-2.0, 0.5), 1e-3 * extent_));
+  go_to(places, at_ - extent_ * power(-6.0, -1.5) * up_, 0.003 * extent_);
+  for (int i = 0; i < 6; ++i) go_to(places, on_lattice() - extent_ * power(-6.0, -2.0) * up_, std::max(0.3 * size, 2e-3 * extent_));
+}
+
+void StressEpisode::graze(std::vector<Vec3>& places) {
+  Vec3 along = direction();
+  along = (along - along.dot(up_) * up_).normalized();
+  const double reach = extent_ * power(-3.0, -0.3);
+  const double tilt = power(-15.0, -1.0);
+  const Vec3 from = at_ - reach * along + reach * tilt * up_;
+  go_to(places, from, 0.02 * extent_);
+  for (int i = 0; i < 4; ++i) {
+    go_to(places, at_ + reach * along - reach * tilt * up_, reach * power(-1.5, 0.5));
+    go_to(places, from, reach * power(-1.5, 0.5));
+  }
+}
+
+void StressEpisode::jump(std::vector<Vec3>& places) {
+  const Vec3 middle = start_;
+  for (int i = 0; i < 200; ++i) {
+    places.push_back(random_() % 8 == 0 ? at_ - extent_ * power(-4.0, -0.5) * up_
+                                        : Vec3(middle + extent_ * power(-2.0, 0.3) * direction()));
+  }
+}
+
+void StressEpisode::creep(std::vector<Vec3>& places) {
+  const double step = extent_ * power(-12.0, -6.0);
+  places.push_back(at_ + 2.0 * step * up_);
+  Vec3 drift = direction();
+  for (int i = 0; i < 150; ++i) {
+    if (i % 50 == 0) drift = direction();
+    places.push_back(places.back() + step * (0.5 * drift + 0.5 * direction() - 0.2 * up_));
+  }
+  const double deep = extent_ * power(-9.0, -2.0);
+  places.push_back(at_ - deep * up_);
+  for (int i = 0; i < 100; ++i) places.push_back(places.back() + step * direction());
+}
+
+void StressEpisode::wander(std::vector<Vec3>& places) { walk_round(places, kWalkSteps); }
+
+void StressEpisode::travel(std::vector<Vec3>& places) {
+  for (int leg = 0; leg < kLongWalkLegs; ++leg) {
+    walk_round(places, kLongWalkLegSteps);
+    choose_place();
+  }
+}
+
+void StressEpisode::walk_round(std::vector<Vec3>& places, int steps) {
+  Vec3 velocity = Vec3::Zero();
+  const double speed = extent_ * power(-4.0, -2.0);
+  const double memory = uniform(0.02, 0.3);
+  Vec3 at = places.back();
+  for (int i = 0; i < steps; ++i) {
+    velocity += -memory * velocity + speed * std::sqrt(2.0 * memory) * Vec3(normal(), normal(), normal()) - 0.02 * memory * (at - at_);
+    at += velocity;
+    places.push_back(motion_ == StressMotion::kHostile && random_() % 16 == 0 ? hostile(at) : at);
+  }
+}
+
+Vec3 StressEpisode::hostile(Vec3 at) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double bad[] = {std::numeric_limits<double>::quiet_NaN(),  kInfinity, -kInfinity, 1e308, -1e30, 1e9 * extent_,
+                        std::numeric_limits<double>::denorm_min(), -0.0};
+  at[static_cast<int>(random_() % 3)] = bad[random_() % 8];
+  return at;
+}
+
+}  // namespace hapton

@@ -1,0 +1,231 @@
+#include "core/force/proxy/surface_follower.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+constexpr auto kOnEdge = SurfacePoint::kOnEdge;
+constexpr auto kClear = SurfacePoint::kClear;
+constexpr auto kSnap = SurfacePoint::kSnap;
+using On = SurfacePoint::On;
+
+SurfaceNext again_if(bool walkable) { return walkable ? SurfaceNext::again : SurfaceNext::unwalkable; }
+
+}  // namespace
+
+bool SurfaceFollower::land(std::uint32_t triangle, bool back, const Vec3& p, bool slides) noexcept {
+  if (!at_.land(triangle, back, p)) return false;
+  friction_.begin(at_.material(), slides);
+  return true;
+}
+
+bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p, bool slides) noexcept {
+  if (!at_.land_on_edge(triangle, back, k, p)) return false;
+  friction_.begin(at_.material(), slides);
+  return true;
+}
+
+int SurfaceFollower::most_events(double way, const Vec3& device) const noexcept {
+  const double crossed = at_.edges_per_length() * (way + 2.0 * (device - at_.point()).norm());
+  return static_cast<int>(std::min<double>(kMostEvents, kLeastEvents + kEventsPerEdge * crossed));
+}
+
+SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device) noexcept {
+  if (budget_ <= 0) budget_ = most_events(0.0, device);
+  for (; budget_ > 0; --budget_) {
+    ++events_;
+    const Next next = next_descent(device);
+    if (next != Next::again) return outcome_of(next);
+  }
+  return Outcome::exhausted;
+}
+
+SurfaceFollower::Outcome SurfaceFollower::outcome_of(Next next) noexcept {
+  switch (next) {
+    case Next::settled:
+      return Outcome::settled;
+    case Next::airborne:
+      return Outcome::airborne;
+    case Next::released:
+      return Outcome::released;
+    default:
+      return Outcome::unwalkable;
+  }
+}
+
+SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
+  for (budget_ = most_events((to - from).norm(), from); budget_ > 0; --budget_) {
+    ++events_;
+    const Next next = next_event(from, to, time);
+    if (next == Next::again) continue;
+    if (next != Next::descend) return outcome_of(next);
+    const Outcome outcome = descend(on_way(from, to, time));
+    if (outcome != Outcome::settled) return outcome;
+  }
+  return Outcome::exhausted;
+}
+
+SurfaceFollower::Next SurfaceFollower::next_descent(const Vec3& device) noexcept {
+  if (friction_.acts()) return friction_.descend(at_, device);
+  return at_.on() == On::face ? descend_on_face(device) : at_.on() == On::edge ? descend_on_edge(device) : descend_at_vertex(device);
+}
+
+SurfaceFollower::Next SurfaceFollower::next_event(const Vec3& from, const Vec3& to, double& time) noexcept {
+  if (friction_.acts()) return friction_.follow(at_, from, to, time);
+  return at_.on() == On::face   ? follow_on_face(from, to, time)
+         : at_.on() == On::edge ? follow_on_edge(from, to, time)
+                                : follow_at_vertex(from, to, time);
+}
+
+// Straight to the projection of the device, or over the edge that is met first.
+SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexcept {
+  const double height = at_.a().height(device);
+  if (height > kClear) return Next::airborne;
+  const Vec3 goal = device - height * at_.a().normal();
+  const SurfacePoint::Exit exit = at_.find_exit(goal);
+  if (exit.edge < 0) return settle_on_face(goal, device);
+  return again_if(at_.reach_edge(exit.edge, at_.point() + exit.time * (goal - at_.point())));
+}
+
+// At rest on a face, unless it balances on a convex edge and the device is beyond: over the face there, or free.
+SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3& device) noexcept {
+  at_.move_on_face(p);
+  for (int k = 0; k < 3; ++k) {
+    if (!(SurfacePoint::inside_by(kBalance, at_.a(), k, p) < 0.0)) continue;
+    if (!at_.look_across(k) || !at_.is_convex()) continue;
+    const bool is_free = at_.b().height(device) > kClear;
+    if (!is_free && !(SurfacePoint::inside_by(4.0 * kBalance, at_.b(), at_.other_edge(), device) > 0.0)) continue;
+    at_.move_on_edge(std::clamp(at_.a().shape.along(k, p), 0.0, 1.0));
+    if (is_free) return Next::airborne;
+    at_.cross_edge();
+    return Next::again;
+  }
+  return Next::settled;
+}
+
+// Onto the face that leads nearer to the device; else along the edge, which is concave.
+SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexcept {
+  if (at_.is_free_over_edge(device)) return Next::airborne;
+  const double in_a = at_.has_left_a() ? 0.0 : SurfacePoint::inside_by(kOnEdge, at_.a(), at_.edge(), device);
+  const double in_b = SurfacePoint::inside_by(kOnEdge, at_.b(), at_.other_edge(), device);
+  const bool to_a = in_a > 0.0 && at_.a().height(device) <= kClear;
+  const bool to_b = in_b > 0.0 && at_.b().height(device) <= kClear;
+  if (to_b && !(to_a && in_a > in_b)) {
+    at_.cross_edge();
+    return Next::again;
+  }
+  if (to_a) {
+    at_.return_from_edge();
+    return Next::again;
+  }
+  const ContactTriangle& face = at_.a().shape;
+  const double along = face.along(at_.edge(), device);
+  const double length = face.length(at_.edge());
+  if (along * length <= kSnap) return again_if(at_.reach_vertex(at_.edge()));
+  if ((1.0 - along) * length <= kSnap) return again_if(at_.reach_vertex((at_.edge() + 1) % 3));
+  at_.move_on_edge(along);
+  at_.balance_on_edge();
+  return Next::settled;
+}
+
+// The steepest way: to the projection of the device on one of the faces or edges round the vertex, whichever is nearest to it.
+SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noexcept {
+  const Vec3 to_device = device - at_.point();
+  const SurfacePoint::Way way = at_.find_steepest(to_device, at_.least_slope(device));
+  if (way.facet == nullptr) return at_.is_free_at_vertex(to_device) ? Next::airborne : Next::settled;
+  return at_.take(way, device);
+}
+
+SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Vec3& to, double& time) noexcept {
+  const double height = at_.a().height(to);
+  double soonest = 2.0;
+  int exit = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double there = SurfacePoint::inside_by(-kOnEdge, at_.a(), k, to);
+    if (there > 0.0) continue;
+    const double t = time_of_zero(std::max(SurfacePoint::inside_by(-kOnEdge, at_.a(), k, from), 0.0), there, time);
+    if (t < soonest) {
+      soonest = t;
+      exit = k;
+    }
+  }
+  if (height > kClear) {
+    const double t = time_of_zero(std::min(at_.a().height(from) - kClear, 0.0), height - kClear, time);
+    if (t <= soonest) {
+      time = t;
+      return at_.release(on_way(from, to, t), to);
+    }
+  }
+  if (exit < 0) {
+    time = 1.0;
+    const Next next = settle_on_face(to - height * at_.a().normal(), to);
+    return next == Next::again ? Next::descend : next;
+  }
+  // Back over the edge that it has just come by, to where the other face says the same: both are rounding, the edge holds it.
+  const bool turns_back = exit == at_.came_by() && soonest <= time;
+  time = soonest;
+  const Vec3 device = on_way(from, to, time);
+  if (!at_.reach_edge(exit, device - at_.a().height(device) * at_.a().normal())) return Next::unwalkable;
+  if (!turns_back || at_.on() != On::edge) return Next::descend;
+  at_.balance_on_edge();
+  return Next::again;
+}
+
+SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Vec3& to, double& time) noexcept {
+  const ContactTriangle& face = at_.a().shape;
+  const int edge = at_.edge();
+  double soonest = 2.0;
+  enum class Event : std::uint8_t { none, to_a, to_b, begin, end } event = Event::none;
+  const auto consider = [&](double at_0, double at_1, Event which) {
+    const double t = time_of_zero(at_0, at_1, time);
+    if (t < soonest) {
+      soonest = t;
+      event = which;
+    }
+  };
+  const auto consider_face = [&](const SurfacePoint::Facet& facet, int k, Event which) {
+    const double there = SurfacePoint::inside_by(kOnEdge, facet, k, to);
+    if (there > 0.0) consider(std::min(SurfacePoint::inside_by(kOnEdge, facet, k, from), 0.0), there, which);
+  };
+  consider_face(at_.a(), edge, Event::to_a);
+  consider_face(at_.b(), at_.other_edge(), Event::to_b);
+  const double along = face.along(edge, to);
+  const double along_before = face.along(edge, from);
+  const double near = kSnap / face.length(edge);
+  if (along <= near) consider(std::max(along_before - near, 0.0), along - near, Event::begin);
+  if (along >= 1.0 - near) consider(std::min(along_before - 1.0 + near, 0.0), along - 1.0 + near, Event::end);
+  time = event == Event::none ? 1.0 : soonest;
+  if (event == Event::begin || event == Event::end) {
+    return at_.reach_vertex(event == Event::begin ? edge : (edge + 1) % 3) ? Next::descend : Next::unwalkable;
+  }
+  at_.move_on_edge(std::clamp(face.along(edge, on_way(from, to, time)), 0.0, 1.0));
+  // Only by rounding, near the vertex it came from, can it have taken an edge that the device is on the free side of.
+  if (event == Event::none) return at_.is_free_over_edge(to) ? Next::airborne : Next::settled;
+  if (event == Event::to_b) {
+    at_.cross_edge();
+  } else {
+    at_.return_from_edge();
+  }
+  return Next::again;
+}
+
+SurfaceFollower::Next SurfaceFollower::follow_at_vertex(const Vec3& from, const Vec3& to, double& time) noexcept {
+  // Twice what a way must have to be taken: what is found here is taken.
+  const double least = 2.0 * std::max(at_.least_slope(from), at_.least_slope(to));
+  double soonest = 2.0;
+  for (const SurfacePoint::FanFacet& facet : at_.fan()) {
+    const double there = facet.direction.dot(to - at_.point()) - least;
+    if (!(there > 0.0)) continue;
+    soonest = std::min(soonest, time_of_zero(std::min(facet.direction.dot(from - at_.point()) - least, 0.0), there, time));
+  }
+  if (soonest > 1.0) {
+    time = 1.0;
+    return at_.is_free_at_vertex(to - at_.point()) ? Next::airborne : Next::settled;
+  }
+  time = soonest;
+  return Next::descend;
+}
+
+}  // namespace hapton

@@ -1,0 +1,375 @@
+#include "core/force/proxy/surface_friction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/force/friction_drag.h"
+#include "core/math/quadratic.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+// A pull that leaves this much of a cone free or exceeds it by as much is on it: 4,096 times the rounding of a pull.
+constexpr double kOnCone = 0x1p-40;
+constexpr double kLeast = SurfacePoint::kLeastWay;  // a way that is not all rounding
+constexpr int kMostHalvings = 96;
+
+constexpr auto kOnEdge = SurfacePoint::kOnEdge;
+constexpr auto kClear = SurfacePoint::kClear;
+constexpr auto kSnap = SurfacePoint::kSnap;
+using On = SurfacePoint::On;
+
+SurfaceNext again_if(bool walkable) { return walkable ? SurfaceNext::again : SurfaceNext::unwalkable; }
+SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend : SurfaceNext::unwalkable; }
+
+// a t^2 + 2 b t + c, t from 0 on.
+struct Quadratic {
+  double a = 0.0, b = 0.0, c = 0.0;
+
+  double time_of_rise() const { return hapton::time_of_rise(a, b, c); }
+};
+
+// The pull of a device that goes straight, as seen from a point that stays: `start` + t `motion`.
+struct MovingPull {
+  Vec3 start, motion;
+
+  Vec3 at(double t) const { return start + t * motion; }
+  // |pull|^2 times `of_square` plus (normal . pull)^2 times `of_height`, less `bound`.
+  Quadratic square(double of_square, const Vec3& normal, double of_height, double bound = 0.0) const {
+    const double height = normal.dot(start);
+    const double climb = normal.dot(motion);
+    return {of_square * motion.squaredNorm() + of_height * climb * climb, of_square * motion.dot(start) + of_height * climb * height,
+            of_square * start.squaredNorm() + of_height * height * height - bound};
+  }
+};
+
+// The zero of a function that falls from >= 0 at `low` to <= 0 at `high`, to the last digit that it tells apart. `value` also gives its
+// slope, or 0.
+template <class Value>
+double find_fall(double low, double high, Value&& value) {
+  double t = low;
+  for (int i = 0; i < kMostHalvings && low < high; ++i) {
+    double slope = 0.0;
+    const double f = value(t, slope);
+    if (f == 0.0) return t;
+    (f > 0.0 ? low : high) = t;
+    double next = slope < 0.0 ? t - f / slope : kNever;
+    if (!(next > low && next < high)) {
+      if (next == t) return t;
+      next = 0.5 * (low + high);
+    }
+    if (next == t || std::fabs(next - t) <= 0x1p-52 * t) return next;
+    t = next;
+  }
+  return t;
+}
+
+}  // namespace
+
+void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
+  static_ = material.friction_static;
+  dynamic_ = std::min(material.friction_dynamic, material.friction_static);
+  slides_ = slides && acts();
+  drags_ = false;
+  slips_ = false;
+}
+
+// Whether a pull moves the point: if it is out of the cone, or if that is the event.
+bool SurfaceFriction::moves(double way, double depth) const noexcept {
+  if (slips_) return true;
+  const double held = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
+  return way * way > held * held + kLeast * kLeast;
+}
+
+// Held where it is, by a pull inside the cone. On the cone the device drags it on as soon as it moves.
+SurfaceNext SurfaceFriction::hold(double way, double depth) noexcept {
+  drags_ = slides_ && way >= dynamic_ * (1.0 - kOnCone) * depth - kLeast;
+  slides_ = slides_ && way >= FrictionMotion::kRest * dynamic_ * depth;
+  return SurfaceNext::settled;
+}
+
+// How much of the way to the nearest point friction leaves.
+double SurfaceFriction::share_of_way(double way, double depth) noexcept {
+  slides_ = true;
+  drags_ = true;
+  slips_ = false;
+  return way > 0.0 ? std::clamp(1.0 - dynamic_ * depth / way, 0.0, 1.0) : 0.0;
+}
+
+SurfaceNext SurfaceFriction::descend(SurfacePoint& at, const Vec3& device) noexcept {
+  const SurfaceNext next = at.on() == On::face   ? descend_on_face(at, device)
+                           : at.on() == On::edge ? descend_on_edge(at, device)
+                                                 : descend_at_vertex(at, device);
+  if (next != SurfaceNext::again) slips_ = false;
+  return next;
+}
+
+SurfaceNext SurfaceFriction::descend_on_face(SurfacePoint& at, const Vec3& device) noexcept {
+  const double height = at.a().height(device);
+  if (height > kClear) return SurfaceNext::airborne;
+  const Vec3 pull = device - height * at.a().normal() - at.point();
+  const double way = pull.norm();
+  const double depth = std::max(0.0, -height);
+  if (!moves(way, depth)) return hold(way, depth);
+  const Vec3 goal = at.point() + share_of_way(way, depth) * pull;
+  const SurfacePoint::Exit exit = at.find_exit(goal);
+  if (exit.edge >= 0) return again_if(at.reach_edge(exit.edge, at.point() + exit.time * (goal - at.point())));
+  at.move_on_face(goal);
+  return SurfaceNext::settled;
+}
+
+SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& device) noexcept {
+  if (at.is_free_over_edge(device)) return SurfaceNext::airborne;
+  const double in_a = at.has_left_a() ? 0.0 : SurfacePoint::inside_by(kOnEdge, at.a(), at.edge(), device);
+  const double in_b = SurfacePoint::inside_by(kOnEdge, at.b(), at.other_edge(), device);
+  const bool to_a = in_a > 0.0 && at.a().height(device) <= kClear;
+  const bool to_b = in_b > 0.0 && at.b().height(device) <= kClear;
+  const Vec3 pull = device - at.point();
+  if (to_a || to_b) {
+    const bool over_b = to_b && !(to_a && in_a > in_b);
+    const double height = (over_b ? at.b() : at.a()).height(device);
+    const double way = std::sqrt(std::max(0.0, pull.squaredNorm() - height * height));
+    const double depth = std::max(0.0, -height);
+    if (!moves(way, depth)) {
+      at.balance_on_edge();
+      hold(way, depth);
+      drags_ = false;  // along the edge, that is
+      return SurfaceNext::settled;
+    }
+    if (over_b) {
+      at.cross_edge();
+    } else {
+      at.return_from_edge();
+    }
+    return SurfaceNext::again;
+  }
+  const ContactTriangle& face = at.a().shape;
+  const int edge = at.edge();
+  const double length = face.length(edge);
+  const double way = face.edge(edge).dot(pull) / length;
+  const double depth = (pull - (way / length) * face.edge(edge)).norm();
+  if (!moves(std::fabs(way), depth)) {
+    at.balance_on_edge();
+    return hold(std::fabs(way), depth);
+  }
+  const double goal = face.along(edge, at.point()) + share_of_way(std::fabs(way), depth) * way / length;
+  if (way < 0.0 && goal * length <= kSnap) return again_if(at.reach_vertex(edge));
+  if (way > 0.0 && (1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
+  at.move_on_edge(std::clamp(goal, 0.0, 1.0));
+  at.balance_on_edge();
+  return SurfaceNext::settled;
+}
+
+SurfaceNext SurfaceFriction::descend_at_vertex(SurfacePoint& at, const Vec3& device) noexcept {
+  const Vec3 pull = device - at.point();
+  const SurfacePoint::Way way = at.find_steepest(pull, at.least_slope(device));
+  if (way.facet == nullptr && at.is_free_at_vertex(pull)) return SurfaceNext::airborne;
+  const double depth = std::sqrt(std::max(0.0, pull.squaredNorm() - way.length * way.length));
+  if (way.facet == nullptr || !moves(way.length, depth)) {
+    hold(way.facet == nullptr ? 0.0 : way.length, depth);
+    drags_ = false;
+    return SurfaceNext::settled;
+  }
+  slides_ = true;
+  return at.take(way, device);
+}
+
+SurfaceNext SurfaceFriction::follow(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
+  if (!drags_ || at.on() == On::vertex) return stay(at, from, to, time);
+  return at.on() == On::face ? slide_on_face(at, from, to, time) : slide_on_edge(at, from, to, time);
+}
+
+// Until the pull leaves the cone on some face or edge that it can follow.
+SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
+  drags_ = false;
+  const MovingPull pull{on_way(from, to, time) - at.point(), (1.0 - time) * (to - from)};
+  const double held = slides_ ? dynamic_ : static_;
+  // At a vertex, twice what a way must have to be taken: what is found here is taken.
+  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kLeast;
+  const double bound = least * least;
+  double soonest = kNever;
+  const auto consider_face = [&](const Vec3& normal, auto&& is_over) {
+    const double t = pull.square(1.0, normal, -(1.0 + held * held), bound).time_of_rise();
+    if (t < soonest && is_over(pull.at(t))) soonest = t;
+  };
+  const auto consider_line = [&](const Vec3& direction, bool both_ways) {
+    const double t = pull.square(-held * held, direction, 1.0 + held * held, bound).time_of_rise();
+    if (t < soonest && (both_ways || direction.dot(pull.at(t)) > 0.0)) soonest = t;
+  };
+  if (at.on() == On::face) {
+    consider_face(at.a().normal(), [](const Vec3&) { return true; });
+    if (slides_) {
+      const double rest = FrictionMotion::kRest * dynamic_;
+      const double t = pull.square(-1.0, at.a().normal(), 1.0 + rest * rest).time_of_rise();
+      if (t < soonest && t < 1.0) {
+        slides_ = false;
+        time = std::min(1.0, time + t * (1.0 - time));
+        return SurfaceNext::again;
+      }
+    }
+    // To its front, where it comes through the very point.
+    const double height = at.a().normal().dot(pull.start) - kClear;
+    const double there = at.a().normal().dot(pull.at(1.0)) - kClear;
+    if (there > 0.0) soonest = std::min(soonest, time_of_zero(std::min(height, 0.0), there, 0.0));
+  } else if (at.on() == On::edge) {
+    const auto is_over = [&](const SurfacePoint::Facet& facet, int k) {
+      return [&facet, k](const Vec3& w) {
+        return facet.normal().dot(w) <= kClear && facet.shape.inside(k, facet.shape.corner(k) + w) > kOnEdge * facet.shape.length(k);
+      };
+    };
+    if (!at.has_left_a()) consider_face(at.a().normal(), is_over(at.a(), at.edge()));
+    consider_face(at.b().normal(), is_over(at.b(), at.other_edge()));
+    consider_line(at.a().shape.edge(at.edge()) / at.a().shape.length(at.edge()), true);
+  } else {
+    for (const SurfacePoint::FanFacet& facet : at.fan()) {
+      consider_face(facet.normal, [&](const Vec3& w) { return facet.inward[0].dot(w) > 0.0 && facet.inward[1].dot(w) > 0.0; });
+      consider_line(facet.direction, false);
+    }
+  }
+  if (soonest > 1.0) {
+    time = 1.0;
+    if (at.on() == On::face) return SurfaceNext::settled;
+    const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // it may be free there
+    return next == SurfaceNext::again ? SurfaceNext::descend : next;
+  }
+  time = std::min(1.0, time + soonest * (1.0 - time));
+  at.balance_on_edge();
+  slips_ = true;
+  return SurfaceNext::descend;
+}
+
+SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
+  const Vec3 here = on_way(from, to, time);
+  const Vec3 normal = at.a().normal();
+  const double start_height = std::min(at.a().height(here), 0.0);
+  const double end_height = at.a().height(to);
+  const auto foot = [&](double t) {  // t: share of the rest of the step, as in all that follows
+    const Vec3 device = t < 1.0 ? Vec3(here + t * (to - here)) : to;
+    return Vec3(device - at.a().height(device) * normal);
+  };
+  const auto in_plane = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
+  const Vec3 motion = in_plane(foot(1.0) - foot(0.0));
+  const Vec3 lag = in_plane(foot(0.0) - at.point());
+  const double radius = -dynamic_ * start_height;
+  const double growth = -dynamic_ * (end_height - start_height);
+  const bool has_lag = radius > 0.0 && lag.norm() > kLeast;  // a shorter one has no direction
+  // At rest it sticks. So it does where the cone grows faster than the device draws it on.
+  if (has_lag ? !(lag.dot(motion) > lag.norm() * growth) : motion.isZero(0.0)) {
+    drags_ = false;
+    return SurfaceNext::again;
+  }
+  const SlidingLag sliding(has_lag ? lag : motion, motion, has_lag ? radius : std::numeric_limits<double>::min(), growth);
+  const auto point = [&](double t) { return Vec3(foot(t) - sliding.at(t)); };
+  const double leave = end_height > kClear ? time_of_zero(start_height - kClear, end_height - kClear, 0.0) : 1.0;
+  double soonest = kNever;
+  int exit = -1;
+  for (int k = 0; k < 3; ++k) {
+    const ContactTriangle& face = at.a().shape;
+    const Vec3 inward = normal.cross(face.edge(k)) * at.a().side;
+    // Over the edge it goes at most once: what leads it out changes at most once, with the sign of inward . lag.
+    const double turn = std::min(leave, sliding.time_across(inward));
+    const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
+    double low = falls ? 0.0 : turn;
+    const double high = falls ? turn : leave;
+    const auto inside = [&](double t) { return SurfacePoint::inside_by(-kOnEdge, at.a(), k, point(t)); };
+    if (!(inside(high) <= 0.0)) continue;
+    if (inside(low) > 0.0) {
+      low = find_fall(low, high, [&](double t, double& slope) {
+        const Vec3 behind = sliding.at(t);
+        const double length = behind.norm();
+        slope = length > 0.0 ? inward.dot(behind) / length * sliding.speed_at(t) : 0.0;
+        return inside(t);
+      });
+    }
+    if (low < soonest) {
+      soonest = low;
+      exit = k;
+    }
+  }
+  if (exit < 0 || soonest > leave) {
+    time = std::min(1.0, time + leave * (1.0 - time));
+    if (end_height > kClear) return at.release(on_way(from, to, time), to);
+    at.move_on_face(point(1.0));
+    return SurfaceNext::settled;
+  }
+  const bool turns_back = exit == at.came_by() && soonest <= 0.0;
+  const Vec3 p = point(soonest);
+  time = std::min(1.0, time + soonest * (1.0 - time));
+  if (!at.reach_edge(exit, p)) return SurfaceNext::unwalkable;
+  if (turns_back && at.on() == On::edge) {
+    // To where the other face says the same: both are rounding.
+    at.balance_on_edge();
+    drags_ = false;
+    return SurfaceNext::again;
+  }
+  return SurfaceNext::descend;
+}
+
+// Along an edge, at x = device's - sign mu_d depth, until the device draws it onto a face, it stops or the edge ends.
+SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
+  const ContactTriangle& face = at.a().shape;
+  const int edge = at.edge();
+  const double length = face.length(edge);
+  const Vec3 direction = face.edge(edge) / length;
+  const Vec3 here = on_way(from, to, time) - face.corner(edge);
+  const Vec3 motion = (1.0 - time) * (to - from);
+  const double pull = direction.dot(here - (at.point() - face.corner(edge)));
+  const double sign = (std::fabs(pull) > kLeast ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
+  const Vec3 across = here - direction.dot(here) * direction;
+  const Vec3 across_motion = motion - direction.dot(motion) * direction;
+  const double drawn = sign * direction.dot(motion);
+  const auto depth = [&](double t) { return (across + t * across_motion).norm(); };
+  // How fast it goes on; it falls with time, the depth being convex.
+  const auto speed = [&](double t) {
+    const double d = depth(t);
+    return drawn - dynamic_ * (d > 0.0 ? (across + t * across_motion).dot(across_motion) / d : 0.0);
+  };
+  if (!(speed(0.0) > 0.0)) {
+    drags_ = false;
+    return SurfaceNext::again;
+  }
+  double until = speed(1.0) > 0.0 ? 1.0 : find_fall(0.0, 1.0, [&](double t, double& slope) {
+    slope = 0.0;
+    return speed(t);
+  });
+  const bool stops = !(speed(1.0) > 0.0);
+  const auto x = [&](double t) { return direction.dot(here) + t * direction.dot(motion) - sign * dynamic_ * depth(t); };
+  // Onto a face: its multiplier has reached zero.
+  enum class Event : std::uint8_t { none, to_a, to_b, end } event = Event::none;
+  const Vec3 device = on_way(from, to, time);
+  const auto consider_face = [&](const SurfacePoint::Facet& facet, int k, Event which) {
+    const double there = SurfacePoint::inside_by(kOnEdge, facet, k, to);
+    if (!(there > 0.0)) return;
+    const double t = time_of_zero(std::min(SurfacePoint::inside_by(kOnEdge, facet, k, device), 0.0), there, 0.0);
+    if (t < until) {
+      until = t;
+      event = which;
+    }
+  };
+  consider_face(at.a(), edge, Event::to_a);
+  consider_face(at.b(), at.other_edge(), Event::to_b);
+  const double end = sign > 0.0 ? length : 0.0;
+  if (sign * (end - x(until)) <= 0.0) {
+    until = find_fall(0.0, until, [&](double t, double& slope) {
+      slope = -speed(t);
+      return sign * (end - x(t));
+    });
+    event = Event::end;
+  }
+  time = std::min(1.0, time + until * (1.0 - time));
+  if (event == Event::end) return descend_if(at.reach_vertex(sign > 0.0 ? (edge + 1) % 3 : edge));
+  at.move_on_edge(std::clamp(x(until) / length, 0.0, 1.0));
+  at.balance_on_edge();
+  if (event == Event::to_b) at.cross_edge();
+  if (event == Event::to_a) at.return_from_edge();
+  if (event != Event::none) return SurfaceNext::again;
+  if (stops) {
+    drags_ = false;
+    return SurfaceNext::again;
+  }
+  return at.is_free_over_edge(to) ? SurfaceNext::airborne : SurfaceNext::settled;
+}
+
+}  // namespace hapton

@@ -1,0 +1,446 @@
+#include "core/force/proxy/surface_point.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/force/contact_qp.h"
+#include "core/math/side_sign.h"
+
+namespace hapton {
+
+bool SurfacePoint::holds(std::uint32_t triangle, bool back) const noexcept {
+  return geometry_.is_walkable(triangle) && !(back && !materials_[geometry_.mesh_of(triangle)].two_sided);
+}
+
+void SurfacePoint::load(std::uint32_t id, bool back, Facet& facet) const noexcept {
+  const ObjectGeometry::Corners corners = geometry_.corners(id);
+  facet.id = id;
+  facet.side = back ? -1.0 : 1.0;
+  facet.shape = ContactTriangle(corners.a, corners.b, corners.c);
+}
+
+bool SurfacePoint::look_across(int k) noexcept {
+  edge_ = k;
+  const TouchGeometry::Across across = geometry_.across(a().id, k);
+  const bool back = a().is_back() != across.flips;
+  if (!across.exists || !holds(across.id, back)) return false;
+  load(across.id, back, facets_[1 - first_]);
+  other_edge_ = across.edge;
+  return true;
+}
+
+bool SurfacePoint::land(std::uint32_t triangle, bool back, const Vec3& p) noexcept {
+  if (!holds(triangle, back)) return false;
+  load(triangle, back, face_a());
+  stands_ = true;
+  move_on_face(p);
+  return true;
+}
+
+bool SurfacePoint::land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept {
+  const TouchGeometry::Across across = geometry_.across(triangle, k);
+  if (!across.exists || !holds(across.id, back != across.flips) || !land(triangle, back, p)) return false;
+  look_across(k);
+  on_ = On::edge;
+  has_left_a_ = false;
+  return true;
+}
+
+void SurfacePoint::move_on_face(const Vec3& p) noexcept {
+  on_ = On::face;
+  corner_ = -1;
+  came_by_ = -1;
+  p_ = p;
+}
+
+bool SurfacePoint::reach_edge(int k, const Vec3& p) noexcept {
+  const ContactTriangle& face = a().shape;
+  const double along = std::clamp(face.along(k, p), 0.0, 1.0);
+  const double length_squared = face.edge(k).squaredNorm();
+  if (along * along * length_squared <= kSnap * kSnap) return reach_vertex(k);
+  if ((1.0 - along) * (1.0 - along) * length_squared <= kSnap * kSnap) return reach_vertex((k + 1) % 3);
+  move_on_face(face.corner(k) + along * face.edge(k));
+  if (!look_across(k)) return false;
+  on_ = On::edge;
+  has_left_a_ = true;
+  return true;
+}
+
+bool SurfacePoint::reach_vertex(int corner) noexcept {
+  move_on_face(a().shape.corner(corner));
+  corner_ = corner;
+  if (!collect_fan()) {
+    corner_ = -1;
+    return false;
+  }
+  on_ = On::vertex;
+  return true;
+}
+
+void SurfacePoint::move_on_edge(double along) noexcept {
+  on_ = On::edge;
+  p_ = a().shape.corner(edge_) + along * a().shape.edge(edge_);
+}
+
+void SurfacePoint::cross_edge() noexcept {
+  first_ = 1 - first_;
+  move_on_face(p_);
+  came_by_ = other_edge_;
+}
+
+void SurfacePoint::return_from_edge() noexcept {
+  move_on_face(p_);
+  came_by_ = edge_;
+}
+
+void SurfacePoint::turn_to(const FanFacet& facet) noexcept {
+  load(facet.id, facet.back, face_a());
+  corner_ = facet.corner;
+}
+
+bool SurfacePoint::enter_edge(const FanFacet& facet) noexcept {
+  turn_to(facet);
+  if (!look_across(facet.next)) return false;
+  on_ = On::edge;
+  has_left_a_ = false;
+  corner_ = -1;
+  return true;
+}
+
+bool SurfacePoint::is_convex() const noexcept {
+  if (a().id == b().id) return true;
+  const ContactTriangle& beyond = b().shape;
+  return b().side * side_sign(beyond.corner(0), beyond.corner(1), beyond.corner(2), a().shape.corner((edge_ + 2) % 3)) < 0.0;
+}
+
+bool SurfacePoint::is_free_over_edge(const Vec3& device) const noexcept {
+  const bool before_a = a().height(device) > kClear;
+  const bool before_b = b().height(device) > kClear;
+  return before_a && before_b ? true : before_a || before_b ? is_convex() : false;
+}
+
+// All triangle sides round the vertex, in order. False unless each can be walked.
+bool SurfacePoint::collect_fan() noexcept {
+  fan_count_ = 0;
+  std::uint32_t id = a().id;
+  bool back = a().is_back();
+  int corner = corner_;
+  int next = corner_;
+  do {
+    if (fan_count_ == kMostFan || !holds(id, back)) return false;
+    const ObjectGeometry::Corners corners = geometry_.corners(id);
+    const std::array<const Vec3*, 3> at = {&corners.a, &corners.b, &corners.c};
+    const Vec3& vertex = *at[corner];
+    const Vec3 out = *at[(corner + 1) % 3] - vertex;
+    const Vec3 in = vertex - *at[(corner + 2) % 3];
+    const Vec3 normal = accurate_cross(out, -in).normalized();
+    FanFacet& facet = fan_[fan_count_++];
+    facet = {.id = id,
+             .back = back,
+             .corner = corner,
+             .next = next,
+             .normal = back ? Vec3(-normal) : normal,
+             .inward = {normal.cross(out), normal.cross(in)},
+             .direction = next == corner ? Vec3(out.normalized()) : Vec3(-in.normalized())};
+    const TouchGeometry::Across across = geometry_.across(id, next);
+    if (!across.exists) return false;
+    const std::uint32_t number = corners.vertices[corner];
+    id = across.id;
+    back = back != across.flips;
+    const Triangle& vertices = geometry_.corners(id).vertices;
+    if (vertices[across.edge] == number) {
+      corner = across.edge;
+      next = (across.edge + 2) % 3;
+    } else {
+      corner = (across.edge + 1) % 3;
+      next = corner;
+    }
+  } while (id != a().id || back != a().is_back());
+  return true;
+}
+
+// Each face's weighted by its angle (Baerentzen & Aanaes 2005): it tells the side of a point that is nearest to the vertex itself.
+Vec3 SurfacePoint::vertex_normal() const noexcept {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < fan_count_; ++i) {
+    const Vec3& first = fan_[(i + fan_count_ - 1) % fan_count_].direction;
+    const Vec3& last = fan_[i].direction;
+    sum += std::atan2(first.cross(last).norm(), first.dot(last)) * fan_[i].normal;
+  }
+  return sum;
+}
+
+// Pre: the vertex is the point of its faces nearest to there.
+bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
+  if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
+  if (is_at_border()) return true;                    // both sides of the sheet meet there: nothing is behind it
+  if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
+  return vertex_normal().dot(to_device) > 0.0;
+}
+
+bool SurfacePoint::is_at_border() const noexcept {
+  for (int i = 0; i < fan_count_; ++i) {
+    if (fan_[i].id == fan_[(i + 1) % fan_count_].id) return true;
+  }
+  return false;
+}
+
+bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcept {
+  const ObjectGeometry::Corners at = geometry_.corners(facet.id);
+  return (side_sign(at.a, at.b, at.c, p) > 0.0) != facet.back;
+}
+
+// What is nearest decides: a face of the fan, an edge between two, or the vertex by its normal. Which it is may be rounding where two are
+// alike; the signs are exact.
+bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
+  if (is_at_border()) return true;
+  const Vec3 off = p == p_ ? kShift : Vec3(p - p_);
+  double nearest = off.squaredNorm();
+  const FanFacet* face = nullptr;
+  const FanFacet* beyond = nullptr;  // over the edge
+  for (int i = 0; i < fan_count_; ++i) {
+    const FanFacet& facet = fan_[i];
+    const double height = facet.normal.dot(off);
+    if (facet.inward[0].dot(off) > 0.0 && facet.inward[1].dot(off) > 0.0 && height * height < nearest) {
+      nearest = height * height;
+      face = &facet;
+      beyond = nullptr;
+    }
+    const double along = facet.direction.dot(off);
+    const double aside = (off - along * facet.direction).squaredNorm();
+    if (along > 0.0 && aside < nearest) {
+      nearest = aside;
+      face = &facet;
+      beyond = &fan_[(i + 1) % fan_count_];
+    }
+  }
+  if (face == nullptr) return vertex_normal().dot(off) > 0.0;
+  if (beyond == nullptr) return is_before(*face, p);
+  const ObjectGeometry::Corners at = geometry_.corners(face->id);
+  const Vec3* const corners[3] = {&at.a, &at.b, &at.c};
+  const bool is_concave = is_before(*beyond, *corners[(face->next + 2) % 3]);
+  return is_concave ? is_before(*face, p) && is_before(*beyond, p) : is_before(*face, p) || is_before(*beyond, p);
+}
+
+SurfacePoint::Exit SurfacePoint::find_exit(const Vec3& goal) const noexcept {
+  Exit exit;
+  for (int k = 0; k < 3; ++k) {
+    if (corner_ >= 0 && k != (corner_ + 1) % 3) continue;  // the others meet where it came from
+    if (inside_by(-kOnEdge, a(), k, goal) > 0.0) continue;
+    const double here = a().shape.inside(k, p_);
+    const double t = here > 0.0 ? std::clamp(here / (here - a().shape.inside(k, goal)), 0.0, 1.0) : 0.0;
+    if (t < exit.time) exit = {k, t};
+  }
+  return exit;
+}
+
+SurfacePoint::Way SurfacePoint::find_steepest(const Vec3& to_device, double least) const noexcept {
+  Way best{nullptr, false, least};
+  for (const FanFacet& facet : fan()) {
+    const double slope = facet.direction.dot(to_device);
+    if (slope > best.length) best = {&facet, false, slope};
+    if (facet.inward[0].dot(to_device) > 0.0 && facet.inward[1].dot(to_device) > 0.0) {
+      const double length = (to_device - facet.normal.dot(to_device) * facet.normal).norm();
+      if (length >= best.length) best = {&facet, true, length};
+    }
+  }
+  return best;
+}
+
+SurfaceNext SurfacePoint::take(const Way& way, const Vec3& device) noexcept {
+  const FanFacet facet = *way.facet;
+  if (way.over_face) {
+    turn_to(facet);
+    if (a().height(device) > kClear) return SurfaceNext::airborne;  // it leaves from the vertex, through the air
+    move_on_face(p_);
+    corner_ = facet.corner;
+    return SurfaceNext::again;
+  }
+  if (!enter_edge(facet)) return SurfaceNext::unwalkable;
+  return is_free_over_edge(device) ? SurfaceNext::airborne : SurfaceNext::again;
+}
+
+// By an edge, the device may go on behind the face beyond.
+SurfaceNext SurfacePoint::release(const Vec3& device, const Vec3& to) noexcept {
+  const ContactTriangle& face = a().shape;
+  move_on_face(device - a().height(device) * a().normal());
+  for (int k = 0; k < 3; ++k) {
+    const double inside = face.inside(k, p_);
+    const double length_squared = face.edge(k).squaredNorm();
+    if (inside * std::fabs(inside) > kSnap * kSnap * length_squared) continue;
+    if (!reach_edge(k, p_)) return SurfaceNext::unwalkable;
+    if (on_ != On::edge) return SurfaceNext::descend;
+    if (is_free_over_edge(to)) return SurfaceNext::released;
+    has_left_a_ = false;
+    return SurfaceNext::again;
+  }
+  return SurfaceNext::released;
+}
+
+SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
+  const ContactTriangle& face = a().shape;
+  const Vec3 to_middle = (face.corner(0) + face.corner(1) + face.corner(2)) / 3.0 - p_;
+  const double length = to_middle.norm();
+  const double share = length > 2.0 * off_edges ? off_edges / length : 0.5;
+  return {a().id, p_ + share * to_middle, a().normal()};
+}
+
+Vec3 SurfacePoint::lifted(double height) const noexcept {
+  if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
+  return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+}
+
+// Near an edge or vertex that it does not stand on.
+bool SurfacePoint::is_near_edges(double within) const noexcept {
+  for (int k = 0; k < 3; ++k) {
+    const bool stands_on = on_ == On::edge && k == edge_;
+    if (!stands_on && is_near_edge(a(), k, within)) return true;
+    if (on_ == On::edge && k != other_edge_ && is_near_edge(b(), k, within)) return true;
+  }
+  return false;
+}
+
+// Apart from lifted(), which is for every step: only to set up so many planes takes longer than all else in it.
+Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
+  std::array<ContactPlane, kMostFan> planes;
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  const auto add = [&](const Vec3& normal, double over) {
+    planes[count++] = {normal, height - over};
+    sum += normal;
+  };
+  if (on_ == On::vertex) {
+    for (int i = 0; i < fan_count_; ++i) add(fan_[i].normal, 0.0);
+  } else {
+    add_near_planes(height, add);
+    if (count == 0) return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
+    add(a().normal(), 0.0);
+    if (on_ == On::edge) add(b().normal(), 0.0);
+  }
+  const ConstrainedMotion up =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
+  if (on_ == On::edge) return p_ + between(a().normal(), b().normal(), height);
+  if (on_ == On::vertex) return p_ + over_widest_face(height);
+  return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
+}
+
+// The border of a sheet, or an edge as sharp, has no way up that both of its faces share: there it is the one out of the face. From over
+// the face a way round the border goes through it within rounding.
+Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexcept {
+  if (on_ == On::vertex) {
+    const Vec3 to_device = device - p_;
+    const double length = to_device.norm();
+    double clear = 1.0;
+    for (int i = 0; i < fan_count_ && length > 0.0; ++i) clear = std::min(clear, distance_from_facet(i, to_device / length));
+    if (clear * kSteepest > 1.0 && clear * length > 2.0 * height) return p_ + (height / (clear * length)) * to_device;
+  }
+  if (on_ == On::edge && (a().normal() + b().normal()).squaredNorm() * kSteepest * kSteepest <= 4.0 && is_convex()) {
+    return p_ - height * a().shape.normal().cross(a().shape.edge(edge_)).normalized();
+  }
+  return lifted(height);
+}
+
+const Vec3& SurfacePoint::edge_before(int i) const noexcept { return fan_[(i + fan_count_ - 1) % fan_count_].direction; }
+
+// At a vertex: from p, as seen from there, to face i of the fan, which has no end.
+double SurfacePoint::distance_from_facet(int i, const Vec3& p) const noexcept {
+  if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
+  const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
+  return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
+}
+
+// At a vertex where no way leads off all faces at once: over the middle of the face from which the others are farthest. A ball about that
+// middle which none of them enters is cut by the face alone, so half of it is on the free side.
+Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
+  double widest = 1.0 / kSteepest;
+  Vec3 way = 0.5 * widest * a().normal();
+  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
+    const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
+    double clear = 1.0;
+    for (int k = 0; k < fan_count_; ++k) {
+      if (fan_[k].id != fan_[i].id) clear = std::min(clear, distance_from_facet(k, middle));
+    }
+    if (clear <= widest) continue;
+    widest = clear;
+    way = middle + 0.5 * clear * fan_[i].normal;
+  }
+  return (2.0 * height / widest) * way;
+}
+
+// The least way to `height` over two planes through zero.
+Vec3 SurfacePoint::between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
+  const Vec3 sum = normal_a + normal_b;
+  const double squared = sum.squaredNorm();
+  return squared * kSteepest * kSteepest > 4.0 ? Vec3(sum * (2.0 * height / squared)) : Vec3(height * normal_a);
+}
+
+bool SurfacePoint::is_near_edge(const Facet& facet, int k, double within) const noexcept {
+  const double inside = facet.shape.inside(k, p_);
+  const double length_squared = facet.shape.edge(k).squaredNorm();
+  if (inside > 0.0 && inside * inside > within * within * length_squared) return false;
+  const double along = std::clamp(facet.shape.along(k, p_), 0.0, 1.0);
+  return (p_ - facet.shape.corner(k) - along * facet.shape.edge(k)).squaredNorm() <= within * within;
+}
+
+// Faces that the point does not stand on, near enough to be in the way: from where it stands over edges near it, concave or all but flat.
+// By a vertex that may be several.
+template <class Add>
+void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
+  std::array<std::pair<std::uint32_t, bool>, kMostNear> faces;
+  int count = 0;
+  faces[count++] = {a().id, a().is_back()};
+  if (on_ == On::edge) faces[count++] = {b().id, b().is_back()};
+  for (int i = 0; i < count; ++i) {
+    Facet loaded;
+    const bool is_own = i == 0 || (i == 1 && on_ == On::edge);
+    if (!is_own) load(faces[i].first, faces[i].second, loaded);
+    const Facet& at = i == 0 ? a() : is_own ? b() : loaded;
+    for (int k = 0; k < 3; ++k) {
+      if (on_ == On::edge && is_own && k == (i == 0 ? edge_ : other_edge_)) continue;
+      if (!is_near_edge(at, k, kSteepest * height)) continue;
+      const TouchGeometry::Across across = geometry_.across(at.id, k);
+      if (!across.exists || across.id == at.id) continue;
+      const std::pair<std::uint32_t, bool> next{across.id, at.is_back() != across.flips};
+      if (std::find(faces.begin(), faces.begin() + count, next) != faces.begin() + count) continue;
+      Facet beyond;
+      load(next.first, next.second, beyond);
+      const bool is_concave = beyond.height(at.shape.corner((k + 2) % 3)) > 0.0;
+      if (!is_concave && beyond.normal().dot(at.normal()) < kAllButFlat) continue;
+      if (is_concave) add(beyond.normal(), beyond.height(p_));
+      if (count == kMostNear) return;
+      faces[count++] = next;
+    }
+  }
+}
+
+int SurfacePoint::find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept {
+  const Vec3 to_device = device - p_;
+  if (on_ == On::face) {
+    contacts[0] = {a().id, a().normal(), -a().normal().dot(to_device)};
+    return 1;
+  }
+  if (on_ == On::edge) {
+    const double cosine = a().normal().dot(b().normal());
+    const double at_a = -a().normal().dot(to_device);
+    const double at_b = -b().normal().dot(to_device);
+    const double determinant = 1.0 - cosine * cosine;
+    const double of_a = determinant > 0.0 ? std::max(0.0, (at_a - cosine * at_b) / determinant) : at_a;
+    const double of_b = determinant > 0.0 ? std::max(0.0, (at_b - cosine * at_a) / determinant) : 0.0;
+    contacts[0] = {a().id, a().normal(), of_a};
+    contacts[1] = {b().id, b().normal(), of_b};
+    return 2;
+  }
+  std::array<ContactPlane, kMostFan> planes;
+  for (int i = 0; i < fan_count_; ++i) planes[i] = {fan_[i].normal, 0.0};
+  const ConstrainedMotion held =
+      constrain_motion(to_device, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));
+  for (int i = 0; i < held.active_count; ++i) {
+    const FanFacet& facet = fan_[held.active[i]];
+    contacts[i] = {facet.id, facet.normal, held.push[i]};
+  }
+  return held.active_count;
+}
+
+}  // namespace hapton

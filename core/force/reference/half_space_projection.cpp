@@ -1,0 +1,130 @@
+#include "core/force/reference/half_space_projection.h"
+
+#include <limits>
+
+namespace hapton {
+namespace {
+
+using Wide = Eigen::Matrix<long double, 3, 1>;
+
+struct Basis {
+  Wide point;
+  std::array<std::size_t, 3> planes{};
+  std::array<long double, 3> multiplier{};
+  int count = 0;
+};
+
+Wide normal_of(const HalfSpace& half_space) { return half_space.normal.cast<long double>(); }
+
+// The nearest point to wish on one, two or three planes at once. False when the planes have no such point: parallel, or a zero normal.
+bool meet_planes(const Wide& wish, std::span<const HalfSpace> all, Basis& basis) {
+  const HalfSpace& first = all[basis.planes[0]];
+  const Wide n1 = normal_of(first);
+  if (basis.count == 1) {
+    const long double length2 = n1.squaredNorm();
+    if (!(length2 > 0.0L)) return false;
+    basis.multiplier[0] = (first.gap - n1.dot(wish)) / length2;
+    basis.point = wish + basis.multiplier[0] * n1;
+    return true;
+  }
+  const HalfSpace& second = all[basis.planes[1]];
+  const Wide n2 = normal_of(second);
+  const Wide along = n1.cross(n2);
+  if (basis.count == 2) {
+    const long double along2 = along.squaredNorm();
+    if (!(along2 > 0.0L)) return false;
+    basis.point = (along.dot(wish) * along + first.gap * n2.cross(along) + second.gap * along.cross(n1)) / along2;
+    const Wide push = basis.point - wish;
+    basis.multiplier[0] = push.cross(n2).dot(along) / along2;
+    basis.multiplier[1] = n1.cross(push).dot(along) / along2;
+    return true;
+  }
+  const HalfSpace& third = all[basis.planes[2]];
+  const Wide n3 = normal_of(third);
+  const Wide c1 = n2.cross(n3);
+  const Wide c2 = n3.cross(n1);
+  const long double volume = along.dot(n3);
+  if (volume == 0.0L) return false;
+  basis.point = (first.gap * c1 + second.gap * c2 + third.gap * along) / volume;
+  const Wide push = basis.point - wish;
+  basis.multiplier = {push.dot(c1) / volume, push.dot(c2) / volume, push.dot(along) / volume};
+  return true;
+}
+
+bool holds(const Basis& basis, std::span<const HalfSpace> all, const std::array<std::size_t, 4>& among, int count, long double tolerance) {
+  for (int i = 0; i < basis.count; ++i) {
+    if (!(basis.multiplier[i] >= -tolerance)) return false;
+  }
+  for (int i = 0; i < count; ++i) {
+    if (!(normal_of(all[among[i]]).dot(basis.point) - all[among[i]].gap >= -tolerance)) return false;
+  }
+  return true;
+}
+
+// The best basis among the old one's planes and the newcomer, which is in it because the old optimum violates it.
+bool exchange(const Wide& wish, std::span<const HalfSpace> all, std::size_t newcomer, long double tolerance, Basis& basis) {
+  std::array<std::size_t, 4> among{};
+  const int old = basis.count;
+  for (int i = 0; i < old; ++i) among[i] = basis.planes[i];
+  among[old] = newcomer;
+  Basis best;
+  long double best2 = std::numeric_limits<long double>::infinity();
+  for (int subset = 0; subset < (1 << old); ++subset) {
+    Basis trial;
+    trial.planes[trial.count++] = newcomer;
+    for (int i = 0; i < old && trial.count < 4; ++i) {
+      if ((subset >> i & 1) == 0) continue;
+      if (trial.count == 3) {
+        trial.count = 4;
+        break;
+      }
+      trial.planes[trial.count++] = among[i];
+    }
+    if (trial.count > 3 || !meet_planes(wish, all, trial)) continue;
+    if (!holds(trial, all, among, old + 1, tolerance)) continue;
+    const long double distance2 = (trial.point - wish).squaredNorm();
+    if (distance2 < best2) {
+      best2 = distance2;
+      best = trial;
+    }
+  }
+  if (best.count == 0) return false;
+  basis = best;
+  return true;
+}
+
+}  // namespace
+
+HalfSpaceProjection project_onto_half_spaces(const Vec3& wish, std::span<const HalfSpace> half_spaces, double tolerance) noexcept {
+  const Wide target = wish.cast<long double>();
+  Basis basis;
+  basis.point = target;
+  HalfSpaceProjection result;
+  // Each exchange grows the distance; the bound only guards against rounding that makes two bases trade places.
+  const std::size_t most_rounds = 16 + 8 * half_spaces.size();
+  for (std::size_t round = 0; round < most_rounds; ++round) {
+    long double worst = -static_cast<long double>(tolerance);
+    std::size_t violated = half_spaces.size();
+    for (std::size_t i = 0; i < half_spaces.size(); ++i) {
+      const long double slack = normal_of(half_spaces[i]).dot(basis.point) - half_spaces[i].gap;
+      if (slack < worst) {
+        worst = slack;
+        violated = i;
+      }
+    }
+    if (violated == half_spaces.size()) {
+      result.feasible = true;
+      break;
+    }
+    if (!exchange(target, half_spaces, violated, tolerance / 4, basis)) break;
+  }
+  result.point = basis.count == 0 ? wish : Vec3(basis.point.cast<double>());
+  result.count = basis.count;
+  for (int i = 0; i < basis.count; ++i) {
+    result.active[i] = basis.planes[i];
+    result.multiplier[i] = static_cast<double>(basis.multiplier[i]);
+  }
+  return result;
+}
+
+}  // namespace hapton

@@ -1,0 +1,284 @@
+// How a point gets away from where only the probe's radius, or the choice of a sphere at a vertex, would keep it.
+#include <algorithm>
+#include <cmath>
+
+#include "core/force/reference/reference_proxy.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
+constexpr double kOpenFace = 16.0;   // rest distances from its border a point on a face has nothing else to be held by
+constexpr std::size_t kMostNear = 48;
+constexpr std::size_t kMostDirections = 1536;
+constexpr double kAtVertex = 32.0;              // rest distances: as near to a vertex a point is there
+constexpr double kLeastSlope = 0x1p-30;         // of the distance to the device: less does not lead from a vertex
+const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
+const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
+constexpr double kLeastRoll = 1e-10;            // rad
+constexpr double kFarthestHeld = 64.0;          // rest distances: as far off the surface another method may hold a point
+constexpr double kSameHeight = 0x1p-10;         // of a height: two such are one
+
+}  // namespace
+
+// A point probe is a sphere only for the sake of safety, and where a fold narrows at a corner the sphere may rest against a step no higher
+// than its own radius that is no obstacle to a point. So at rest the proxy is lifted by a few radii and sent along every direction the
+// corner offers: the pull, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that
+// ends nearer to the device by more than such a step; else it is put back.
+bool ReferenceProxy::escape(const Vec3& device) noexcept {
+  if (rest_ != kPointRadius || has_friction() || state_.contacts.empty() || state_.place == device || is_on_open_face()) return false;
+  const Vec3 start = state_.place;
+  const Vec3 pull = device - start;
+  const double least_gain = kEscapeGain * rest_;
+  contacts_before_ = state_.contacts;
+  const auto has_gained = [&] { return (device - state_.place).norm() < pull.norm() - least_gain; };
+  update_contacts();
+  if (leave_vertex(device, project_pull(pull))) {
+    descend(device);
+    if (has_gained()) return true;
+    state_.place = start;
+  }
+  for (const double height : {8.0 * rest_, 256.0 * rest_}) {
+    if (keeps_to_surface() && height > 8.0 * rest_) continue;
+    collect_near(start, 2.0 * height);
+    if (!lift(start, height)) continue;
+    const Vec3 lifted = state_.place;
+    for (const Vec3& direction : directions_out(start, pull, 2.0 * height)) {
+      state_.place = lifted;
+      state_.contacts.clear();
+      advance(direction);
+      if ((state_.place - start).norm() < 8.0 * height) continue;
+      descend(device);
+      if (has_gained()) return true;
+    }
+    state_.place = start;
+  }
+  state_.place = start;
+  state_.contacts = contacts_before_;
+  update_contacts();
+  return false;
+}
+
+// On one face alone and not at its border: there a rest is one for a point as well.
+bool ReferenceProxy::is_on_open_face() const noexcept {
+  if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::kFace) return false;
+  const PreparedTriangle& shape = state_.contacts[0].face.shape;
+  for (int k = 0; k < 3; ++k) {
+    if (shape.inward[k].dot(state_.place - shape.corner[k]) <= kOpenFace * rest_ * shape.edge[k].norm()) return false;
+  }
+  return true;
+}
+
+void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
+  near_.clear();
+  list_local_faces();
+  const bool local = is_local(p, local_reach_ - within);
+  const std::size_t count = local ? local_.size() : faces_.size();
+  for (std::size_t k = 0; k < count && near_.size() < kMostNear; ++k) {
+    const std::size_t i = local ? local_[k] : k;
+    const Box& box = boxes_[i];
+    if (((p - box.high).cwiseMax(box.low - p).array() > within).any() || !can_meet(faces_[i])) continue;
+    const ClosestPoint near = closest_point(faces_[i].shape, p);
+    if (near.distance <= within && !near.direction.isZero(0.0)) near_.push_back({faces_[i], near});
+  }
+}
+
+// Moves the proxy by the shortest way to where it is `height` above the planes of all that is near. False when there is no such place.
+bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
+  half_spaces_.clear();
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
+  const HalfSpaceProjection way = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  if (!way.feasible || way.point.norm() > 64.0 * height) return false;
+  state_.place = start;
+  advance(way.point);
+  return true;
+}
+
+// In contact with all that p is as near to as it is to the nearest: what it stands on. It goes on as if it had come there itself: from a
+// place beside an edge, however near, friction would let it go another way.
+bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
+  if (rest_ != kPointRadius || frictionless_) return false;
+  place_held(p, sliding);
+  collect_near(p, kFarthestHeld * rest_);
+  double least = kFarthestHeld * rest_;
+  for (const Contact& contact : near_) least = std::min(least, contact.near.distance);
+  Vec3 sum = Vec3::Zero();
+  for (const Contact& contact : near_) {
+    if (contact.near.distance <= least * (1.0 + kSameHeight)) sum += contact.near.direction;
+  }
+  if (!(least > 0.5 * rest_) || !(sum.norm() > 0.5)) return false;
+  half_spaces_.clear();
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, rest_ - contact.near.distance});
+  const HalfSpaceProjection down = project_onto_half_spaces(-4.0 * least * sum.normalized(), half_spaces_, kFeasible);
+  if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_) return false;
+  state_.place = p + down.point;
+  for (const Contact& contact : near_) meet(contact.face);
+  update_contacts();
+  return !state_.contacts.empty();
+}
+
+const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const Vec3& pull, double within) noexcept {
+  directions_.clear();
+  auto add_line = [&](const Vec3& line) {
+    const double length2 = line.squaredNorm();
+    if (length2 > 0.0) directions_.push_back((line.dot(pull) / length2) * line);
+  };
+  directions_.push_back(pull);
+  for (const Contact& contact : near_) {
+    const PreparedTriangle& shape = contact.face.shape;
+    if (shape.has_face) directions_.push_back(pull - pull.dot(shape.normal) * shape.normal);
+    for (int k = 0; k < 3; ++k) {
+      const double along = std::clamp(shape.edge[k].dot(start - shape.corner[k]) / std::max(shape.edge[k].squaredNorm(), 1e-300), 0.0, 1.0);
+      if ((start - shape.corner[k] - along * shape.edge[k]).norm() <= within) add_line(shape.edge[k]);
+    }
+  }
+  // Folds between faces that do not share an edge.
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMostDirections; ++j) {
+      const Vec3 fold = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
+      if (fold.squaredNorm() > 1e-12) add_line(fold);
+    }
+  }
+  return directions_;
+}
+
+// The vertex that a point in contact is at; nullptr: none.
+const Vec3* ReferenceProxy::find_vertex(const Pull& pull) const noexcept {
+  if (rest_ != kPointRadius || pull.strongest == nullptr) return nullptr;
+  const Vec3* found = nullptr;
+  for (const Vec3& corner : pull.strongest->face.shape.corner) {
+    if ((corner - state_.place).norm() <= kAtVertex * rest_) found = &corner;
+  }
+  return found;
+}
+
+// A point leaves a vertex the steepest way, of all faces and edges round it. A sphere would roll on to what it happens to meet first.
+bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept {
+  if (has_friction() || !rules_.keeps_to_surface) return false;
+  const Vec3* vertex = find_vertex(pull);
+  if (vertex == nullptr) return false;
+  const Vec3 way = find_steepest(*vertex, device - *vertex);
+  const double slope = way.norm();
+  const double length = pull.motion.point.norm();
+  if (length > kStill && way.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
+  return leave_along(Vec3(*vertex), way, device);
+}
+
+// The nearest point of a concave edge that a point in contact is at, where two faces form it. Friction holds a point there by the faces
+// that lead on from the edge; its sphere may have come a little way up the face beyond, and would slip from that one sooner.
+bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
+  if (rest_ != kPointRadius || pull.strongest == nullptr) return false;
+  const PreparedTriangle& shape = pull.strongest->face.shape;
+  if (!shape.has_face) return false;
+  const double reach = kAtVertex * rest_;
+  int at = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double along = std::clamp(shape.edge[k].dot(state_.place - shape.corner[k]) / shape.edge[k].squaredNorm(), 0.0, 1.0);
+    const Vec3 nearest = shape.corner[k] + along * shape.edge[k];
+    if ((state_.place - nearest).norm() > reach) continue;
+    if (at >= 0 || !(along > 0.0 && along < 1.0)) return false;  // by a vertex another edge would have a say
+    at = k;
+    on_edge = nearest;
+  }
+  if (at < 0) return false;
+  const Vec3& begin = shape.corner[at];
+  const Vec3& end = shape.corner[(at + 1) % 3];
+  list_local_faces();
+  int count = 0;
+  const Vec3* opposite = nullptr;
+  for (const std::uint32_t i : local_) {
+    const PreparedTriangle& other = faces_[i].shape;
+    for (int e = 0; e < 3; ++e) {
+      const Vec3& from = other.corner[e];
+      const Vec3& to = other.corner[(e + 1) % 3];
+      if (!(from == begin && to == end) && !(from == end && to == begin)) continue;
+      if (count < 2) sides[static_cast<std::size_t>(count)] = {other.normal, other.inward[e]};
+      if (faces_[i].triangle != pull.strongest->face.triangle) opposite = &other.corner[(e + 2) % 3];
+      ++count;
+    }
+  }
+  if (count != 2 || opposite == nullptr) return false;
+  const double side = shape.normal.dot(state_.place - begin) > 0.0 ? 1.0 : -1.0;
+  return side * shape.normal.dot(*opposite - begin) > 0.0;
+}
+
+// Whether friction holds a point at a concave edge.
+bool ReferenceProxy::is_held_at_edge(const Vec3& device, const Pull& pull) noexcept {
+  std::array<Side, 2> sides;
+  Vec3 on_edge;
+  if (!has_friction() || !find_concave_edge(pull, on_edge, sides)) return false;
+  const Vec3 to_device = device - on_edge;
+  const Vec3 along = sides[0].normal.cross(sides[0].inward).normalized();
+  Vec3 way = along.dot(to_device) * along;
+  for (const Side& side : sides) {
+    const Vec3 over = to_device - side.normal.dot(to_device) * side.normal;
+    if (side.inward.dot(to_device) > 0.0 && over.squaredNorm() > way.squaredNorm()) way = over;
+  }
+  return !exceeds_friction(way.norm(), (to_device - way).norm(), material_of(pull));
+}
+
+// Friction holds a point at a vertex, or lets it go, by the steepest way as well. A sphere leans on some of the faces only, and has a cone
+// about the normals of those.
+ReferenceProxy::AtVertex ReferenceProxy::slip_from_vertex(const Vec3& device, const Pull& pull) noexcept {
+  const Vec3* vertex = has_friction() ? find_vertex(pull) : nullptr;
+  if (vertex == nullptr) return AtVertex::elsewhere;
+  const Vec3 to_device = device - *vertex;
+  const Vec3 way = find_steepest(*vertex, to_device);
+  const Material material = material_of(pull);
+  if (!exceeds_friction(way.norm(), (to_device - way).norm(), material)) return AtVertex::held;
+  return leave_along(Vec3(*vertex), way, device) ? AtVertex::left : AtVertex::elsewhere;
+}
+
+bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept {
+  const Vec3 start = state_.place;
+  const double slope = way.norm();
+  const double distance = (device - vertex).norm();
+  if (!(slope > kLeastSlope * distance)) return false;
+  vertex_contacts_ = state_.contacts;
+  // In a groove that bends at the vertex a lift may be blocked, by what is beyond or what is behind.
+  for (const double height : {8.0 * rest_, 24.0 * rest_}) {
+    // As far as it takes to come nearer in spite of the lift.
+    const double share = std::max(8.0, 4.0 * distance / slope) * height / slope;
+    collect_near(start, 2.0 * kAtVertex * rest_);
+    for (const bool goes_to_vertex : {true, false}) {
+      if (share >= 1.0 || !lift(start, height)) continue;
+      state_.contacts.clear();
+      if (goes_to_vertex) advance(vertex - start);
+      advance(share * way);
+      if ((device - state_.place).norm() < (device - start).norm()) {
+        update_contacts();
+        return true;
+      }
+    }
+  }
+  state_.place = start;
+  state_.contacts = vertex_contacts_;
+  update_contacts();
+  return false;
+}
+
+// Along the face or edge at the vertex on which a point nearest to the device lies farthest away: to there. Zero: none.
+Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept {
+  Vec3 best = Vec3::Zero();
+  const auto offer = [&](const Vec3& way) {
+    if (way.squaredNorm() > best.squaredNorm()) best = way;
+  };
+  for (const Face& face : faces_) {
+    const PreparedTriangle& shape = face.shape;
+    for (int k = 0; k < 3; ++k) {
+      if (shape.corner[k] != vertex) continue;
+      const Vec3& next = shape.edge[k];
+      const Vec3 before = -shape.edge[(k + 2) % 3];
+      for (const Vec3* edge : {&next, &before}) {
+        const double along = edge->dot(to_device);
+        if (along > 0.0) offer((along / edge->squaredNorm()) * *edge);
+      }
+      if (!shape.has_face) continue;
+      const Vec3 way = to_device - shape.normal.dot(to_device) * shape.normal;
+      if (shape.inward[k].dot(way) > 0.0 && shape.inward[(k + 2) % 3].dot(way) > 0.0) offer(way);
+    }
+  }
+  return best;
+}
+
+}  // namespace hapton

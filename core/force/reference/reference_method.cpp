@@ -1,0 +1,280 @@
+#include "core/force/reference/reference_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+constexpr double kFarthest = 1e12;  // a device farther out is taken to be there: its square must stay finite
+constexpr int kMostSubsteps = 1 << 20;
+constexpr double kJump = 8.0;           // of the device's motion: no slide is as fast for long
+constexpr double kLeastPart = 0x1p-38;  // local units: a sub-step is not halved to less; a thousand times what decides a contact
+constexpr std::size_t kLevels = 48;
+constexpr int kMostHalvings = 1024;  // in a step done once
+
+float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
+float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
+
+double power_of_two_above(double length) {
+  int exponent = 0;
+  std::frexp(length, &exponent);
+  return std::ldexp(1.0, exponent);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ForceMethod>> ReferenceMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  return make_reference(settings, scene);
+}
+
+Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const MethodSettings& settings, const TouchScene& scene,
+                                                                         bool prefilter) {
+  if (settings.reference_substeps < 1 || settings.reference_substeps > kMostSubsteps) {
+    return fail("method reference: {} sub-steps a step; give 1 to {}", settings.reference_substeps, kMostSubsteps);
+  }
+  if (settings.reference_substep_limit < settings.reference_substeps || settings.reference_substep_limit > kMostSubsteps) {
+    return fail("method reference: at most {} sub-steps a step; give the first count, {}, to {}", settings.reference_substep_limit,
+                settings.reference_substeps, kMostSubsteps);
+  }
+  if (!(settings.probe_radius_m >= 0.0) || !std::isfinite(settings.probe_radius_m)) {
+    return fail("method reference: probe radius {} m; give zero or more", settings.probe_radius_m);
+  }
+  std::size_t triangles = 0;
+  for (const TouchObject& object : scene.objects) {
+    triangles += object.mesh->triangles.size();
+    for (const Triangle& triangle : object.mesh->triangles) {
+      for (const std::uint32_t index : triangle) {
+        if (index >= object.mesh->vertices.size())
+          return fail("method reference: a triangle names vertex {}, the mesh has {}", index, object.mesh->vertices.size());
+        if (!object.mesh->vertices[index].allFinite()) return fail("method reference: vertex {} is not finite", index);
+      }
+    }
+  }
+  if (triangles == 0) return fail("method reference: the scene has no triangles; add a mesh to touch");
+  return std::unique_ptr<ReferenceMethod>(new ReferenceMethod(settings, scene, prefilter));
+}
+
+ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScene& scene, bool prefilter)
+    : substeps_(settings.reference_substeps), substep_limit_(settings.reference_substep_limit), prefilter_(prefilter) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const TouchObject& object : scene.objects) {
+    for (const Triangle& triangle : object.mesh->triangles) {
+      for (const std::uint32_t index : triangle) {
+        low = low.cwiseMin(object.mesh->vertices[index]);
+        high = high.cwiseMax(object.mesh->vertices[index]);
+      }
+    }
+  }
+  centre_ = 0.5 * low + 0.5 * high;
+  const double diagonal = (high - low).norm();
+  const double size = std::max(diagonal, settings.probe_radius_m);
+  unit_m_ = size > 0.0 ? power_of_two_above(size) : 1.0;
+  std::vector<Material> materials;
+  for (const TouchObject& object : scene.objects) {
+    const auto shift = static_cast<std::uint32_t>(vertices_.size());
+    const auto number = static_cast<std::uint32_t>(materials.size());
+    materials.push_back(object.material);
+    for (const Vec3& vertex : object.mesh->vertices) vertices_.push_back(to_local(vertex));
+    for (const auto& [a, b, c] : object.mesh->triangles) {
+      triangles_.push_back({a + shift, b + shift, c + shift});
+      object_of_.push_back(number);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    low_[axis].reserve(triangles_.size());
+    high_[axis].reserve(triangles_.size());
+    for (const auto& [a, b, c] : triangles_) {
+      const auto [least, most] = std::minmax({vertices_[a][axis], vertices_[b][axis], vertices_[c][axis]});
+      low_[axis].push_back(float_below(least));
+      high_[axis].push_back(float_above(most));
+    }
+  }
+  in_reach_.resize(triangles_.size());
+  proxy_ = std::make_unique<ReferenceProxy>(settings.probe_radius_m / unit_m_, std::move(materials), triangles_.size());
+  start_ = proxy_->make_state();
+  for (std::size_t i = 0; i < kLevels; ++i) levels_.push_back(proxy_->make_state());
+}
+
+// Far away the direction is kept and the distance cut, before anything can overflow.
+Vec3 ReferenceMethod::device_to_local(const Vec3& p_S) const noexcept {
+  const Vec3 p = p_S - centre_;
+  const double most = p.cwiseAbs().maxCoeff();
+  const double farthest = kFarthest * unit_m_;
+  return (most > farthest ? Vec3(p * (farthest / most)) : p) / unit_m_;
+}
+
+PreparedTriangle ReferenceMethod::prepare_triangle(std::uint32_t triangle) const {
+  const auto& [a, b, c] = triangles_[triangle];
+  return {vertices_[a], vertices_[b], vertices_[c]};
+}
+
+// All triangles whose boxes come within reach of the device point; every one without the prefilter.
+void ReferenceMethod::gather(const Vec3& device, double reach) noexcept {
+  proxy_->clear_faces();
+  const float centre[3] = {static_cast<float>(device.x()), static_cast<float>(device.y()), static_cast<float>(device.z())};
+  // What single precision may lose: the rounding of the centre and of three differences, squares and a sum.
+  const double loss = 1e-6 * (1.0 + device.norm() + reach);
+  const float limit = float_above((reach + loss) * (reach + loss) * (1.0 + 1e-6));
+  const std::size_t n = triangles_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    float distance2 = 0.0F;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float below = low_[axis][i] - centre[axis];
+      const float above = centre[axis] - high_[axis][i];
+      const float out = std::max(std::max(below, above), 0.0F);
+      distance2 += out * out;
+    }
+    in_reach_[i] = distance2 <= limit;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (prefilter_ && !in_reach_[i]) continue;
+    const auto triangle = static_cast<std::uint32_t>(i);
+    proxy_->add_face({prepare_triangle(triangle), triangle, object_of_[i]});
+  }
+  counters_.candidates += proxy_->faces();
+}
+
+MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
+  if (!input.p_SD.allFinite()) {
+    return {.force_n = Vec3::Zero(), .p_SP = placed_ ? to_scene(proxy_->state().place) : Vec3(Vec3::Zero()), .contact = false};
+  }
+  if (!placed_) reset(input.p_SD);
+  ++counters_.steps;
+  const Vec3 from = device_;
+  const Vec3 to = device_to_local(input.p_SD);
+  const Vec3 path = to - from;
+  gather(to, (proxy_->state().place - from).norm() + path.norm() + 4.0 * proxy_->rest());
+  last_ = {};
+  if (proxy_->faces() == 0 && proxy_->state().free) {
+    proxy_->place_free(to);
+  } else {
+    follow_to_the_limit(from, to);
+  }
+  device_ = to;
+  counters_.unsettled_steps += last_.settled ? 0 : 1;
+  if (last_.settled) counters_.most_substeps = std::max<std::uint64_t>(counters_.most_substeps, last_.substeps);
+  counters_.proxy = proxy_->counters();
+  const Vec3 velocity = input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3(path * (unit_m_ / input.dt_s)) : Vec3(Vec3::Zero());
+  MethodOutput output = compute_output(input.p_SD, proxy_->surface_place(to), velocity);
+  if (output.contact) output.p_SP = to_scene(proxy_->state().place);
+  return output;
+}
+
+void ReferenceMethod::follow(const Vec3& from, const Vec3& to, int substeps) noexcept {
+  halvings_left_ = kMostHalvings;
+  Vec3 last = from;
+  for (int i = 1; i <= substeps; ++i) {
+    const Vec3 next = i == substeps ? to : Vec3(from + (double(i) / substeps) * (to - from));
+    follow_substep(last, next, 0);
+    last = next;
+  }
+}
+
+// Where a proxy under friction jumps, what comes of it depends on where the device was just then: the sub-step is halved until that is
+// known. Sub-steps of equal length would find it only to their length, and half of the time find the same wrong time when there are twice
+// as many.
+void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size_t level) noexcept {
+  if (!proxy_->has_memory()) return proxy_->follow(from, to, {});
+  ReferenceProxy::State& before = levels_[level];
+  proxy_->save(before);
+  proxy_->follow(from, to, {});
+  const double part = (to - from).norm();
+  const bool jumps = part > kLeastPart && (proxy_->state().place - before.place).norm() > kJump * part;
+  if (!jumps || level + 1 == levels_.size() || halvings_left_ == 0) return;
+  --halvings_left_;
+  proxy_->restore(before);
+  const Vec3 middle = 0.5 * (from + to);
+  follow_substep(from, middle, level + 1);
+  follow_substep(middle, to, level + 1);
+}
+
+void ReferenceMethod::follow_to_the_limit(const Vec3& from, const Vec3& to) noexcept {
+  if (from == to) return follow(from, to, 1);  // nothing to divide
+  proxy_->save(start_);
+  last_.substeps = substeps_;
+  follow(from, to, substeps_);
+  for (last_.settled = false; !last_.settled && last_.substeps <= substep_limit_ / 2;) {
+    const Vec3 coarse = proxy_->surface_place(to) - to;
+    const double coarse_stiffness = proxy_->state().material.stiffness_n_per_m;
+    const bool coarse_sliding = proxy_->state().sliding;
+    proxy_->restore(start_);
+    last_.substeps *= 2;
+    follow(from, to, last_.substeps);
+    const Vec3 fine = proxy_->surface_place(to) - to;
+    const double length = std::max(coarse.norm(), fine.norm());
+    const double change = (fine - coarse).norm();
+    last_.change = length > 0.0 ? change / length : 0.0;
+    last_.settled = change <= std::max(kAgreement * length, kResolution) && proxy_->state().sliding == coarse_sliding &&
+                    (length == 0.0 || proxy_->state().material.stiffness_n_per_m == coarse_stiffness);
+  }
+}
+
+void ReferenceMethod::reset(const Vec3& p_SD) noexcept {
+  counters_ = {};
+  proxy_->clear_counters();
+  last_ = {};
+  placed_ = p_SD.allFinite();
+  if (placed_) device_ = device_to_local(p_SD);
+  proxy_->place_free(device_);
+}
+
+MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept {
+  const Vec3 place = to_local(p_SP);
+  device_ = device_to_local(p_SD);
+  placed_ = true;
+  proxy_->place_held(place, false);
+  gather(device_, (place - device_).norm() + 4.0 * proxy_->rest());
+  proxy_->follow(device_, device_, {.friction = false, .tips_borders = false, .keeps_to_surface = false});
+  return compute_output(p_SD, proxy_->state().place, Vec3::Zero());
+}
+
+void ReferenceMethod::resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept {
+  device_ = device_to_local(p_SD);
+  placed_ = true;
+  const Vec3 penetration = to_local(p_SP) - device_;
+  const double length = penetration.norm();
+  if (!(length > 0.0)) return proxy_->place_free(device_);
+  proxy_->place_free(device_);
+  gather(device_, length + 128.0 * proxy_->rest());
+  if (proxy_->place_on_surface(device_ + penetration, sliding)) return;
+  proxy_->place_held(device_ + (1.0 + 2.0 * ReferenceProxy::kPointRadius / length) * penetration, sliding);
+  proxy_->follow(device_, device_, {});
+  if (!proxy_->state().free) proxy_->set_sliding(sliding);
+}
+
+MethodOutput ReferenceMethod::compute_output(const Vec3& p_SD, const Vec3& place, const Vec3& velocity_m_per_s) const noexcept {
+  MethodOutput output;
+  output.p_SP = place == device_ ? p_SD : to_scene(place);
+  const Vec3 extension = (place - device_) * unit_m_;
+  const double length = extension.norm();
+  if (!(length > 0.0)) return output;
+  const Material& material = proxy_->state().material;
+  const double along = velocity_m_per_s.dot(extension) / length;
+  const double strength = material.stiffness_n_per_m * length - material.damping_ns_per_m * along;
+  if (!(strength > 0.0)) return output;
+  output.force_n = extension * (strength / length);
+  output.contact = true;
+  return output;
+}
+
+std::string ReferenceMethod::describe() const {
+  const double steps = std::max<double>(1.0, static_cast<double>(counters_.steps));
+  const ReferenceProxy::Counters& proxy = counters_.proxy;
+  return fmt::format(
+      "reference: {} triangles, no search structure; each step in {}, {}, {} ... at most {} sub-steps until the force changes by less than "
+      "{:g}\n"
+      "  or its place by {:.3g} m\n"
+      "  {} steps, {} not settled, at most {} sub-steps in one that did; {:.1f} triangles in reach, {:.1f} sub-steps and {:.1f} motions a "
+      "step\n"
+      "  at most {} motions in one sub-step; {} escapes, {} unconverged, {} infeasible\n",
+      triangles_.size(), substeps_, 2 * substeps_, 4 * substeps_, substep_limit_, kAgreement, kResolution * unit_m_, counters_.steps,
+      counters_.unsettled_steps, counters_.most_substeps, static_cast<double>(counters_.candidates) / steps,
+      static_cast<double>(proxy.substeps) / steps, static_cast<double>(proxy.motions) / steps, proxy.most_motions, proxy.escapes,
+      proxy.unconverged, proxy.infeasible);
+}
+
+}  // namespace hapton

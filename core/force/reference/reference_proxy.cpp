@@ -1,0 +1,512 @@
+#include "core/force/reference/reference_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "core/force/contact_material.h"
+#include "core/force/friction_drag.h"
+#include "core/force/reference/convex_sweep.h"
+
+namespace hapton {
+namespace {
+
+// All of these are in local units, where the scene's diagonal lies in (1/2, 1].
+const double kSkin = std::ldexp(1.0, -38);      // hover / 64: far above rounding, far below hover
+const double kRounding = std::ldexp(1.0, -48);  // bound on the error of a distance between points within the scene
+const double kErosion = std::ldexp(1.0, -47);   // what one motion may take off a distance that is already at its least
+const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
+const double kIdleGain = std::ldexp(1.0, -50);  // coming nearer to the device by less than this is none
+const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
+constexpr double kLongestMotion = 4.0;          // a device far away must not cost the digits of what is near
+constexpr double kLeastRoll = 1e-10;            // rad
+constexpr double kLongestRoll = std::numbers::pi / 3.0;
+constexpr double kLongestTip = std::numbers::pi / 6.0;
+constexpr double kBorder = 1e-3;  // of the rest distance: a face's contact this near to its border may stand on the edge
+constexpr int kIdleMotions = 8;
+constexpr int kMostMotions = 16000;
+constexpr int kMostEscapes = 64;
+constexpr double kLocal = 0x1p-7;  // half the side of the cube whose faces are listed: some hundred of a million
+constexpr std::size_t kMostContacts = 256;
+constexpr double kSamePlane = 1e-14;  // normals of one plane differ by less in their cosine
+constexpr double kSteepest = 4.0;     // rest distances: farther off the surface, in a wedge of 29 degrees and less, it stays
+constexpr std::size_t kMostNear = 48;
+constexpr std::size_t kMostDirections = 1536;
+
+bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
+  return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
+}
+
+}  // namespace
+
+ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces)
+    : rest_(std::max(probe_radius, kPointRadius)),
+      local_reach_(kLocal + 2.0 * rest_),
+      materials_(std::move(materials)),
+      state_(make_state()) {
+  for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
+  faces_.reserve(most_faces);
+  boxes_.reserve(most_faces);
+  local_.reserve(most_faces);
+  contacts_before_.reserve(kMostContacts);
+  vertex_contacts_.reserve(kMostContacts);
+  stays_.reserve(most_faces);
+  near_.reserve(kMostNear);
+  directions_.reserve(kMostDirections);
+  half_spaces_.reserve(kMostContacts);
+}
+
+ReferenceProxy::State ReferenceProxy::make_state() const {
+  State state;
+  state.contacts.reserve(kMostContacts);
+  return state;
+}
+
+void ReferenceProxy::clear_faces() noexcept {
+  has_local_ = false;
+  faces_.clear();
+  boxes_.clear();
+}
+
+void ReferenceProxy::add_face(const Face& face) noexcept {
+  const auto& [a, b, c] = face.shape.corner;
+  has_local_ = false;
+  faces_.push_back(face);
+  boxes_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
+}
+
+void ReferenceProxy::place_free(const Vec3& p) noexcept {
+  state_.place = p;
+  state_.contacts.clear();
+  state_.free = true;
+  state_.sliding = false;
+}
+
+void ReferenceProxy::place_held(const Vec3& p, bool sliding) noexcept {
+  place_free(p);
+  state_.free = false;
+  state_.sliding = sliding;
+}
+
+void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, const Rules& rules) noexcept {
+  if (faces_.empty() && state_.contacts.empty()) return place_free(device_to);
+  ++counters_.substeps;
+  rules_ = rules;
+  drag(device_from, device_to);
+  descend(device_to);
+  for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
+  state_.free = state_.place == device_to && state_.contacts.empty();
+  if (state_.free) state_.sliding = false;
+}
+
+// Friction on one plane in closed form: return mapping alone is right only to the square of the sub-step, each time.
+void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexcept {
+  if (!has_friction() || device_from == device_to) return;
+  update_contacts();
+  const Pull before = project_pull(device_from - state_.place);
+  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace) return;
+  Vec3 on_edge;
+  std::array<Side, 2> sides;
+  if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
+  const Vec3 normal = before.strongest->near.direction;
+  const Pull after = project_pull(device_to - state_.place);
+  if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
+  const auto in_plane = [&](const Vec3& v) { return Vec3(v - v.dot(normal) * normal); };
+  const Material material = material_of(after);
+  FrictionMotion input;
+  input.lag = in_plane(device_from - state_.place);
+  input.motion = in_plane(device_to - device_from);
+  input.pressure_start = pressure_of(before.motion.multiplier[0]);
+  input.pressure_end = pressure_of(after.motion.multiplier[0]);
+  input.friction_static = material.friction_static;
+  input.friction_dynamic = material.friction_dynamic;
+  input.sliding = state_.sliding;
+  if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
+  const FrictionDrag dragged = drag_by_friction(input);
+  const Vec3 motion = cut_at_border(after, input.lag + input.motion - dragged.lag);
+  state_.sliding = dragged.sliding;
+  if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
+}
+
+Vec3 ReferenceProxy::surface_place(const Vec3& device) noexcept {
+  const Vec3 place = state_.place;
+  if (rest_ != kPointRadius || place == device) return place;
+  update_contacts();
+  const Pull held = project_pull(device - place);
+  const int n = held.motion.count;
+  if (n == 0 || !held.motion.feasible) return place;
+  // The least motion that brings the proxy to distance zero of all that hold it: N (N^T N)^-1 (-distances).
+  Mat3 normals = Mat3::Zero();
+  Vec3 distances = Vec3::Zero();
+  for (int i = 0; i < n; ++i) {
+    const Contact& contact = state_.contacts[held.motion.active[i]];
+    normals.col(i) = contact.near.direction;
+    distances[i] = contact.near.distance;
+  }
+  Mat3 gram = normals.transpose() * normals;
+  for (int i = n; i < 3; ++i) gram(i, i) = 1.0;
+  const Vec3 down = -normals * gram.fullPivLu().solve(distances);
+  const bool is_sound = down.allFinite() && (normals.transpose() * down + distances).norm() <= kSkin && down.norm() <= kSteepest * rest_;
+  const Vec3 onto = is_sound ? Vec3(place + down) : place;
+  return (onto - device).dot(place - device) > 0.0 ? onto : device;
+}
+
+// From where the proxy is to where no straight motion brings it nearer to the device.
+void ReferenceProxy::descend(const Vec3& device) noexcept {
+  double nearest = std::numeric_limits<double>::infinity();
+  int idle = 0;
+  int motions = 0;
+  for (; motions < kMostMotions && idle < kIdleMotions; ++motions) {
+    update_contacts();
+    if (state_.contacts.empty() && cross_free_space(device)) break;
+    const double distance = (device - state_.place).norm();
+    idle = distance < nearest - kIdleGain ? 0 : idle + 1;
+    nearest = std::min(nearest, distance);
+    const Pull pull = project_pull(device - state_.place);
+    if (pull.strongest != nullptr) state_.material = material_of(pull);
+    if (pull.motion.count == 0) {
+      const bool arrives = (device - state_.place).norm() <= kLongestMotion;
+      if (advance(pull.motion.point) && arrives) {
+        state_.place = device;
+        break;
+      }
+      continue;
+    }
+    const AtVertex at_vertex = slip_from_vertex(device, pull);
+    if (at_vertex == AtVertex::held) break;
+    if (at_vertex == AtVertex::left) continue;
+    if (at_vertex == AtVertex::elsewhere && is_held_at_edge(device, pull)) break;
+    const Vec3 motion = cut_at_border(pull, limit_by_friction(pull));
+    if (!(motion.norm() > kStill)) {
+      if (tip_over(device, pull)) continue;
+      break;
+    }
+    if (roll(device, pull) || leave_vertex(device, pull)) continue;
+    advance(motion);
+  }
+  update_contacts();
+  counters_.motions += static_cast<std::uint64_t>(motions);
+  counters_.most_motions = std::max(counters_.most_motions, static_cast<std::uint64_t>(motions));
+  if (motions == kMostMotions) ++counters_.unconverged;
+}
+
+// Far outside the scene there is nothing to meet: the proxy goes straight to the device, or to where its way enters the surroundings of the
+// scene. True when it has arrived.
+bool ReferenceProxy::cross_free_space(const Vec3& device) noexcept {
+  const double surroundings = 1.0 + 2.0 * rest_;
+  if (state_.place.norm() < 1.01 * surroundings) return false;
+  const Vec3 way = device - state_.place;
+  const double length = way.norm();
+  const double foot = length > 0.0 ? -state_.place.dot(way) / length : 0.0;
+  const double miss = length > 0.0 ? (state_.place + (foot / length) * way).norm() : surroundings;
+  const double entry = foot - std::sqrt(std::max(0.0, (surroundings - miss) * (surroundings + miss)));
+  if (miss >= surroundings || entry <= 0.0 || entry >= length) {
+    state_.place = device;
+    return true;
+  }
+  state_.place += (entry / length) * way;
+  return false;
+}
+
+// Where the touched triangles are nearest now; those left behind are dropped.
+void ReferenceProxy::update_contacts() noexcept {
+  for (Contact& contact : state_.contacts) {
+    contact.near = closest_point(contact.face.shape, state_.place);
+    if (contact.near.distance == 0.0 && contact.near.feature != TriangleFeature::kFace) contact.near.direction = contact.face.shape.normal;
+  }
+  std::erase_if(state_.contacts,
+                [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
+  forget_borders_of_faces();
+}
+
+// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion. By the
+// edge between two triangles of one plane it would hold a proxy whose device draws it along the plane by less than its normal leans; and
+// friction would stop there.
+void ReferenceProxy::forget_borders_of_faces() noexcept {
+  meet_face_below();
+  const auto is_of_face = [&](const Contact& contact) {
+    if (contact.near.feature == TriangleFeature::kFace) return false;
+    return std::any_of(state_.contacts.begin(), state_.contacts.end(), [&](const Contact& other) {
+      return other.near.feature == TriangleFeature::kFace && closest_point(other.face.shape, contact.near.point).distance <= kStill;
+    });
+  };
+  for (std::size_t i = state_.contacts.size(); i-- > 0;) {
+    if (is_of_face(state_.contacts[i])) state_.contacts.erase(state_.contacts.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+// The face that a point is over, by no more than its radius, is in contact. Where the proxy has come over it without a motion that it
+// stopped, as over a row of slivers in one plane, only the border of what follows has been met.
+void ReferenceProxy::meet_face_below() noexcept {
+  const auto is_border = [](const Contact& contact) { return contact.near.feature != TriangleFeature::kFace; };
+  if (rest_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_border)) return;
+  list_local_faces();
+  for (const std::uint32_t i : local_) {
+    const Box& box = boxes_[i];
+    const double reach = rest_ + kSkin;
+    if (((state_.place - box.high).cwiseMax(box.low - state_.place).array() > reach).any() || !can_meet(faces_[i])) continue;
+    const ClosestPoint near = closest_point(faces_[i].shape, state_.place);
+    if (near.feature == TriangleFeature::kFace && near.distance <= reach && !near.direction.isZero(0.0)) meet(faces_[i]);
+  }
+}
+
+ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
+  half_spaces_.clear();
+  for (const Contact& contact : state_.contacts) {
+    // A proxy a little too near is led back to rest; one that starts overlapping (a reset in the surface) only may not go deeper.
+    const double gap = rest_ - contact.near.distance;
+    half_spaces_.push_back({contact.near.direction, gap <= 2.0 * kSkin ? gap : 0.0});
+  }
+  Pull result;
+  result.motion = project_onto_half_spaces(pull, half_spaces_, kFeasible);
+  if (!result.motion.feasible) {
+    for (HalfSpace& half_space : half_spaces_) half_space.gap = std::min(half_space.gap, 0.0);
+    result.motion = project_onto_half_spaces(pull, half_spaces_, kFeasible);
+    if (!result.motion.feasible) {
+      ++counters_.infeasible;
+      result.motion.point = Vec3::Zero();
+    }
+  }
+  double strongest = -1.0;
+  for (int i = 0; i < result.motion.count; ++i) {
+    if (result.motion.multiplier[i] > strongest) {
+      strongest = result.motion.multiplier[i];
+      result.strongest = &state_.contacts[result.motion.active[i]];
+    }
+  }
+  const double length = result.motion.point.norm();
+  if (length > kLongestMotion) result.motion.point *= kLongestMotion / length;
+  return result;
+}
+
+// The surface itself is a point's radius nearer to the device.
+double ReferenceProxy::pressure_of(double push) const noexcept { return rest_ == kPointRadius ? std::max(0.0, push - rest_) : push; }
+
+Material ReferenceProxy::material_of(const Pull& pull) const noexcept {
+  ContactMaterial material;
+  for (int i = 0; i < pull.motion.count; ++i) {
+    material.add(materials_[state_.contacts[pull.motion.active[i]].face.object], pull.motion.multiplier[i]);
+  }
+  return material.mean();
+}
+
+// Coulomb friction: the part of the frictionless motion that the cone leaves.
+Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
+  const Vec3& motion = pull.motion.point;
+  if (!has_friction() || pull.strongest == nullptr) return motion;
+  Vec3 push = Vec3::Zero();
+  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * state_.contacts[pull.motion.active[i]].near.direction;
+  const Material material = material_of(pull);
+  const double way = motion.norm();
+  const double pressure = pressure_of(push.norm());
+  if (!exceeds_friction(way, pressure, material)) return Vec3::Zero();
+  return motion * ((way - material.friction_dynamic * pressure) / way);
+}
+
+// Whether a pull along the surface is out of the cone: then the proxy slides.
+bool ReferenceProxy::exceeds_friction(double way, double depth, const Material& material) noexcept {
+  const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
+  const bool exceeds = way > held + kStill;
+  state_.sliding = exceeds || (state_.sliding && way >= FrictionMotion::kRest * material.friction_dynamic * depth);
+  return exceeds;
+}
+
+// Where the proxy jumps, the way counts, not only where it ends: it must not lead off the surface beyond what holds the proxy.
+Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) noexcept {
+  const double length = motion.norm();
+  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > rest_)) return motion;
+  double until = 1.0;
+  for (int i = 0; i < pull.motion.count; ++i) until = std::min(until, share_on_feature(state_.contacts[pull.motion.active[i]], motion));
+  return std::min(1.0, until + rest_ / length) * motion;
+}
+
+// The share of a motion that stays by what the contact touches.
+double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& motion) noexcept {
+  const PreparedTriangle& shape = contact.face.shape;
+  if (contact.near.feature == TriangleFeature::kFace) return share_on_plane(contact, motion);
+  if (!is_edge(contact.near.feature)) return 0.0;
+  const Vec3 direction = edge_of(contact).normalized();
+  const double along = direction.dot(motion);
+  const double sideways = (motion - along * direction).norm();
+  const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0) + (along > 0.0)) % 3];
+  const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.place) / along) : 1.0;
+  return sideways * until > rest_ ? rest_ / sideways : until;
+}
+
+// The share of a motion over the faces near of one plane.
+double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion) noexcept {
+  const auto stay_over = [&](const PreparedTriangle& shape) {
+    Stay stay{0.0, 1.0};
+    for (int k = 0; k < 3; ++k) {
+      const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
+      const double rate = shape.inward[k].dot(motion);
+      if (rate < 0.0) stay.until = std::min(stay.until, std::max(inside, 0.0) / -rate);
+      if (inside < 0.0) stay.from = rate > 0.0 ? std::max(stay.from, -inside / rate) : 2.0;
+    }
+    return stay;
+  };
+  stays_.clear();
+  list_local_faces();
+  for (const std::uint32_t i : local_) {
+    const PreparedTriangle& shape = faces_[i].shape;
+    if (!shape.has_face || std::abs(shape.normal.dot(contact.near.direction)) < 1.0 - kSamePlane) continue;
+    if (std::abs(std::abs(shape.normal.dot(state_.place - shape.corner[shape.base])) - contact.near.distance) > kSkin) continue;
+    const Stay stay = stay_over(shape);
+    if (stay.from < stay.until) stays_.push_back(stay);
+  }
+  std::sort(stays_.begin(), stays_.end(), [](const Stay& a, const Stay& b) { return a.from < b.from; });
+  double until = stay_over(contact.face.shape).until;
+  const double gap = rest_ / motion.norm();
+  for (const Stay& stay : stays_) {
+    if (stay.from > until + gap) break;
+    until = std::max(until, stay.until);
+  }
+  return until;
+}
+
+// A sphere over a single edge or corner goes round it to the point nearest to the device, or sixty degrees on.
+bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
+  if (pull.motion.count != 1 || rest_ <= 16.0 * kPointRadius || has_friction()) return false;
+  const Contact& contact = *pull.strongest;
+  if (contact.near.feature == TriangleFeature::kFace || contact.near.distance < rest_ - 2.0 * kSkin) return false;
+  const Vec3 aim = across_feature(contact, device - pivot_of(contact));
+  const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
+  const double side = sideways.norm();
+  const double angle = std::min(std::atan2(side, aim.dot(contact.near.direction)), kLongestRoll);
+  return side > 0.0 && angle > kLeastRoll && go_round(contact, sideways / side, angle);
+}
+
+// At rest, yet not at a minimum: on an edge or a corner with the device beyond it the proxy stands like a ball on a ridge. It goes round to
+// either side if that is free and nearer to the device. The very border of a face is an edge, too. Friction would hold it there.
+bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
+  if (has_friction()) return false;
+  for (int i = 0; i < pull.motion.count; ++i) {
+    Contact contact = state_.contacts[pull.motion.active[i]];
+    if (contact.near.distance < rest_ - 2.0 * kSkin) continue;
+    if (contact.near.feature != TriangleFeature::kFace) {
+      if (tip_over(device, contact)) return true;
+      continue;
+    }
+    for (int k = 0; k < 3 && rules_.tips_borders; ++k) {
+      const PreparedTriangle& shape = contact.face.shape;
+      if (shape.inward[k].dot(state_.place - shape.corner[k]) > kBorder * rest_ * shape.edge[k].norm()) continue;
+      contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kEdge0) + k);
+      if (tip_over(device, contact)) return true;
+    }
+  }
+  return false;
+}
+
+bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexcept {
+  const Vec3& normal = contact.near.direction;
+  if ((device - pivot_of(contact)).dot(normal) >= 0.0) return false;
+  // Along an edge as well: it may end right here.
+  const Vec3 first = is_edge(contact.near.feature) ? Vec3(normal.cross(edge_of(contact)).normalized()) : normal.unitOrthogonal();
+  const Vec3 second = normal.cross(first);
+  const Vec3 start = state_.place;
+  const double tip = std::min(kLongestTip, std::sqrt(kPointRadius / rest_));  // climbs half a hover: over no ridge that holds a sphere
+  for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
+    if (!go_round(contact, tangent, tip)) continue;
+    if ((device - state_.place).squaredNorm() < (device - start).squaredNorm()) return true;
+    state_.place = start;
+  }
+  return false;
+}
+
+// The point the sphere touches.
+Vec3 ReferenceProxy::pivot_of(const Contact& contact) const noexcept {
+  return state_.place - contact.near.distance * contact.near.direction;
+}
+
+Vec3 ReferenceProxy::edge_of(const Contact& contact) noexcept {
+  return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0)];
+}
+
+Vec3 ReferenceProxy::across_feature(const Contact& contact, const Vec3& v) noexcept {
+  if (!is_edge(contact.near.feature)) return v;
+  const Vec3 edge = edge_of(contact);
+  return v - (v.dot(edge) / edge.squaredNorm()) * edge;
+}
+
+// Round the touched edge or corner by an angle, on the two tangents at the ends of the arc. False, and nothing moved, when something is in
+// the way.
+bool ReferenceProxy::go_round(const Contact& contact, const Vec3& tangent, double angle) noexcept {
+  const Vec3 start = state_.place;
+  const Vec3 pivot = pivot_of(contact);
+  const Vec3 normal = contact.near.direction;
+  const Vec3 corner = pivot + rest_ * (normal + std::tan(0.5 * angle) * tangent);
+  const Vec3 end = pivot + rest_ * (std::cos(angle) * normal + std::sin(angle) * tangent);
+  if (advance(corner - start) && advance(end - corner)) return true;
+  state_.place = start;
+  return false;
+}
+
+// Lists the faces that lie in a cube about the proxy, in the order of all faces, so that short motions need not look at all. The list is
+// kept until the proxy has left the middle of the cube.
+void ReferenceProxy::list_local_faces() noexcept {
+  if (is_local(state_.place, 0.5 * local_reach_)) return;
+  local_.clear();
+  local_centre_ = state_.place;
+  const Vec3 low = local_centre_.array() - local_reach_;
+  const Vec3 high = local_centre_.array() + local_reach_;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (boxes_meet(boxes_[i].low, boxes_[i].high, low, high)) local_.push_back(static_cast<std::uint32_t>(i));
+  }
+  has_local_ = true;
+}
+
+bool ReferenceProxy::is_local(const Vec3& p, double reach) const noexcept {
+  return has_local_ && ((p - local_centre_).cwiseAbs().array() <= reach).all();
+}
+
+// The first of `count` faces met on the way, and when.
+template <class FaceAt>
+ReferenceProxy::FirstMet ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
+  const Vec3 end = state_.place + motion;
+  const Vec3 low = state_.place.cwiseMin(end).array() - (rest_ + 2.0 * kSkin);
+  const Vec3 high = state_.place.cwiseMax(end).array() + (rest_ + 2.0 * kSkin);
+  FirstMet first;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = face_at(k);
+    const Face& face = faces_[i];
+    if (!boxes_meet(boxes_[i].low, boxes_[i].high, low, high) || !can_meet(face)) continue;
+    const double distance = closest_point(face.shape, state_.place).distance;
+    // At rest less the skin the motion ends. Where that is already used up a motion may take one erosion more, but
+    // never below half, so the sum over any number of motions stays on the proxy's side.
+    double limit = std::min(rest_ - kSkin, distance - kErosion);
+    if (distance < 0.5 * rest_) limit = distance;
+    const SweepHit found = sweep_point(face.shape, state_.place, motion, first.until, limit, 0.5 * kErosion, kRounding);
+    if (found.hit) first = {found.t, &face};
+  }
+  return first;
+}
+
+// Moves the proxy along the motion until it meets a triangle, which is then touched. True when it met none. What is met near by, before the
+// motion leaves the cube, is the first of all.
+bool ReferenceProxy::advance(const Vec3& motion) noexcept {
+  list_local_faces();
+  FirstMet first = find_first(motion, local_.size(), [&](std::size_t k) { return std::size_t{local_[k]}; });
+  const double inner = local_reach_ - (rest_ + 2.0 * kSkin);
+  if (!is_local(state_.place + first.until * motion, inner)) first = find_first(motion, faces_.size(), [](std::size_t k) { return k; });
+  state_.place += first.face == nullptr ? motion : Vec3(first.until * motion);
+  if (first.face != nullptr) meet(*first.face);
+  return first.face == nullptr;
+}
+
+void ReferenceProxy::meet(const Face& face) noexcept {
+  for (const Contact& known : state_.contacts) {
+    if (known.face.triangle == face.triangle) return;
+  }
+  if (state_.contacts.size() == kMostContacts) state_.contacts.erase(state_.contacts.begin());
+  state_.contacts.push_back({face, closest_point(face.shape, state_.place)});
+}
+
+// A one-sided surface is met only from the side its normal points to.
+bool ReferenceProxy::can_meet(const Face& face) const noexcept {
+  if (materials_[face.object].two_sided) return true;
+  return face.shape.has_face && face.shape.normal.dot(state_.place - face.shape.corner[face.shape.base]) > 0.0;
+}
+
+}  // namespace hapton

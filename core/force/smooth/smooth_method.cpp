@@ -1,0 +1,628 @@
+#include "core/force/smooth/smooth_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/geometry/closest_point.h"
+#include "core/geometry/triangle_distance.h"
+
+namespace hapton {
+namespace {
+
+// How far ahead the predicted way looks: the slow task's period, 10 ms in haptics_node, with room to spare.
+constexpr double kLookAheadSeconds = 0.015;
+// Of RADIUS: with less than that to spare at the end of the way, a new set is asked for.
+constexpr double kSpare = 0.5;
+// Of the scene's diagonal: RADIUS is never larger when it comes from the data.
+constexpr double kLargestRadius = 0.01;
+// Times the VCP is projected anew within a step, the paper's once included; it stops as soon as it stands still.
+constexpr int kProjections = 6;
+// Of the skin: the VCP shown and felt stays that much outside the surface, so that rounding does not put it inside.
+constexpr double kHover = 0.01;
+// Skins that a point steps back from where the probe meets an edge, to see which side it comes from.
+constexpr double kStepBack = 100.0;
+// Of the scene's diagonal: a probe farther out is taken to be there, or the way from it would have no digits left near the surface.
+constexpr double kFarthest = 1e7;
+// Faces that the VCP may cross in a step.
+constexpr int kLongestWalk = 256;
+// Of RADIUS: moving less is standing still.
+constexpr double kStill = 1e-6;
+
+// Closer than reach to p. The plane turns most away before the triangle itself is looked at.
+bool is_within(const SetTriangle& face, const Vec3& p, double reach) {
+  if (std::fabs(face.face.dot(p - face.corner[0])) > reach * (1.0 + 1e-9)) return false;
+  return triangle_distance_squared(p, face.corner[0], face.corner[1], face.corner[2]) <= reach * reach;
+}
+
+// X, on the triangle's plane, lies farther than margin from all its edges.
+bool is_inside_edges(const SetTriangle& t, const Vec3& X, double margin) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 e = t.corner[(k + 1) % 3] - t.corner[k];
+    if (!(t.face.cross(e).dot(X - t.corner[k]) > margin * e.norm())) return false;
+  }
+  return true;
+}
+
+bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::kFace && !triangle.face.isZero(0.0); }
+
+// A distance within which a set of this size is complete nearly everywhere, with half of it to spare for moving about.
+double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
+  return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_reach(std::max(1U, set_size / 2)));
+}
+
+// Where between two points the way comes nearest to a face, from 0 to 1; of a stretch that is equally near, its beginning. The distance to
+// a triangle is convex along a line, so halving on its slope finds it.
+double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
+  const auto distance = [&](double at) {
+    return triangle_distance_squared(from + at * (to - from), t.corner[0], t.corner[1], t.corner[2]);
+  };
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double third = (high - low) / 3.0;
+    if (distance(low + third) <= distance(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return low;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  Settings own;
+  if (settings.set_size < 16 || settings.set_size > static_cast<int>(LocalSet::kCapacity)) {
+    return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
+  }
+  if (settings.probe_radius_m != 0.0) {
+    return fail("smooth: the probe is a point, not a sphere of {:g} m; set its radius to 0 or choose proxy", settings.probe_radius_m);
+  }
+  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
+    return fail("smooth: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
+  }
+  own.set_size = static_cast<std::uint32_t>(settings.set_size);
+  own.radius_m = settings.smooth_radius_m;
+  own.layer = settings.smooth_layer;
+  own.scene.directions = settings.hull_directions;
+  own.scene.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
+  own.scene.surface.simplify_error_m = settings.simplify_m;
+  auto method = make_with(own, scene);
+  if (!method) return tl::unexpected(method.error());
+  return std::unique_ptr<ForceMethod>(std::move(*method));
+}
+
+Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& settings, const TouchScene& scene) {
+  if (settings.set_size < 1 || settings.set_size > LocalSet::kCapacity) {
+    return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
+  }
+  if (!(settings.radius_m >= 0.0) || !std::isfinite(settings.radius_m)) {
+    return fail("smooth: the radius {:g} m is not 0 or more", settings.radius_m);
+  }
+  if (!(settings.layer >= 0.0 && settings.layer <= 1.0))
+    return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.layer);
+  auto prepared = SmoothScene::build(scene, settings.scene);
+  if (!prepared) return fail("smooth: {}", prepared.error().what);
+  std::unique_ptr<SmoothMethod> method(new SmoothMethod());
+  method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
+  for (const TouchObject& object : scene.objects) {
+    const Material& m = object.material;
+    method->leaves_out_ |= m.friction_static != 0.0 || m.friction_dynamic != 0.0 || m.damping_ns_per_m != 0.0;
+  }
+  method->set_size_ = settings.set_size;
+  method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
+  method->layer_ = settings.layer * method->radius_;
+  return method;
+}
+
+// ---- looking ---------------------------------------------------------------------------------------------------------
+
+LocalSetWish SmoothMethod::wish() const noexcept {
+  const Vec3& from = inside_ ? V_ : P_;
+  Vec3 way = kLookAheadSeconds * velocity_;
+  // A way longer than a set reaches spends the set on its length.
+  const double length = way.norm();
+  const double most = 0.5 * std::max(set_.radius, 0.0);
+  if (length > most) way = most > 0.0 ? Vec3(way * (most / length)) : Vec3(Vec3::Zero());
+  return {from, from + way};
+}
+
+bool SmoothMethod::prepare() {
+  if (!wishes_.take()) return false;
+  scene_->select(wishes_.value(), set_size_, sets_.draft());
+  sets_.publish_draft();
+  return true;
+}
+
+// Asks the slow task for a set before this one's reach is used up.
+void SmoothMethod::ask_ahead() noexcept {
+  const LocalSetWish ahead = wish();
+  const double reach = (1.0 + kSpare) * radius_;
+  const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > reach && set_.clearance_at(ahead.to) > reach;
+  if (is_fresh() && (is_clear || (set_.reach_at(ahead.from) > reach && set_.reach_at(ahead.to) > reach))) return;
+  wishes_.publish(ahead);
+}
+
+void SmoothMethod::offer(const LocalSet& set) noexcept {
+  has_slow_task_ = true;
+  const Vec3& at = inside_ ? V_ : P_;
+  if (set.version != scene_->version() || (is_fresh() && set.reach_at(at) <= set_.reach_at(at))) return;
+  set_ = set;
+  ++counters_.offered;
+}
+
+// A set about p would hardly reach farther than the one at hand, taken nearby, does at its best.
+bool SmoothMethod::would_help(const Vec3& p, double radius) const { return set_.radius > radius || set_.distance_to_way(p) > 0.5 * radius; }
+
+void SmoothMethod::select_at(const Vec3& p) noexcept {
+  ++counters_.selections;
+  counters_.late += has_slow_task_ ? 1 : 0;
+  const LocalSetWish ahead = wish();
+  scene_->select({p, p + (ahead.to - ahead.from)}, set_size_, set_);
+}
+
+template <class Visit>
+void SmoothMethod::look_near(const Vec3& center, double radius, Visit&& visit) noexcept {
+  if (all_triangles_) {
+    for (const SetTriangle& t : all_) visit(t);
+    return;
+  }
+  if (!is_fresh() || (set_.reach_at(center) <= radius && would_help(center, radius))) select_at(center);
+  if (set_.reach_at(center) > radius) {
+    for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
+    return;
+  }
+  ++counters_.overflows;
+  scene_->for_each_near(center, radius, visit);
+}
+
+template <class Visit>
+void SmoothMethod::look_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept {
+  if (all_triangles_) {
+    for (const SetTriangle& t : all_) visit(t);
+    return;
+  }
+  const double skin = 2.0 * scene_->skin();
+  const auto is_covered = [&] { return set_.reach_at(from) > skin && set_.reach_at(to) > skin; };
+  if (!is_fresh() || !is_covered()) select_at(to);
+  if (is_covered()) {  // a set's reach is convex: both ends, then all between
+    for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
+    return;
+  }
+  ++counters_.overflows;
+  scene_->for_each_along(from, to, skin, visit);
+}
+
+// The first face on the way of a free probe: one that it passes through, or one that it comes within a skin of at an edge or a corner,
+// where it ends, where it runs within a face, or where faces do not quite meet.
+SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noexcept {
+  Hit passed;
+  Hit grazed;
+  const double skin = scene_->skin();
+  const auto p = of3(from);
+  const auto q = of3(to);
+  const StraightLine line(from, to);
+  look_along(from, to, [&](const SetTriangle& t) {
+    if (!is_face(t)) return;
+    const double start = t.face.dot(from - t.corner[0]);
+    const double end = t.face.dot(to - t.corner[0]);
+    if (std::min(std::fabs(start), std::fabs(end)) > skin && (start > 0.0) == (end > 0.0)) return;
+    if (!(segment_triangle_distance_squared<double>(p, q, of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])) <= skin * skin)) return;
+    const double side = start < 0.0 ? -1.0 : 1.0;
+    double at = 0.0;
+    if (std::fabs(start) > skin && side * end < -skin && line.meets(t.corner, at)) {
+      at = std::clamp(at, 0.0, 1.0);
+      const Vec3 X = from + at * (to - from);
+      if (is_inside_edges(t, X, skin)) {
+        if ((side > 0.0 || t.two_sided) && passed.is_worse_than(at, t)) passed = {t, X, at, side, true};
+        return;
+      }
+    }
+    at = nearest_on_way(from, to, t);
+    if (grazed.is_worse_than(at, t)) grazed = {t, from + at * (to - from), at, side, true};
+  });
+  if (!grazed.found || (passed.found && passed.measure <= grazed.measure)) return passed;
+  const Hit seen = seen_from(from, grazed);
+  return seen.found ? seen : passed;
+}
+
+// On an edge or a corner the heights over single faces do not tell which side the probe comes from. A point a little back on its way does:
+// of the faces nearest to it the one that it stands most upright over (of equally near ones, as Baerentzen & Aanaes 2005 need not average).
+SmoothMethod::Hit SmoothMethod::seen_from(const Vec3& from, const Hit& grazed) noexcept {
+  const double skin = scene_->skin();
+  const Vec3 back = from - grazed.X;
+  const double length = back.norm();
+  const double step = std::min(length, kStepBack * skin);
+  if (!(step > 0.0)) return grazed;
+  const Vec3 Q = grazed.X + (step / length) * back;
+  double least = step + 2.0 * skin;
+  look_near(Q, least, [&](const SetTriangle& t) {
+    if (is_face(t) && is_within(t, Q, least)) least = std::sqrt(triangle_distance_squared(Q, t.corner[0], t.corner[1], t.corner[2]));
+  });
+  Hit nearest;
+  look_near(Q, step + 2.0 * skin, [&](const SetTriangle& t) {
+    if (!is_face(t) || !is_within(t, Q, least + 1e-6 * step)) return;
+    const double height = t.face.dot(Q - t.corner[0]);
+    if (!nearest.is_worse_than(-std::fabs(height), t)) return;
+    nearest = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], grazed.X).point, -std::fabs(height), height < 0.0 ? -1.0 : 1.0,
+               true};
+  });
+  if (!nearest.found) return grazed;
+  if (nearest.side < 0.0 && !nearest.triangle.two_sided) return {};
+  return nearest;
+}
+
+// The first face between a VCP (lifted off the surface) and the probe. It mostly stands near the VCP, where the set is complete; only when
+// nothing stands there the tree is asked for the rest of the way.
+SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noexcept {
+  Hit best;
+  const double length = (to - from).norm();
+  double last = 1.0;
+  const StraightLine line(from, to);
+  const auto test = [&](const SetTriangle& t) {
+    if (!is_face(t)) return;
+    const double start = side_ * t.face.dot(from - t.corner[0]);
+    const double end = side_ * t.face.dot(to - t.corner[0]);
+    if (!(start > 0.0 && end <= 0.0)) return;
+    double at = 0.0;
+    if (!line.meets(t.corner, at)) return;
+    at = std::clamp(at, 0.0, 1.0);
+    if (at <= last && best.is_worse_than(at, t)) best = {t, from + at * (to - from), at, side_, true};
+  };
+  if (!all_triangles_) {
+    const double wanted = std::min(length, radius_) + scene_->skin();
+    if (!is_fresh() || (set_.reach_at(from) <= wanted && would_help(from, wanted))) select_at(from);
+    const double reach = set_.reach_at(from) - scene_->skin();
+    if (reach > 0.0) {
+      last = length > reach ? reach / length : 1.0;
+      for (std::uint32_t i = 0; i < set_.count; ++i) test(set_.triangles[i]);
+      if (best.found || last >= 1.0) return best;
+      last = 1.0;
+    }
+    ++counters_.overflows;
+    scene_->for_each_along(from, to, scene_->skin(), test);
+    return best;
+  }
+  for (const SetTriangle& t : all_) test(t);
+  return best;
+}
+
+// Fig. 4: of the points where the line from P outward leaves the inside, the one nearest to `near`. Only where a mesh is wound against
+// itself and no such point is found, a two-sided face counts that is wound the other way.
+SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double reach) noexcept {
+  Hit best;
+  Hit against;
+  const StraightLine line(P, P + outward);
+  look_near(near, reach, [&](const SetTriangle& t) {
+    if (!is_face(t)) return;
+    const double facing = side_ * outward.dot(t.face);
+    if (!(facing > 0.0) && (t.one_winding || !t.two_sided || facing == 0.0)) return;
+    double at = 0.0;
+    if (!line.meets(t.corner, at)) return;
+    const Vec3 X = P + at * outward;
+    const double distance = (X - near).norm();
+    Hit& hit = facing > 0.0 ? best : against;
+    if (distance <= reach && hit.is_worse_than(distance, t)) hit = {t, X, distance, facing > 0.0 ? side_ : -side_, true};
+  });
+  return best.found ? best : against;
+}
+
+SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) noexcept {
+  Hit best;
+  look_near(p, reach, [&](const SetTriangle& t) {
+    if (!is_face(t) || !is_within(t, p, reach)) return;
+    const double distance = std::sqrt(triangle_distance_squared(p, t.corner[0], t.corner[1], t.corner[2]));
+    if (!best.is_worse_than(distance, t)) return;
+    best = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], p).point, distance, side_, true};
+  });
+  return best;
+}
+
+bool SmoothMethod::is_behind_all(const Vec3& P) noexcept {
+  const double skin = scene_->skin();
+  bool behind = side_ * T_.face.dot(P - V_) < -skin;
+  if (!behind) return false;
+  look_near(V_, skin, [&](const SetTriangle& t) {
+    if (is_face(t) && is_within(t, V_, 0.5 * skin)) behind = behind && side_ * t.face.dot(P - V_) < -skin;
+  });
+  return behind;
+}
+
+// Away from every face that p lies on.
+Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
+  struct Face {
+    std::uint32_t object;
+    std::uint32_t triangle;
+    Vec3 normal;
+  };
+  constexpr std::size_t kMost = 64;  // of a corner with more, these say enough
+  std::array<Face, kMost> faces;
+  std::size_t count = 0;
+  const double reach = 0.5 * scene_->skin();
+  look_near(p, reach, [&](const SetTriangle& t) {
+    if (!is_face(t) || count == kMost || !is_within(t, p, reach)) return;
+    std::size_t at = count++;
+    for (; at > 0 && (faces[at - 1].object != t.object ? faces[at - 1].object > t.object : faces[at - 1].triangle > t.triangle); --at) {
+      faces[at] = faces[at - 1];
+    }
+    faces[at] = {t.object, t.triangle, t.face};
+  });
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < count; ++i) sum += side_ * faces[i].normal;
+  const double length = sum.norm();
+  return length > 0.1 ? Vec3(sum / length) : Vec3(side_ * T_.face);
+}
+
+// ---- tracking --------------------------------------------------------------------------------------------------------
+
+void SmoothMethod::enter(const Hit& hit) noexcept {
+  inside_ = true;
+  V_ = hit.X;
+  T_ = hit.triangle;
+  side_ = hit.side;
+}
+
+// What stands between the VCP and another place on the surface, both seen from outside.
+SmoothMethod::Hit SmoothMethod::find_obstacle(const SetTriangle& face, const Vec3& X) noexcept {
+  const double lift = 2.0 * scene_->skin();
+  return find_block(V_ + lift * outward_at(V_), X + (lift * side_) * face.face);
+}
+
+// Walks V over the surface to where it is nearest to P, from face to touching face, each step strictly nearer. true: it ends within a face.
+// Where more than two faces meet, it must see where it goes: pieces that merely touch or cross are no way through each other.
+bool SmoothMethod::descend(const Vec3& P) noexcept {
+  const double touching = 0.5 * scene_->skin();
+  for (int i = 0; i < kLongestWalk; ++i) {
+    const ClosestPoint on_face = closest_point(T_.corner[0], T_.corner[1], T_.corner[2], P);
+    V_ = on_face.point;
+    if (on_face.feature == TriangleFeature::kFace) return true;
+    const Vec3 here = V_;
+    const double distance = (P - here).norm();
+    Hit best;
+    best.measure = distance - 1e-9 * distance - 1e-3 * touching;
+    int others = 0;
+    look_near(here, touching, [&](const SetTriangle& t) {
+      if (!is_face(t) || (t.object == T_.object && t.triangle == T_.triangle)) return;
+      if (!is_within(t, here, touching)) return;
+      ++others;
+      const double other = std::sqrt(triangle_distance_squared(P, t.corner[0], t.corner[1], t.corner[2]));
+      if (other > best.measure || (other == best.measure && !t.before(best.triangle))) return;
+      best.triangle = t;
+      best.measure = other;
+      best.found = true;
+    });
+    if (!best.found) return false;
+    if (others > 1) {
+      const auto& c = best.triangle.corner;
+      const Hit obstacle = find_obstacle(best.triangle, closest_point(c[0], c[1], c[2], P).point);
+      if (obstacle.found && !((P - obstacle.X).norm() < distance - 1e-9 * distance - touching)) return false;
+      if (obstacle.found) best.triangle = obstacle.triangle;
+    }
+    T_ = best.triangle;
+  }
+  return false;
+}
+
+// V1: D, where the line through P along the smooth normal at the VCP meets the surface, repeated until normal and VCP agree.
+Vec3 SmoothMethod::project_smoothly(const Vec3& P, double reach, Vec3& normal) noexcept {
+  Vec3 V = V_;
+  SetTriangle T = T_;
+  normal = side_ * smooth_normal_at(T, V);
+  double last = reach;
+  for (int i = 0; i < kProjections; ++i) {
+    const Hit hit = find_on_line(P, normal, V, reach);
+    // Moving farther than the time before would not settle: deeper than the surface is curved, V has no near projection.
+    if (!hit.found || hit.measure > last) break;
+    V = hit.X;
+    T = hit.triangle;
+    normal = hit.side * smooth_normal_at(T, V);
+    last = hit.measure;
+    if (last <= kStill * radius_) break;
+  }
+  return V;
+}
+
+// Fig. 4: takes V from the last sample to this one. false: the probe is outside again.
+bool SmoothMethod::track(const Vec3& P) noexcept {
+  const Vec3 move = P - P_;
+  const Vec3 W = V_ + move;
+  const double reach = std::max(radius_, 2.0 * move.norm());
+  const double skin = scene_->skin();
+  Vec3 outward = V_ - P_;
+  const double depth = outward.norm();
+  // Too short to be a direction, or the surface has moved under the probe: the normal stands in.
+  const bool points_out = depth > 4.0 * skin && side_ * T_.face.dot(outward) > 0.0;
+  outward = points_out ? Vec3(outward / depth) : Vec3(side_ * smooth_normal_at(T_, V_));
+  const Hit on_line = find_on_line(P, outward, W, reach);
+  const bool stays = on_line.found && on_line.triangle.object == T_.object && on_line.triangle.triangle == T_.triangle;
+  if (stays || (on_line.found && !find_obstacle(on_line.triangle, on_line.X).found)) {
+    V_ = on_line.X;
+    T_ = on_line.triangle;
+    side_ = on_line.side;
+  }
+  counters_.astray += on_line.found ? 0 : 1;  // the current VCP stays
+  return settle(P);
+}
+
+// Ends V's way where it is nearest to P. false: the probe is outside.
+bool SmoothMethod::settle(const Vec3& P) noexcept {
+  const double skin = scene_->skin();
+  if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
+
+  // Outside, unless it is behind every face that the VCP lies on, or something stands between them.
+  if (is_behind_all(P)) return true;
+  for (int i = 0; i < 4; ++i) {
+    const Hit block = find_block(V_ + 2.0 * skin * outward_at(V_), P);
+    if (!block.found) break;
+    V_ = block.X;
+    T_ = block.triangle;
+    if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
+    if (i == 3) return true;
+  }
+  const Hit touched = find_nearest_face(P, skin);
+  if (touched.found) {
+    V_ = touched.X;
+    T_ = touched.triangle;
+    return true;
+  }
+  return false;
+}
+
+// ---- feeling ---------------------------------------------------------------------------------------------------------
+
+Vec3 SmoothMethod::outside_force(const Vec3& p) noexcept {
+  if (!(layer_ > 0.0)) return Vec3::Zero();
+  SmoothForceSum sum(p, radius_);
+  look_near(p, radius_, [&sum](const SetTriangle& t) { sum.add(t); });
+  const SmoothForce felt = sum.combine(layer_);
+  counters_.hidden += felt.hidden;
+  counters_.crowded_out += felt.crowded_out;
+  return felt.force_n;
+}
+
+MethodOutput SmoothMethod::feel_outside(const Vec3& P) noexcept {
+  MethodOutput output;
+  output.p_SP = P;
+  output.force_n = outside_force(P);
+  output.contact = !output.force_n.isZero(0.0);
+  return output;
+}
+
+MethodOutput SmoothMethod::feel_inside(const Vec3& P) noexcept {
+  MethodOutput output;
+  Vec3 n;
+  Vec3 V = project_smoothly(P, radius_, n);
+  V += kHover * scene_->skin() * n;
+  const Vec3 pull = V - P;
+  output.force_n = outside_force(V + 2.0 * scene_->skin() * n);
+  // Within the skin the probe may still be on the outer side.
+  if (pull.dot(n) > 0.0) output.force_n += T_.stiffness_n_per_m * pull;
+  output.contact = !output.force_n.isZero(0.0);
+  output.p_SP = output.contact ? V : P;
+  return output;
+}
+
+Vec3 SmoothMethod::held_near(const Vec3& p) const noexcept {
+  const double farthest = kFarthest * scene_->diagonal();
+  const Vec3 out = p - scene_->center();
+  const double most = out.cwiseAbs().maxCoeff();
+  return most > farthest ? Vec3(scene_->center() + farthest * (out / most)) : p;
+}
+
+MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
+  if (!input.p_SD.allFinite()) {
+    MethodOutput nothing;
+    nothing.p_SP = P_;
+    return nothing;
+  }
+  if (!started_) reset(input.p_SD);
+  MethodOutput output = step_at(held_near(input.p_SD), input.dt_s);
+  if (!output.contact) output.p_SP = input.p_SD;
+  return output;
+}
+
+MethodOutput SmoothMethod::step_at(const Vec3& P, double dt_s) noexcept {
+  ++counters_.steps;
+  if (sets_.take()) offer(sets_.value());
+  const Vec3 move = P - P_;
+  velocity_ = dt_s > 0.0 && std::isfinite(dt_s) ? Vec3(move / dt_s) : Vec3(Vec3::Zero());
+  if (inside_ && !track(P)) {
+    inside_ = false;
+    ++counters_.releases;
+    P_ = P;
+    ask_ahead();
+    return feel_outside(P);
+  }
+  if (!inside_) {
+    const double clear = std::max(layer_ > 0.0 ? radius_ : 0.0, 2.0 * scene_->skin());
+    if (!all_triangles_ && is_fresh() && set_.clearance_at(P_) > clear && set_.clearance_at(P) > clear) {
+      ++counters_.skipped;
+      P_ = P;
+      ask_ahead();
+      MethodOutput nothing;
+      nothing.p_SP = P;
+      return nothing;
+    }
+    const Hit entry = find_entry(P_, P);
+    if (entry.found) {
+      ++counters_.entries;
+      enter(entry);
+      inside_ = settle(P);
+    }
+  }
+  P_ = P;
+  ask_ahead();
+  return inside_ ? feel_inside(P) : feel_outside(P);
+}
+
+void SmoothMethod::reset(const Vec3& p_SD) noexcept {
+  inside_ = false;
+  velocity_.setZero();
+  started_ = p_SD.allFinite();
+  if (started_) P_ = held_near(p_SD);
+}
+
+Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const Vec3> vertices) {
+  if (object >= scene_->object_count()) return scene_->move_vertices(object, vertices);
+  const SmoothSurface& surface = scene_->surface(object);
+  const bool rides = inside_ && T_.object == object;
+  const Vec3 weights = rides ? closest_point(T_.corner[0], T_.corner[1], T_.corner[2], V_).barycentric : Vec3(Vec3::Zero());
+  std::vector<std::array<Vec3, 3>> before(started_ && !inside_ ? surface.face_count : 0);
+  for (std::size_t t = 0; t < before.size(); ++t)
+    before[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
+
+  const auto moved = scene_->move_vertices(object, vertices);
+  if (!moved) return moved;
+  if (all_triangles_) use_all_triangles();
+  if (rides) {
+    T_ = scene_->triangle_at(object, T_.triangle);
+    V_ = weights[0] * T_.corner[0] + weights[1] * T_.corner[1] + weights[2] * T_.corner[2];
+  }
+  // Seen from a triangle that has moved, a free probe has moved the other way, by what its nearest point on the triangle did.
+  Hit best;
+  for (std::uint32_t t = 0; t < before.size(); ++t) {
+    const SetTriangle now = scene_->triangle_at(object, t);
+    if (!is_face(now)) continue;
+    const ClosestPoint was = closest_point(before[t][0], before[t][1], before[t][2], P_);
+    const Vec3 there = was.barycentric[0] * now.corner[0] + was.barycentric[1] * now.corner[1] + was.barycentric[2] * now.corner[2];
+    const Vec3 from = P_ + (there - was.point);
+    const Vec3 old_normal = (before[t][1] - before[t][0]).cross(before[t][2] - before[t][0]);
+    const double side = old_normal.dot(P_ - before[t][0]) < 0.0 ? -1.0 : 1.0;
+    if (side < 0.0 && !now.two_sided) continue;
+    if (side * now.face.dot(P_ - now.corner[0]) > 0.0) continue;
+    const double skin = scene_->skin();
+    if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(now.corner[0]), of3(now.corner[1]), of3(now.corner[2])) <=
+          skin * skin)) {
+      continue;
+    }
+    const ClosestPoint at = closest_point(now.corner[0], now.corner[1], now.corner[2], P_);
+    if (best.is_worse_than(at.distance, now)) best = {now, at.point, at.distance, side, true};
+  }
+  if (best.found) {
+    ++counters_.entries;
+    enter(best);
+  }
+  return {};
+}
+
+void SmoothMethod::use_all_triangles() {
+  all_triangles_ = true;
+  all_.clear();
+  scene_->for_each([this](const SetTriangle& t) { all_.push_back(t); });
+}
+
+std::string SmoothMethod::describe() const {
+  const SmoothCounters& c = counters_;
+  std::string text = fmt::format("smooth: RADIUS {:g} m, layer {:g} m, sets of {} triangles\n", radius_, layer_, set_size_);
+  if (leaves_out_) text += "friction and damping of the materials are left out: not this method's\n";
+  text += scene_->describe();
+  text += fmt::format(
+      "steps {}: {} skipped in free space, {} entries, {} releases, {} astray; {} hidden VCPs\n"
+      "sets: {} selected here ({} late), {} offered by the slow task, {} looks beyond a set answered by the tree\n",
+      c.steps, c.skipped, c.entries, c.releases, c.astray, c.hidden, c.selections, c.late, c.offered, c.overflows);
+  return text;
+}
+
+}  // namespace hapton

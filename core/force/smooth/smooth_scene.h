@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/collision/box.h"
+#include "core/collision/fdh_scene.h"
+#include "core/force/smooth/local_set.h"
+#include "core/force/touch_scene.h"
+#include "core/geometry/smooth_surface.h"
+
+namespace hapton {
+
+struct SmoothSceneSettings {
+  SmoothSurfaceSettings surface;
+  int directions = 14;  // of the Fixed Direction Hulls: 6, 14, 18 or 26
+};
+
+// Everything that can be touched, prepared for the paper's two tasks: smooth surfaces under two levels of Fixed Direction Hulls.
+// Frame S, metres.
+// Threads: const calls from any number, none while move_vertices runs. RT: const queries yes; the rest set-up only.
+class SmoothScene {
+ public:
+  // Error: as make_smooth_surface and FdhScene::build; directions that are not 6, 14, 18 or 26.
+  static Result<SmoothScene> build(const TouchScene& scene, const SmoothSceneSettings& settings);
+
+  SmoothScene(const SmoothScene&) = delete;
+  SmoothScene& operator=(const SmoothScene&) = delete;
+  SmoothScene(SmoothScene&&) = default;
+  SmoothScene& operator=(SmoothScene&&) = default;
+
+  // The slow task: the `count` triangles nearest to the way from wish.from to wish.to. What `set` holds from before bounds the
+  // search, never what is found: on from place to place is sooner done. Pre: 1 <= count <= LocalSet::kCapacity.
+  FdhVisits select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept;
+
+  // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.
+  template <class Visit>
+  void for_each_near(const Vec3& center, double radius, Visit&& visit) const noexcept {
+    std::visit(
+        [&](const auto& tree) {
+          tree.for_each_overlapping(FdhBall{center, radius},
+                                    [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
+        },
+        tree_);
+  }
+  // Calls visit(SetTriangle) for every triangle at most `radius` from the segment.
+  template <class Visit>
+  void for_each_along(const Vec3& from, const Vec3& to, double radius, Visit&& visit) const noexcept {
+    std::visit(
+        [&](const auto& tree) {
+          tree.for_each_overlapping(FdhSweep{from, to, radius},
+                                    [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
+        },
+        tree_);
+  }
+  // Calls visit(SetTriangle) for every triangle of the scene, fake ones too: the brute-force twin of the queries.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (std::uint32_t o = 0; o < objects_.size(); ++o) {
+      for (std::uint32_t t = 0; t < objects_[o].surface.mesh.triangles.size(); ++t) visit(triangle_at(o, t));
+    }
+  }
+
+  SetTriangle triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept;
+
+  // One object's vertices, in the order of its mesh, have moved: surface, normals and hulls follow; every local set is worthless then.
+  // Error: another number of vertices; coordinates that are not finite.
+  Result<void> move_vertices(std::uint32_t object, std::span<const Vec3> vertices);
+
+  std::uint64_t version() const { return version_; }
+  double diagonal() const { return diagonal_; }
+  const Vec3& center() const { return center_; }
+  // Far above any rounding of positions here, far below anything that is felt.
+  double skin() const { return skin_; }
+  std::size_t object_count() const { return objects_.size(); }
+  const SmoothSurface& surface(std::size_t object) const { return objects_[object].surface; }
+  FdhStats tree_stats() const;
+
+  // The distance that holds about `count` triangles round most places of the surface: the second percentile, over some 256 faces taken
+  // evenly, of the distance to the count-th triangle nearest to a face's middle. RT: set-up only.
+  double compute_typical_reach(std::uint32_t count) const;
+
+  std::string describe() const;
+
+ private:
+  double farthest_wanted(const LocalSetWish& wish, std::uint32_t count, const LocalSet& before) const noexcept;
+
+  struct Object {
+    SmoothSurface surface;
+    SmoothSurfaceReport report;
+    Material material;
+    std::size_t vertex_count = 0;  // of the mesh as it came
+    Box bounds;
+  };
+
+  SmoothScene() = default;
+  void measure(Object& object);
+  void measure_all();
+
+  std::vector<Object> objects_;
+  std::variant<FdhScene<6>, FdhScene<14>, FdhScene<18>, FdhScene<26>> tree_;
+  int directions_ = 14;
+  std::uint64_t version_ = 1;
+  double diagonal_ = 0.0;
+  Vec3 center_ = Vec3::Zero();
+  double skin_ = 0.0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,223 @@
+#include "core/force/sphere/centre_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+constexpr double kLeastStep = 0x1p-50;  // of a path's time
+
+}  // namespace
+
+CentrePath CentrePath::straight(const Vec3& from, const Vec3& to) noexcept {
+  CentrePath path;
+  path.start_ = from;
+  path.end_ = to;
+  path.rate_ = {to - from, Vec3::Zero(), Vec3::Zero()};
+  return path;
+}
+
+CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slope_from, const Vec3& slope_to) noexcept {
+  CentrePath path;
+  path.start_ = from;
+  path.end_ = to;
+  const Vec3 chord = to - from;
+  path.rate_ = {slope_from, 3.0 * chord - 2.0 * slope_from - slope_to, slope_from + slope_to - 2.0 * chord};
+  constexpr double kOfTheCurve = 1.0625;  // the curve itself bends by as much more than the cubic, at most
+  path.bend_ = kOfTheCurve * std::max((2.0 * path.rate_[1]).norm(), (2.0 * path.rate_[1] + 6.0 * path.rate_[2]).norm());
+  return path;
+}
+
+Vec3 CentrePath::at(double time) const noexcept {
+  if (time >= 1.0) return end_;
+  if (time <= 0.0) return start_;
+  Vec3 p = start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2]));
+  if (guide_count_ > 0) bring_back(p);
+  return p;
+}
+
+// Newton's method. One step is exact on one guide. On two guides the first step leaves the square of the cubic's error over their radius,
+// which rounding does not explain.
+void CentrePath::bring_back(Vec3& p) const noexcept {
+  constexpr int kMostRounds = 3;
+  constexpr double kConverged = 0x1p-30;  // an error this small leaves less than rounding
+  for (int round = 0; round < kMostRounds; ++round) {
+    if (bring_nearer(p) <= kConverged || guide_count_ == 1) return;
+  }
+}
+
+double CentrePath::Guide::distance_to(const Vec3& p, Vec3& normal) const noexcept {
+  Vec3 off = p - origin;
+  if (round == Round::plane) {
+    normal = direction;
+    return direction.dot(off);
+  }
+  if (round == Round::line) off -= direction.dot(off) * direction;
+  const double distance = off.norm();
+  normal = distance > 0.0 ? Vec3(off / distance) : Vec3::Zero();
+  return distance;
+}
+
+// Returns how far p was off.
+double CentrePath::bring_nearer(Vec3& p) const noexcept {
+  std::array<Vec3, 2> normal;
+  std::array<double, 2> short_by{};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
+    short_by[i] = guides_[i].offset - guides_[i].distance_to(p, normal[i]);
+  }
+  if (guide_count_ == 1) {
+    p += short_by[0] * normal[0];
+    return std::fabs(short_by[0]);
+  }
+  constexpr double kParallel = 0x1p-24;
+  const double cosine = normal[0].dot(normal[1]);
+  const double sine_squared = (1.0 - cosine) * (1.0 + cosine);
+  if (!(sine_squared > kParallel)) return 0.0;
+  p +=
+      ((short_by[0] - cosine * short_by[1]) / sine_squared) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine_squared) * normal[1];
+  return std::max(std::fabs(short_by[0]), std::fabs(short_by[1]));
+}
+
+Vec3 CentrePath::slope(double time) const noexcept { return guide_count_ > 0 ? slope(time, at(time)) : cubic_slope(time); }
+
+Vec3 CentrePath::slope(double time, const Vec3& p) const noexcept {
+  const Vec3 way = cubic_slope(time);
+  if (guide_count_ == 0) return way;
+  Vec3 normal;
+  guides_[0].distance_to(p, normal);
+  const Vec3 over_first = way - normal.dot(way) * normal;
+  if (guide_count_ == 1) return over_first;
+  Vec3 other;
+  guides_[1].distance_to(p, other);
+  const Vec3 along = normal.cross(other);
+  const double squared = along.squaredNorm();
+  return squared > 0.0 ? Vec3(along * (along.dot(way) / squared)) : over_first;
+}
+
+double CentrePath::time_to_pass(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
+  const auto beyond = [&](double time) { return direction.dot(at(time) - origin) - margin; };
+  double low = from;
+  double high = until;
+  double at_low = beyond(low);
+  double at_high = beyond(high);
+  if (!(at_high > 0.0)) {
+    if (std::max(at_low, at_high) + bulge() * direction.norm() < 0.0) return kNever;
+    high = find_crest(direction, low, high);
+    at_high = high < until ? beyond(high) : at_high;
+    if (!(at_high > 0.0)) return kNever;
+  }
+  if (at_low >= 0.0) return at_high > at_low ? from : kNever;
+  // False position, with the end that stays halved (Illinois).
+  constexpr int kMostRounds = 40;
+  for (int i = 0; i < kMostRounds; ++i) {
+    const double time = low + (high - low) * (at_low / (at_low - at_high));
+    if (is_straight() || !(high - low > 0x1p-50)) return std::min(time, until);
+    const double here = beyond(time);
+    if (std::fabs(here) <= 0x1p-52 || time <= low || time >= high) return time;
+    if (here > 0.0) {
+      high = time;
+      at_high = here;
+      at_low *= 0.5;
+    } else {
+      low = time;
+      at_low = here;
+      at_high *= 0.5;
+    }
+  }
+  return high;
+}
+
+// Where the path is farthest along the direction, if that is between; else `high`.
+double CentrePath::find_crest(const Vec3& direction, double low, double high) const noexcept {
+  if (is_straight() || !(direction.dot(slope(low)) > 0.0) || !(direction.dot(slope(high)) < 0.0)) return high;
+  constexpr int kRounds = 24;
+  double before = low;
+  double after = high;
+  for (int i = 0; i < kRounds; ++i) {
+    const double middle = 0.5 * (before + after);
+    (direction.dot(slope(middle)) > 0.0 ? before : after) = middle;
+  }
+  return before;
+}
+
+// When another place of the triangle becomes nearer than the corner.
+double CentrePath::time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept {
+  double time = kNever;
+  const int before = (corner + 2) % 3;
+  const auto leave = [&](const Vec3& direction) {
+    time = std::min(time, time_to_pass(triangle.corner(corner), direction, 0.0, from, std::min(until, time)));
+  };
+  if (triangle.length(corner) > 0.0) leave(triangle.edge(corner) / triangle.length(corner));
+  if (triangle.length(before) > 0.0) leave(triangle.edge(before) / -triangle.length(before));
+  return time;
+}
+
+// When the distance falls to `level`, to a tolerance.
+CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned held, double until,
+                                         int& tests) const noexcept {
+  constexpr int kMostRounds = 64;
+  constexpr double kSlopeError = 0x1p-11;
+  const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
+  // Past a corner: the distance to an edge or face that begins there falls by less than the tolerance meanwhile.
+  const double least_step = bend_ > 0.0 ? std::max(kLeastStep, std::sqrt(level.tolerance / bend_)) : kLeastStep;
+  double time = 0.0;
+  for (int i = 0; i < kMostRounds; ++i) {
+    ++tests;
+    const Vec3 place = at(time);
+    const Separation now = triangle.separation(place);
+    if (held != 0 && now.feature == Feature::vertex) {
+      int corner = 0;
+      while (corner < 2 && triangle.corner(corner) != now.nearest) ++corner;
+      if ((held >> corner & 1U) != 0) {
+        const double off = time_off_corner(triangle, corner, time, until);
+        time = std::max(off, time) + least_step;
+        if (!(time < until)) return {};
+        continue;
+      }
+    }
+    const Vec3 way = slope(time, place);
+    const double rate = now.normal.dot(way);
+    const double approach = rate - normal_error(now) * way.norm() - slope_error * std::fabs(rate);
+    const double gap = now.distance - level.distance;
+    if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return {time, true};
+    // gap + approach x - bend / 2 x^2 = 0
+    double step = 0.0;
+    if (bend_ > 0.0) {
+      const double root = std::sqrt(approach * approach + 2.0 * bend_ * std::max(gap, 0.0));
+      step = approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : (approach + root) / bend_;
+    } else {
+      if (!(approach < 0.0)) return {};
+      step = gap / -approach;
+    }
+    time += std::max(step, kLeastStep);
+    if (!(time < until)) return {};
+  }
+  return {time, false};
+}
+
+CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const Keep& keep, unsigned held, double until,
+                                         int& tests) const noexcept {
+  ++tests;
+  const Separation start = triangle.separation(start_);
+  const Vec3 way = rate_[0];
+  const double approach = start.normal.dot(way) - normal_error(start) * way.norm();
+  const double gap = start.distance - keep.offset;
+  const double low = keep.offset - 0.5 * keep.slop;
+  // Safe from the start: the parabola stays above.
+  const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - 0.5 * bend_ * until * until)
+                                        : gap + approach * until - 0.5 * bend_ * until * until;
+  if (keep.offset + bottom > low) return {};
+  // What rounding took from a centre that is as near as can be does not hold it.
+  if (start.distance < low + keep.tolerance) {
+    if (approach < 0.0) return {0.0, true};
+    return find_below(triangle, {start.distance - 0.125 * keep.slop, keep.tolerance}, held, until, tests);
+  }
+  const Block below = find_below(triangle, {low, keep.tolerance}, held, until, tests);
+  if (below.time > until) return {};
+  const double level = gap > keep.tolerance ? keep.offset : std::min(keep.offset - 0.25 * keep.slop, start.distance - keep.tolerance);
+  const Block block = find_below(triangle, {level, keep.tolerance}, held, until, tests);
+  return block.time < below.time ? block : below;
+}
+
+}  // namespace hapton

@@ -1,0 +1,378 @@
+#include "core/force/sphere/offset_drag.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/force/friction_drag.h"
+#include "core/force/sphere/contact_frame.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kMostError = 0x1p-36;  // of one step of the integration
+constexpr double kConverged = 0x1p-50;
+constexpr double kFirstPiece = 0x1p-18;  // of the offset
+
+}  // namespace
+
+OffsetDrag::OffsetDrag(std::span<const OffsetContact> contacts, std::span<const FrictionCoefficients> friction, double offset) noexcept
+    : contacts_(contacts), friction_(friction), offset_(offset) {}
+
+// As ContactMaterial: equal coefficients stay what they are.
+FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
+  FrictionCoefficients result = friction_[0];
+  double sum = 0.0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    if (!(pull.multiplier[i] > 0.0)) continue;
+    sum += pull.multiplier[i];
+    const double share = pull.multiplier[i] / sum;
+    result.at_rest += share * (friction_[i].at_rest - result.at_rest);
+    result.sliding += share * (friction_[i].sliding - result.sliding);
+  }
+  return result;
+}
+
+bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const noexcept {
+  const Vec3 whole = device - c;
+  if (contacts_.size() == 1) {
+    const Vec3 normal = contacts_[0].stand(c).normal;
+    const double height = normal.dot(whole);
+    pull.way = whole - height * normal;
+    pull.way -= normal.dot(pull.way) * normal;  // what rounding left
+    pull.length = pull.way.norm();
+    pull.depth = -height;
+    pull.normal = normal;
+    pull.multiplier[0] = -height;
+    pull.friction = friction_[0];
+    return true;
+  }
+  ContactFrame frame;
+  frame.count = static_cast<int>(contacts_.size());
+  for (std::size_t i = 0; i < contacts_.size(); ++i) frame.normal[i] = contacts_[i].stand(c).normal;
+  if (!frame.prepare()) return false;
+  Vec3 push = Vec3::Zero();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    pull.multiplier[i] = -frame.dual[i].dot(whole);
+    push += pull.multiplier[i] * frame.normal[i];
+  }
+  pull.along = frame.along;
+  pull.way = contacts_.size() == 2 ? Vec3(frame.along.dot(whole) * frame.along) : Vec3(Vec3::Zero());
+  pull.length = pull.way.norm();
+  pull.depth = push.norm();
+  pull.normal = pull.depth > 0.0 ? Vec3(push / pull.depth) : frame.normal[0];
+  pull.friction = mean(pull);
+  return true;
+}
+
+Vec3 OffsetDrag::direction_of(const Pull& pull, const Vec3& motion) const noexcept {
+  if (pull.length > kLeastLag) return pull.way / pull.length;
+  if (contacts_.size() == 2) return pull.along.dot(motion) < 0.0 ? Vec3(-pull.along) : pull.along;
+  const Vec3 way = motion - pull.normal.dot(motion) * pull.normal;
+  const double length = way.norm();
+  return length > 0.0 ? Vec3(way / length) : Vec3::Zero();
+}
+
+double OffsetDrag::find_drive(const Pull& pull, const Vec3& motion) const noexcept {
+  return (direction_of(pull, motion) + pull.friction.sliding * pull.normal).dot(motion);
+}
+
+// The sum of multipliers times curvatures along the way.
+double OffsetDrag::find_curving(const Pull& pull, const Vec3& way) const noexcept {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < contacts_.size(); ++i) sum += std::max(0.0, pull.multiplier[i]) * contacts_[i].curvature(way, offset_);
+  return sum;
+}
+
+double OffsetDrag::find_stability(const Pull& pull) const noexcept {
+  if (is_flat() || !(pull.length > 0.0)) return 1.0;
+  const double mu = pull.friction.sliding;
+  return 1.0 - (1.0 + mu * mu) * find_curving(pull, pull.way / pull.length);
+}
+
+Vec3 OffsetDrag::find_slope(const Pull& pull, const Vec3& motion) const noexcept {
+  const Vec3 way = direction_of(pull, motion);
+  return way * (way + pull.friction.sliding * pull.normal).dot(motion);
+}
+
+Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept {
+  const Vec3 way = direction_of(pull, motion);
+  const double mu = pull.friction.sliding;
+  const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * find_curving(pull, way);
+  return way * ((way + mu * pull.normal).dot(motion) / std::max(stability, 0x1p-30));
+}
+
+bool OffsetDrag::restore(Vec3& c) const noexcept {
+  constexpr int kMostRounds = 8;
+  for (int round = 0; round < kMostRounds; ++round) {
+    ContactFrame frame;
+    std::array<double, 2> short_by{};
+    double most = 0.0;
+    frame.count = static_cast<int>(contacts_.size());
+    for (std::size_t i = 0; i < contacts_.size(); ++i) {
+      const OffsetContact::Stand stand = contacts_[i].stand(c);
+      frame.normal[i] = stand.normal;
+      short_by[i] = offset_ - stand.distance;
+      most = std::max(most, std::fabs(short_by[i]));
+    }
+    if (most <= 0x1p-51) return true;
+    if (most > offset_ || !frame.prepare()) return false;
+    for (std::size_t i = 0; i < contacts_.size(); ++i) c += short_by[i] * frame.dual[i];
+    if (most <= 0x1p-26 * offset_ && contacts_.size() == 1) return true;
+  }
+  return true;
+}
+
+// Dormand & Prince 5(4): 0 to `length`. `step`: in, what to begin with, 0: all; out, to go on with. Pre: rate(at, rate) is false where
+// there is none.
+template <class Rate>
+bool OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, int& tests, Rate&& rate) noexcept {
+  using State = Eigen::Vector4d;
+  constexpr int kMostSteps = 64;
+  constexpr int kWork = 4;  // a step is as much as so many pieces of work
+  double left = length;
+  if (step == 0.0) step = std::fabs(length);
+  State k1;
+  if (!rate(at, k1)) return false;
+  for (int i = 0; i < kMostSteps; ++i) {
+    tests += kWork;
+    const bool is_last = 1.0625 * step >= std::fabs(left);
+    const double h = is_last ? left : std::copysign(step, length);
+    State k2, k3, k4, k5, k6, k7;
+    const auto stage = [&](const State& slope, State& k) { return rate(State(at + h * slope), k); };
+    const bool has_stages =
+        stage(0.2 * k1, k2) && stage(3.0 / 40.0 * k1 + 9.0 / 40.0 * k2, k3) &&
+        stage(44.0 / 45.0 * k1 - 56.0 / 15.0 * k2 + 32.0 / 9.0 * k3, k4) &&
+        stage(19372.0 / 6561.0 * k1 - 25360.0 / 2187.0 * k2 + 64448.0 / 6561.0 * k3 - 212.0 / 729.0 * k4, k5) &&
+        stage(9017.0 / 3168.0 * k1 - 355.0 / 33.0 * k2 + 46732.0 / 5247.0 * k3 + 49.0 / 176.0 * k4 - 5103.0 / 18656.0 * k5, k6);
+    State end;
+    double error = std::numeric_limits<double>::infinity();
+    if (has_stages) {
+      end = at + h * (35.0 / 384.0 * k1 + 500.0 / 1113.0 * k3 + 125.0 / 192.0 * k4 - 2187.0 / 6784.0 * k5 + 11.0 / 84.0 * k6);
+      if (rate(end, k7)) {
+        error = std::fabs(h) * (71.0 / 57600.0 * k1 - 71.0 / 16695.0 * k3 + 71.0 / 1920.0 * k4 - 17253.0 / 339200.0 * k5 +
+                                22.0 / 525.0 * k6 - 1.0 / 40.0 * k7)
+                                   .norm();
+      }
+    }
+    if (!(error <= kMostError)) {
+      step = std::fabs(h) * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
+      if (!(step > 0x1p-30 * std::fabs(length))) return false;
+      continue;
+    }
+    at = end;
+    const double next = std::fabs(h) * std::clamp(0.9 * std::pow(kMostError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
+    step = is_last ? std::max(step, next) : next;
+    if (is_last) return true;
+    left -= h;
+    k1 = k7;
+  }
+  return false;
+}
+
+// What the integration lost: on the surface, and on the cone at another place or, where that hardly depends on the place, another time.
+void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept {
+  constexpr double kSteep = 0.125;
+  restore(at.centre);
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kLeastLag) || !(pull.depth > 0.0)) return;
+  const double excess = pull.excess();
+  if (std::fabs(excess) <= kConverged || std::fabs(excess) > 0.125 * pull.length) return;
+  const double stability = find_stability(pull);
+  const double drive = find_drive(pull, motion);
+  if (std::fabs(stability) > kSteep) {
+    at.centre += excess / stability * (pull.way / pull.length);
+    restore(at.centre);
+  } else if (drive > kSteep * motion.norm()) {
+    at.time -= excess / drive;
+  }
+}
+
+bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept {
+  const Vec3 motion = to - from;
+  const double speed = motion.norm();
+  if (!(speed > 0.0)) return false;
+  if (contacts_.size() == 2) return flow_on_curve(from, motion, length, at, tests);
+  // From no lag at all: what a lag has to be to tell a direction is not integrated to, which would take a step for each of its multiples.
+  // It points the way the device goes, but for the square of this first piece.
+  Pull start;
+  if (!find_pull(at.centre, from + at.time * motion, start)) return false;
+  const Vec3 slope = find_slope(start, motion);
+  const double pace = find_stability(start);
+  const double first = kFirstPiece * offset_ / std::max(slope.norm(), speed * 0x1p-20);
+  if (start.length <= std::max(4.0 * kLeastLag, kFirstPiece * kFirstPiece * offset_) && pace > 0.0 && first < length) {
+    at.centre += first * slope;
+    at.time += first * pace;
+    return_to_flow(from, motion, at);
+    length -= first;
+  }
+  // The time as a length, so that one tolerance is for both.
+  Eigen::Vector4d state(at.centre.x(), at.centre.y(), at.centre.z(), at.time * speed);
+  const bool is_done = integrate(state, length, at.step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+    Pull pull;
+    const Vec3 c = here.head<3>();
+    if (!find_pull(c, from + (here[3] / speed) * motion, pull)) return false;
+    const Vec3 way = direction_of(pull, motion);
+    const double mu = pull.friction.sliding;
+    rate.head<3>() = way * (way + mu * pull.normal).dot(motion);
+    rate[3] = speed * (1.0 - (1.0 + mu * mu) * find_curving(pull, way));
+    return true;
+  });
+  if (!is_done) return false;
+  at.centre = state.head<3>();
+  at.time = state[3] / speed;
+  return_to_flow(from, motion, at);
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
+  at.slope = find_slope(pull, motion);
+  return true;
+}
+
+// Where the plane square to `ahead`, that far on, meets the curve of two contacts.
+bool OffsetDrag::go_on_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
+  constexpr int kMostRounds = 16;
+  const Vec3 start = c;
+  c += length * ahead;
+  for (int round = 0; round < kMostRounds; ++round) {
+    ++tests;
+    ContactFrame frame;
+    frame.count = 3;
+    std::array<double, 3> short_by{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const OffsetContact::Stand stand = contacts_[i].stand(c);
+      frame.normal[i] = stand.normal;
+      short_by[i] = offset_ - stand.distance;
+    }
+    frame.normal[2] = ahead;
+    short_by[2] = length - ahead.dot(c - start);
+    if (!frame.prepare()) return false;
+    for (std::size_t i = 0; i < 3; ++i) c += short_by[i] * frame.dual[i];
+    if (std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])}) <= 0x1p-51) return true;
+  }
+  return restore(c);
+}
+
+// There, and when |w| = mu d.
+bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
+  constexpr int kMostRounds = 16;
+  Pull pull;
+  if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
+  const Vec3 ahead = direction_of(pull, motion);
+  const double drive = find_drive(pull, motion);
+  Vec3 c = at.centre;
+  double time = at.time + length * find_stability(pull);
+  if (!go_on_curve(ahead, length * drive, c, tests)) return false;
+  const double speed = motion.norm();
+  for (int round = 0; round < kMostRounds; ++round) {
+    ++tests;
+    if (!find_pull(c, from + time * motion, pull) || !(pull.way.dot(ahead) > 0.0)) return false;
+    const double rate = find_drive(pull, motion);
+    if (!(std::fabs(rate) > 0x1p-20 * speed)) return false;
+    const double later = -pull.excess() / rate;
+    time += later;
+    if (!(std::fabs(time) <= 16.0)) return false;
+    if (std::fabs(later) * speed <= kConverged) break;
+  }
+  if (!find_pull(c, from + time * motion, pull)) return false;
+  const Vec3 way = direction_of(pull, motion);
+  at.centre = c;
+  at.time = time;
+  at.slope = way * (drive / std::max(way.dot(ahead), 0.25));
+  return true;
+}
+
+bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const noexcept {
+  const OffsetContact& contact = contacts_[0];
+  const Vec3& normal = contact.normal;
+  const double start = std::max(0.0, offset_ - contact.stand(from).distance);
+  const double end = std::max(0.0, offset_ - contact.stand(to).distance);
+  const auto in_plane = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
+  const Vec3 motion = in_plane(to - from);
+  const Vec3 lag = in_plane(from - c);
+  const double mu = friction_[0].sliding;
+  const bool has_lag = mu * start > 0.0 && lag.norm() > kLeastLag;
+  const SlidingLag sliding(has_lag ? lag : motion, motion, has_lag ? mu * start : std::numeric_limits<double>::min(), mu * (end - start));
+  const Vec3 behind = mu * end > 0.0 ? sliding.at(1.0) : Vec3(Vec3::Zero());
+  c = to + (offset_ - contact.stand(to).distance) * normal - behind;
+  c += (offset_ - contact.stand(c).distance) * normal;
+  return true;
+}
+
+bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
+  constexpr int kMostRounds = 24;
+  constexpr double kMostTurn = 0.25;  // rad, of one step
+  Pull before;
+  if (!find_pull(c, from, before)) return false;
+  Vec3 way = direction_of(before, to - from);
+  if (way.isZero(0.0)) return false;
+  for (int round = 0; round < kMostRounds; ++round) {
+    ++tests;
+    ContactFrame frame;
+    std::array<double, 2> short_by{};
+    frame.count = 2;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const OffsetContact::Stand stand = contacts_[i].stand(c);
+      frame.normal[i] = stand.normal;
+      short_by[i] = offset_ - stand.distance;
+    }
+    Pull pull;
+    if (!frame.prepare() || !find_pull(c, to, pull)) return false;
+    way = frame.along.dot(way) < 0.0 ? Vec3(-frame.along) : frame.along;
+    const double mu = pull.friction.sliding;
+    const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * find_curving(pull, way);
+    if (!(stability > kLeastStability)) return false;
+    const double ahead = (way.dot(to - c) - mu * pull.depth) / stability;
+    if (!is_flat() && std::fabs(ahead) > 2.0 * kMostTurn * offset_) return false;
+    c += ahead * way + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
+    const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
+    if (step <= kConverged) return true;
+  }
+  return restore(c);
+}
+
+bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
+  return contacts_.size() == 2 ? follow_on_curve(from, to, c, tests) : follow_on_face(from, to, c);
+}
+
+bool OffsetDrag::descend(const Vec3& device, const Vec3& way, double length, Vec3& c, int& tests) const noexcept {
+  if (contacts_.size() == 2) return go_on_curve(way, length, c, tests);
+  if (is_flat()) {
+    c += length * way;
+    return restore(c);
+  }
+  Eigen::Vector4d state(c.x(), c.y(), c.z(), 0.0);
+  double step = 0.0;
+  const bool is_done = integrate(state, length, step, tests, [&](const Eigen::Vector4d& here, Eigen::Vector4d& rate) {
+    Pull pull;
+    if (!find_pull(here.head<3>(), device, pull) || !(pull.length > 0.0)) return false;
+    rate.head<3>() = pull.way / pull.length;
+    rate[3] = 0.0;
+    return true;
+  });
+  c = state.head<3>();
+  return is_done && restore(c);
+}
+
+double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull& pull) const noexcept {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const OffsetContact& contact = contacts_[0];
+  const double after = contact.stand(to).distance - offset_;
+  if (!(after > 0.0)) return kNever;
+  if (!contact.is_curved()) return pull.depth > 0.0 ? pull.depth / (pull.depth + after) : 0.0;
+  const Vec3 axis = contact.part == OffsetContact::Part::edge ? contact.axis() : Vec3(Vec3::Zero());
+  const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
+  const Vec3 off = across(from - contact.origin());
+  const Vec3 motion = across(to - from);
+  const double a = motion.squaredNorm();
+  const double b = off.dot(motion);
+  const double c = (offset_ - off.norm()) * (offset_ + off.norm());
+  const double squared = b * b + a * c;
+  if (!(a > 0.0) || !(squared >= 0.0)) return kNever;
+  const double root = std::sqrt(squared);
+  const double time = b > 0.0 ? c / (b + root) : (root - b) / a;
+  // From the far side of an edge it is out, too, but not where the centre is.
+  if (!(time > 0.0)) return pull.depth <= kLeastLag ? 0.0 : kNever;
+  return time <= 1.0 && pull.normal.dot(off + time * motion) > 0.0 ? time : kNever;
+}
+
+}  // namespace hapton

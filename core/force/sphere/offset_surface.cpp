@@ -1,0 +1,95 @@
+#include "core/force/sphere/offset_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+
+OffsetContact OffsetContact::on_face(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& towards) noexcept {
+  OffsetContact contact;
+  contact.part = Part::face;
+  contact.triangle = triangle;
+  contact.shape = shape;
+  contact.back = shape.normal().dot(towards) < 0.0;
+  contact.normal = contact.back ? Vec3(-shape.normal()) : shape.normal();
+  return contact;
+}
+
+OffsetContact OffsetContact::on_edge(std::uint32_t triangle, const ContactTriangle& shape, int edge) noexcept {
+  OffsetContact contact;
+  contact.part = shape.length(edge) > 0.0 ? Part::edge : Part::vertex;
+  contact.triangle = triangle;
+  contact.shape = shape;
+  contact.index = edge;
+  return contact;
+}
+
+OffsetContact OffsetContact::on_vertex(std::uint32_t triangle, const ContactTriangle& shape, int corner) noexcept {
+  OffsetContact contact;
+  contact.part = Part::vertex;
+  contact.triangle = triangle;
+  contact.shape = shape;
+  contact.index = corner;
+  return contact;
+}
+
+OffsetContact OffsetContact::nearest(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& c) noexcept {
+  bool is_inside = !shape.normal().isZero(0.0);
+  double best = std::numeric_limits<double>::infinity();
+  int edge = 0;
+  double along = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    if (is_inside && shape.inside(k, c) > 0.0) continue;
+    const double t = std::clamp(shape.along(k, c), 0.0, 1.0);
+    const double squared = (c - shape.corner(k) - t * shape.edge(k)).squaredNorm();
+    if (squared < best) {
+      best = squared;
+      edge = k;
+      along = t;
+    }
+  }
+  if (!(best < std::numeric_limits<double>::infinity())) return on_face(triangle, shape, c - shape.corner(0));
+  if (along <= 0.0) return on_vertex(triangle, shape, edge);
+  if (along >= 1.0) return on_vertex(triangle, shape, (edge + 1) % 3);
+  return on_edge(triangle, shape, edge);
+}
+
+OffsetContact::Stand OffsetContact::stand(const Vec3& c) const noexcept {
+  if (part == Part::face) return {normal.dot(c - origin()), normal};
+  Vec3 off = c - origin();
+  if (part == Part::edge) {
+    const Vec3 unit = axis();
+    off -= unit.dot(off) * unit;
+    off -= unit.dot(off) * unit;  // what rounding left
+  }
+  const double distance = off.norm();
+  return {distance, distance > 0.0 ? Vec3(off / distance) : Vec3::UnitX()};
+}
+
+double OffsetContact::curvature(const Vec3& tangent, double offset) const noexcept {
+  if (!is_curved()) return 0.0;
+  if (part == Part::vertex) return 1.0 / offset;
+  const double straight = axis().dot(tangent);
+  return std::max(0.0, 1.0 - straight * straight) / offset;
+}
+
+CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
+  using Round = CentrePath::Guide::Round;
+  if (part == Part::vertex) return {Round::point, origin(), Vec3::Zero(), offset};
+  if (part == Part::edge) return {Round::line, origin(), axis(), offset};
+  return {Round::plane, origin(), normal, offset};
+}
+
+bool OffsetContact::is_part_of(const ContactTriangle& other) const noexcept {
+  const auto has = [&](const Vec3& place) { return other.corner(0) == place || other.corner(1) == place || other.corner(2) == place; };
+  switch (part) {
+    case Part::vertex:
+      return has(origin());
+    case Part::edge:
+      return has(origin()) && has(shape.corner((index + 1) % 3));
+    default:
+      return has(shape.corner(0)) && has(shape.corner(1)) && has(shape.corner(2));
+  }
+}
+
+}  // namespace hapton

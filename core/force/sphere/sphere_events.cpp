@@ -1,0 +1,168 @@
+// What happens first on a piece of a sphere's path, and what holds the centre then.
+#include <algorithm>
+#include <cmath>
+
+#include "core/force/sphere/sphere_follower.h"
+
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+}  // namespace
+
+// What comes first on the path, up to the time in `event`. False: it cannot be told.
+bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
+  // A face is left long before the end of a path over it; only other parts have borders that are found by what is near.
+  const bool is_curved = std::any_of(contacts_.begin(), contacts_.begin() + count_, [](const OffsetContact& c) { return c.is_curved(); });
+  if (is_curved && !cover(path, event.time)) return false;
+  for (int i = 0; i < count_; ++i) {
+    const int count = find_exits(contacts_[i], path.start());
+    if (count < 0) return false;
+    for (int k = 0; k < count; ++k) {
+      const double time = path.time_to_pass(exits_[k].origin, exits_[k].direction, kOnBorder, 0.0, event.time);
+      if (time > event.time || (time == event.time && event.contact >= 0)) continue;
+      event.time = time;
+      event.contact = i;
+      event.exit = exits_[k];
+    }
+  }
+  const double exit_time = event.time;
+  if (!is_curved && !cover(path, event.time)) return false;
+  if (event.time < exit_time) event.contact = -1;
+  // What lies below the plane of a face, seen from a centre that goes over it, is never nearer than the face.
+  const bool is_on_plane = (path.is_straight() || count_ == 1) && count_ > 0 && contacts_[0].part == Part::face;
+  const Vec3 up = is_on_plane ? contacts_[0].normal : Vec3::Zero();
+  const double level = up.dot(path.start()) - keep_.offset + 0.25 * keep_.slop;
+  const double near = keep_.offset + path.bulge() + keep_.slop;
+  near_.visit_near(path.start(), event.time < 1.0 ? path.at(event.time) : path.end(), near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (is_on_plane && std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return;
+    if (holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, path.start())) return;
+    const CentrePath::Block block = path.find_block(shape, keep_, path.is_straight() ? 0U : held_corners(shape), event.time, work_);
+    if (!(block.time < event.time)) return;
+    event.time = block.time;
+    event.contact = -1;
+    event.slot = block.hits ? slot : -1;
+  });
+  return true;
+}
+
+// The borders of the part that a contact is on. Returns their number, -1: too many.
+int SphereFollower::find_exits(const OffsetContact& contact, const Vec3& c) noexcept {
+  int count = 0;
+  bool fits = true;
+  const auto add = [&](const Vec3& origin, const Vec3& direction, int slot, int index, Part part) {
+    if (count == kMostExits)
+      fits = false;
+    else
+      exits_[count++] = {origin, direction, slot, index, part};
+  };
+  const ContactTriangle& own = contact.shape;
+  if (contact.part == Part::face) {
+    for (int k = 0; k < 3; ++k) add(own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Part::edge);
+    return count;
+  }
+  if (contact.part != Part::vertex) {
+    const Vec3 axis = contact.axis();
+    add(own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex);
+    add(own.corner(contact.index), -axis, -1, contact.index, Part::vertex);
+  }
+  near_.visit_near(c, c, keep_.offset + keep_.slop, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!contact.is_part_of(shape)) return;
+    for (int k = 0; k < 3; ++k) {
+      if (!(shape.length(k) > 0.0)) continue;
+      const bool begins = shape.corner(k) == contact.origin();
+      const bool ends = shape.corner((k + 1) % 3) == contact.origin();
+      if (contact.part == Part::vertex) {
+        if (begins || ends) add(contact.origin(), shape.edge(k) * ((begins ? 1.0 : -1.0) / shape.length(k)), slot, k, Part::edge);
+        continue;
+      }
+      const Vec3& other = own.corner((contact.index + 1) % 3);
+      if (!(begins && shape.corner((k + 1) % 3) == other) && !(ends && shape.corner(k) == other)) continue;
+      if (!shape.normal().isZero(0.0)) add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
+    }
+  });
+  return fits ? count : -1;
+}
+
+// Changes the contacts as the event says. False: it cannot.
+bool SphereFollower::take_event(const Event& event, const CentrePath& path) noexcept {
+  if (event.contact >= 0) {
+    is_descending_ = true;
+    const bool is_plain = idle_ > kMostIdle / 4;  // that it rises led nowhere: the faces are one plane, as far as rounding can tell
+    const int rising =
+        event.exit.part == Part::edge && !is_plain ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time)) : -1;
+    if (rising >= 0)
+      return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
+    if (const int level = event.exit.part == Part::edge ? find_level(contacts_[event.contact], event.exit) : -1; level >= 0) {
+      hint_ = path.slope(event.time);
+      OffsetContact& contact = contacts_[event.contact];
+      contact = OffsetContact::on_face(near_.triangle(level), near_.shape(level), contact.normal);
+      return true;
+    }
+    leave_part(event.contact, event.exit, path.slope(event.time));
+    return restore(centre_);
+  } else if (event.slot >= 0) {
+    hint_ = path.slope(event.time);
+    is_descending_ = true;
+    return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
+  }
+  return true;
+}
+
+// Beyond an edge of a face the next one may rise by so little that nothing was hit before. A slot, -1: none.
+int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept {
+  if (contact.part != Part::face) return -1;
+  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
+  int rising = -1;
+  double least = -kLeastRise * way.norm();
+  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
+    const double rise = face.normal.dot(way);
+    if (!(rise < least) || std::fabs(face.stand(centre_).distance - keep_.offset) > keep_.slop) return;
+    least = rise;
+    rising = slot;
+  });
+  return rising;
+}
+
+// Beyond an edge of a face the next one may lie in the same plane: there the edge has no part of the offset surface. A slot, -1: none.
+int SphereFollower::find_level(const OffsetContact& contact, const Exit& exit) noexcept {
+  if (contact.part != Part::face) return -1;
+  const OffsetContact border = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
+  int level = -1;
+  near_.visit_near(centre_, centre_, keep_.offset + keep_.slop, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (near_.triangle(slot) == contact.triangle || !border.is_part_of(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise)) return;
+    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
+    if (!(std::fabs(face.stand(centre_).distance - keep_.offset) <= kLeastLevel)) return;
+    for (int k = 0; k < 3; ++k) {
+      if (!(shape.inside(k, centre_) > 0.0)) return;
+    }
+    level = slot;
+  });
+  return level;
+}
+
+// The contact goes on to what lies beyond the border of its part.
+void SphereFollower::leave_part(int i, const Exit& exit, const Vec3& way) noexcept {
+  OffsetContact& contact = contacts_[i];
+  hint_ = way;
+  const Vec3 normal = contact.stand(centre_).normal;
+  const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
+  const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
+  if (exit.part == Part::face) {
+    contact = OffsetContact::on_face(triangle, shape, normal);
+  } else if (exit.part == Part::edge) {
+    contact = OffsetContact::on_edge(triangle, shape, exit.index);
+  } else {
+    contact = OffsetContact::on_vertex(triangle, shape, exit.index);
+  }
+}
+
+}  // namespace hapton

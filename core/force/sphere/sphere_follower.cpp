@@ -1,0 +1,484 @@
+#include "core/force/sphere/sphere_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/collision/swept_sphere.h"
+#include "core/force/contact_qp.h"
+#include "core/math/straight_motion.h"
+
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+}  // namespace
+
+bool SphereFollower::can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept {
+  return materials_[geometry_.mesh_of(triangle)].two_sided || shape.normal().dot(p - shape.corner(0)) > 0.0;
+}
+
+// No triangle near is nearer than it may be. Those that only others cannot tell from a hit are let pass by `short_by`.
+bool SphereFollower::is_clear(double short_by) noexcept {
+  bool clear = true;
+  near_.visit_near(centre_, centre_, keep_.offset - short_by, [&](int slot) {
+    if (!clear) return;
+    ++work_;
+    const ContactTriangle& shape = near_.shape(slot);
+    clear = shape.separation(centre_).distance >= keep_.offset - short_by || !can_touch(near_.triangle(slot), shape, centre_);
+  });
+  return clear;
+}
+
+// What cannot go on may have left the triangles gathered.
+bool SphereFollower::is_clear_here(double short_by) noexcept {
+  return (near_.covers(centre_, keep_.offset) || gather(Vec3::Zero())) && is_clear(short_by);
+}
+
+bool SphereFollower::take(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
+  holds_ = false;
+  rub_ = {.slides = slides, .coefficients = {}};
+  centre_ = centre;
+  count_ = 0;
+  touching_ = 0;
+  is_descending_ = true;
+  has_lost_minimum_ = false;
+  hint_ = Vec3::Zero();
+  if (!near_.covers(centre_, keep_.offset + 2.0 * keep_.tolerance) && !gather(Vec3::Zero())) return false;
+  if (!is_clear(short_by + keep_.slop)) return false;
+  holds_ = true;
+  if (is_free) return true;
+  // Lifted to the offset over all that it touches.
+  constexpr int kMostLifts = 3;
+  for (int i = 0; i < kMostLifts; ++i) {
+    std::array<ContactPlane, kMostContacts> planes;
+    touching_ = 0;
+    near_.visit_near(centre_, centre_, keep_.offset + keep_.tolerance, [&](int slot) {
+      const ContactTriangle& shape = near_.shape(slot);
+      const Separation at = shape.separation(centre_);
+      const double gap = at.distance - keep_.offset;
+      if (gap > keep_.tolerance || touching_ == kMostContacts || !can_touch(near_.triangle(slot), shape, centre_)) return;
+      const bool is_known = std::any_of(contacts_.begin(), contacts_.begin() + touching_,
+                                        [&](const OffsetContact& other) { return other.is_part_of(shape); });
+      if (is_known && gap > -keep_.slop) return;
+      planes[touching_] = {at.normal, -gap};
+      contacts_[touching_++] = OffsetContact::nearest(near_.triangle(slot), shape, centre_);
+    });
+    const ConstrainedMotion lift =
+        constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_)));
+    if (!lift.solved || lift.motion.norm() > 64.0 * short_by) return holds_ = false;
+    if (lift.motion.norm() <= keep_.tolerance) break;
+    centre_ += lift.motion;
+  }
+  return holds_ = is_clear(keep_.slop);
+}
+
+void SphereFollower::take_free(const Vec3& centre) noexcept {
+  centre_ = centre;
+  count_ = 0;
+  touching_ = 0;
+  rub_ = {};
+  holds_ = true;
+}
+
+SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
+  constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
+  work_ = 0;
+  idle_ = 0;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  const Vec3 start = centre_;
+  const double began = time;
+  if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
+  Next next = Next::again;
+  int most = kLeastWork;
+  bool has_touched = false;
+  while (next == Next::again && work_ <= most) {
+    ++events_;
+    ++work_;
+    if (!has_touched && touching_ != 0) {
+      has_touched = true;
+      most = most_work(from, to);
+    }
+    if (idle_ > kMostIdle) break;
+    if (touching_ == 0) {
+      next = fly(from, to, time);
+    } else if (has_friction_ && rubs()) {
+      next = is_descending_ ? descend_rubbing(on_way(from, to, time), to - from)
+             : rub_.drags   ? drag(from, to, time)
+                            : stay_rubbing(from, to, time);
+    } else {
+      next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
+    }
+    if (next == Next::wait) next = wait(from, to, time);
+  }
+  looked_at_ += static_cast<std::uint64_t>(work_);
+  const bool has_stuck = has_friction_ && centre_ == start;
+  if (touching_ != 0 && !has_stuck && !is_clear_here(2.0 * keep_.slop)) {
+    centre_ = start;
+    count_ = 0;
+    touching_ = 0;
+    time = began;
+    return Outcome::unclear;
+  }
+  if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
+  note_multipliers(to);
+  if (next == Next::settled) return !(has_friction_ && rubs()) && is_shallow(to) ? Outcome::unclear : Outcome::settled;
+  is_descending_ = true;
+  return Outcome::exhausted;
+}
+
+int SphereFollower::most_work(const Vec3& from, const Vec3& to) const noexcept {
+  const double length = (to - from).norm() + 2.0 * (from - centre_).norm();
+  const double work = kLeastWork + kWorkPerEdge * geometry_.edges_per_length(contacts_[0].triangle) * length;
+  return static_cast<int>(std::min(work, static_cast<double>(kMostWork)));
+}
+
+// To the device, straight, and on with it.
+SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
+  ++flights_;
+  const Vec3 device = on_way(from, to, time);
+  double until = 1.0;
+  if (centre_ != device) {
+    const Next next = fly_to(device, until);
+    if (next != Next::settled || time >= 1.0) return next;
+    return Next::again;
+  }
+  const Next next = fly_to(to, until);
+  if (next != Next::settled) time = std::min(1.0, time + until * (1.0 - time));
+  return next;
+}
+
+// Settled: there. Again: something was met on the way.
+SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
+  const double kDeepest = std::min(0x1p-28, 0.25 * keep_.offset);  // a centre nearer by more to what stops it was never put in contact
+  const Clearance clearance{keep_.offset, keep_.slop, keep_.tolerance};
+  const Vec3 from = centre_;
+  const Vec3 motion = to - from;
+  std::uint32_t first = 0;
+  double time = kNever;
+  geometry_.visit_along(from, to, keep_.offset + keep_.tolerance, [&](std::uint32_t id, double before) {
+    ++work_;
+    const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
+    if (!(t < time) || t > 1.0) return before;
+    const ObjectGeometry::Corners corners = geometry_.corners(id);
+    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from))
+      return before;
+    first = id;
+    time = t;
+    return std::min(before, t);
+  });
+  if (time > 1.0) {
+    centre_ = to;
+    rub_ = {};
+    return Next::settled;
+  }
+  centre_ = from + time * motion;
+  until = time;
+  ++idle_;
+  if (time * motion.norm() > kStill) idle_ = 0;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  const ObjectGeometry::Corners corners = geometry_.corners(first);
+  const ContactTriangle shape(corners.a, corners.b, corners.c);
+  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return Next::unclear;
+  hint_ = motion;
+  is_descending_ = true;
+  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::unclear;
+}
+
+bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
+  int at = touching_;
+  for (int i = 0; i < touching_; ++i) {
+    if (contacts_[i].triangle == contact.triangle) at = i;
+  }
+  if (at == kMostContacts) return false;
+  contacts_[at] = contact;
+  if (at == touching_) ++touching_;
+  return true;
+}
+
+void SphereFollower::remove_contact(int i) noexcept {
+  for (int k = i + 1; k < touching_; ++k) contacts_[k - 1] = contacts_[k];
+  --touching_;
+  count_ = std::min(count_, touching_);
+}
+
+// What was met before and does not hold is met again if it is in the way.
+void SphereFollower::note_move(const Vec3& from) noexcept {
+  ++idle_;
+  if ((centre_ - from).norm() > kStill) touching_ = count_;
+}
+
+// It gets on where it comes nearer to the device than it was while the device was there, or the device moves.
+void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
+  const double distance = (device - centre_).norm();
+  if (has_moved || distance < least_distance_ - kLeastGain) idle_ = 0;
+  if (has_moved || distance < least_distance_) least_distance_ = distance;
+}
+
+// Which of what it touches hold the centre against the pull, brought to the front, and the way that they leave. What balances is decided by
+// where the device goes.
+bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way) noexcept {
+  const double length = motion.norm();
+  const Vec3 goal = length > 0.0 ? Vec3(pull + motion * (kNudge / length)) : pull;
+  if (touching_ == 1) {
+    const Vec3 normal = contacts_[0].stand(centre_).normal;
+    const double height = normal.dot(goal);
+    count_ = height < 0.0 ? 1 : 0;
+    way = goal - height * normal;
+    return true;
+  }
+  std::array<ContactPlane, kMostContacts> planes;
+  for (int i = 0; i < touching_; ++i) planes[i] = {contacts_[i].stand(centre_).normal, 0.0};
+  const ConstrainedMotion held = constrain_motion(goal, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(touching_)));
+  if (!held.solved) return false;
+  way = held.motion;
+  count_ = held.active_count;
+  std::array<int, 3> at = held.active;
+  for (int i = 0; i < count_; ++i) {
+    if (at[i] == i) continue;
+    std::swap(contacts_[i], contacts_[at[i]]);
+    for (int j = i + 1; j < count_; ++j) {
+      if (at[j] == i) at[j] = at[i];  // it was moved to make room
+    }
+  }
+  return true;
+}
+
+// With the device held: one piece of the steepest way, or it has settled.
+SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
+  const Vec3 pull = device - centre_;
+  Vec3 way;
+  if (!find_active(pull, motion, way)) return Next::unclear;
+  if (count_ == 0) {
+    touching_ = 0;
+    ++idle_;
+    return Next::again;
+  }
+
+  bool is_unstable = false;
+  if (count_ == 3 || way.norm() <= kLeastWay) {
+    is_unstable = count_ < 3 && !is_on_axis(device) && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
+    if (!is_unstable) {
+      hold_against(device, motion);
+      is_descending_ = false;
+      touching_ = count_;
+      return Next::again;
+    }
+  }
+  has_lost_minimum_ = false;
+  if (is_unstable && !find_way_off(motion)) {
+    is_descending_ = false;
+    touching_ = count_;
+    return Next::again;
+  }
+  CentrePath path;
+  if (!make_descent(device, is_unstable, path)) {
+    if (!is_unstable) return Next::unclear;
+    is_descending_ = false;
+    touching_ = count_;
+    ++idle_;
+    return Next::wait;
+  }
+  Event event;
+  if (!find_event(path, event)) return Next::unclear;
+  const Vec3 before = centre_;
+  bool is_restored = true;
+  place_at_event(path, event, [&](double share) {
+    centre_ = path.at(share);
+    is_restored = restore(centre_);
+  });
+  if (!is_restored) return Next::unclear;
+  note_move(before);
+  note_gain(device, false);
+  // Over a face it comes to rest at the end.
+  const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
+  if (is_at_rest) is_descending_ = false;
+  return take_event(event, path) ? Next::again : Next::unclear;
+}
+
+// With the device moving: until the end of its motion, or the next event.
+SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, double& time) noexcept {
+  count_ = touching_;
+  if (count_ == 3) return stay(from, to, time);
+  Leg leg;
+  if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
+    has_lost_minimum_ = true;
+    is_descending_ = true;
+    hint_ = find_rate(centre_, on_way(from, to, time), to - from);
+    if (!hint_.allFinite() || hint_.isZero(0.0)) hint_ = to - from;
+    ++idle_;
+    return Next::again;
+  }
+  Event event;
+  if (!find_event(leg.path, event)) return Next::unclear;
+  const Vec3 before = centre_;
+  const double was = time;
+  const bool is_whole = event.time >= 1.0;
+  bool is_restored = true;
+  place_at_event(leg.path, event, [&](double share) {
+    time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
+    centre_ = leg.path.at(share);
+    if (leg.path.is_straight() || solve(on_way(from, to, time), centre_)) return;
+    centre_ = leg.path.at(share);
+    is_restored = restore(centre_);
+  });
+  if (!is_restored) return Next::unclear;
+  note_move(before);
+  if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
+  if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
+  return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// After a leg: what its event, or the contact that is released at its end, leads to. None: the leg went on to its end.
+std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
+                                                            const Vec3& device) noexcept {
+  if (!take_event(event, path)) return Next::unclear;
+  if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
+  if (released < 0) return std::nullopt;
+  ++idle_;
+  remove_contact(released);
+  if (touching_ == 0) centre_ = device;
+  is_descending_ = touching_ != 0;
+  return Next::again;
+}
+
+// From a place that no longer is a minimum: which way it leaves. By the hint, unless something touched is in the way there. False: it
+// cannot leave.
+bool SphereFollower::find_way_off(const Vec3& motion) noexcept {
+  if (hint_.isZero(0.0)) hint_ = motion;
+  ContactFrame frame;
+  if (!find_frame(centre_, frame)) return true;
+  Vec3 way = count_ == 2 ? Vec3(frame.along * (frame.along.dot(hint_) < 0.0 ? -1.0 : 1.0))
+                         : Vec3(hint_ - frame.normal[0].dot(hint_) * frame.normal[0]);
+  const auto is_open = [&](const Vec3& w) {
+    for (int i = count_; i < touching_; ++i) {
+      if (contacts_[i].stand(centre_).normal.dot(w) < 0.0) return false;
+    }
+    return true;
+  };
+  for (const double sign : {1.0, -1.0}) {
+    if (!is_open(sign * way)) continue;
+    hint_ = sign * way;
+    return true;
+  }
+  return false;
+}
+
+// At rest: of what is touched and does not hold yet, that holds, too, into which the device would draw the centre.
+void SphereFollower::hold_against(const Vec3& device, const Vec3& motion) noexcept {
+  while (count_ < 3 && count_ < touching_) {
+    const Vec3 rate = find_rate(centre_, device, motion);
+    int against = -1;
+    double least = 0.0;
+    for (int i = count_; i < touching_; ++i) {
+      const double leaves = contacts_[i].stand(centre_).normal.dot(rate);
+      if (!(leaves < least)) continue;
+      least = leaves;
+      against = i;
+    }
+    if (against < 0) return;
+    std::swap(contacts_[count_], contacts_[against]);
+    ++count_;
+    ContactFrame frame;
+    if (find_frame(centre_, frame)) continue;
+    // One of them says the same: the new one takes its place.
+    contacts_[count_ - 2] = contacts_[count_ - 1];
+    --count_;
+    return;
+  }
+}
+
+// A minimum about to vanish moves too fast to be followed, and has not vanished yet: a little later it has.
+SphereFollower::Next SphereFollower::wait(const Vec3& from, const Vec3& to, double& time) const noexcept {
+  if (time >= 1.0) return Next::settled;
+  time = std::min(1.0, time + 4.0 * kAtAxis / (to - from).norm());
+  return Next::again;
+}
+
+// Whether the device is on the line or point that the centre is held off: then every place round it is as near.
+bool SphereFollower::is_on_axis(const Vec3& device) const noexcept {
+  return count_ == 1 && contacts_[0].is_curved() && contacts_[0].stand(device).distance <= kAtAxis;
+}
+
+// When it is so far off that axis that its direction counts, after `time`; 1 if not before.
+double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept {
+  const OffsetContact& contact = contacts_[0];
+  const Vec3 axis = contact.part == Part::edge ? contact.axis() : Vec3(Vec3::Zero());
+  const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
+  const Vec3 off = across(on_way(from, to, time) - contact.origin());
+  const Vec3 motion = across(to - from);
+  // |off + s motion| = 4 kAtAxis
+  const double a = motion.squaredNorm();
+  const double b = off.dot(motion);
+  const double c = 16.0 * kAtAxis * kAtAxis - off.squaredNorm();
+  if (!(a > 0.0)) return 1.0;
+  return std::min(1.0, time + c / (b + std::sqrt(b * b + a * c)));
+}
+
+// Held by three: multipliers are affine in time.
+SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
+  ContactFrame frame;
+  if (!find_frame(centre_, frame)) return Next::unclear;
+  const Vec3 now = centre_ - on_way(from, to, time);
+  const Vec3 then = centre_ - to;
+  int released = -1;
+  double soonest = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    const double at_end = frame.dual[i].dot(then);
+    if (!(at_end < -kLeastWay)) continue;
+    const double at_start = std::max(0.0, frame.dual[i].dot(now));
+    const double share = at_start / (at_start - at_end);
+    if (released >= 0 && share >= soonest) continue;
+    released = i;
+    soonest = share;
+  }
+  if (released < 0) {
+    time = 1.0;
+    return Next::settled;
+  }
+  ++idle_;
+  if (soonest > 0.0) idle_ = 0;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  time = std::min(1.0, time + soonest * (1.0 - time));
+  remove_contact(released);
+  is_descending_ = true;
+  return Next::again;
+}
+
+// Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
+// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
+bool SphereFollower::is_shallow(const Vec3& device) const noexcept {
+  constexpr double kShallow = 0x1p-30;
+  ContactFrame all;
+  if (touching_ < 2 || !find_frame(centre_, all)) return false;
+  for (int j = 0; j < count_; ++j) {
+    ContactFrame others;
+    std::array<const OffsetContact*, 2> by{};
+    for (int i = 0; i < count_; ++i) {
+      if (i == j) continue;
+      by[static_cast<std::size_t>(others.count)] = &contacts_[i];
+      others.normal[static_cast<std::size_t>(others.count++)] = all.normal[i];
+    }
+    if (!others.prepare()) continue;
+    const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
+    Vec3 way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
+    if (!(way.norm() > 0.0)) continue;
+    way.normalize();
+    const double slope = std::max(0.0, way.dot(centre_ - device));
+    double turn = -1.0;
+    for (int i = 0; i < others.count; ++i) {
+      turn += std::max(0.0, others.dual[i].dot(centre_ - device)) * by[static_cast<std::size_t>(i)]->curvature(way, keep_.offset);
+    }
+    if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
+  }
+  return false;
+}
+
+void SphereFollower::note_multipliers(const Vec3& device) noexcept {
+  ContactFrame frame;
+  if (touching_ == 0 || !find_frame(centre_, frame)) return;
+  for (int i = 0; i < count_; ++i) contacts_[i].multiplier = std::max(0.0, frame.dual[i].dot(centre_ - device));
+}
+
+}  // namespace hapton

@@ -1,0 +1,362 @@
+// The pieces of way that a sphere's centre goes over the offset surface, and what happens first on them.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/force/sphere/sphere_follower.h"
+#include "core/math/find_zero.h"
+#include "core/math/straight_motion.h"
+
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+}  // namespace
+
+bool SphereFollower::find_frame(const Vec3& c, ContactFrame& frame) const noexcept {
+  frame.count = count_;
+  for (int i = 0; i < count_; ++i) frame.normal[i] = contacts_[i].stand(c).normal;
+  return frame.prepare();
+}
+
+void SphereFollower::guide(CentrePath& path) const noexcept {
+  for (int i = 0; i < count_; ++i) path.keep_on(contacts_[i].guide(keep_.offset));
+}
+
+// The nearest place where all that holds the centre is as far off as it should be.
+bool SphereFollower::restore(Vec3& c) const noexcept {
+  constexpr int kMostRounds = 8;
+  for (int round = 0; round < kMostRounds; ++round) {
+    ContactFrame frame;
+    std::array<double, 3> short_by{};
+    double most = 0.0;
+    frame.count = count_;
+    for (int i = 0; i < count_; ++i) {
+      const OffsetContact::Stand stand = contacts_[i].stand(c);
+      frame.normal[i] = stand.normal;
+      short_by[i] = keep_.offset - stand.distance;
+      most = std::max(most, std::fabs(short_by[i]));
+    }
+    if (most <= 0x1p-51) return true;
+    if (most > keep_.offset || !frame.prepare()) return false;
+    for (int i = 0; i < count_; ++i) c += short_by[i] * frame.dual[i];
+    if (most <= 0x1p-26 * keep_.offset && count_ == 1) return true;
+  }
+  for (int i = 0; i < count_; ++i) {
+    if (!(std::fabs(keep_.offset - contacts_[i].stand(c).distance) <= keep_.tolerance)) return false;
+  }
+  return true;
+}
+
+// Of the minimum on what one or two hold it by: the second derivative along the way that is free, least of all ways. 1 where all is flat.
+double SphereFollower::find_stability(const Vec3& c, const Vec3& device) const noexcept {
+  ContactFrame frame;
+  if (!find_frame(c, frame)) return 1.0;
+  if (count_ == 1) return contacts_[0].is_curved() ? 1.0 - frame.normal[0].dot(c - device) / keep_.offset : 1.0;
+  double stability = 1.0;
+  for (int i = 0; i < count_; ++i) {
+    stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, keep_.offset);
+  }
+  return stability;
+}
+
+// By how much the centre's move turns it about the edges and vertices that hold it, rad.
+double SphereFollower::find_turn(const Vec3& move) const noexcept {
+  double most = 0.0;
+  for (int i = 0; i < count_; ++i) {
+    if (!contacts_[i].is_curved()) continue;
+    const Vec3 axis = contacts_[i].part == Part::edge ? contacts_[i].axis() : Vec3(Vec3::Zero());
+    most = std::max(most, (move - axis.dot(move) * axis).norm());
+  }
+  return most / keep_.offset;
+}
+
+// The local minimum for the device on all that holds the centre. `c`: in, near it.
+bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
+  constexpr double kLeastOff = 0x1p-40;
+  if (count_ > 1) return count_ == 3 || solve_on_curve(device, c);
+  const OffsetContact& contact = contacts_[0];
+  if (contact.part == Part::face) {
+    c = device + (keep_.offset - contact.stand(device).distance) * contact.normal;
+    return true;
+  }
+  const OffsetContact::Stand at = contact.stand(device);
+  if (!(at.distance > kLeastOff) || !(at.normal.dot(contact.stand(c).normal) > 0.0)) return false;
+  c = device + (keep_.offset - at.distance) * at.normal;
+  return true;
+}
+
+bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept {
+  constexpr int kMostRounds = 16;
+  const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
+  for (int round = 0; round < kMostRounds; ++round) {
+    ContactFrame frame;
+    std::array<double, 2> short_by{};
+    frame.count = 2;
+    for (int i = 0; i < 2; ++i) {
+      const OffsetContact::Stand stand = contacts_[i].stand(c);
+      frame.normal[i] = stand.normal;
+      short_by[i] = keep_.offset - stand.distance;
+    }
+    if (!frame.prepare()) return false;
+    double stability = 1.0;
+    for (int i = 0; i < 2 && !is_line; ++i) {
+      stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, keep_.offset);
+    }
+    if (!(stability > kLeastStability)) return false;
+    const double ahead = frame.along.dot(device - c) / stability;
+    if (!is_line && find_turn(ahead * frame.along) > 2.0 * kTurn) return false;
+    c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
+    const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
+    if (step <= std::max(0x1p-26 * keep_.offset, 0x1p-50)) return step <= keep_.tolerance || restore(c);
+  }
+  return restore(c);
+}
+
+// How fast the local minimum moves while the device goes on.
+Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept {
+  ContactFrame frame;
+  if (!find_frame(c, frame)) return Vec3::Zero();
+  if (count_ == 2) {
+    const double stability = find_stability(c, device);
+    return frame.along * (frame.along.dot(motion) / (stability > 0.0 ? std::max(stability, 0x1p-20) : std::min(stability, -0x1p-20)));
+  }
+  const OffsetContact& contact = contacts_[0];
+  const Vec3& normal = frame.normal[0];
+  const Vec3 sideways = motion - normal.dot(motion) * normal;
+  if (contact.part == Part::face) return sideways;
+  const double near = keep_.offset - normal.dot(c - device);
+  const double gain = keep_.offset / std::max(near, 0x1p-40);
+  if (contact.part == Part::vertex) return gain * sideways;
+  const Vec3 axis = contact.axis();
+  const double straight = axis.dot(motion);
+  return gain * (sideways - straight * axis) + straight * axis;
+}
+
+bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
+  constexpr int kMostHalvings = 40;
+  constexpr double kLeastTime = 0x1p-44;
+  constexpr double kNearZero = 0x1p-50;     // of a multiplier: its rounding
+  constexpr double kUneven = 0x1p-20;       // of the offset,
+  constexpr double kUnevenShare = 0x1p-24;  // and of the way
+  const Vec3 device = on_way(from, to, time);
+  const Vec3 motion = to - from;
+  if (is_on_axis(device)) {
+    leg.time = time_off_axis(from, to, time);
+    leg.released = -1;
+    const OffsetContact& contact = contacts_[0];
+    const Vec3 along = contact.part == Part::edge ? Vec3(contact.axis() * contact.axis().dot(motion)) : Vec3(Vec3::Zero());
+    leg.path = CentrePath::straight(centre_, centre_ + (leg.time - time) * along);
+    return true;
+  }
+  const bool is_straight = !contacts_[0].is_curved() && (count_ == 1 || !contacts_[1].is_curved());
+  const auto multiplier = [&](const Vec3& c, const Vec3& at, int i) {
+    ContactFrame frame;
+    return find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;
+  };
+  const Vec3 rate = is_straight ? Vec3::Zero() : find_rate(centre_, device, motion);
+  // So short that it turns by little, and that a cubic keeps time with it: where its speed at most doubles or halves, or where it is seen
+  // to.
+  const auto is_even = [&](const Vec3& c, double then) {
+    if (find_turn(c - centre_) > 2.0 * kTurn) return false;
+    const double part = then - time;
+    const Vec3 rate_there = find_rate(c, on_way(from, to, then), motion);
+    const double slow = rate.norm();
+    const double fast = rate_there.norm();
+    if (std::max(slow, fast) <= 2.0 * std::min(slow, fast)) return true;
+    Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
+    const Vec3 guess = middle;
+    return solve(on_way(from, to, time + 0.5 * part), middle) &&
+           (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (c - centre_).norm();
+  };
+  double span = 1.0 - time;
+  if (!is_straight) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
+  Vec3 end;
+  for (int i = 0;; ++i) {
+    if (i == kMostHalvings || !(span > kLeastTime || span >= 1.0 - time)) return false;
+    leg.time = span >= 1.0 - time ? 1.0 : time + span;
+    end = centre_;
+    if (solve(on_way(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
+    span *= 0.5;
+  }
+  // The first multiplier to reach zero ends it there.
+  leg.released = -1;
+  for (int i = 0; i < count_; ++i) {
+    const double at_end = multiplier(end, on_way(from, to, leg.time), i);
+    if (!(at_end < -kLeastWay)) continue;
+    const double at_start = std::max(0.0, multiplier(centre_, device, i));
+    const double zero = find_zero(time, at_start, leg.time, at_end, kNearZero, [&](double then) {
+      Vec3 c = end;
+      return solve(on_way(from, to, then), c) ? multiplier(c, on_way(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
+    });
+    leg.released = i;
+    leg.time = zero;
+    end = centre_;
+    if (zero > time && !solve(on_way(from, to, zero), end)) return false;
+  }
+  if (is_straight) {
+    leg.path = CentrePath::straight(centre_, end);
+    return true;
+  }
+  const double part = leg.time - time;
+  if (!(part > 0.0)) {
+    leg.path = CentrePath::straight(centre_, end);
+    return true;
+  }
+  const Vec3 rate_end = find_rate(end, on_way(from, to, leg.time), motion);
+  leg.path = CentrePath::curved(centre_, end, part * rate, part * rate_end);
+  guide(leg.path);
+  return true;
+}
+
+bool SphereFollower::make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
+  if (count_ == 2) return climb_down_curve(device, is_unstable, path);
+  if (count_ != 1) return false;
+  const OffsetContact& contact = contacts_[0];
+  if (contact.is_curved()) {
+    path = roll(contact, device);
+    return true;
+  }
+  Vec3 end = centre_;
+  solve(device, end);
+  path = CentrePath::straight(centre_, end);
+  return true;
+}
+
+// Round an edge or a vertex, off in the steepest direction: along a helix, until it is level with the device along the edge, or nearest to
+// it round the edge. The distance is the sum of both parts, and neither grows on the way.
+CentrePath SphereFollower::roll(const OffsetContact& contact, const Vec3& device) const noexcept {
+  const bool is_edge = contact.part == Part::edge;
+  const Vec3 normal = contact.stand(centre_).normal;
+  const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3 off = device - contact.origin();
+  const double rise = is_edge ? axis.dot(device - centre_) : 0.0;
+  const Vec3 across = off - axis.dot(off) * axis;
+  Vec3 sideways = across - normal.dot(across) * normal;
+  const double ahead = normal.dot(across);
+  const double distance = across.norm();
+  double side = sideways.norm();
+  if (side <= kLeastWay) {
+    if (ahead < 0.0) sideways = hint_ - normal.dot(hint_) * normal - axis.dot(hint_) * axis;
+    side = ahead < 0.0 ? 0.0 : side;
+    if (!(sideways.norm() > 0.0)) sideways = is_edge ? axis.cross(normal) : normal.unitOrthogonal();
+  }
+  const Vec3 way = sideways.normalized();
+  const double angle = distance > kLeastWay ? std::atan2(side, ahead) : 0.0;
+  double turn = std::min(angle, kTurn);
+  double share = 1.0;
+  if (side > kLeastWay) {
+    share = std::min(1.0, turn * keep_.offset / side);
+    if (std::fabs(rise) > kLeastWay) turn = share * side / keep_.offset;
+  }
+  const Vec3 up = share * rise * axis;
+  const double sine = std::sin(turn);
+  const double cosine = std::cos(turn);
+  const Vec3 end = centre_ + up + keep_.offset * (sine * way - (1.0 - cosine) * normal);
+  CentrePath path =
+      CentrePath::curved(centre_, end, up + keep_.offset * turn * way, up + keep_.offset * turn * (cosine * way - sine * normal));
+  guide(path);
+  return path;
+}
+
+// Along the curve where two offset surfaces meet. From a minimum that has vanished: by the hint, or else the other way, whichever leads
+// nearer to the device. False: neither does.
+bool SphereFollower::climb_down_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
+  ContactFrame frame;
+  if (!find_frame(centre_, frame)) return false;
+  const double ahead = frame.along.dot(device - centre_);
+  if (!is_unstable) return climb(ahead < 0.0 ? Vec3(-frame.along) : frame.along, std::fabs(ahead), device, false, path);
+  const Vec3 way = frame.along.dot(hint_) < 0.0 ? Vec3(-frame.along) : frame.along;
+  return climb(way, 2.0 * kLeastWay, device, true, path) || climb(-way, 2.0 * kLeastWay, device, true, path);
+}
+
+bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept {
+  constexpr int kMostHalvings = 24;
+  const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
+  if (!is_straight) {
+    const double stability = find_stability(centre_, device);
+    const double most = kTurn / std::max(find_turn(way), 0x1p-10);
+    length = !is_unstable && stability > kLeastStability ? std::min(length / stability, most) : most;
+  }
+  const double distance = (device - centre_).norm();
+  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
+    Vec3 end = centre_ + length * way;
+    if (!restore(end)) continue;
+    if (is_straight) {
+      path = CentrePath::straight(centre_, end);
+      return true;
+    }
+    if (is_unstable && !((device - end).norm() < distance)) continue;
+    ContactFrame there;
+    if (!find_frame(end, there)) continue;
+    const Vec3 way_there = there.along.dot(way) < 0.0 ? Vec3(-there.along) : there.along;
+    if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) continue;
+    const double chord = (end - centre_).norm();
+    path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
+    guide(path);
+    return true;
+  }
+  return false;
+}
+
+// Makes the triangles gathered cover the path, or its beginning until that time.
+bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
+  constexpr int kMostHalvings = 40;
+  const double room = keep_.offset + path.bulge() + 2.0 * keep_.slop;
+  const Vec3 end = path.at(until);
+  if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
+  if (!gather(end - path.start())) return false;
+  for (int i = 0; i < kMostHalvings; ++i, until *= 0.5) {
+    if (near_.covers(path.start(), room) && near_.covers(path.at(until), room)) return true;
+  }
+  return false;
+}
+
+// The ball's centre lies ahead. As large as keeps it at some dozens of triangles.
+bool SphereFollower::gather(const Vec3& towards) noexcept {
+  constexpr int kMostTries = 24;
+  constexpr int kFew = 24;
+  constexpr double kWidest = 0.25;
+  const double least = 0x1p-6 * keep_.offset;
+  if (!(reach_ > 0.0)) reach_ = 0.5 * keep_.offset;
+  const double length = towards.norm();
+  for (int i = 0; i < kMostTries; ++i, reach_ *= 0.5) {
+    const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * reach_ / length)) : Vec3::Zero();
+    int looked_at = 0;
+    ++gathered_;
+    const bool fits = near_.gather(geometry_, centre_ + ahead, keep_.offset + reach_ + 4.0 * keep_.slop, looked_at);
+    work_ += looked_at;
+    if (!fits) continue;
+    // Where the tree asks many for the few that are near, as among long slivers, a wider ball saves most.
+    const int few = std::max(kFew, std::min(looked_at / 4, NearTriangles::kCapacity / 4));
+    if (near_.count() < few) reach_ = std::min(1.4 * reach_, kWidest);
+    if (near_.count() > 3 * few) reach_ = std::max(0.7 * reach_, least);
+    return true;
+  }
+  return false;
+}
+
+bool SphereFollower::holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept {
+  for (int i = 0; i < count_; ++i) {
+    if (contacts_[i].triangle == triangle || contacts_[i].is_part_of(shape)) return true;
+  }
+  return false;
+}
+
+// A bit for each corner of a triangle that an edge or vertex which holds the centre has.
+unsigned SphereFollower::held_corners(const ContactTriangle& shape) const noexcept {
+  unsigned held = 0;
+  for (int i = 0; i < count_; ++i) {
+    const OffsetContact& contact = contacts_[i];
+    if (!contact.is_curved()) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = shape.corner(k);
+      const bool is_end = contact.part == Part::edge && corner == contact.shape.corner((contact.index + 1) % 3);
+      if (is_end || corner == contact.origin()) held |= 1U << k;
+    }
+  }
+  return held;
+}
+
+}  // namespace hapton

@@ -1,0 +1,234 @@
+#include "core/force/sweep/sweep_method.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+
+// The scene as the method wants it: every triangle that has a plane, and whose it is.
+struct Triangles {
+  std::vector<Corners> corners;
+  std::vector<TrianglePlane> planes;
+  std::vector<std::uint32_t> object_of;
+  std::vector<Material> materials;
+  std::size_t degenerate = 0;
+};
+
+Triangles gather(const TouchScene& scene) {
+  Triangles all;
+  for (const TouchObject& object : scene.objects) {
+    const auto id = static_cast<std::uint32_t>(all.materials.size());
+    all.materials.push_back(object.material);
+    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
+      const Corners corners = {object.mesh->corner(t, 0), object.mesh->corner(t, 1), object.mesh->corner(t, 2)};
+      const auto plane = compute_triangle_plane(corners[0], corners[1], corners[2]);
+      if (!plane) {
+        ++all.degenerate;
+        continue;
+      }
+      all.corners.push_back(corners);
+      all.planes.push_back(*plane);
+      all.object_of.push_back(id);
+    }
+  }
+  return all;
+}
+
+// The offset must lift the line's start off the plane by much more than coordinates round.
+Result<void> check_offset(double offset_m, const UniformGrid& grid) {
+  const double coordinate = std::max(grid.low().cwiseAbs().maxCoeff(), grid.high().cwiseAbs().maxCoeff());
+  const double least = 64.0 * std::numeric_limits<double>::epsilon() * coordinate;
+  if (!(offset_m > least) || !std::isfinite(offset_m)) {
+    return fail("sweep: an offset of {} m is not above {:.3g} m, what coordinates of this scene's size resolve; choose a greater offset",
+                offset_m, least);
+  }
+  return {};
+}
+
+double percent_of(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+SweepCounters& SweepCounters::operator+=(const SweepCounters& other) noexcept {
+  cells_visited += other.cells_visited;
+  empty_cells += other.empty_cells;
+  repeated_triangles += other.repeated_triangles;
+  triangles_tested += other.triangles_tested;
+  parallel += other.parallel;
+  out_of_length += other.out_of_length;
+  out_of_triangle += other.out_of_triangle;
+  from_behind += other.from_behind;
+  collisions += other.collisions;
+  return *this;
+}
+
+Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& settings, const TouchScene& scene) {
+  if (settings.probe_radius_m != 0.0) {
+    return fail("sweep: its probe is a point and cannot have a radius of {} m; leave the radius at 0 or choose another method",
+                settings.probe_radius_m);
+  }
+  Triangles all = gather(scene);
+  if (all.planes.empty()) {
+    return fail("sweep: the scene has no triangle with an area ({} without one); give a mesh that can be touched", all.degenerate);
+  }
+  auto grid = UniformGrid::make(all.corners, settings.grid_division);
+  if (!grid) {
+    return tl::unexpected(grid.error());
+  }
+  if (auto checked = check_offset(settings.offset_m, *grid); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return std::unique_ptr<ForceMethod>(new SweepMethod(std::move(*grid), std::move(all.planes), std::move(all.object_of),
+                                                      std::move(all.materials), all.degenerate, settings.offset_m));
+}
+
+SweepMethod::SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, std::vector<std::uint32_t> object_of,
+                         std::vector<Material> materials, std::size_t degenerate, double offset_m)
+    : grid_(std::move(grid)),
+      planes_(std::move(planes)),
+      object_of_(std::move(object_of)),
+      materials_(std::move(materials)),
+      degenerate_(degenerate),
+      offset_m_(offset_m),
+      stamps_(planes_.size()) {}
+
+// A device farther out than a billion scenes is taken to be there, in its direction: its products must stay finite.
+Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
+  constexpr double kHuge = 1e300;  // what would overflow on the way is as good as this
+  const Vec3 center = 0.5 * (grid_.low() + grid_.high());
+  const double farthest = 0x1p30 * (grid_.high() - grid_.low()).maxCoeff();
+  const Vec3 out = p_SD.cwiseMax(-kHuge).cwiseMin(kHuge) - center;
+  const double most = out.cwiseAbs().maxCoeff();
+  return most > farthest ? Vec3(center + out * (farthest / most)) : p_SD;
+}
+
+void SweepMethod::reset(const Vec3& p_SD) noexcept {
+  started_ = p_SD.allFinite();
+  p_last_ = started_ ? within_limits(p_SD) : Vec3::Zero();
+}
+
+MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
+  step_ = {};
+  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = p_last_, .contact = false};
+  MethodOutput output;
+  output.p_SP = input.p_SD;
+  if (!started_) {
+    reset(input.p_SD);
+  }
+
+  const Vec3 p_SD = within_limits(input.p_SD);
+  const Deepest deepest = find_deepest({.last = p_last_, .current = p_SD});
+  ++steps_;
+  total_ += step_;
+  if (!deepest.found) {
+    p_last_ = p_SD;
+    return output;
+  }
+
+  // The probe is buried. The memo's figure 4: the offset vector takes it to the collision point and a little beyond, to the side it
+  // came from, so that the next line crosses the surface again for as long as the probe stays below it.
+  const SweepCollision& hit = deepest.collision;
+  p_last_ = hit.point + offset_m_ * hit.normal;
+  output.force_n = materials_[object_of_[deepest.triangle]].stiffness_n_per_m * hit.depth * hit.normal;
+  output.p_SP = hit.point;
+  output.contact = output.force_n != Vec3::Zero();
+  return output;
+}
+
+SweepMethod::Deepest SweepMethod::find_deepest(const SweepLine& line) noexcept {
+  stamps_.start();
+  Deepest deepest;
+  const CellBox box = grid_.find_cells(line.last.cwiseMin(line.current), line.last.cwiseMax(line.current));
+  for (int z = box.begin[2]; z < box.end[2]; ++z) {
+    for (int y = box.begin[1]; y < box.end[1]; ++y) {
+      for (int x = box.begin[0]; x < box.end[0]; ++x) {
+        handle_cell(line, grid_.triangles_in(x, y, z), deepest);
+      }
+    }
+  }
+  return deepest;
+}
+
+void SweepMethod::handle_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept {
+  ++step_.cells_visited;
+  if (triangles.empty()) {
+    ++step_.empty_cells;
+    return;
+  }
+  for (const std::uint32_t triangle : triangles) {
+    if (stamps_.first_visit(triangle)) {
+      handle_triangle(line, triangle, deepest);
+    } else {
+      ++step_.repeated_triangles;
+    }
+  }
+}
+
+void SweepMethod::handle_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept {
+  ++step_.triangles_tested;
+  SweepCollision collision;
+  switch (compute_collision(line, planes_[triangle], collision)) {
+    case SweepEnd::parallel:
+      ++step_.parallel;
+      return;
+    case SweepEnd::out_of_length:
+      ++step_.out_of_length;
+      return;
+    case SweepEnd::out_of_triangle:
+      ++step_.out_of_triangle;
+      return;
+    case SweepEnd::collision:
+      break;
+  }
+  if (collision.from_behind && !materials_[object_of_[triangle]].two_sided) {
+    ++step_.from_behind;
+    return;
+  }
+  ++step_.collisions;
+  // Greatest depth of the probe beyond the collision point along the line, which is the first collision in the interval. Triangles that
+  // share the point (an edge, a vertex) are told apart by depth along the normal, then by number: the order of the cells has no say.
+  const auto rank = [](const SweepCollision& c, std::uint32_t id) { return std::tuple(c.t, -c.depth, id); };
+  if (!deepest.found || rank(collision, triangle) < rank(deepest.collision, deepest.triangle)) {
+    deepest = {.collision = collision, .triangle = triangle, .found = true};
+  }
+}
+
+std::string SweepMethod::describe() const {
+  const GridOccupancy& full = grid_.occupancy();
+  std::string text = fmt::format(
+      "sweep: {} triangles of {} object{}, {} degenerate left out, offset {:.4g} m\n"
+      "grid: {} x {} x {} cells of {:.4g} x {:.4g} x {:.4g} m, {:.2f} % occupied, {:.2f} triangles an occupied cell on average, {} at "
+      "most\n",
+      planes_.size(), materials_.size(), materials_.size() == 1 ? "" : "s", degenerate_, offset_m_, grid_.division()[0],
+      grid_.division()[1], grid_.division()[2], (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0],
+      (grid_.high()[1] - grid_.low()[1]) / grid_.division()[1], (grid_.high()[2] - grid_.low()[2]) / grid_.division()[2],
+      100.0 * full.occupied_share(), full.mean_triangles_a_cell(), full.max_triangles_a_cell);
+  if (steps_ > 0) {
+    const double n = static_cast<double>(steps_);
+    text += fmt::format("steps: {}, {:.2f} cells and {:.2f} triangles tested a step\n", steps_,
+                        static_cast<double>(total_.cells_visited) / n, static_cast<double>(total_.triangles_tested) / n);
+    text += fmt::format(
+        "early ends: step 1 {:.1f} % of cells empty; of triangles tested: step 2 {:.1f} % parallel, step 3 {:.1f} % out of the line's "
+        "length, step 4 {:.1f} % out of the triangle, step 5 {} collisions{}\n",
+        percent_of(total_.empty_cells, total_.cells_visited), percent_of(total_.parallel, total_.triangles_tested),
+        percent_of(total_.out_of_length, total_.triangles_tested), percent_of(total_.out_of_triangle, total_.triangles_tested),
+        total_.collisions, total_.from_behind > 0 ? fmt::format(", and {} with the back of what is one-sided", total_.from_behind) : "");
+  }
+  for (const Material& material : materials_) {
+    if (material.friction_static > 0 || material.friction_dynamic > 0 || material.damping_ns_per_m > 0) {
+      text += "note: damping and friction of the materials are not part of this method\n";
+      break;
+    }
+  }
+  return text;
+}
+
+}  // namespace hapton

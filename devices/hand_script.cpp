@@ -1,0 +1,212 @@
+#include "devices/hand_script.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+constexpr double kStepS = 1e-9 * static_cast<double>(HandScript::kStepNs);
+constexpr double kFeelS = 0.02;   // time constant of the felt force and normal
+constexpr double kTouchN = 0.15;  // felt above this: contact
+constexpr double kLostN = 0.03;   // below this for kLostS: contact lost
+constexpr double kLostS = 0.25;
+constexpr double kTravelSpeed = 0.25;  // m/s
+constexpr double kApproachSpeed = 0.10;
+constexpr double kStrikeSpeed = 0.25;
+constexpr double kLiftM = 0.006;        // between taps
+constexpr double kStrikeDepthM = 0.02;  // a strike that met nothing so deep under the last contact has missed
+constexpr double kGripGain = 0.02;      // m/s of intention per N of missing force; slow against the hand's own 6 Hz
+constexpr double kMaxPullM = 0.015;     // the intention never runs farther from the device than this in contact
+constexpr double kLeadSpeed = 0.6;
+
+}  // namespace
+
+HandScript::HandScript(const Options& options) : options_(options), random_(options.seed), hand_m_(options.start_m) {
+  enter(Phase::travel);
+}
+
+// The generator's bits, not a distribution's: the same on every standard library.
+double HandScript::uniform(double low, double high) noexcept { return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
+  if (p_WH && !p_WH->allFinite()) return;
+  if (p_WH) {
+    if (!lead_m_) phase_ = Phase::led;
+    lead_m_ = p_WH->cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
+  } else if (lead_m_) {
+    lead_m_.reset();
+    enter(Phase::leave);
+  }
+}
+
+void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
+  felt_n_ += (force_n - felt_n_) * (kStepS / kFeelS);
+  const double felt = felt_n_.norm();
+  if (felt > kTouchN) {
+    normal_ = felt_n_ / felt;
+    contact_m_ = p_WD;
+    touched_ = true;
+  }
+  lost_s_ = felt < kLostN ? lost_s_ + kStepS : 0.0;
+}
+
+// A point of the front plane within reach_m_ of the middle.
+void HandScript::choose_aim() noexcept {
+  const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
+  const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
+  const double radius = reach_m_ * std::sqrt(uniform(0.0, 1.0));
+  const double angle = uniform(0.0, 2.0 * std::numbers::pi);
+  aim_m_ = middle + half.cwiseProduct(Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.9));
+}
+
+void HandScript::enter(Phase phase) noexcept {
+  phase_ = phase;
+  phase_s_ = 0.0;
+  switch (phase) {
+    case Phase::travel:
+      choose_aim();
+      break;
+    case Phase::approach:
+      touched_ = false;
+      break;
+    case Phase::press:
+      press_n_ = uniform(0.8, 2.5);
+      phase_end_s_ = uniform(0.4, 0.9);
+      break;
+    case Phase::slide:
+      tangent_ = Vec3(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0));
+      rub_m_per_s_ = uniform(0.04, 0.10);
+      phase_end_s_ = uniform(0.6, 1.2);
+      break;
+    case Phase::tap:
+      taps_left_ = static_cast<int>(uniform(3.0, 6.0));
+      striking_ = false;
+      aim_m_ = contact_m_ + kLiftM * normal_;
+      phase_end_s_ = 4.0;  // something may press from all sides, so that no lift ever frees it
+      break;
+    case Phase::circle: {
+      const double radius_m = uniform(0.004, 0.012);
+      rub_m_per_s_ = uniform(0.03, 0.08);
+      turn_rad_per_s_ = rub_m_per_s_ / radius_m;
+      phase_end_s_ = 2.0 * std::numbers::pi / turn_rad_per_s_ * uniform(1.0, 2.0);
+      break;
+    }
+    case Phase::leave:
+      aim_m_ = hand_m_ + 0.03 * normal_;
+      break;
+    case Phase::led:
+      break;
+  }
+}
+
+bool HandScript::move_towards(const Vec3& goal, double speed_m_per_s) noexcept {
+  const Vec3 way = goal - hand_m_;
+  const double left_m = way.norm();
+  const double step_m = speed_m_per_s * kStepS;
+  if (left_m <= step_m) {
+    hand_m_ = goal;
+    return true;
+  }
+  hand_m_ += way * (step_m / left_m);
+  return false;
+}
+
+void HandScript::turn_tangent(double angle_rad) noexcept {
+  const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
+  const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
+  const Vec3 out = (hand_m_ - middle).cwiseQuotient(half);
+  tangent_ = Eigen::AngleAxisd(angle_rad, normal_) * tangent_;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(out[axis]) > 0.85 && out[axis] * tangent_[axis] > 0.0) tangent_[axis] = -tangent_[axis];
+  }
+  tangent_ -= normal_ * normal_.dot(tangent_);
+  const double length = tangent_.norm();
+  tangent_ = length > 1e-3 ? Vec3(tangent_ / length) : normal_.unitOrthogonal();
+}
+
+// Moves along the surface felt and keeps up the force.
+void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
+  turn_tangent(turn_rad_per_s * kStepS);
+  const double speed = phase_ == Phase::press ? 0.0 : rub_m_per_s_;
+  hand_m_ += kStepS * (speed * tangent_ + kGripGain * (felt_n_.norm() - press_n_) * normal_);
+  const Vec3 pull = hand_m_ - p_WD;
+  const double pull_m = pull.norm();
+  if (pull_m > kMaxPullM) hand_m_ = p_WD + pull * (kMaxPullM / pull_m);
+}
+
+void HandScript::tap(const Vec3& p_WD) noexcept {
+  if (!striking_) {
+    if (move_towards(aim_m_, kStrikeSpeed) && felt_n_.norm() < kLostN) striking_ = true;
+    return;
+  }
+  const bool missed = move_towards(aim_m_ - (kLiftM + kStrikeDepthM) * normal_, kStrikeSpeed);
+  if (felt_n_.norm() > kTouchN) {
+    aim_m_ = p_WD + kLiftM * normal_;
+    striking_ = false;
+    --taps_left_;
+  } else if (missed) {
+    taps_left_ = 0;
+  }
+}
+
+void HandScript::advance_phase(const Vec3& p_WD) noexcept {
+  const bool touching = felt_n_.norm() > kTouchN;
+  const bool over = phase_s_ >= phase_end_s_;
+  switch (phase_) {
+    case Phase::travel:
+      if (touching) return enter(Phase::press);
+      if (move_towards(aim_m_, kTravelSpeed)) enter(Phase::approach);
+      return;
+    case Phase::approach: {
+      if (touching) return enter(Phase::press);
+      const Vec3 end(aim_m_.x(), aim_m_.y(), options_.workspace_min_m.z());
+      if (!move_towards(end, kApproachSpeed)) return;
+      // Met nothing: look nearer to the middle, and when that is exhausted, everywhere.
+      reach_m_ = reach_m_ < 0.05 ? 0.9 : 0.5 * reach_m_;
+      normal_ = Vec3::UnitZ();
+      return enter(Phase::leave);
+    }
+    case Phase::press:
+      rub(p_WD, 0.0);
+      if (lost_s_ > kLostS) return enter(Phase::leave);
+      if (over) enter(Phase::slide);
+      return;
+    case Phase::slide:
+      rub(p_WD, 0.0);
+      if (lost_s_ > kLostS) return enter(Phase::leave);
+      if (over) enter(Phase::tap);
+      return;
+    case Phase::tap:
+      tap(p_WD);
+      if (taps_left_ <= 0 || over) enter(Phase::circle);
+      return;
+    case Phase::circle:
+      rub(p_WD, turn_rad_per_s_);
+      if (lost_s_ > kLostS || over) enter(Phase::leave);
+      return;
+    case Phase::leave:
+      if (move_towards(aim_m_, kTravelSpeed)) enter(Phase::travel);
+      return;
+    case Phase::led:
+      if (lead_m_) move_towards(*lead_m_, kLeadSpeed);
+      return;
+  }
+}
+
+HandIntention HandScript::intention() noexcept {
+  hand_m_ = hand_m_.cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
+  const double turn = 2.0 * std::numbers::pi * total_s_;
+  return {hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
+}
+
+HandIntention HandScript::step(const Vec3& p_WD, const Vec3& force_n) noexcept {
+  phase_s_ += kStepS;
+  total_s_ += kStepS;
+  feel(p_WD, force_n);
+  advance_phase(p_WD);
+  return intention();
+}
+
+}  // namespace hapton

@@ -1,0 +1,202 @@
+#include "devices/haply_device.h"
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "devices/device_exchange.h"
+#include "devices/haply_messages.h"
+#include "link/udp_endpoint.h"
+#include "link/websocket_endpoint.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+constexpr const char* kService = "localhost";
+constexpr std::uint16_t kPort = 10001;
+constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
+constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
+constexpr std::int64_t kAnswerPatienceNs = kNanosecondsPerSecond / 2;
+constexpr std::int64_t kRetryEveryNs = kNanosecondsPerSecond;
+constexpr int kMostAbsences = 20;  // states in a row without our device: it is unplugged
+constexpr const char* kRemedy = "start it (systemctl start haply-inverse-service, or open the Haply Hub), or install it from haply.co";
+
+// Not to be had from the service, so ours: careful figures, see docs/vendor-devices.md.
+DeviceLimits careful_limits() {
+  DeviceLimits limits;
+  limits.max_force_n = 5.0;
+  limits.max_slew_n_per_s = limits.max_force_n / 0.004;
+  limits.max_stiffness_n_per_m = 600.0;
+  limits.workspace_min_m = Vec3::Constant(-0.1);
+  limits.workspace_max_m = Vec3::Constant(0.1);
+  limits.continuous_force_n = 2.0;
+  limits.peak_s = 5.0;
+  limits.max_speed_m_per_s = 5.0;
+  return limits;
+}
+
+class HaplyDevice final : public Device {
+ public:
+  HaplyDevice(const Address& service, std::string id, std::optional<RealtimeSettings> realtime)
+      : service_(service), realtime_(realtime), id_(std::move(id)) {}
+  ~HaplyDevice() override {
+    ends_.store(true, std::memory_order_relaxed);
+    if (thread_.joinable()) thread_.join();
+  }
+
+  // Meets the service and finds the device.
+  Result<void> open();
+  void start() {
+    thread_ = start_thread([this] { run(); });
+  }
+
+  std::string_view name() const noexcept override { return "haply"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
+  bool cut() noexcept override {
+    exchange_.cut();
+    return true;
+  }
+  void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  DeviceStatus status() const noexcept override { return exchange_.status(); }
+  DeviceCondition condition() const noexcept override { return {model_, id_, firmware_, exchange_.reading().is_calibrated, -1.0}; }
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+ private:
+  void run();
+  bool tick();
+  void take(const haply::State& state, std::int64_t now_ns);
+  void publish(DeviceStatus status, std::int64_t now_ns);
+  void look_for_service(std::int64_t now_ns);
+
+  const Address service_;
+  const std::optional<RealtimeSettings> realtime_;
+  const DeviceLimits limits_ = careful_limits();
+  std::string id_, model_, firmware_;
+  SteadyClock clock_;
+  DeviceExchange exchange_;
+  std::thread thread_;
+  std::atomic<bool> ends_{false};
+
+  // The thread's.
+  std::unique_ptr<WebSocketEndpoint> socket_;
+  DeviceExchange::Reading reading_;
+  std::string said_;
+  int absences_ = 0;
+  bool is_calibration_told_ = false;
+  std::int64_t next_try_ns_ = 0;
+};
+
+Result<void> HaplyDevice::open() {
+  auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
+  if (!socket) return fail("the Haply Inverse Service does not answer at {}; {}", socket.error().what, kRemedy);
+  if (!(*socket)->receive(said_, kConnectPatienceNs)) {
+    return fail("the Haply Inverse Service at {} says nothing: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
+  }
+  const auto inventory = haply::read_state(said_);
+  if (!inventory) return tl::unexpected(inventory.error());
+  const auto arm =
+      std::find_if(inventory->arms.begin(), inventory->arms.end(), [&](const haply::Arm& each) { return id_.empty() || each.id == id_; });
+  if (arm == inventory->arms.end()) {
+    return fail("the Haply Inverse Service sees {}; check its cable and power, and the Haply Hub",
+                inventory->arms.empty() ? "no Inverse3" : "no Inverse3 of that --device-id");
+  }
+  if (model_.empty()) {
+    id_ = arm->id;
+    model_ = arm->model.empty() ? "inverse3" : arm->model;
+    firmware_ = arm->firmware;
+  }
+  if (!(*socket)->send(haply::first_message(id_), kAnswerPatienceNs)) return fail("{}: {}", to_string(service_), (*socket)->reason());
+  socket_ = std::move(*socket);
+  absences_ = 0;
+  return {};
+}
+
+void HaplyDevice::publish(DeviceStatus status, std::int64_t now_ns) {
+  reading_.status = status;
+  reading_.sample.time_ns = now_ns;
+  exchange_.publish(reading_);
+}
+
+void HaplyDevice::run() {
+  // What is refused here the servo's thread was refused as well, and says so.
+  if (realtime_) (void)enter_realtime(*realtime_);
+  std::int64_t tick_ns = clock_.now_ns();
+  while (!ends_.load(std::memory_order_relaxed)) {
+    tick_ns = std::max(tick_ns + kPeriodNs, clock_.now_ns());
+    clock_.sleep_until_ns(tick_ns);
+    if (socket_ == nullptr) {
+      look_for_service(tick_ns);
+    } else if (!tick()) {
+      log_warning("the Haply Inverse Service is gone ({}); looking for it", socket_->reason());
+      socket_.reset();
+      next_try_ns_ = clock_.now_ns() + kRetryEveryNs / 4;
+      publish(DeviceStatus::away, clock_.now_ns());
+    }
+  }
+  if (socket_ == nullptr) return;
+  // The last word, so that nothing pushes on; heard out, for what is under way when a connection ends may be lost.
+  if (socket_->receive(said_, kAnswerPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kAnswerPatienceNs)) {
+    socket_->receive(said_, kAnswerPatienceNs);
+  }
+}
+
+void HaplyDevice::look_for_service(std::int64_t now_ns) {
+  publish(DeviceStatus::away, now_ns);
+  if (now_ns < next_try_ns_) return;
+  next_try_ns_ = now_ns + kRetryEveryNs;
+  if (open()) log_info("the Haply Inverse Service is back, with {}", id_);
+}
+
+// The answer to what was said last, then what is to be said next. False: the connection is over.
+bool HaplyDevice::tick() {
+  if (!socket_->receive(said_, kAnswerPatienceNs)) return false;
+  const std::int64_t now_ns = clock_.now_ns();
+  // A state that cannot be read is as good as none.
+  if (const auto state = haply::read_state(said_)) take(*state, now_ns);
+  return socket_->send(haply::force_message(id_, exchange_.wrench(now_ns).force_n), kAnswerPatienceNs);
+}
+
+void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
+  const auto arm = std::find_if(state.arms.begin(), state.arms.end(), [&](const haply::Arm& each) { return each.id == id_; });
+  if (arm == state.arms.end()) {
+    if (++absences_ == kMostAbsences) log_warning("{} {} is gone; looking for it", model_, id_);
+    if (absences_ >= kMostAbsences) publish(DeviceStatus::away, now_ns);
+    return;
+  }
+  if (std::exchange(absences_, 0) >= kMostAbsences) log_info("{} {} is back", model_, id_);
+  reading_.sample.p_WD = arm->p_WD;
+  reading_.is_calibrated = arm->is_calibrated;
+  if (state.grip) {
+    reading_.sample.q_WT = state.grip->q_WT;
+    reading_.sample.buttons = state.grip->buttons;
+  }
+  if (!arm->is_calibrated && !std::exchange(is_calibration_told_, true)) {
+    log_warning("{} {}: calibrate: leave the arm on its rest, or put the grip into the inkwell, until its light stays on", model_, id_);
+  }
+  publish(arm->is_calibrated ? DeviceStatus::ready : DeviceStatus::calibrating, now_ns);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Device>> make_haply(const DeviceSettings& settings) {
+  const std::size_t at = settings.id.find('@');
+  const std::string id = settings.id.substr(0, at);
+  const auto service = parse_address(at == std::string::npos ? kService : std::string_view(settings.id).substr(at + 1), kPort);
+  if (!service) return tl::unexpected(service.error());
+  auto device = std::make_unique<HaplyDevice>(*service, id, settings.realtime);
+  if (const auto opened = device->open(); !opened) return tl::unexpected(opened.error());
+  log_info("Haply Inverse Service: {} {}, at most {:.2f} N", device->condition().model, device->condition().serial,
+           device->limits().max_force_n);
+  device->start();
+  return device;
+}
+
+}  // namespace hapton

@@ -1,0 +1,100 @@
+#include "devices/hd_session.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace hapton::hd {
+namespace {
+
+// Of OpenHaptics 3.3 and later, of those before, and whatever the library takes for its default.
+constexpr std::array<const char*, 3> kUsualNames = {"Default Device", "Default PHANToM", nullptr};
+
+std::string quoted(const char* name) { return name != nullptr ? fmt::format("'{}'", name) : "the library's default device"; }
+
+}  // namespace
+
+Result<std::shared_ptr<Session>> Session::join(const std::string& library_file) {
+  static std::mutex mutex;
+  static std::map<std::string, std::weak_ptr<Session>> sessions;
+  const std::lock_guard lock(mutex);
+  if (auto there = sessions[library_file].lock()) return there;
+  auto library = load(library_file);
+  if (!library) return tl::unexpected(library.error());
+  auto session = std::make_shared<Session>(std::move(*library));
+  sessions[library_file] = session;
+  return session;
+}
+
+Error Session::describe(const ErrorInfo& error, const std::string& what) const {
+  const char* said = hd_.get_error_string(error.code);
+  const std::string_view remedy = remedy_for_error(error.code);
+  return {fmt::format("OpenHaptics {}: {}, internal code {}{}{}{}{}", what, name_of_error(error.code), error.internal_code,
+                      said != nullptr && *said != '\0' ? ", \"" : "", said != nullptr ? said : "",
+                      said != nullptr && *said != '\0' ? "\"" : "", remedy.empty() ? "" : fmt::format("; {}", remedy))};
+}
+
+Result<Handle> Session::open(const std::string& name) {
+  std::vector<const char*> names(kUsualNames.begin(), kUsualNames.end());
+  if (!name.empty()) names = {name.c_str()};
+  ErrorInfo first = {};
+  for (const char* candidate : names) {
+    const Handle device = hd_.init_device(candidate);
+    const ErrorInfo error = hd_.get_error();
+    if (error.code == kSuccess && device != kInvalidHandle) return device;
+    if (first.code == kSuccess) first = error;
+  }
+  std::string tried;
+  for (const char* candidate : names) tried += (tried.empty() ? "" : ", ") + quoted(candidate);
+  if (first.code == kSuccess) return fail("OpenHaptics has no device {}; name the one of its set-up (Touch_Setup) with --device-id", tried);
+  return tl::unexpected(describe(first, "cannot open " + tried));
+}
+
+Result<Session::Attached> Session::attach_stopped(const std::string& name, const std::function<Result<void>(Handle)>& set_up,
+                                                  Callback callback, void* data) {
+  const auto device = open(name);
+  if (!device) return tl::unexpected(device.error());
+  hd_.make_current_device(*device);
+  if (const auto done = set_up(*device); !done) {
+    hd_.disable_device(*device);
+    return tl::unexpected(done.error());
+  }
+  forget_errors(hd_);
+  return Attached{*device, hd_.schedule_asynchronous(callback, data, kHighestPriority)};
+}
+
+Result<Session::Attached> Session::attach(const std::string& name, const std::function<Result<void>(Handle)>& set_up, Callback callback,
+                                          void* data) {
+  const std::lock_guard lock(mutex_);
+  if (users_ > 0) hd_.stop_scheduler();
+  auto attached = attach_stopped(name, set_up, callback, data);
+  if (users_ > 0 || attached) hd_.start_scheduler();
+  if (!attached) return attached;
+  // With others about, an error may as well be theirs.
+  if (const ErrorInfo error = users_ == 0 ? hd_.get_error() : ErrorInfo{}; is_device_error(error.code)) {
+    hd_.stop_scheduler();
+    hd_.unschedule(attached->schedule);
+    hd_.disable_device(attached->device);
+    return tl::unexpected(describe(error, "cannot start its scheduler"));
+  }
+  ++users_;
+  return attached;
+}
+
+void Session::detach(const Attached& attached) {
+  const std::lock_guard lock(mutex_);
+  hd_.stop_scheduler();
+  hd_.unschedule(attached.schedule);
+  hd_.disable_device(attached.device);
+  forget_errors(hd_);
+  if (--users_ > 0) hd_.start_scheduler();
+}
+
+bool Session::has_users() const {
+  const std::lock_guard lock(mutex_);
+  return users_ > 0;
+}
+
+}  // namespace hapton::hd

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "devices/hd_library.h"
+
+namespace hapton::hd {
+
+// The one scheduler that libHD has in a process, shared by all its devices: the first to come starts it, the last to go stops it. The
+// library has one current device, too, that opening and closing change; so the scheduler stands still meanwhile, or a frame of one device
+// might end with the force of another. RT: set-up only. Threads: any.
+class Session {
+ public:
+  // The session of this library file, or of libHD by its names; the same for all who ask while one holds it.
+  static Result<std::shared_ptr<Session>> join(const std::string& library_file = "");
+
+  explicit Session(Library library) : hd_(std::move(library)) {}
+
+  const Library& hd() const { return hd_; }
+
+  struct Attached {
+    Handle device = kInvalidHandle;
+    Schedule schedule = 0;
+  };
+
+  // Opens the device of that name (of "", the first of those that are usual), sets it up while it is the current one, and calls `callback`
+  // each tick from then on. Error: one line with the error's name and the library's words, or what set_up said.
+  Result<Attached> attach(const std::string& name, const std::function<Result<void>(Handle)>& set_up, Callback callback, void* data);
+  // Calls it no more, and closes the device. After this nothing of it is running.
+  void detach(const Attached& attached);
+
+  // Whether anybody would have to stand still for an attempt to attach one more.
+  bool has_users() const;
+
+ private:
+  Result<Handle> open(const std::string& name);
+  Result<Attached> attach_stopped(const std::string& name, const std::function<Result<void>(Handle)>& set_up, Callback callback,
+                                  void* data);
+  Error describe(const ErrorInfo& error, const std::string& what) const;
+
+  Library hd_;
+  mutable std::mutex mutex_;
+  int users_ = 0;
+};
+
+}  // namespace hapton::hd

@@ -1,0 +1,173 @@
+#include "devices/hid_device.h"
+
+#include <array>
+#include <ctime>
+#include <utility>
+
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+
+Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> backend, HidOpener opener,
+                                                   std::optional<RealtimeSettings> realtime) {
+  std::unique_ptr<HidDevice> device(new HidDevice(std::move(backend), std::move(opener), realtime));
+  if (auto opened = device->port_.open(); !opened) return tl::unexpected(opened.error());
+  device->writer_ = start_thread([raw = device.get()] { raw->run_writer(); });
+  const auto transport = device->port_.transport();
+  const std::string path = transport ? transport->description().path : "gone";
+  if (!device->await_first_report()) {
+    return fail("{} at {}: it sends no reports that make sense; see that its firmware runs, then plug it in again", device->name(), path);
+  }
+  const DeviceCondition condition = device->backend_->condition();
+  log_info("{}: {} {} at {}", device->name(), condition.model, condition.serial, path);
+  return device;
+}
+
+HidDevice::HidDevice(std::unique_ptr<HidBackend> backend, HidOpener opener, std::optional<RealtimeSettings> realtime)
+    : backend_(std::move(backend)), realtime_(realtime), port_(std::move(opener), *this, std::string(backend_->name()), realtime) {
+  ::sem_init(&wishes_, 0, 0);
+}
+
+HidDevice::~HidDevice() {
+  ends_.store(true, std::memory_order_release);
+  ::sem_post(&wishes_);
+  if (writer_.joinable()) writer_.join();
+  port_.close();
+  ::sem_destroy(&wishes_);
+}
+
+bool HidDevice::await_first_report() noexcept {
+  const std::int64_t until_ns = clock_.now_ns() + kFirstReportNs;
+  while (!has_heard_.load(std::memory_order_acquire)) {
+    if (clock_.now_ns() >= until_ns) return false;
+    clock_.sleep_until_ns(clock_.now_ns() + kNanosecondsPerMillisecond);
+  }
+  return true;
+}
+
+void HidDevice::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
+  exchange_.write(wrench, now_ns);
+  ::sem_post(&wishes_);
+}
+
+DeviceCondition HidDevice::condition() const noexcept {
+  DeviceCondition condition = backend_->condition();
+  condition.is_calibrated = exchange_.reading().is_calibrated;
+  condition.motor_temperature = exchange_.reading().motor_temperature;
+  return condition;
+}
+
+Result<void> HidDevice::on_opened(HidTransport& transport) {
+  // The writer has nothing to write to yet: it may as well wait.
+  const std::lock_guard lock(driver_mutex_);
+  if (auto begun = backend_->begin(transport); !begun) return begun;
+  reading_.status = DeviceStatus::calibrating;
+  reading_.sample.time_ns = clock_.now_ns();
+  exchange_.publish(reading_);
+  show_guard(transport.description().path);
+  return {};
+}
+
+void HidDevice::on_report(std::span<const std::uint8_t> report, std::int64_t now_ns) noexcept {
+  const std::lock_guard lock(driver_mutex_);
+  if (!backend_->decode(report, now_ns, reading_)) return;
+  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp(now_ns);
+  reading_.sample.time_ns = now_ns;
+  has_news_ = true;
+}
+
+void HidDevice::on_drained(std::int64_t) noexcept {
+  if (!std::exchange(has_news_, false)) return;
+  {
+    const std::lock_guard lock(driver_mutex_);
+    exchange_.publish(reading_);
+  }
+  has_heard_.store(true, std::memory_order_release);
+  tell_status();
+}
+
+void HidDevice::tell_status() noexcept {
+  const DeviceStatus was = std::exchange(told_, reading_.status);
+  if (was == told_) return;
+  if (told_ == DeviceStatus::calibrating) log_warning("{}: its position is not known yet: {}", name(), backend_->advice());
+  if (told_ == DeviceStatus::ready && was == DeviceStatus::calibrating) log_info("{}: calibrated", name());
+  if (told_ == DeviceStatus::fault) log_error("{}: it reports a fault of its own; switch it off and on", name());
+}
+
+void HidDevice::use_guard(GuardPage& page) noexcept {
+  const auto transport = port_.transport();
+  const std::lock_guard lock(driver_mutex_);
+  guard_ = &page;
+  if (transport) show_guard(transport->description().path);
+}
+
+// Pre: the mutex is held. What the watchdog would write: the motors off.
+void HidDevice::show_guard(const std::string& path) noexcept {
+  if (guard_ == nullptr) return;
+  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  const std::size_t size = backend_->encode({}, false, clock_.now_ns(), report);
+  guard_->set_hid(path, std::span(report).first(size));
+}
+
+void HidDevice::on_gone() noexcept {
+  const std::lock_guard lock(driver_mutex_);
+  reading_.status = DeviceStatus::away;
+  reading_.sample.time_ns = clock_.now_ns();
+  exchange_.publish(reading_);
+}
+
+void HidDevice::run_writer() noexcept {
+  if (realtime_) (void)enter_realtime(*realtime_);
+  while (!ends_.load(std::memory_order_acquire)) {
+    await_wish();
+    write_newest();
+  }
+  let_go();
+}
+
+// Several wishes that came meanwhile are one.
+void HidDevice::await_wish() noexcept {
+  const std::int64_t until_ns = clock_.now_ns() + kRepeatNs;
+  const timespec until{until_ns / kNanosecondsPerSecond, until_ns % kNanosecondsPerSecond};
+  if (::sem_clockwait(&wishes_, CLOCK_MONOTONIC, &until) != 0) return;
+  while (::sem_trywait(&wishes_) == 0) {
+  }
+}
+
+void HidDevice::write_newest() noexcept {
+  const auto transport = port_.transport();
+  if (!transport) {
+    refused_ = 0;
+    return;
+  }
+  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  std::size_t size = 0;
+  {
+    const std::lock_guard lock(driver_mutex_);
+    const std::int64_t now_ns = clock_.now_ns();
+    const Wrench wrench = exchange_.wrench(now_ns);
+    const bool is_live = reading_.status == DeviceStatus::ready && exchange_.is_servo_there(now_ns);
+    size = backend_->encode(wrench, is_live, now_ns, report);
+  }
+  if (size == 0) return;
+  refused_ = transport->write(std::span(report).first(size)) ? 0 : refused_ + 1;
+  if (refused_ >= kMostRefused) {
+    refused_ = 0;
+    port_.suspect();
+  }
+}
+
+void HidDevice::let_go() noexcept {
+  const auto transport = port_.transport();
+  if (!transport) return;
+  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  std::size_t size = 0;
+  {
+    const std::lock_guard lock(driver_mutex_);
+    size = backend_->encode({}, false, clock_.now_ns(), report);
+  }
+  if (size > 0) (void)transport->write(std::span(report).first(size));
+}
+
+}  // namespace hapton

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <semaphore.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "devices/device.h"
+#include "devices/device_exchange.h"
+#include "devices/hid_backend.h"
+#include "hid/hid_port.h"
+
+namespace hapton {
+
+// A force-feedback device that speaks HID. Two threads of its own talk to it, because a write may wait for the bus: one reads and drains
+// (HidPort), one writes the newest wrench as soon as there is one, and every kRepeatNs what then holds, so that a watchdog in the device
+// is content. The servo only exchanges newest values with them. Unplugged, the device is away and looked for; when it is back, its force
+// begins at zero and ramps in. The device is told to let go while the servo is silent.
+// RT and Threads: as Device says.
+class HidDevice final : public Device, private HidListener {
+ public:
+  static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
+  // A device that is opened must have reported by then.
+  static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
+  // So many refused reports in a row, and the device is opened anew.
+  static constexpr int kMostRefused = 100;
+
+  // Opens it and waits until it has said where it is. Error: it is not there, cannot be driven or says nothing, one line.
+  static Result<std::unique_ptr<HidDevice>> open(std::unique_ptr<HidBackend> backend, HidOpener opener,
+                                                 std::optional<RealtimeSettings> realtime = {});
+  ~HidDevice() override;
+
+  std::string_view name() const noexcept override { return backend_->name(); }
+  const DeviceLimits& limits() const noexcept override { return backend_->limits(); }
+  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override {
+    exchange_.cut();
+    ::sem_post(&wishes_);
+    return true;
+  }
+  void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override;
+  DeviceStatus status() const noexcept override { return exchange_.status(); }
+  DeviceCondition condition() const noexcept override;
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+ private:
+  HidDevice(std::unique_ptr<HidBackend> backend, HidOpener opener, std::optional<RealtimeSettings> realtime);
+
+  Result<void> on_opened(HidTransport& transport) override;
+  void on_report(std::span<const std::uint8_t> report, std::int64_t now_ns) noexcept override;
+  void on_drained(std::int64_t now_ns) noexcept override;
+  void on_gone() noexcept override;
+  void tell_status() noexcept;
+
+  bool await_first_report() noexcept;
+  void run_writer() noexcept;
+  void await_wish() noexcept;
+  void write_newest() noexcept;
+  void let_go() noexcept;
+  void show_guard(const std::string& path) noexcept;
+
+  std::unique_ptr<HidBackend> backend_;
+  std::optional<RealtimeSettings> realtime_;
+  SteadyClock clock_;
+  DeviceExchange exchange_;
+  // Held for a decoding, an encoding or a beginning, never over a read or a write; the servo does not take it.
+  std::mutex driver_mutex_;
+  DeviceExchange::Reading reading_;
+  bool has_news_ = false;
+  DeviceStatus told_ = DeviceStatus::ready;  // to people
+  GuardPage* guard_ = nullptr;
+  int refused_ = 0;  // of the writer
+  sem_t wishes_;     // posted by the servo: a wrench is there
+  std::atomic<bool> has_heard_{false};
+  std::atomic<bool> ends_{false};
+  HidPort port_;
+  std::thread writer_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,404 @@
+#include "devices/open_haptics_device.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "devices/device_exchange.h"
+#include "devices/hd_session.h"
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kMPerMm = 1e-3;
+constexpr double kMNmPerNm = 1e3;
+constexpr auto kLookEvery = std::chrono::milliseconds(20);
+constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
+constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // they stand still meanwhile
+constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of what goes on, no oftener is it worth a line
+// The library's scheduler calls a thousand times a second: after so long it has stopped, or the device with it.
+constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
+constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
+constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // the motors are let go for, after a force error
+constexpr int kMostErrorsATick = 8;
+// Not to be had from the library, so ours: careful figures, see docs/vendor-devices.md.
+constexpr double kRiseS = 0.004;  // from nothing to the greatest force, as for the PHANToM Model A
+constexpr double kPeakS = 5.0;
+constexpr double kMaxTorqueNm = 0.1;
+constexpr double kMaxSpeedMPerS = 5.0;
+
+std::string text_or(const char* text, const char* otherwise) { return text != nullptr && *text != '\0' ? text : otherwise; }
+
+enum class Calibration : std::uint8_t { unknown, good, updating, at_neutral_pose, in_inkwell, by_moving };
+
+// What a person has to do now.
+std::string_view instruction_for(Calibration calibration) {
+  switch (calibration) {
+    case Calibration::unknown:
+    case Calibration::good:
+      return "";
+    case Calibration::updating:
+      return "calibrating: move the stylus about a little";
+    case Calibration::at_neutral_pose:
+      return "calibrate: hold the arm in its neutral pose, all links at right angles, and press the stylus button (where there is none, "
+             "calibrate with the vendor's own program first)";
+    case Calibration::in_inkwell:
+      return "calibrate: put the stylus into its inkwell and leave it there until this says that it is done";
+    case Calibration::by_moving:
+      return "calibrate: move the stylus slowly through its whole workspace";
+  }
+  return "";
+}
+
+class OpenHapticsDevice final : public Device {
+ public:
+  OpenHapticsDevice(std::shared_ptr<hd::Session> session, std::string device_name)
+      : session_(std::move(session)), hd_(session_->hd()), device_name_(std::move(device_name)) {}
+  ~OpenHapticsDevice() override;
+
+  Result<void> open();
+  void start_keeper() {
+    keeper_ = start_thread([this] { keep(); });
+  }
+
+  std::string_view name() const noexcept override { return "openhaptics"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
+  bool cut() noexcept override {
+    exchange_.cut();
+    return true;
+  }
+  void restore() noexcept override { exchange_.restore(); }
+  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  DeviceStatus status() const noexcept override { return exchange_.status(); }
+  DeviceCondition condition() const noexcept override;
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+ private:
+  // Set-up, on the keeper's thread but for the first time.
+  Result<void> set_up();
+  Result<void> read_limits();
+  void read_texts();
+  double get(hd::Enum what, double otherwise) const;
+
+  // The scheduler's thread.
+  static hd::Enum on_tick(void* self) noexcept;
+  void tick() noexcept;
+  void read_frame(DeviceSample& sample) noexcept;
+  void write_frame(const Wrench& wrench) noexcept;
+  void look_at_condition() noexcept;
+  void check_calibration() noexcept;
+  void collect_errors(std::int64_t now_ns) noexcept;
+
+  // The keeper's thread: what may take long, and lines for people.
+  void keep();
+  void tell_calibration();
+  void tell_errors(std::int64_t now_ns);
+  bool is_lost(std::int64_t now_ns) const;
+  void reopen(std::int64_t now_ns);
+
+  std::shared_ptr<hd::Session> session_;
+  const hd::Library& hd_;
+  std::string device_name_;
+  DeviceLimits limits_;
+  Vec3 middle_m_ = Vec3::Zero();
+  std::string model_, serial_, firmware_;
+  hd::Enum styles_ = 0;
+  bool has_torque_ = false;
+  SteadyClock clock_;
+
+  DeviceExchange exchange_;
+  hd::Handle device_ = hd::kInvalidHandle;  // set before the first tick
+  hd::Session::Attached attached_;
+
+  // The scheduler's thread.
+  DeviceExchange::Reading reading_;
+  int ticks_to_look_ = 0;
+  std::int64_t pause_until_ns_ = 0;
+
+  // From the scheduler's thread to the keeper's.
+  std::atomic<std::int64_t> ticked_ns_{0};
+  std::atomic<Calibration> calibration_{Calibration::unknown};
+  std::atomic<hd::Enum> force_error_{hd::kSuccess};
+  std::atomic<hd::Enum> device_error_{hd::kSuccess};
+
+  std::thread keeper_;
+  std::atomic<bool> ends_{false};
+  bool is_open_ = false;  // the keeper's
+  Calibration told_calibration_ = Calibration::unknown;
+  std::int64_t next_reopen_ns_ = 0;
+  std::int64_t next_error_line_ns_ = 0;
+};
+
+OpenHapticsDevice::~OpenHapticsDevice() {
+  ends_.store(true, std::memory_order_relaxed);
+  if (keeper_.joinable()) keeper_.join();
+  if (is_open_) session_->detach(attached_);
+}
+
+DeviceCondition OpenHapticsDevice::condition() const noexcept {
+  const DeviceExchange::Reading& newest = exchange_.reading();
+  return {model_, serial_, firmware_, newest.is_calibrated, newest.motor_temperature};
+}
+
+double OpenHapticsDevice::get(hd::Enum what, double otherwise) const {
+  double value = otherwise;
+  hd_.get_doubles(what, &value);
+  return hd_.get_error().code == hd::kSuccess && std::isfinite(value) ? value : otherwise;
+}
+
+void OpenHapticsDevice::read_texts() {
+  model_ = text_or(hd_.get_string(hd::kModelType), "unknown model");
+  serial_ = text_or(hd_.get_string(hd::kSerialNumber), "");
+  // A float, as 3.0 documents it, or nothing.
+  float firmware = 0.0F;
+  hd_.get_floats(hd::kFirmwareVersion, &firmware);
+  firmware_ = hd_.get_error().code == hd::kSuccess && firmware > 0.0F ? fmt::format("{:g}", firmware) : "";
+  hd::forget_errors(hd_);
+}
+
+Result<void> OpenHapticsDevice::read_limits() {
+  std::array<double, 6> box_mm = {};
+  hd_.get_doubles(hd::kUsableWorkspace, box_mm.data());
+  const Vec3 low_m = kMPerMm * Vec3(box_mm[0], box_mm[1], box_mm[2]);
+  const Vec3 high_m = kMPerMm * Vec3(box_mm[3], box_mm[4], box_mm[5]);
+  const double max_n = get(hd::kNominalMaxForce, 0.0);
+  const bool is_box_sane = low_m.allFinite() && high_m.allFinite() && ((high_m - low_m).array() > 0.01).all();
+  if (!is_box_sane || max_n <= 0.0 || max_n > 100.0) {
+    return fail(
+        "OpenHaptics says that {} has a workspace of {:g} x {:g} x {:g} m and {:g} N, which cannot be; set it up again (Touch_Setup)",
+        model_, high_m.x() - low_m.x(), high_m.y() - low_m.y(), high_m.z() - low_m.z(), max_n);
+  }
+  middle_m_ = 0.5 * (low_m + high_m);
+  limits_.workspace_min_m = low_m - middle_m_;
+  limits_.workspace_max_m = high_m - middle_m_;
+  limits_.max_force_n = max_n;
+  limits_.max_slew_n_per_s = max_n / kRiseS;
+  limits_.continuous_force_n = std::clamp(get(hd::kNominalMaxContinuousForce, 0.25 * max_n), 0.0, max_n);
+  limits_.peak_s = kPeakS;
+  limits_.max_speed_m_per_s = kMaxSpeedMPerS;
+  // N/mm.
+  limits_.max_stiffness_n_per_m = 1e3 * std::clamp(get(hd::kNominalMaxStiffness, 0.5), 0.1, 5.0);
+  int output_dof = 3;
+  hd_.get_integers(hd::kOutputDof, &output_dof);
+  has_torque_ = output_dof == 6;
+  limits_.max_torque_nm = has_torque_ ? kMaxTorqueNm : 0.0;
+  limits_.max_torque_slew_nm_per_s = limits_.max_torque_nm / kRiseS;
+  return {};
+}
+
+// While it is the current device and nobody ticks.
+Result<void> OpenHapticsDevice::set_up() {
+  const bool is_first = model_.empty();
+  if (is_first) read_texts();
+  if (const auto limits = is_first ? read_limits() : Result<void>(); !limits) return limits;
+  int styles = 0;
+  hd_.get_integers(hd::kCalibrationStyle, &styles);
+  styles_ = static_cast<hd::Enum>(styles);
+  for (const hd::Enum capability : {hd::kForceOutput, hd::kMaxForceClamping, hd::kSoftwareForceLimit, hd::kForceRamping}) {
+    hd_.enable(capability);
+    // Not all devices have all of them; without force output there would be no force to be felt, and no harm.
+    hd::forget_errors(hd_);
+  }
+  reading_ = {};
+  ticks_to_look_ = 0;
+  pause_until_ns_ = 0;
+  device_error_ = hd::kSuccess;
+  calibration_ = told_calibration_ = Calibration::unknown;
+  ticked_ns_ = clock_.now_ns();
+  return {};
+}
+
+Result<void> OpenHapticsDevice::open() {
+  const auto attached = session_->attach(
+      device_name_,
+      [this](hd::Handle device) {
+        device_ = device;
+        return set_up();
+      },
+      on_tick, this);
+  if (!attached) return tl::unexpected(attached.error());
+  attached_ = *attached;
+  is_open_ = true;
+  return {};
+}
+
+hd::Enum OpenHapticsDevice::on_tick(void* self) noexcept {
+  static_cast<OpenHapticsDevice*>(self)->tick();
+  return hd::kCallbackContinue;
+}
+
+void OpenHapticsDevice::tick() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  // Another device was opened or closed: all stood still.
+  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp(now_ns);
+  reading_.sample.time_ns = now_ns;
+  hd_.make_current_device(device_);
+  hd_.begin_frame(device_);
+  read_frame(reading_.sample);
+  if (--ticks_to_look_ <= 0) {
+    ticks_to_look_ = kTicksPerLook;
+    look_at_condition();
+  }
+  write_frame(now_ns < pause_until_ns_ ? Wrench{} : exchange_.wrench(now_ns));
+  hd_.end_frame(device_);
+  collect_errors(now_ns);
+  if (device_error_.load(std::memory_order_relaxed) != hd::kSuccess) {
+    reading_.status = DeviceStatus::away;
+  } else {
+    reading_.status = reading_.is_calibrated ? DeviceStatus::ready : DeviceStatus::calibrating;
+  }
+  exchange_.publish(reading_);
+  ticked_ns_.store(now_ns, std::memory_order_release);
+}
+
+// Positions in mm, the transform column after column.
+void OpenHapticsDevice::read_frame(DeviceSample& sample) noexcept {
+  std::array<double, 3> position_mm = {};
+  std::array<double, 16> transform = {};
+  int buttons = 0;
+  hd_.get_doubles(hd::kCurrentPosition, position_mm.data());
+  hd_.get_doubles(hd::kCurrentTransform, transform.data());
+  hd_.get_integers(hd::kCurrentButtons, &buttons);
+  const Vec3 p_m = kMPerMm * Vec3(position_mm[0], position_mm[1], position_mm[2]) - middle_m_;
+  if (p_m.allFinite()) sample.p_WD = p_m;
+  const Eigen::Map<const Eigen::Matrix4d> x(transform.data());
+  const Eigen::Matrix3d r = x.topLeftCorner<3, 3>();
+  if (r.allFinite() && std::abs(r.determinant() - 1.0) < 0.1) sample.q_WT = Quat(r).normalized();
+  sample.buttons = static_cast<std::uint32_t>(buttons) & 0xFU;
+}
+
+void OpenHapticsDevice::write_frame(const Wrench& wrench) noexcept {
+  const std::array<double, 3> force_n = {wrench.force_n.x(), wrench.force_n.y(), wrench.force_n.z()};
+  hd_.set_doubles(hd::kCurrentForce, force_n.data());
+  if (!has_torque_) return;
+  const Vec3 t = kMNmPerNm * wrench.torque_nm;
+  const std::array<double, 3> torque_mnm = {t.x(), t.y(), t.z()};
+  hd_.set_doubles(hd::kCurrentTorque, torque_mnm.data());
+}
+
+void OpenHapticsDevice::look_at_condition() noexcept {
+  std::array<double, 16> temperatures = {};
+  temperatures.fill(-1.0);
+  hd_.get_doubles(hd::kMotorTemperature, temperatures.data());
+  double warmest = -1.0;
+  for (const double t : temperatures) warmest = std::isfinite(t) ? std::max(warmest, t) : warmest;
+  reading_.motor_temperature = warmest;
+  check_calibration();
+}
+
+void OpenHapticsDevice::check_calibration() noexcept {
+  const hd::Enum result = hd_.check_calibration();
+  if (result == hd::kCalibrationOk) {
+    calibration_.store(Calibration::good, std::memory_order_relaxed);
+    reading_.is_calibrated = true;
+    return;
+  }
+  reading_.is_calibrated = false;
+  const bool needs_update = result == hd::kCalibrationNeedsUpdate;
+  const bool is_button_down = reading_.sample.buttons != 0;
+  if ((styles_ & hd::kStyleAuto) != 0) {
+    if (needs_update) hd_.update_calibration(hd::kStyleAuto);
+    calibration_.store(needs_update ? Calibration::updating : Calibration::by_moving, std::memory_order_relaxed);
+  } else if ((styles_ & hd::kStyleInkwell) != 0) {
+    if (needs_update) hd_.update_calibration(hd::kStyleInkwell);
+    calibration_.store(Calibration::in_inkwell, std::memory_order_relaxed);
+  } else {
+    // What is the neutral pose only the person knows: this reset takes the present one for it.
+    if (is_button_down) hd_.update_calibration(hd::kStyleEncoderReset);
+    calibration_.store(Calibration::at_neutral_pose, std::memory_order_relaxed);
+  }
+}
+
+// What went wrong in this frame. A flood of errors is taken a few at a time.
+void OpenHapticsDevice::collect_errors(std::int64_t now_ns) noexcept {
+  for (int n = 0; n < kMostErrorsATick; ++n) {
+    const hd::ErrorInfo error = hd_.get_error();
+    if (error.code == hd::kSuccess) return;
+    if (hd::is_force_error(error.code)) {
+      pause_until_ns_ = now_ns + kForceErrorPauseNs;
+      exchange_.restart_ramp(pause_until_ns_);
+      force_error_.store(error.code, std::memory_order_relaxed);
+    } else if (hd::is_device_error(error.code)) {
+      device_error_.store(error.code, std::memory_order_relaxed);
+    }
+  }
+}
+
+void OpenHapticsDevice::keep() {
+  while (!ends_.load(std::memory_order_relaxed)) {
+    std::this_thread::sleep_for(kLookEvery);
+    const std::int64_t now_ns = clock_.now_ns();
+    tell_calibration();
+    tell_errors(now_ns);
+    if (is_lost(now_ns)) reopen(now_ns);
+  }
+}
+
+void OpenHapticsDevice::tell_calibration() {
+  const Calibration calibration = calibration_.load(std::memory_order_relaxed);
+  if (!is_open_ || calibration == told_calibration_) return;
+  told_calibration_ = calibration;
+  if (calibration == Calibration::good) {
+    log_info("{} is calibrated", model_);
+  } else {
+    log_warning("{}: {}", model_, instruction_for(calibration));
+  }
+}
+
+void OpenHapticsDevice::tell_errors(std::int64_t now_ns) {
+  if (now_ns < next_error_line_ns_) return;
+  const hd::Enum error = force_error_.exchange(hd::kSuccess, std::memory_order_relaxed);
+  if (error == hd::kSuccess) return;
+  next_error_line_ns_ = now_ns + kSayEveryNs;
+  const std::string_view remedy = hd::remedy_for_error(error);
+  log_warning("{} reports {} and its force was let go{}{}", model_, hd::name_of_error(error), remedy.empty() ? "" : "; ", remedy);
+}
+
+bool OpenHapticsDevice::is_lost(std::int64_t now_ns) const {
+  if (!is_open_) return true;
+  return device_error_.load(std::memory_order_relaxed) != hd::kSuccess ||
+         now_ns - ticked_ns_.load(std::memory_order_acquire) > kSchedulerSilenceNs;
+}
+
+void OpenHapticsDevice::reopen(std::int64_t now_ns) {
+  if (is_open_) {
+    const hd::Enum error = device_error_.load(std::memory_order_relaxed);
+    log_warning("{} is gone ({}); looking for it", model_, error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler stands still");
+    session_->detach(attached_);
+    is_open_ = false;
+    // Nobody ticks now: the last word until it is back.
+    reading_.status = DeviceStatus::away;
+    exchange_.publish(reading_);
+    next_reopen_ns_ = now_ns + kReopenEveryNs / 4;
+  }
+  if (now_ns < next_reopen_ns_) return;
+  next_reopen_ns_ = now_ns + (session_->has_users() ? kReopenBesideOthersEveryNs : kReopenEveryNs);
+  if (open()) log_info("{} is back", model_);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Device>> make_open_haptics(const DeviceSettings& settings, const std::string& library_file) {
+  auto session = hd::Session::join(library_file);
+  if (!session) return tl::unexpected(session.error());
+  auto device = std::make_unique<OpenHapticsDevice>(std::move(*session), settings.id);
+  if (const auto opened = device->open(); !opened) return tl::unexpected(opened.error());
+  const DeviceCondition condition = device->condition();
+  log_info("OpenHaptics: {}, serial {}, firmware {}, at most {:.2f} N", condition.model, condition.serial.empty() ? "?" : condition.serial,
+           condition.firmware.empty() ? "?" : condition.firmware, device->limits().max_force_n);
+  device->start_keeper();
+  return device;
+}
+
+}  // namespace hapton

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include "devices/device.h"
+
+namespace hapton {
+
+// A device somewhere else in W than its maker puts it: beside another one, or turned. Whoever uses it sees frame W alone.
+// The workspace becomes the box around the turned one. RT: as the device's own.
+class PlacedDevice final : public Device {
+ public:
+  // X_WB: pose in W of the base frame that the device itself takes for W.
+  PlacedDevice(std::unique_ptr<Device> device, const Pose& X_WB);
+
+  std::string_view name() const noexcept override { return device_->name(); }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override { return device_->cut(); }
+  void restore() noexcept override { device_->restore(); }
+  void use_guard(GuardPage& page) noexcept override { device_->use_guard(page); }
+  DeviceStatus status() const noexcept override { return device_->status(); }
+  DeviceCondition condition() const noexcept override { return device_->condition(); }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+
+ private:
+  std::unique_ptr<Device> device_;
+  Pose X_WB_;
+  Pose X_BW_;
+  Quat q_WB_;
+  DeviceLimits limits_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "devices/device.h"
+#include "runtime/trajectory_csv.h"
+
+namespace hapton {
+
+// A recording in place of a hand: plays a trajectory from its first row on, starting at the first read, straight lines between
+// rows (and the shortest turn). Forces go nowhere. At the end it stays at the last row and says `ended`, or with loop begins
+// again, as if the first row came one mean row distance after the last: a recording that does not close jumps there, and says `away` for
+// that one read, so that nobody takes it for a hand.
+// The limits are a PHANToM Model A's, without a limit of speed: a recording is what it is. The workspace is the recording's own box, with
+// kMarginM around it.
+// RT: all but making one; a read moves on by the rows that have passed.
+class ReplayDevice final : public Device {
+ public:
+  struct Options {
+    bool loop = false;
+  };
+
+  static constexpr double kMarginM = 0.02;
+  static constexpr double kSeamM = 0.001;  // a larger step from the last row to the first is a jump
+
+  // Pre: rows as read_trajectory_csv gives them (at least one, times rising).
+  ReplayDevice(std::vector<TrajectoryRow> rows, const Options& options);
+
+  std::string_view name() const noexcept override { return "replay"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  DeviceStatus status() const noexcept override { return status_; }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+
+  double length_s() const noexcept { return rows_.back().t_s - rows_.front().t_s; }
+
+ private:
+  double trajectory_time_s(std::int64_t now_ns) noexcept;
+
+  std::vector<TrajectoryRow> rows_;
+  Options options_;
+  DeviceLimits limits_;
+  DeviceStatus status_ = DeviceStatus::ready;
+  bool is_open_ = false;  // a loop of it jumps
+  double turn_s_ = 0.0;   // length of one round of a loop
+  std::size_t row_ = 0;   // rows_[row_].t_s <= time, as far as known
+  double played_to_s_ = 0.0;
+  std::int64_t zero_ns_ = -1;
+};
+
+}  // namespace hapton

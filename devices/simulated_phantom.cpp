@@ -1,0 +1,84 @@
+#include "devices/simulated_phantom.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "devices/model_a.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kGimbalStepRad = 2.0 * std::numbers::pi / model_a::kGimbalCounts;
+
+Vec3 start_of(const DeviceLimits& limits) { return {0.0, 0.0, 0.9 * limits.workspace_max_m.z()}; }
+
+HandScript::Options script_options(const DeviceLimits& limits, std::uint64_t seed) {
+  return {seed, limits.workspace_min_m, limits.workspace_max_m, start_of(limits)};
+}
+
+double to_grid(double value, double step) { return std::round(value / step) * step; }
+
+}  // namespace
+
+SimulatedPhantom::SimulatedPhantom(const Options& options)
+    : limits_(model_a::limits()), dynamics_(options.stylus), script_(script_options(limits_, options.seed)), hand_m_(start_of(limits_)) {
+  for (int axis = 0; axis < 3; ++axis) axes_[axis] = {hand_m_[axis], 0.0, hand_m_[axis], 0.0};
+}
+
+Vec3 SimulatedPhantom::exact_position_m() const noexcept { return {axes_[0].device_m, axes_[1].device_m, axes_[2].device_m}; }
+
+bool SimulatedPhantom::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
+  script_.lead(p_WH);
+  return true;
+}
+
+void SimulatedPhantom::begin_hand_step() noexcept {
+  const HandIntention next = script_.step(exact_position_m(), force_n_);
+  hand_m_per_s_ = (next.p_WH - hand_m_) * (1e9 / static_cast<double>(HandScript::kStepNs));
+  gimbal_rad_ = next.gimbal_rad;
+}
+
+void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
+  if (device_ns_ < 0) {
+    zero_ns_ = now_ns;
+    device_ns_ = 0;
+    begin_hand_step();
+  }
+  const bool is_cut = is_cut_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load() != 0);
+  force_n_ = is_cut ? Vec3(Vec3::Zero()) : written_n_;
+  zero_ns_ += std::max<std::int64_t>(0, now_ns - zero_ns_ - device_ns_ - kLongestPauseNs);
+  const std::int64_t end_ns = now_ns - zero_ns_;
+  while (device_ns_ < end_ns) {
+    const std::int64_t hand_step_end = (device_ns_ / HandScript::kStepNs + 1) * HandScript::kStepNs;
+    const std::int64_t next = std::min(end_ns, hand_step_end);
+    for (int axis = 0; axis < 3; ++axis) {
+      dynamics_.advance(axes_[axis], {force_n_[axis], hand_m_[axis], hand_m_per_s_[axis]},
+                        {limits_.workspace_min_m[axis], limits_.workspace_max_m[axis]}, device_ns_, next - device_ns_);
+    }
+    hand_m_ += hand_m_per_s_ * (1e-9 * static_cast<double>(next - device_ns_));
+    device_ns_ = next;
+    if (next == hand_step_end) begin_hand_step();
+  }
+}
+
+DeviceSample SimulatedPhantom::read(std::int64_t now_ns) noexcept {
+  advance_to(now_ns);
+  const Vec3 exact = exact_position_m();
+  const auto gimbal = [&](int axis) { return to_grid(gimbal_rad_[axis], kGimbalStepRad); };
+  DeviceSample sample;
+  sample.time_ns = now_ns;
+  for (int axis = 0; axis < 3; ++axis) sample.p_WD[axis] = to_grid(exact[axis], model_a::kPositionStepM);
+  sample.q_WT = Eigen::AngleAxisd(gimbal(0), Vec3::UnitY()) * Eigen::AngleAxisd(gimbal(1), Vec3::UnitX()) *
+                Eigen::AngleAxisd(gimbal(2), Vec3::UnitZ());
+  return sample;
+}
+
+void SimulatedPhantom::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
+  advance_to(now_ns);
+  written_n_ = wrench.force_n;
+  for (std::size_t axis = 0; guard_ != nullptr && axis < 3; ++axis)
+    guard_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
+}
+
+}  // namespace hapton

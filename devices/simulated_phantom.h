@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+
+#include "devices/device.h"
+#include "devices/hand_script.h"
+#include "devices/stylus_dynamics.h"
+
+namespace hapton {
+
+// A PHANToM Model A (model_a.h) with a hand on it: 6 DOF in and 3 DOF out, force passed on up to 30 Hz. The three axes are alike and
+// independent (stylus_dynamics.h); gimbals carry no motor, so the stylus tilts as the hand wants. The hand follows a seeded script
+// (hand_script.h) or is led.
+// Time: the first read or write sets the device's zero; the trajectory depends on the forces and the times they were written,
+// not on how often the device is read. A pause of more than kLongestPauseNs is cut to it (a stopped process is no long flight).
+// RT: all but making one: bounded, about 2 us for each simulated millisecond.
+class SimulatedPhantom final : public Device {
+ public:
+  static constexpr std::int64_t kLongestPauseNs = 100'000'000;
+
+  struct Options {
+    std::uint64_t seed = 1;
+    StylusModel stylus;
+  };
+
+  explicit SimulatedPhantom(const Options& options);
+
+  std::string_view name() const noexcept override { return "simulated"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  bool cut() noexcept override {
+    is_cut_.store(true, std::memory_order_release);
+    if (guard_ != nullptr) guard_->is_cut_within.store(1, std::memory_order_release);
+    return true;
+  }
+  void restore() noexcept override {
+    is_cut_.store(false, std::memory_order_release);
+    if (guard_ != nullptr) guard_->is_cut_within.store(0, std::memory_order_release);
+  }
+  void use_guard(GuardPage& page) noexcept override {
+    page.set_means(CutMeans::simulated);
+    guard_ = &page;
+  }
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+
+  // What no program sees on a real device: for tests and plots.
+  Vec3 exact_position_m() const noexcept;
+  HandScript::Phase phase() const noexcept { return script_.phase(); }
+
+ private:
+  void advance_to(std::int64_t now_ns) noexcept;
+  void begin_hand_step() noexcept;
+
+  DeviceLimits limits_;
+  StylusDynamics dynamics_;
+  HandScript script_;
+  std::array<AxisState, 3> axes_;
+  Vec3 written_n_ = Vec3::Zero();
+  Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
+  std::atomic<bool> is_cut_{false};
+  GuardPage* guard_ = nullptr;  // where its motors are seen, and cut, from outside
+  Vec3 hand_m_;                 // intention at device_ns_
+  Vec3 hand_m_per_s_ = Vec3::Zero();
+  Vec3 gimbal_rad_ = Vec3::Zero();
+  std::int64_t zero_ns_ = 0;     // host time of device time 0
+  std::int64_t device_ns_ = -1;  // device time reached; below 0: not begun
+};
+
+}  // namespace hapton

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+
+#include "core/base/result.h"
+#include "devices/device.h"
+#include "devices/device_settings.h"
+#include "hid/space_mouse_reader.h"
+
+namespace hapton {
+
+// A SpaceMouse as a hand of six degrees of freedom. The cap's way is a speed: the further it is pushed, the faster the point goes, as the
+// square for fine work; released, it stays. There are no motors: a force that is written moves the point as it would move a light hand in
+// thick oil, so that the point comes to rest near a surface that it was pushed into.
+// RT and Threads: as Device says.
+class SpaceMouseDevice final : public Device {
+ public:
+  static constexpr double kFullSpeedMPerS = 0.15;
+  static constexpr double kFullTurnRadPerS = 1.5;
+  // With walls of 1000 N/m the point goes 3 mm in at full speed.
+  static constexpr double kOilNsPerM = 50.0;
+
+  // Pre: the reader is open.
+  explicit SpaceMouseDevice(std::unique_ptr<SpaceMouseReader> reader);
+
+  std::string_view name() const noexcept override { return "SpaceMouse"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override;
+  void write(const Wrench& wrench, std::int64_t) noexcept override { force_n_ = wrench.force_n; }
+  DeviceStatus status() const noexcept override { return reader_->is_there() ? DeviceStatus::ready : DeviceStatus::away; }
+  DeviceCondition condition() const noexcept override;
+  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+
+ private:
+  std::unique_ptr<SpaceMouseReader> reader_;
+  DeviceLimits limits_;
+  DeviceSample sample_;
+  Vec3 force_n_ = Vec3::Zero();
+  std::int64_t read_ns_ = -1;
+};
+
+// settings.id: serial number, path or place. RT: set-up only. Error: one line.
+Result<std::unique_ptr<Device>> make_space_mouse(const DeviceSettings& settings);
+
+}  // namespace hapton

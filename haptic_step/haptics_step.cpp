@@ -1,0 +1,127 @@
+#include "haptic_step/haptics_step.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "haptic_step/view_pose.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFirstStepS = 1e-3;
+
+}  // namespace
+
+HapticsStep::HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m) : touch_(std::move(touch)), offset_m_(offset_m) {}
+
+void HapticsStep::offer(const DeviceState& state) noexcept {
+  if (has_state_) {
+    ++skipped_;
+    ++counts_.skipped;
+  }
+  state_ = state;
+  has_state_ = true;
+}
+
+ForceCommand HapticsStep::answer() noexcept {
+  has_state_ = false;
+  const std::int64_t step_ns = state_.sample_time_ns - last_time_ns_;
+  input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
+  input_.p_WD = state_.p_WD;
+  input_.X_WS = X_WS_;
+  last_time_ns_ = state_.sample_time_ns;
+  if (!running_) {
+    touch_->reset(make_start());
+  } else {
+    remember_answered();
+  }
+  running_ = true;
+  last_sample_ = state_.sample;
+  felt_ = touch_->step(input_);
+  const Vec3 force_n = fade_.step(felt_.force_n, felt_.contact, input_.dt_s);
+  const bool contact = felt_.contact || fade_.is_felt();
+
+  ++counts_.answered;
+  counts_.contact_steps += contact ? 1 : 0;
+  counts_.max_force_n = std::max(counts_.max_force_n, force_n.norm());
+  return {.echo_sample = state_.sample,
+          .echo_sample_time_ns = state_.sample_time_ns,
+          .force_n = force_n,
+          .visual_offset_m = felt_.visual_offset_m,
+          .contact = contact,
+          .compute_ns = 0,
+          .skipped_samples = std::exchange(skipped_, 0U),
+          .view_revision = view_.revision,
+          .method_serial = static_cast<std::uint32_t>(counts_.methods_taken),
+          .answered_before = answered_before_};
+}
+
+// Where a method begins that knows nothing yet: at the device, or off the surface, on the side that was felt, that it rested on before.
+TouchInput HapticsStep::make_start() noexcept {
+  const std::optional<Vec3> p_WP = state_.is_resumed ? std::optional(state_.p_WP) : std::exchange(p_WP_, std::nullopt);
+  TouchInput start = input_;
+  if (!p_WP) return start;
+  const Vec3 outward = *p_WP - input_.p_WD;
+  if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return start;
+  start.p_WD = *p_WP + offset_m_ * outward.normalized();
+  // What this node remembers of an earlier session is in no recording of this one.
+  if (!state_.is_resumed) answered_before_ = kUnknownBefore;
+  return start;
+}
+
+void HapticsStep::look_around() noexcept {
+  const std::optional<Vec3> p_WP = p_WP_;
+  const std::uint64_t answered_before = answered_before_;
+  input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS};
+  touch_->reset(make_start());
+  touch_->step(input_);
+  p_WP_ = p_WP;
+  answered_before_ = answered_before;
+}
+
+void HapticsStep::resume() noexcept {
+  const bool is_felt = running_ && felt_.contact;
+  restart();
+  if (is_felt) p_WP_ = input_.p_WD + felt_.visual_offset_m;
+}
+
+// Moves the answers known of on by as many samples as have passed, and adds the last one.
+void HapticsStep::remember_answered() noexcept {
+  const std::uint64_t passed = state_.sample - last_sample_;
+  if (passed == 0 || passed > 64) {
+    answered_before_ = 0;
+    return;
+  }
+  answered_before_ = (passed == 64 ? 0 : answered_before_ << passed) | (std::uint64_t{1} << (passed - 1));
+}
+
+bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
+  const auto pose = compute_view_pose(view.X_WS);
+  if (!pose) {
+    ++counts_.views_rejected;
+    return false;
+  }
+  ++counts_.views_taken;
+  p_WP_.reset();
+  X_WS_ = *pose;
+  view_ = view;
+  return true;
+}
+
+std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch) noexcept {
+  ++counts_.methods_taken;
+  std::swap(touch_, touch);
+  if (running_) {
+    TouchInput start = input_;
+    if (felt_.contact) {
+      start.p_WD += felt_.visual_offset_m + offset_m_ * felt_.force_n.normalized();
+    }
+    touch_->reset(start);
+    // On the way from there to the device, which the hand did not go, it comes into contact and to rest.
+    const TouchOutput settled = touch_->step(input_);
+    if (felt_.contact || fade_.is_felt() || settled.contact) fade_.begin();
+  }
+  return touch;
+}
+
+}  // namespace hapton

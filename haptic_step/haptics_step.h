@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/force/touch_step.h"
+#include "haptic_step/force_fade.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// What the haptics node has done so far.
+struct HapticsCounts {
+  std::uint64_t answered = 0;
+  std::uint64_t contact_steps = 0;
+  std::uint64_t skipped = 0;  // states superseded before they could be answered
+  std::uint64_t views_taken = 0;
+  std::uint64_t views_rejected = 0;  // no rotation and translation
+  std::uint64_t methods_taken = 0;   // put in place while running
+  double max_force_n = 0.0;
+};
+
+// The haptics node without its machine: device states and view transforms go in, force commands come out.
+// RT: all but construction yes. Threads: one.
+class HapticsStep {
+ public:
+  // offset_m: how far off the surface, on the side that is felt, a new method starts when it takes over in contact.
+  explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
+
+  // A newer state for the next answer; one still waiting is skipped.
+  void offer(const DeviceState& state) noexcept;
+  bool has_state() const noexcept { return has_state_; }
+  // Something has been answered since the start, or since it was to be forgotten.
+  bool is_running() const noexcept { return running_; }
+
+  // Lets the method see where it is about to begin, so that its slow task can build what is near there; answers nothing and changes nothing
+  // else. Pre: has_state(), not is_running().
+  void look_around() noexcept;
+
+  // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
+  ForceCommand answer() noexcept;
+
+  // Turns the static scene; false when it is no pose, and the scene stays as it is.
+  bool turn_scene(const ViewTransform& view) noexcept;
+
+  // Puts another method in place and gives the old one back. In contact the new one starts on the felt side of the surface where the
+  // old one's probe rests, so its first step feels the same surface; in free space at the device point. Where the two feel different forces
+  // the difference fades (ForceFade).
+  std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
+
+  // Forgets contact and time: a new hub session begins, or samples were missing for long.
+  void restart() noexcept {
+    running_ = false;
+    answered_before_ = 0;
+    p_WP_.reset();
+    fade_.forget();
+  }
+
+  // A new hub session begins: as restart, but contact goes on where the probe rests, if the device is still near (kResumeReachM).
+  void resume() noexcept;
+
+  // The newest view transform taken.
+  const ViewTransform& view() const noexcept { return view_; }
+
+  const HapticsCounts& counts() const noexcept { return counts_; }
+  const TouchStep& touch() const noexcept { return *touch_; }
+
+ private:
+  void remember_answered() noexcept;
+  TouchInput make_start() noexcept;
+
+  std::unique_ptr<TouchStep> touch_;
+  double offset_m_;
+  Pose X_WS_ = Pose::Identity();
+  ViewTransform view_;
+  DeviceState state_;
+  TouchInput input_;          // last answered
+  TouchOutput felt_;          // last answered, by the method alone
+  ForceFade fade_;            // from the method before
+  std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
+  std::int64_t last_time_ns_ = 0;
+  std::uint64_t last_sample_ = 0;      // answered
+  std::uint64_t answered_before_ = 0;  // as in ForceCommand, of the answer to come: without last_sample_
+  std::uint32_t skipped_ = 0;
+  bool has_state_ = false;
+  bool running_ = false;  // last answered is there
+  HapticsCounts counts_;
+};
+
+}  // namespace hapton

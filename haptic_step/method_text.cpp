@@ -1,0 +1,82 @@
+#include "haptic_step/method_text.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <locale>
+#include <sstream>
+
+#include "core/collision/grid_division.h"
+
+namespace hapton {
+namespace {
+
+// Every setting but the name, in one place for both ways.
+template <class S, class Visit>
+void for_each_setting(S& s, Visit&& visit) {
+  visit("grid_division", s.grid_division);
+  visit("offset_m", s.offset_m);
+  visit("set_size", s.set_size);
+  visit("smooth_radius_m", s.smooth_radius_m);
+  visit("smooth_layer", s.smooth_layer);
+  visit("hull_directions", s.hull_directions);
+  visit("crease_deg", s.crease_deg);
+  visit("simplify_m", s.simplify_m);
+  visit("build_on_approach", s.build_on_approach);
+  visit("shading", s.shading);
+  visit("probe_radius_m", s.probe_radius_m);
+  visit("reference_substeps", s.reference_substeps);
+  visit("reference_substep_limit", s.reference_substep_limit);
+}
+
+std::string write(const std::array<int, 3>& value) { return fmt::format("{}x{}x{}", value[0], value[1], value[2]); }
+std::string write(double value) { return fmt::format("{}", value); }
+std::string write(int value) { return fmt::format("{}", value); }
+std::string write(bool value) { return value ? "1" : "0"; }
+
+template <class T>
+bool read(const std::string& text, T& value) {
+  std::istringstream stream(text);
+  stream.imbue(std::locale::classic());
+  return (stream >> value) && stream.peek() == std::istringstream::traits_type::eof();
+}
+
+bool read(const std::string& text, std::array<int, 3>& value) {
+  const auto division = parse_grid_division(text);
+  if (division) value = *division;
+  return division.has_value();
+}
+
+}  // namespace
+
+std::string to_text(const MethodSettings& settings) {
+  std::string text = "name=" + settings.name;
+  const MethodSettings by_default;
+  std::string plain;
+  for_each_setting(by_default, [&](const char* name, const auto& value) { plain += fmt::format(" {}={}\n", name, write(value)); });
+  for_each_setting(settings, [&](const char* name, const auto& value) {
+    const std::string word = fmt::format(" {}={}", name, write(value));
+    if (plain.find(word + "\n") == std::string::npos) text += word;
+  });
+  return text;
+}
+
+Result<MethodSettings> parse_method_text(std::string_view text) {
+  MethodSettings settings;
+  std::istringstream words{std::string(text)};
+  for (std::string word; words >> word;) {
+    const std::size_t sign = word.find('=');
+    const std::string name = word.substr(0, sign);
+    const std::string value = sign == std::string::npos ? "" : word.substr(sign + 1);
+    bool is_good = false;
+    if (name == "name") {
+      settings.name = value;
+      is_good = !value.empty();
+    }
+    for_each_setting(settings, [&](const char* known, auto& into) { is_good = is_good || (name == known && read(value, into)); });
+    if (!is_good) return fail("method settings: '{}' is not understood; was it recorded by another build?", word);
+  }
+  return settings;
+}
+
+}  // namespace hapton

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "safety/safety_limits.h"
+
+namespace hapton {
+
+// From nothing to everything in kRampNs. RT: yes.
+class Ramp {
+ public:
+  void begin(std::int64_t now_ns) noexcept { begin_ns_ = now_ns; }
+  // 0 .. 1. Pre: now_ns not before begin.
+  double share(std::int64_t now_ns) const noexcept {
+    return std::min(1.0, static_cast<double>(now_ns - begin_ns_) / static_cast<double>(kRampNs));
+  }
+
+ private:
+  std::int64_t begin_ns_ = 0;
+};
+
+}  // namespace hapton

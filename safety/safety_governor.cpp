@@ -1,0 +1,212 @@
+#include "safety/safety_governor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "safety/speed_limit.h"
+#include "safety/vector_limit.h"
+#include "safety/workspace_stop.h"
+
+namespace hapton {
+namespace {
+
+// Far from where a difference of two times would overflow.
+constexpr std::int64_t kLatestNs = std::int64_t{1} << 62;
+
+// A damper as a share of the stiffest wall: B = K x 2 ms is what stays passive with room to spare at 1 kHz (Colgate and Brown,
+// "Factors affecting the Z-width of a haptic display", 1994: virtual damping must stay below the device's own). Without a stiffness to go
+// by: all of the force at 1 m/s.
+constexpr double kDampingS = 0.002;
+
+// Hotter is a fault; it can be reset below.
+constexpr double kTooHot = 1.0;
+constexpr double kCoolAgain = 0.9;
+
+}  // namespace
+
+SafetyGovernor::SafetyGovernor(const DeviceLimits& device) : limits_(device), thermal_(limits_.device()) {}
+
+double SafetyGovernor::most_damping_n_s_per_m() const noexcept {
+  const double stiffness = limits_.device().max_stiffness_n_per_m;
+  return stiffness > 0.0 ? kDampingS * stiffness : limits_.device().max_force_n;
+}
+
+// What passed since the last call; the wrench that is out was on the motors meanwhile.
+double SafetyGovernor::advance(std::int64_t now_ns) noexcept {
+  now_ns = std::clamp(now_ns, std::int64_t{0}, kLatestNs);
+  if (!std::exchange(has_begun_, true)) now_ns_ = now_ns;
+  const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now_ns - now_ns_));
+  now_ns_ = std::max(now_ns_, now_ns);
+  thermal_.held(out_.force_n, passed_s);
+  energy_.held(out_, passed_s);
+  if (thermal_.load(limits_.device()) > ThermalBudget::kSpent) latch(SafetyFault::thermal);
+  return passed_s;
+}
+
+void SafetyGovernor::latch(SafetyFault fault) noexcept {
+  if (fault_ != SafetyFault::none) return;
+  fault_ = fault;
+  ++counters_.latched;
+  ++counters_.faults[static_cast<std::size_t>(fault)];
+}
+
+bool SafetyGovernor::is_cause_there() const noexcept {
+  return status_ == DeviceStatus::fault || thermal_.load(limits_.device()) > kCoolAgain || temperature_ > kCoolAgain ||
+         !motion_.is_current(now_ns_) || SpeedLimit::is_soft(limits_.now(), motion_.speed_m_per_s());
+}
+
+bool SafetyGovernor::reset_faults() noexcept {
+  if (fault_ == SafetyFault::none) return true;
+  if (is_cause_there()) {
+    ++counters_.resets_refused;
+    return false;
+  }
+  fault_ = SafetyFault::none;
+  bad_forces_.clear();
+  bad_torques_.clear();
+  bad_samples_.clear();
+  ++counters_.resets;
+  return true;
+}
+
+void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) noexcept {
+  unheld_s_ += advance(sample.time_ns);
+  status_ = status;
+  if (status == DeviceStatus::fault) latch(SafetyFault::device);
+  const bool was_held = std::exchange(is_held_, dead_man_.is_held(sample));
+  if (was_held && !is_held_) ++counters_.releases;
+  if (status == DeviceStatus::away || status == DeviceStatus::calibrating) {
+    motion_.forget();
+  } else {
+    look(sample);
+  }
+  // However short it was shut: a ramp follows.
+  is_open_ = is_open_ && gate() == GovernorState::live;
+}
+
+void SafetyGovernor::look(const DeviceSample& sample) noexcept {
+  const DeviceLimits& limits = limits_.now();
+  switch (motion_.look(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
+    case MotionWatch::Verdict::fine:
+      break;
+    case MotionWatch::Verdict::no_pose:
+      ++counters_.bad_samples;
+      if (bad_samples_.note(now_ns_)) latch(SafetyFault::position);
+      return;
+    case MotionWatch::Verdict::jump:
+      latch(SafetyFault::jump);
+      break;
+  }
+  if (SpeedLimit::is_broken(limits, motion_.speed_m_per_s())) latch(SafetyFault::speed);
+  energy_.observe(limits.max_force_n, out_, motion_.moved_m(), motion_.turned_rad());
+}
+
+void SafetyGovernor::observe_temperature(double temperature) noexcept {
+  temperature_ = temperature;
+  if (temperature >= kTooHot) latch(SafetyFault::thermal);
+}
+
+void SafetyGovernor::take(const WantedWrench& wanted) noexcept {
+  switch (intake_.take(wanted, now_ns_)) {
+    case WrenchIntake::Verdict::accepted:
+      ++counters_.accepted;
+      is_accepted_ = true;
+      return;
+    case WrenchIntake::Verdict::force_not_finite:
+      ++counters_.not_finite;
+      if (bad_forces_.note(now_ns_)) latch(SafetyFault::not_finite);
+      return;
+    case WrenchIntake::Verdict::torque_not_finite:
+      ++counters_.not_finite;
+      if (bad_torques_.note(now_ns_)) latch(SafetyFault::torque);
+      return;
+    case WrenchIntake::Verdict::future:
+      ++counters_.refused_future;
+      return;
+    case WrenchIntake::Verdict::old:
+      ++counters_.refused_old;
+      return;
+  }
+}
+
+GovernorState SafetyGovernor::gate() const noexcept {
+  if (fault_ != SafetyFault::none) return GovernorState::latched;
+  if (status_ == DeviceStatus::away) return GovernorState::away;
+  if (status_ == DeviceStatus::calibrating) return GovernorState::calibrating;
+  if (!motion_.is_current(now_ns_)) return GovernorState::blind;
+  if (!is_held_) return GovernorState::not_held;
+  return intake_.is_live() ? GovernorState::live : GovernorState::silent;
+}
+
+GovernorState SafetyGovernor::state() const noexcept {
+  const GovernorState state = gate();
+  return state == GovernorState::live && ramp_.share(now_ns_) < 1.0 ? GovernorState::ramping : state;
+}
+
+// Of max_force and of max_torque: what the budgets leave.
+double SafetyGovernor::allowed_share() const noexcept {
+  const DeviceLimits& limits = limits_.now();
+  if (limits.max_force_n == 0.0) return 0.0;
+  return std::min(thermal_.allowed_n(limits) / limits.max_force_n, energy_.share(limits.max_force_n));
+}
+
+// What was asked for, with all that is taken from it for where the device is and how it moves.
+Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
+  const DeviceLimits& limits = limits_.now();
+  const double most_damping = most_damping_n_s_per_m();
+  const Vec3 wanted_n = ramp * shortened(intake_.wanted().force_n, limits.max_force_n);
+  Vec3 force_n = SpeedLimit::shape(limits, most_damping, wanted_n, motion_);
+  was_braked_ = SpeedLimit::is_soft(limits, motion_.speed_m_per_s());
+  const double damping = energy_.damping_n_s_per_m(limits.max_force_n, motion_.speed_m_per_s(), most_damping);
+  if (damping > 0.0) force_n -= damping * motion_.velocity_m_per_s();
+  was_damped_ = damping > 0.0;
+  force_n = shortened(force_n, limits.max_force_n);
+  const Vec3 inside_n = WorkspaceStop::shape(limits, force_n, motion_.p_WD());
+  was_stopped_ = inside_n != force_n;
+  return inside_n;
+}
+
+const Wrench& SafetyGovernor::step(const std::optional<WantedWrench>& wanted, std::int64_t now_ns) noexcept {
+  const double passed_s = std::exchange(unheld_s_, 0.0) + advance(now_ns);
+  if (intake_.falls_silent(now_ns_)) {
+    ++counters_.silences;
+    is_open_ = false;
+  }
+  is_accepted_ = false;
+  if (wanted) take(*wanted);
+  const bool was_open = std::exchange(is_open_, gate() == GovernorState::live);
+  if (is_open_ && !was_open) ramp_.begin(now_ns_);
+  if (is_open_) {
+    follow(ramp_.share(now_ns_), allowed_share(), intake_.left_s(now_ns_), passed_s);
+  } else {
+    follow(0.0, 0.0, 0.0, passed_s);
+  }
+  if (is_accepted_ && is_open_) count_accepted();
+  return out_;
+}
+
+// ramp: of what is wanted; share: of the limits; left_s: until nothing may be left.
+void SafetyGovernor::follow(double ramp, double share, double left_s, double passed_s) noexcept {
+  const DeviceLimits& limits = limits_.now();
+  const double ball_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);
+  out_.force_n = force_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), ball_n,
+                               {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
+  if (limits.max_torque_nm == 0.0) return;
+  const double ball_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
+  out_.torque_nm = torque_.follow(ramp * shortened(intake_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
+                                  {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
+}
+
+void SafetyGovernor::count_accepted() noexcept {
+  const DeviceLimits& limits = limits_.now();
+  const double wanted_n = length_of(intake_.wanted().force_n);
+  counters_.clamped += wanted_n > limits.max_force_n ? 1 : 0;
+  counters_.slewed += force_.was_cut() ? 1 : 0;
+  counters_.stopped += was_stopped_ ? 1 : 0;
+  counters_.braked += was_braked_ ? 1 : 0;
+  const double energy_n = limits.max_force_n * energy_.share(limits.max_force_n);
+  counters_.damped += was_damped_ || energy_n < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
+  counters_.cooled += thermal_.allowed_n(limits) < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
+}
+
+}  // namespace hapton

@@ -1,0 +1,70 @@
+#include "safety/safety_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+namespace {
+
+// Beyond is a slip of a unit, and no arithmetic to trust.
+bool usable(double limit) { return limit > 1e-9 && limit < 1e9; }
+
+// Fast enough that `most` is gone within kLongestReleaseNs.
+double letting_go(double slew, double most) {
+  return std::max(usable(slew) ? slew : 0.0, most / (1e-9 * static_cast<double>(kLongestReleaseNs)));
+}
+
+DeviceLimits sensible(DeviceLimits limits) {
+  constexpr double kNoEnd = std::numeric_limits<double>::infinity();
+  const bool is_usable = usable(limits.max_force_n) && usable(limits.max_slew_n_per_s);
+  limits.max_force_n = is_usable ? limits.max_force_n : 0.0;
+  limits.max_slew_n_per_s = is_usable ? letting_go(limits.max_slew_n_per_s, limits.max_force_n) : 0.0;
+  limits.max_torque_nm = is_usable && usable(limits.max_torque_nm) ? limits.max_torque_nm : 0.0;
+  limits.max_torque_slew_nm_per_s = letting_go(limits.max_torque_slew_nm_per_s, limits.max_torque_nm);
+  if (!usable(limits.max_stiffness_n_per_m)) limits.max_stiffness_n_per_m = 0.0;
+  limits.continuous_force_n =
+      usable(limits.continuous_force_n) ? std::min(limits.continuous_force_n, limits.max_force_n) : limits.max_force_n;
+  if (!usable(limits.peak_s)) limits.peak_s = 0.0;
+  if (!usable(limits.max_speed_m_per_s)) limits.max_speed_m_per_s = kFastestHandMPerS;
+  for (int axis = 0; axis < 3; ++axis) {
+    double& low = limits.workspace_min_m[axis];
+    double& high = limits.workspace_max_m[axis];
+    if (std::isfinite(low) && std::isfinite(high) && low < high) continue;
+    low = -kNoEnd;
+    high = kNoEnd;
+  }
+  return limits;
+}
+
+void lower(double& limit, double to) {
+  if (usable(to)) limit = std::min(limit, to);
+}
+
+}  // namespace
+
+SafetyLimits::SafetyLimits(const DeviceLimits& device) : device_(sensible(device)), now_(device_) {}
+
+void SafetyLimits::tighten(const DeviceLimits& wanted) noexcept {
+  lower(now_.max_force_n, wanted.max_force_n);
+  lower(now_.max_slew_n_per_s, wanted.max_slew_n_per_s);
+  lower(now_.max_torque_nm, wanted.max_torque_nm);
+  lower(now_.max_torque_slew_nm_per_s, wanted.max_torque_slew_nm_per_s);
+  lower(now_.continuous_force_n, wanted.continuous_force_n);
+  lower(now_.max_speed_m_per_s, wanted.max_speed_m_per_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = std::max(now_.workspace_min_m[axis], wanted.workspace_min_m[axis]);
+    const double high = std::min(now_.workspace_max_m[axis], wanted.workspace_max_m[axis]);
+    if (!(wanted.workspace_min_m[axis] < wanted.workspace_max_m[axis]) || !(low < high)) continue;
+    now_.workspace_min_m[axis] = low;
+    now_.workspace_max_m[axis] = high;
+  }
+}
+
+void SafetyLimits::forbid_force() noexcept {
+  now_.max_force_n = 0.0;
+  now_.continuous_force_n = 0.0;
+  now_.max_torque_nm = 0.0;
+}
+
+}  // namespace hapton

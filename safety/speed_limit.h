@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+
+#include "safety/motion_watch.h"
+
+namespace hapton {
+
+// What keeps a device from being driven fast: from kSoftShare of max_speed on, what pushes along the motion fades, and damping rises; at
+// max_speed nothing is left that pushes along, and the device is out of control.
+// RT: yes.
+class SpeedLimit {
+ public:
+  static constexpr double kSoftShare = 0.6;
+
+  static bool is_broken(const DeviceLimits& limits, double speed_m_per_s) noexcept { return speed_m_per_s >= limits.max_speed_m_per_s; }
+  static bool is_soft(const DeviceLimits& limits, double speed_m_per_s) noexcept { return excess(limits, speed_m_per_s) > 0.0; }
+
+  // 0 below the soft limit, 1 at max_speed.
+  static double excess(const DeviceLimits& limits, double speed_m_per_s) noexcept {
+    const double soft = kSoftShare * limits.max_speed_m_per_s;
+    return std::clamp((speed_m_per_s - soft) / (limits.max_speed_m_per_s - soft), 0.0, 1.0);
+  }
+
+  static Vec3 shape(const DeviceLimits& limits, double damping_n_s_per_m, const Vec3& force_n, const MotionWatch& motion) noexcept {
+    const double share = excess(limits, motion.speed_m_per_s());
+    if (share == 0.0) return force_n;
+    const Vec3 along = motion.velocity_m_per_s() / motion.speed_m_per_s();
+    const double pushing_n = std::max(0.0, force_n.dot(along));
+    return force_n - (share * pushing_n) * along - (share * damping_n_s_per_m) * motion.velocity_m_per_s();
+  }
+};
+
+}  // namespace hapton

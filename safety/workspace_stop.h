@@ -1,0 +1,32 @@
+#pragma once
+
+#include <algorithm>
+
+#include "safety/safety_limits.h"
+
+namespace hapton {
+
+// The soft stop at the end of the workspace: a force that pushes outwards fades to nothing within kMarginM (or a tenth of the axis, where
+// that is less) before the end, axis by axis, and stays nothing beyond it. It takes force away and never makes any: a wall there that
+// nobody asked for would push a hand that is outside already.
+// RT: yes.
+class WorkspaceStop {
+ public:
+  static constexpr double kMarginM = 0.010;
+
+  // What of a force along +axis (outward 1) or -axis (-1) is left at p_WD: 1 inside, 0 at the end and beyond.
+  static double share(const DeviceLimits& limits, int axis, double outward, const Vec3& p_WD) noexcept {
+    const double low = limits.workspace_min_m[axis];
+    const double high = limits.workspace_max_m[axis];
+    const double left_m = outward > 0.0 ? high - p_WD[axis] : p_WD[axis] - low;
+    return std::clamp(left_m / std::min(kMarginM, 0.1 * (high - low)), 0.0, 1.0);
+  }
+
+  static Vec3 shape(const DeviceLimits& limits, const Vec3& force_n, const Vec3& p_WD) noexcept {
+    Vec3 result = force_n;
+    for (int axis = 0; axis < 3; ++axis) result[axis] *= share(limits, axis, force_n[axis], p_WD);
+    return result;
+  }
+};
+
+}  // namespace hapton

@@ -1,0 +1,89 @@
+#include "core/force/evaluation/stress_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/point_in_mesh.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint64_t kSeeds[] = {1, 2, 3, 4, 5, 6, 7, 8};
+
+TEST(StressParts, TheBoundaryOfCellsIsClosedAndHasTheirVolume) {
+  const std::vector<double> x = {0.0, 1.0, 1.5, 4.0};
+  const std::vector<double> y = {-1.0, 0.0, 2.0};
+  const std::vector<double> z = {0.0, 0.25, 1.0};
+  const auto is_solid = [](int i, int j, int k) { return !(i == 1 && k == 1) && !(i == 0 && j == 0 && k == 1); };
+  const TriangleMesh mesh = make_cell_solid(x, y, z, is_solid);
+  double volume = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      for (int k = 0; k < 2; ++k) volume += is_solid(i, j, k) ? (x[i + 1] - x[i]) * (y[j + 1] - y[j]) * (z[k + 1] - z[k]) : 0.0;
+    }
+  }
+  EXPECT_TRUE(count_edges(mesh).closed());
+  EXPECT_NEAR(compute_volume(mesh), volume, 1e-12);
+}
+
+TEST(StressParts, ASlottedPartIsClosedAndHasNarrowGaps) {
+  for (const std::uint64_t seed : kSeeds) {
+    for (const double bend : {0.0, 0.06}) {
+      const TriangleMesh part = make_slotted_part(seed, bend);
+      EXPECT_TRUE(count_edges(part).closed()) << "seed " << seed;
+      EXPECT_GT(compute_volume(part), 0.0);
+      EXPECT_LT(compute_volume(part), 0.1 * 0.06 * 0.03);
+      EXPECT_LT(part.triangles.size(), 12000U);
+      double shortest = 1.0;
+      for (const Triangle& t : part.triangles) {
+        for (int k = 0; k < 3; ++k) shortest = std::min(shortest, (part.vertices[t[k]] - part.vertices[t[(k + 1) % 3]]).norm());
+      }
+      EXPECT_GT(shortest, 0.0);
+      EXPECT_LT(shortest, 0.001);
+    }
+  }
+}
+
+TEST(StressParts, AnOpenFrontHasBordersAndTurnedTriangles) {
+  for (const std::uint64_t seed : kSeeds) {
+    const EdgeCensus edges = count_edges(make_open_front(seed));
+    EXPECT_GT(edges.border, 100U) << "seed " << seed;
+    EXPECT_GT(edges.inconsistent, 0U) << "seed " << seed;
+  }
+}
+
+TEST(StressParts, TouchingPartsAreClosedAndTouchExactly) {
+  const TriangleMesh mesh = make_touching_parts();
+  EXPECT_TRUE(count_edges(mesh).closed());
+  const PointInMesh solid(mesh);
+  const double side = 0x1p-5;
+  EXPECT_TRUE(solid.is_inside({0.25 * side, 0.25 * side, 0.1 * side}));     // a brick
+  EXPECT_TRUE(solid.is_inside({-side, 0.1 * side, 0.3 * side}));            // the cylinder, just above the bricks
+  EXPECT_FALSE(solid.is_inside({side, 0.0, 0.75 * side}));                  // the hollow
+  EXPECT_TRUE(solid.is_inside({(1.375 - 0.01) * side, 0.0, 0.75 * side}));  // the pane
+  EXPECT_EQ(std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [&](const Vec3& v) { return v.x() == 1.375 * side; }), 16 + 4);
+}
+
+TEST(StressParts, OverlappingPartsAreClosedEachAndMoreThanTheirUnion) {
+  for (const std::uint64_t seed : kSeeds) {
+    const TriangleMesh mesh = make_overlapping_parts(seed);
+    EXPECT_TRUE(count_edges(mesh).closed()) << "seed " << seed;
+    const MeshBounds bounds = compute_bounds(mesh);
+    EXPECT_GT(bounds.extent(), 0.04);
+    EXPECT_LT(bounds.extent(), 0.2);
+    const PointInMesh solid(mesh);
+    int inside = 0;
+    constexpr int kCells = 12;
+    for (int i = 0; i < kCells * kCells * kCells; ++i) {
+      const Vec3 share = Vec3(i % kCells + 0.5, i / kCells % kCells + 0.5, i / (kCells * kCells) + 0.5) / kCells;
+      inside += solid.is_inside(bounds.low + share.cwiseProduct(bounds.high - bounds.low)) ? 1 : 0;
+    }
+    const double box = (bounds.high - bounds.low).prod();
+    EXPECT_LT(box * inside / (kCells * kCells * kCells), compute_volume(mesh)) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

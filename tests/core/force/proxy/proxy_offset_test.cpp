@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "core/force/force_method.h"
+#include "core/force/proxy/proxy_method.h"
+#include "core/force/reference/reference_method.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+// A probe with a radius that is pressed along a path over a bumpy sphere.
+TEST(ProxyOffset, IsTheReferenceOverABumpySphere) {
+  constexpr int kSteps = 300;
+  const TouchScene scene{.objects = {{made::shared(made::sphere(0.05, 12, 0.05)), {}}}};
+  const auto proxy = make_method({.name = "proxy", .probe_radius_m = 0.004}, scene).value();
+  const auto reference = make_method({.name = "reference", .probe_radius_m = 0.004}, scene).value();
+  const auto device = [](int i) {
+    const double polar = 0.9 + 0.0021 * i;
+    const double azimuth = 0.3 + 0.0037 * i;
+    const double radius = 0.055 - 0.004 * std::min(1.0, i / 20.0) - 0.001 * std::sin(0.11 * i);
+    return Vec3(radius * std::sin(polar) * std::cos(azimuth), radius * std::sin(polar) * std::sin(azimuth), radius * std::cos(polar));
+  };
+  proxy->reset(device(0));
+  reference->reset(device(0));
+  double worst = 0.0;
+  int contacts = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const MethodOutput is = proxy->step({.p_SD = device(i)});
+    const MethodOutput should = reference->step({.p_SD = device(i)});
+    ASSERT_EQ(is.contact, should.contact) << "step " << i;
+    if (!should.contact) continue;
+    ++contacts;
+    const double error = (is.force_n - should.force_n).norm() / should.force_n.norm();
+    ASSERT_LE(error, 1e-6) << "step " << i;
+    worst = std::max(worst, error);
+  }
+  RecordProperty("worst", std::to_string(worst));
+  EXPECT_GT(contacts, 200);
+  const ProxyCounters& counters = static_cast<const ProxyMethod&>(*proxy).counters();
+  EXPECT_EQ(counters.unconverged, 0U);
+  EXPECT_EQ(counters.exhausted, 0U);
+}
+
+// Friction. What differs is counted as such: a leap over an edge that is sharper than the touch is deep, which the reference cuts short
+// through the air; and a step in which the reference has not settled. Then both begin again.
+struct RubbingPath {
+  double radius;  // m
+  double friction_static, friction_dynamic;
+  std::uint64_t seed;
+};
+class ProxyOffsetWithFriction : public testing::TestWithParam<RubbingPath> {};
+
+TEST_P(ProxyOffsetWithFriction, IsTheReferenceOverABumpySphere) {
+  constexpr int kSteps = 120;
+  constexpr double kSize = 0.4;  // m
+  const RubbingPath& path = GetParam();
+  RecordProperty("seed", std::to_string(path.seed));
+  const Material rough{.friction_static = path.friction_static, .friction_dynamic = path.friction_dynamic};
+  const TouchScene scene{.objects = {{made::shared(made::sphere(kSize, 16, 0.05)), rough}}};
+  const auto proxy = make_method({.name = "proxy", .probe_radius_m = path.radius}, scene).value();
+  const auto reference = make_method({.name = "reference", .probe_radius_m = path.radius}, scene).value();
+  const ProxyCounters& counters = static_cast<const ProxyMethod&>(*proxy).counters();
+  std::mt19937_64 random(path.seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Vec3 direction = Vec3(0.3, 0.5, 0.7).normalized();
+  Vec3 turn = Vec3::Zero();
+  proxy->reset(0.8 * direction);
+  reference->reset(0.8 * direction);
+  int compared = 0;
+  double sum = 0.0;
+  double worst = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = unit(random);
+    const double y = unit(random);
+    turn = 0.9 * turn + 0.004 * Vec3(x, y, unit(random));
+    direction = (direction + turn).normalized();
+    const Vec3 device = (kSize + path.radius * (0.2 + 0.3 * std::sin(0.05 * i))) * direction;
+    const std::uint64_t slips = counters.slips;
+    const MethodOutput is = proxy->step({.p_SD = device});
+    const MethodOutput should = reference->step({.p_SD = device});
+    ASSERT_TRUE(is.force_n.allFinite());
+    if (counters.slips != slips || !static_cast<const ReferenceMethod&>(*reference).last_step().settled) {
+      proxy->reset(0.8 * direction);
+      reference->reset(0.8 * direction);
+      continue;
+    }
+    ASSERT_EQ(is.contact, should.contact) << "step " << i;
+    if (!should.contact) continue;
+    const double error = (is.force_n - should.force_n).norm() / should.force_n.norm();
+    ASSERT_LE(error, 1e-3) << "step " << i;
+    sum += error * error;
+    worst = std::max(worst, error);
+    ++compared;
+  }
+  RecordProperty("worst", std::to_string(worst));
+  EXPECT_GT(compared, kSteps / 3);
+  EXPECT_LE(std::sqrt(sum / compared), 1e-5);
+  EXPECT_EQ(counters.unconverged, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Paths, ProxyOffsetWithFriction,
+                         testing::Values(RubbingPath{0.03, 0.3, 0.3, 1}, RubbingPath{0.03, 0.5, 0.4, 2}, RubbingPath{0.01, 0.3, 0.3, 3},
+                                         RubbingPath{0.003, 0.3, 0.3, 1}, RubbingPath{0.003, 0.5, 0.4, 2}));
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/force/evaluation/force_error.h"
+#include "core/force/proxy/proxy_method.h"
+#include "core/force/reference/reference_method.h"
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+TouchScene scene_of(TriangleMesh mesh, Material material = {}) {
+  TouchScene scene;
+  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), material});
+  return scene;
+}
+
+std::unique_ptr<ProxyMethod> proxy_over(const TouchScene& scene) {
+  auto made = ProxyMethod::make(MethodSettings(), scene);
+  return std::unique_ptr<ProxyMethod>(static_cast<ProxyMethod*>(made.value().release()));
+}
+
+// Round a ball of 50 mm on a way that climbs up and down, at a hand's speed, 2 mm under the surface.
+std::vector<Vec3> slide_round(int steps) {
+  std::vector<Vec3> way;
+  for (int i = 0; i < steps; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / 3000.0;
+    const Vec3 out(std::cos(turn), std::sin(turn), 0.4 * std::sin(2.3 * turn));
+    way.push_back(out.normalized() * (0.05 + (i < 30 ? 0.0003 * (20 - i) : -0.002)));
+  }
+  return way;
+}
+
+std::vector<FeltStep> feel(ForceMethod& method, const std::vector<Vec3>& way, double scale = 1.0, const Vec3& offset = Vec3::Zero()) {
+  std::vector<FeltStep> felt;
+  method.reset(scale * way[0] + offset);
+  for (const Vec3& p : way) {
+    const MethodOutput out = method.step({.p_SD = scale * p + offset});
+    felt.push_back({p, (out.p_SP - offset) / scale, out.force_n / scale});
+  }
+  return felt;
+}
+
+TEST(ProxyWalk, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
+  const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12));
+  const std::vector<Vec3> way = slide_round(1500);
+  const auto proxy = proxy_over(scene);
+  const std::vector<FeltStep> felt = feel(*proxy, way);
+  const ProxyCounters& counters = proxy->counters();
+  EXPECT_GT(counters.contact_steps, way.size() * 7 / 10);
+  EXPECT_EQ(counters.careful, 0U);
+  EXPECT_EQ(counters.sweeps, 0U);
+
+  const std::vector<FeltStep> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
+  std::size_t apart = 0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
+    const double force_n = std::max(expected[i].force_n.norm(), 0.5);
+    apart += (felt[i].force_n - expected[i].force_n).norm() > 1e-6 * force_n ? 1 : 0;
+  }
+  EXPECT_EQ(apart, 0U);
+}
+
+TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 20000, 12);
+  const std::vector<Vec3> way = slide_round(1500);
+  const auto proxy = proxy_over(scene_of(mesh));
+  const std::vector<FeltStep> expected = feel(*proxy, way);
+  struct Elsewhere {
+    double scale;
+    Vec3 offset;
+    double precision;  // of a position there, against the mesh's size
+  };
+  for (const auto& [scale, offset, precision] :
+       {Elsewhere{1e-6, Vec3::Zero(), 1e-15}, Elsewhere{1e6, Vec3::Zero(), 1e-15}, Elsewhere{1.0, Vec3(300.0, -200.0, 100.0), 1e-12}}) {
+    SCOPED_TRACE(testing::Message() << "scale " << scale << ", at " << offset.transpose());
+    const auto there = proxy_over(scene_of(scaled_and_moved(mesh, scale, offset)));
+    const std::vector<FeltStep> felt = feel(*there, way, scale, offset);
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      const double d = (felt[i].force_n - expected[i].force_n).norm() / (expected[i].force_n.norm() + 1e-9);
+      apart += d > 1e4 * precision + 1e-8 ? 1 : 0;
+    }
+    EXPECT_EQ(apart, 0U);
+    EXPECT_EQ(there->counters().contact_steps, proxy->counters().contact_steps);
+    EXPECT_EQ(there->counters().walks, proxy->counters().walks);
+  }
+}
+
+// Both drag the proxy along a tractrix: the reference in sub-steps on one plane each, `proxy` from event to event.
+TEST(ProxyWalk, FrictionIsTheReferencesAndInsideItsCone) {
+  Material rough;
+  rough.friction_static = 0.5;
+  rough.friction_dynamic = 0.4;
+  const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12), rough);
+  const std::vector<Vec3> way = slide_round(1500);
+  const auto proxy = proxy_over(scene);
+  const std::vector<FeltStep> felt = feel(*proxy, way);
+  EXPECT_EQ(proxy->counters().careful, 0U);
+  EXPECT_EQ(proxy->counters().exhausted, 0U);
+  const std::vector<FeltStep> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
+  double squares = 0.0;
+  std::size_t contacts = 0;
+  for (std::size_t i = 0; i < way.size(); ++i) {
+    EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
+    if (expected[i].force_n.isZero(0.0)) continue;
+    ++contacts;
+    squares += (felt[i].force_n - expected[i].force_n).squaredNorm() / expected[i].force_n.squaredNorm();
+  }
+  EXPECT_LE(std::sqrt(squares / static_cast<double>(contacts)), 0.02);
+}
+
+// Vertices are numbered in each object: what looks like the next facet may be another object's.
+TEST(ProxyWalk, OverABorderItDoesNotStepOntoALikeSheet) {
+  const TriangleMesh sheet = make_plane_grid(0.1, 2);
+  TriangleMesh turned = sheet;
+  for (Vec3& v : turned.vertices) v = Vec3(0.08 - v.x(), v.y(), 0.002 - v.z());
+  TouchScene scene = scene_of(sheet);
+  scene.objects.push_back({std::make_shared<TriangleMesh>(turned), {}});
+  const auto proxy = proxy_over(scene);
+  for (double y = -0.043; y < 0.045; y += 0.01) {
+    proxy->reset({0.04, y, 0.001});
+    for (const double x : {0.04, 0.045, 0.049, 0.0505, 0.051}) {
+      const MethodOutput felt = proxy->step({.p_SD = Vec3(x, y, -0.001)});
+      EXPECT_EQ(felt.contact, x < 0.05) << "x " << x << " y " << y;
+    }
+  }
+}
+
+// An object built while the probe slides near it holds the probe from then on, also where the triangles near the probe have been copied.
+TEST(ProxyWalk, AnObjectThatComesInIsFeltAtOnce) {
+  TouchScene scene = scene_of(make_plane_grid(0.1, 2));
+  scene.objects.push_back({std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.01, 0.01, 0.01}), 1.0, {0.02, 0.0, 0.0})), {}});
+  MethodSettings settings;
+  settings.build_on_approach = true;
+  const auto lazy = ProxyMethod::make(settings, scene).value();
+  const auto eager = ProxyMethod::make(MethodSettings(), scene).value();
+  const Vec3 start(-0.03, 0.001, 0.005);
+  lazy->reset(start);
+  while (lazy->prepare()) {
+  }
+  lazy->step({.p_SD = start - Vec3(0.0, 0.0, 0.001)});
+  lazy->prepare();
+  eager->reset(start);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p(-0.03 + 5e-4 * i, 0.001, i == 0 ? 0.004 : -0.001);
+    const MethodOutput felt = lazy->step({.p_SD = p});
+    const MethodOutput expected = eager->step({.p_SD = p});
+    EXPECT_LE((felt.force_n - expected.force_n).norm(), 1e-6) << "step " << i;
+    while (i == 80 && lazy->prepare()) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,94 @@
+#include "core/force/reference/convex_sweep.h"
+
+#include <gtest/gtest.h>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace hapton {
+namespace {
+
+constexpr double kRounding = 0x1p-48;
+
+TEST(ConvexSweep, HeadOnOnFaceEdgeAndCorner) {
+  const PreparedTriangle triangle(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0));
+  for (const Vec3& over : {Vec3(0.2, 0.2, 0), Vec3(0.5, 0, 0), Vec3(0, 0, 0), Vec3(0.5, 0.5, 0)}) {
+    const SweepHit found = sweep_point(triangle, over + Vec3(0, 0, 1), Vec3(0, 0, -2), 1.0, 0.25, 1e-14, kRounding);
+    ASSERT_TRUE(found.hit);
+    EXPECT_NEAR(found.t, 0.375, 1e-13);
+  }
+}
+
+TEST(ConvexSweep, MissesWhatItPassesAndWhatItLeaves) {
+  const PreparedTriangle triangle(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0));
+  EXPECT_FALSE(sweep_point(triangle, Vec3(-1, -1, 0.3), Vec3(4, 4, 0), 1.0, 0.25, 1e-14, kRounding).hit);
+  EXPECT_FALSE(sweep_point(triangle, Vec3(0.2, 0.2, 0.25), Vec3(0, 0, 1), 1.0, 0.25, 1e-14, kRounding).hit);
+  EXPECT_FALSE(sweep_point(triangle, Vec3(0.2, 0.2, 1), Vec3(0, 0, -2), 0.3, 0.25, 1e-14, kRounding).hit);
+}
+
+// The motion is sampled densely: before the hit the distance is above the limit everywhere, at the hit it is the limit; a miss never comes
+// below.
+TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
+  auto draw = [&] { return Vec3(symmetric(random), symmetric(random), symmetric(random)); };
+  int hits = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 a = draw(), b = draw();
+    Vec3 c = draw();
+    if (i % 3 == 0) c = a + symmetric(random) * (b - a) + 1e-9 * c;  // needles and caps
+    const PreparedTriangle triangle(a, b, c);
+    const Vec3 from = 2.0 * draw();
+    const Vec3 motion = 0.5 * (a + b) - from + 0.5 * draw();
+    const double limit = i % 2 == 0 ? 0.1 : 0x1p-32;
+    if (closest_point(triangle, from).distance <= limit) continue;
+    const SweepHit found = sweep_point(triangle, from, 1.5 * motion, 1.0, limit, 0x1p-47, kRounding);
+    const double until = found.hit ? found.t : 1.0;
+    EXPECT_FALSE(found.exhausted);
+    for (int k = 0; k <= 100; ++k) ASSERT_GE(closest_point(triangle, from + (until * k / 100.0) * 1.5 * motion).distance, limit - 1e-13);
+    if (found.hit) {
+      ++hits;
+      ASSERT_NEAR(closest_point(triangle, from + found.t * 1.5 * motion).distance, limit, 2.0 * 0x1p-47 + 1e-15);
+    }
+  }
+  EXPECT_GT(hits, 500);
+}
+
+// A tiny sphere sliding over a face and past its edge stays free for the whole length; tilted in by less than the play, too.
+TEST(ConvexSweep, SlidesOverACoplanarBorder) {
+  const double rest = 0x1p-32;
+  const PreparedTriangle next(Vec3(0.5, -1, 0), Vec3(1.5, -1, 0.0), Vec3(0.5, 1, 0));
+  const SweepHit found = sweep_point(next, Vec3(0.1, -0.3, rest), Vec3(0.7, 0.1, 0), 1.0, rest - 0x1p-38, 0x1p-48, kRounding);
+  EXPECT_FALSE(found.hit);
+  const SweepHit blocked = sweep_point(next, Vec3(0.1, -0.3, rest), Vec3(0.7, 0.1, -1e-10), 1.0, rest - 0x1p-38, 0x1p-48, kRounding);
+  EXPECT_TRUE(blocked.hit);
+}
+
+// From the border outwards and back over it at the same tiny height: nothing may be lost between.
+TEST(ConvexSweep, NeverCrossesFromARandomStartAtRest) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
+  const double rest = 0x1p-32;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 a(symmetric(random), symmetric(random), 0), b(symmetric(random), symmetric(random), 0),
+        c(symmetric(random), symmetric(random), 0);
+    const PreparedTriangle triangle(a, b, c);
+    // Start near the border within the play, in a random direction round it.
+    const Vec3 on = a + std::abs(symmetric(random)) * (b - a);
+    Vec3 out(symmetric(random), symmetric(random), symmetric(random));
+    Vec3 from = on + rest * out.normalized();
+    const double start = closest_point(triangle, from).distance;
+    if (start < 0.5 * rest) continue;
+    const Vec3 motion(symmetric(random), symmetric(random), 1e-3 * symmetric(random));
+    const double limit = std::min(rest - 0x1p-38, start - 0x1p-47);
+    const SweepHit found = sweep_point(triangle, from, motion, 1.0, limit, 0x1p-48, kRounding);
+    const double until = found.hit ? found.t : 1.0;
+    for (int k = 0; k <= 60; ++k) {
+      const double t = until * std::pow(2.0, -0.5 * k);
+      ASSERT_GE(closest_point(triangle, from + t * motion).distance, limit - 300 * kRounding) << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,94 @@
+#include "core/force/reference/half_space_projection.h"
+
+#include <gtest/gtest.h>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+constexpr double kTolerance = 1e-13;
+
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : random_(seed) {}
+  Vec3 unit() {
+    Vec3 v;
+    do v = Vec3(symmetric_(random_), symmetric_(random_), symmetric_(random_));
+    while (v.squaredNorm() > 1.0 || v.squaredNorm() < 0.01);
+    return v.normalized();
+  }
+  double symmetric() { return symmetric_(random_); }
+
+ private:
+  std::mt19937_64 random_;
+  std::uniform_real_distribution<double> symmetric_{-1.0, 1.0};
+};
+
+void expect_optimal(const Vec3& wish, const std::vector<HalfSpace>& half_spaces, const HalfSpaceProjection& found) {
+  // Karush-Kuhn-Tucker: feasible, held by its planes alone, pushed only outwards. For a projection that is proof of the minimum.
+  ASSERT_TRUE(found.feasible);
+  Vec3 rest = found.point - wish;
+  for (int i = 0; i < found.count; ++i) {
+    EXPECT_GE(found.multiplier[i], -1e-12);
+    EXPECT_NEAR(half_spaces[found.active[i]].normal.dot(found.point), half_spaces[found.active[i]].gap, 1e-12);
+    rest -= found.multiplier[i] * half_spaces[found.active[i]].normal;
+  }
+  EXPECT_LT(rest.norm(), 1e-10);
+  for (const HalfSpace& half_space : half_spaces) EXPECT_GE(half_space.normal.dot(found.point) - half_space.gap, -1e-12);
+}
+
+TEST(HalfSpaceProjection, OptimalOnRandomFeasibleSets) {
+  Draw draw(3);
+  int counts[4] = {};
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<HalfSpace> half_spaces;
+    const int n = 1 + i % 12;
+    for (int k = 0; k < n; ++k) half_spaces.push_back({draw.unit(), -0.2 * std::abs(draw.symmetric())});  // the origin is feasible
+    const Vec3 wish = 2.0 * draw.unit();
+    const HalfSpaceProjection found = project_onto_half_spaces(wish, half_spaces, kTolerance);
+    expect_optimal(wish, half_spaces, found);
+    ++counts[found.count];
+  }
+  for (int count : counts) EXPECT_GT(count, 100);
+}
+
+TEST(HalfSpaceProjection, ConesWithTheApexAtTheOrigin) {
+  Draw draw(4);
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<HalfSpace> half_spaces;
+    for (int k = 0; k < 1 + i % 8; ++k) half_spaces.push_back({draw.unit(), 0.0});
+    const Vec3 wish = draw.unit();
+    expect_optimal(wish, half_spaces, project_onto_half_spaces(wish, half_spaces, kTolerance));
+  }
+}
+
+TEST(HalfSpaceProjection, WishInsideIsReturnedToTheBit) {
+  const std::vector<HalfSpace> half_spaces{{Vec3::UnitZ(), -1.0}, {Vec3::UnitX(), -1.0}};
+  const Vec3 wish(0.1, 0.2, 0.3);
+  const HalfSpaceProjection found = project_onto_half_spaces(wish, half_spaces, kTolerance);
+  EXPECT_EQ(found.point, wish);
+  EXPECT_EQ(found.count, 0);
+  EXPECT_EQ(project_onto_half_spaces(wish, {}, kTolerance).point, wish);
+}
+
+TEST(HalfSpaceProjection, DuplicatesAndNearParallelPlanes) {
+  for (double tilt : {0.0, 1e-15, 1e-12, 1e-9, 1e-6}) {
+    std::vector<HalfSpace> half_spaces{{Vec3::UnitZ(), 0.0}, {Vec3(std::sin(tilt), 0.0, std::cos(tilt)), 0.0}, {Vec3::UnitZ(), 0.0}};
+    const Vec3 wish(-0.3, 0.4, -1.0);
+    const HalfSpaceProjection found = project_onto_half_spaces(wish, half_spaces, kTolerance);
+    ASSERT_TRUE(found.feasible) << tilt;
+    EXPECT_NEAR(found.point.y(), 0.4, 1e-12) << tilt;
+    EXPECT_NEAR(found.point.x(), -0.3, 2.0 * tilt + 1e-12) << tilt;
+  }
+}
+
+TEST(HalfSpaceProjection, SaysWhenThereIsNoCommonPoint) {
+  const std::vector<HalfSpace> half_spaces{{Vec3::UnitZ(), 1.0}, {-Vec3::UnitZ(), 1.0}};
+  EXPECT_FALSE(project_onto_half_spaces(Vec3::Zero(), half_spaces, kTolerance).feasible);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,343 @@
+#include "core/force/sphere/centre_path.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+namespace hapton {
+namespace {
+
+using Guide = CentrePath::Guide;
+using Round = CentrePath::Guide::Round;
+
+class CentrePathTest : public testing::Test {
+ protected:
+  CentrePathTest() { RecordProperty("seed", std::to_string(kSeed)); }
+  double unit() { return unit_(random_); }
+  double positive(double least, double most) { return least + (most - least) * 0.5 * (1.0 + unit()); }
+  Vec3 vector() {
+    const double x = unit();
+    const double y = unit();
+    return {x, y, unit()};
+  }
+  Vec3 direction() { return vector().normalized(); }
+
+  // A piece of a circle of that radius, guided round a line or a point, or by nothing.
+  struct Arc {
+    Vec3 middle, axis, out, way;
+    double radius, angle;
+    CentrePath path;
+    Vec3 at(double time) const { return middle + radius * (std::cos(angle * time) * out + std::sin(angle * time) * way); }
+  };
+  Arc arc(double radius, double angle, int guided) {
+    Arc arc{vector(), direction(), Vec3::Zero(), Vec3::Zero(), radius, angle, {}};
+    arc.out = arc.axis.unitOrthogonal();
+    arc.way = arc.axis.cross(arc.out);
+    const double speed = radius * angle;
+    arc.path =
+        CentrePath::curved(arc.at(0.0), arc.at(1.0), speed * arc.way, speed * (std::cos(angle) * arc.way - std::sin(angle) * arc.out));
+    if (guided == 1) arc.path.keep_on({Round::line, arc.middle, arc.axis, radius});
+    if (guided == 2) arc.path.keep_on({Round::point, arc.middle, Vec3::Zero(), radius});
+    return arc;
+  }
+
+ private:
+  static constexpr std::uint64_t kSeed = 23;
+  std::mt19937_64 random_{kSeed};
+  std::uniform_real_distribution<double> unit_{-1.0, 1.0};
+};
+
+double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const double t = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (p - a - t * (b - a)).norm();
+}
+
+double distance_to(const Guide& guide, const Vec3& p) {
+  Vec3 off = p - guide.origin;
+  if (guide.round == Round::plane) return guide.direction.dot(off);
+  if (guide.round == Round::line) off -= guide.direction.dot(off) * guide.direction;
+  return off.norm();
+}
+
+TEST_F(CentrePathTest, HasItsEndsAndSlopes) {
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 from = vector();
+    const Vec3 to = vector();
+    const CentrePath straight = CentrePath::straight(from, to);
+    const Vec3 slope_from = vector();
+    const Vec3 slope_to = vector();
+    const CentrePath curved = CentrePath::curved(from, to, slope_from, slope_to);
+    for (const CentrePath* path : {&straight, &curved}) {
+      EXPECT_EQ(path->at(0.0), from);
+      EXPECT_EQ(path->at(1.0), to);
+      EXPECT_EQ(path->start(), from);
+      EXPECT_EQ(path->end(), to);
+      EXPECT_LT((path->at(0x1p-60) - from).norm(), 1e-15);
+      EXPECT_LT((path->at(1.0 - 0x1p-53) - to).norm(), 1e-14);
+      for (int k = 1; k < 8; ++k) {
+        const double time = k / 8.0;
+        const Vec3 difference = (path->at(time + 1e-5) - path->at(time - 1e-5)) / 2e-5;
+        EXPECT_LT((path->slope(time) - difference).norm(), 1e-8);
+        EXPECT_LE(distance_from_segment(path->at(time), from, to), path->bulge() + 1e-15);
+      }
+    }
+    EXPECT_TRUE(straight.is_straight());
+    EXPECT_FALSE(curved.is_straight());
+    EXPECT_EQ(straight.bulge(), 0.0);
+    EXPECT_LT((curved.slope(0.0) - slope_from).norm(), 1e-15);
+    EXPECT_LT((curved.slope(1.0) - slope_to).norm(), 2e-14);
+  }
+}
+
+TEST_F(CentrePathTest, ACubicIsAsNearToItsArcAsStated) {
+  for (const double angle : {0.05, 0.125, 0.25}) {
+    const Arc free = arc(0.3, angle, 0);
+    const Arc guided = arc(0.3, angle, 1);
+    double most = 0.0;
+    for (int k = 0; k <= 64; ++k) {
+      most = std::max(most, std::fabs((free.path.at(k / 64.0) - free.middle).norm() - 0.3));
+      EXPECT_NEAR((guided.path.at(k / 64.0) - guided.middle).norm(), 0.3, 0x1p-51);
+      EXPECT_LE(distance_from_segment(guided.path.at(k / 64.0), guided.path.start(), guided.path.end()), guided.path.bulge());
+    }
+    EXPECT_LE(most, 1.01 * 0.3 * std::pow(angle, 4) / 384.0);
+    EXPECT_GE(most, 0.5 * 0.3 * std::pow(angle, 4) / 384.0) << "the figure in the header says too much";
+  }
+}
+
+TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
+  int checked = 0;
+  for (int i = 0; i < 900; ++i) {
+    const double offset = positive(0.05, 0.4);
+    const Vec3 middle = vector();
+    std::array<Guide, 2> guides;
+    const int count = 1 + (i % 9 < 6 ? 1 : 0);
+    Vec3 from = middle + 2.0 * offset * direction();
+    for (int g = 0; g < count; ++g) {
+      const auto round = static_cast<Round>((i / 9 + g * (1 + i % 2)) % 3);
+      guides[g] = {round, middle + 0.5 * offset * vector(), direction(), offset};
+      if (round == Round::plane) guides[g].direction *= guides[g].direction.dot(from - guides[g].origin) < 0.0 ? -1.0 : 1.0;
+    }
+    const auto normal = [&](int g, const Vec3& p) {
+      if (guides[g].round == Round::plane) return guides[g].direction;
+      Vec3 off = p - guides[g].origin;
+      if (guides[g].round == Round::line) off -= guides[g].direction.dot(off) * guides[g].direction;
+      return Vec3(off.normalized());
+    };
+    // Alternating projections converge to a place on all of them, if slowly.
+    const auto onto = [&](Vec3 p) {
+      for (int round = 0; round < 400; ++round) {
+        for (int g = 0; g < count; ++g) p += (offset - distance_to(guides[g], p)) * normal(g, p);
+      }
+      return p;
+    };
+    from = onto(from);
+    Vec3 way = count == 2 ? Vec3(normal(0, from).cross(normal(1, from))) : vector();
+    if (count == 2 && way.norm() < 0.3) continue;
+    way.normalize();
+    const double length = 0.125 * offset;
+    const Vec3 to = onto(from + length * way);
+    const auto tangent = [&](const Vec3& p) {
+      Vec3 t = count == 2 ? Vec3(normal(0, p).cross(normal(1, p)).normalized()) : Vec3(to - from);
+      if (count == 1) t = (t - normal(0, p).dot(t) * normal(0, p)).normalized();
+      return Vec3(t * (t.dot(way) < 0.0 ? -1.0 : 1.0));
+    };
+    bool is_on = (to - from).norm() < 2.0 * length && (to - from).norm() > 0.1 * length;
+    for (int g = 0; g < count; ++g)
+      is_on = is_on && std::max(std::fabs(distance_to(guides[g], from) - offset), std::fabs(distance_to(guides[g], to) - offset)) < 1e-15;
+    if (!is_on) continue;
+    ++checked;
+    const double chord = (to - from).norm();
+    CentrePath path = CentrePath::curved(from, to, chord * tangent(from), chord * tangent(to));
+    for (int g = 0; g < count; ++g) path.keep_on(guides[g]);
+    for (int k = 0; k <= 32; ++k) {
+      const double time = k / 32.0;
+      const Vec3 p = path.at(time);
+      const Vec3 slope = path.slope(time);
+      for (int g = 0; g < count; ++g) {
+        EXPECT_NEAR(distance_to(guides[g], p), offset, 0x1p-50)
+            << static_cast<int>(guides[0].round) << " and " << static_cast<int>(guides[1].round) << " time " << time;
+        EXPECT_LE(std::fabs(normal(g, p).dot(slope)), 1e-14 * slope.norm());
+      }
+      if (k == 0 || k == 32) continue;
+      constexpr double kStep = 1e-3;
+      const Vec3 ahead = path.at(time + kStep);
+      const Vec3 behind = path.at(time - kStep);
+      EXPECT_LE(((ahead - behind) / (2.0 * kStep) - slope).norm(), 0x1p-11 * slope.norm());
+      EXPECT_LE((ahead + behind - 2.0 * p).norm() / (kStep * kStep), 8.0 * path.bulge() + 1e-9) << "it bends more than it says";
+    }
+  }
+  EXPECT_GT(checked, 400);
+}
+
+// The first time of many at which it is beyond, from below; kNever if there is none.
+double sampled_time_to_pass(const CentrePath& path, const Vec3& origin, const Vec3& normal, double margin, double until) {
+  constexpr int kSamples = 4000;
+  for (int i = 1; i <= kSamples; ++i) {
+    if (normal.dot(path.at(until * i / kSamples) - origin) > margin) return until * i / kSamples;
+  }
+  return CentrePath::kNever;
+}
+
+TEST_F(CentrePathTest, TimeToPassIsThatOfDenseSampling) {
+  int passed = 0;
+  int crests = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Arc a = arc(positive(0.1, 0.5), positive(0.02, 0.25), i % 3);
+    const CentrePath path = i % 10 == 0 ? CentrePath::straight(a.at(0.0), a.at(1.0)) : a.path;
+    const double length = (path.end() - path.start()).norm();
+    const double until = i % 5 == 0 ? 0.7 : 1.0;
+    // Every other one is set so that the path only just comes over it, or only just does not.
+    Vec3 normal = direction();
+    if (i % 2 == 0) normal = (a.out + 0.02 * vector() + (0.3 * a.angle) * a.way).normalized();
+    const Vec3 origin = path.start() + positive(0.001, 0.2) * length * (i % 2 == 0 ? 0.2 * length : 1.0) * normal;
+    const double margin = i % 4 == 0 ? 0x1p-44 : 0.0;
+    const double expected = sampled_time_to_pass(path, origin, normal, margin, until);
+    const double time = path.time_to_pass(origin, normal, margin, 0.0, until);
+    if (expected > 1.0) {
+      ASSERT_EQ(time, CentrePath::kNever) << i;
+      continue;
+    }
+    ++passed;
+    crests += normal.dot(path.at(until) - origin) <= margin ? 1 : 0;
+    ASSERT_LE(time, expected + 1e-12) << i;
+    ASSERT_GE(time, expected - until / 3999.0) << i;
+    ASSERT_NEAR(normal.dot(path.at(time) - origin), margin, 1e-14) << i;
+  }
+  EXPECT_GT(passed, 80);
+  EXPECT_GT(crests, 10) << "of those that come back";
+}
+
+TEST_F(CentrePathTest, WhatIsBeyondAlreadyPassesAtOnceOnItsWayUpOnly) {
+  const CentrePath path = CentrePath::straight(Vec3::Zero(), Vec3::UnitX());
+  EXPECT_EQ(path.time_to_pass(Vec3(-0.5, 0, 0), Vec3::UnitX(), 0.0, 0.0, 1.0), 0.0);
+  EXPECT_EQ(path.time_to_pass(Vec3(-0.5, 0, 0), Vec3::UnitX(), 0.0, 0.25, 1.0), 0.25);
+  EXPECT_EQ(path.time_to_pass(Vec3(1.5, 0, 0), Vec3(-Vec3::UnitX()), 0.0, 0.0, 1.0), CentrePath::kNever);
+  EXPECT_NEAR(path.time_to_pass(Vec3(0.4, 0, 0), Vec3::UnitX(), 0.1, 0.0, 1.0), 0.5, 1e-15);
+}
+
+class FindBlock : public CentrePathTest {
+ protected:
+  static constexpr CentrePath::Keep kKeep{0.2, 0x1p-40, 0x1p-46};
+
+  ContactTriangle triangle(int i) {
+    const Vec3 a = 0.4 * vector();
+    const Vec3 b = a + 0.4 * vector();
+    return {a, b, i % 8 == 7 ? Vec3(a + 0.4 * (b - a) + 1e-7 * vector()) : Vec3(a + 0.4 * vector())};
+  }
+  // A place as far from the triangle as that.
+  Vec3 place(const ContactTriangle& shape, double distance) {
+    for (;;) {
+      const Vec3 p = shape.corner(0) + vector();
+      const Separation at = shape.separation(p);
+      if (at.distance > 0.05) return at.nearest + distance * at.normal;
+    }
+  }
+
+  // Compares with the distance at many times. Returns whether it blocks.
+  static bool check(const CentrePath& path, const ContactTriangle& shape, unsigned held, double until) {
+    constexpr int kSamples = 2000;
+    int tests = 0;
+    const CentrePath::Block block = path.find_block(shape, kKeep, held, until, tests);
+    EXPECT_GE(tests, 1);
+    EXPECT_LE(tests, 160);
+    const double end = std::min(block.time, until);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i <= kSamples; ++i) least = std::min(least, shape.separation(path.at(end * i / kSamples)).distance);
+    EXPECT_GE(least, kKeep.offset - kKeep.slop) << "violated before " << end;
+    if (block.hits) {
+      const Separation at = shape.separation(path.at(block.time));
+      EXPECT_LE(at.distance, kKeep.offset + 2.0 * kKeep.tolerance) << "nothing is hit at " << block.time;
+      EXPECT_LE(at.normal.dot(path.slope(block.time)), 1e-6 * path.slope(0.0).norm()) << "it leaves there";
+    } else {
+      EXPECT_TRUE(block.time == CentrePath::kNever || block.time < until);
+    }
+    return block.time < until;
+  }
+};
+
+TEST_F(FindBlock, IsThatOfDenseSampling) {
+  int blocked = 0;
+  int hits = 0;
+  int contacts = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const ContactTriangle shape = triangle(i);
+    const double gap = i % 4 == 0 ? 0.0 : i % 4 == 1 ? positive(0.0, 1e-12) : i % 4 == 2 ? positive(1e-9, 1e-4) : positive(0.0, 0.1);
+    const Vec3 from = place(shape, kKeep.offset + gap);
+    const Vec3 way = (i % 3 == 0 ? Vec3(0.3 * vector()) : Vec3(direction() * (0.02 + 2.0 * gap)));
+    CentrePath path = CentrePath::straight(from, from + way);
+    if (i % 2 == 1) {
+      const Vec3 turn = direction() * (0.125 * way.norm());
+      path = CentrePath::curved(from, from + way, way + turn, way - turn);
+    }
+    const double until = i % 5 == 0 ? 0.6 : 1.0;
+    blocked += check(path, shape, 0U, until) ? 1 : 0;
+    int tests = 0;
+    hits += path.find_block(shape, kKeep, 0U, until, tests).hits ? 1 : 0;
+    contacts += gap == 0.0 ? 1 : 0;
+    if (HasFailure()) FAIL() << "path " << i;
+  }
+  EXPECT_GT(blocked, 200);
+  EXPECT_LT(blocked, 900);
+  EXPECT_GE(hits, blocked - 4) << "the search ended before it told";
+  EXPECT_GT(contacts, 200);
+}
+
+// A path over the triangle's own offset surface grazes it from end to end.
+TEST_F(FindBlock, WhatOnlyGrazesPasses) {
+  for (int i = 0; i < 300; ++i) {
+    const ContactTriangle shape = triangle(0);
+    const Vec3 middle = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0;
+    const Vec3 from = middle + kKeep.offset * shape.normal();
+    const Vec3 to = from + 0.2 * shape.edge(i % 3);
+    int tests = 0;
+    EXPECT_EQ(CentrePath::straight(from, to).find_block(shape, kKeep, 0U, 1.0, tests).time, CentrePath::kNever);
+    // Down by less than half the slop still grazes, by more does not.
+    const Vec3 down = -shape.normal();
+    EXPECT_EQ(CentrePath::straight(from, to + 0.4 * kKeep.slop * down).find_block(shape, kKeep, 0U, 1.0, tests).time, CentrePath::kNever);
+    const CentrePath::Block block = CentrePath::straight(from, to + 1e-6 * down).find_block(shape, kKeep, 0U, 1.0, tests);
+    EXPECT_TRUE(block.hits);
+    EXPECT_LT(block.time, 1e-5);
+  }
+}
+
+TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
+  int over_corner = 0;
+  int into_face = 0;
+  for (int i = 0; i < 1500; ++i) {
+    const ContactTriangle shape = triangle(0);
+    const int corner = i % 3;
+    const Vec3& origin = shape.corner(corner);
+    // From where the corner is nearest, on the sphere round it.
+    const Vec3 from = origin + kKeep.offset * direction();
+    if (shape.separation(from).nearest != origin) continue;
+    const Vec3 out = (from - origin) / kKeep.offset;
+    const Vec3 v = vector();
+    const Vec3 way = (v - out.dot(v) * out).normalized();
+    const double angle = 0.2;
+    const Vec3 to = origin + kKeep.offset * (std::cos(angle) * out + std::sin(angle) * way);
+    const double speed = kKeep.offset * angle;
+    CentrePath path = CentrePath::curved(from, to, speed * way, speed * (std::cos(angle) * way - std::sin(angle) * out));
+    path.keep_on({Round::point, origin, Vec3::Zero(), kKeep.offset});
+    bool is_corner_nearest = true;
+    for (int k = 0; k <= 400; ++k) is_corner_nearest = is_corner_nearest && shape.separation(path.at(k / 400.0)).nearest == origin;
+    int tests = 0;
+    const CentrePath::Block block = path.find_block(shape, kKeep, 1U << corner, 1.0, tests);
+    if (is_corner_nearest) {
+      ++over_corner;
+      EXPECT_EQ(block.time, CentrePath::kNever);
+    } else if (shape.separation(to).distance < kKeep.offset - 1e-6) {
+      ++into_face;
+      EXPECT_TRUE(block.hits);
+      check(path, shape, 1U << corner, 1.0);
+    }
+    if (HasFailure()) FAIL() << "path " << i;
+  }
+  EXPECT_GT(over_corner, 300);
+  EXPECT_GT(into_face, 50);
+}
+
+}  // namespace
+}  // namespace hapton

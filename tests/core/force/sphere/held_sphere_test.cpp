@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+
+#include "core/force/proxy/proxy_method.h"
+#include "core/force/reference/reference_method.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kRadius = 1.0;
+constexpr double kDeep = 3.0;
+constexpr double kAngle = std::numbers::pi / 6.0;  // of the edge it leans on, below its middle
+
+// A floor with a step half a radius high: a ball on the floor leans on the step's edge.
+TouchScene make_step() {
+  TriangleMesh mesh;
+  const double x = kRadius * std::cos(kAngle);
+  const double high = kRadius * (1.0 - std::sin(kAngle));
+  for (const double y : {-20.0, 20.0}) {
+    mesh.vertices.insert(mesh.vertices.end(), {{-20.0, y, 0.0}, {x, y, 0.0}, {x, y, high}, {20.0, y, high}});
+  }
+  mesh.triangles = {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5}, {2, 3, 6}, {3, 7, 6}};
+  TouchScene scene;
+  TouchObject object;
+  object.mesh = std::make_shared<const TriangleMesh>(mesh);
+  scene.objects.push_back(object);
+  return scene;
+}
+
+// Where the pull on the ball would just lift it over the step, less a share of its sideways part.
+Vec3 device_short_of_lifting(double share) {
+  const double sideways = std::cos(kAngle) / std::sin(kAngle) * (1.0 - share);
+  return Vec3(0.0, 0.0, kRadius) + kDeep * Vec3(sideways, 0.0, -1.0).normalized();
+}
+
+const Vec3 kLeaning(0.0, 0.0, kRadius);
+
+class HeldSphere : public testing::TestWithParam<std::string> {
+ protected:
+  // The ball pressed onto the floor before the step, then drawn to the device by steps of a thousandth of its radius.
+  static Vec3 drawn_to(const Vec3& device) {
+    MethodSettings settings;
+    settings.name = GetParam();
+    settings.probe_radius_m = kRadius;
+    const auto method = make_method(settings, make_step()).value();
+    const Vec3 free = kLeaning + Vec3(-1e-3, 0.0, 1e-3);
+    method->reset(free);
+    const Vec3 below = kLeaning - Vec3(0.0, 0.0, kDeep);
+    method->step({.p_SD = below});
+    const auto steps = static_cast<int>((device - below).norm() / (1e-3 * kRadius));
+    Vec3 proxy;
+    for (int i = 0; i <= steps; ++i) proxy = method->step({.p_SD = below + (device - below) * (static_cast<double>(i) / steps)}).p_SP;
+    return proxy;
+  }
+};
+
+TEST_P(HeldSphere, LeansOnTheStepAsLongAsNothingLeadsDown) {
+  for (const double share : {0.2, 0.05, 0.01, 0.001}) {
+    EXPECT_LE((drawn_to(device_short_of_lifting(share)) - kLeaning).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
+  }
+}
+
+TEST_P(HeldSphere, GoesOverOnceItIsLifted) { EXPECT_GE((drawn_to(device_short_of_lifting(-0.001)) - kLeaning).norm(), 0.5 * kRadius); }
+
+INSTANTIATE_TEST_SUITE_P(Methods, HeldSphere, testing::Values("proxy", "reference"));
+
+TEST(HeldSphere, TheReferenceFindsItAtRestWhereverItIsPut) {
+  MethodSettings settings;
+  settings.probe_radius_m = kRadius;
+  const auto reference = ReferenceMethod::make_reference(settings, make_step()).value();
+  for (const double share : {0.2, 0.05, 0.01, 0.001}) {
+    const Vec3 proxy = reference->settle_from(kLeaning + Vec3(0.0, 0.0, 1e-9), device_short_of_lifting(share)).p_SP;
+    EXPECT_LE((proxy - kLeaning).norm(), 1e-7 * kRadius) << "short of lifting by " << share;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

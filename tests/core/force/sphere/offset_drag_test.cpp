@@ -1,0 +1,210 @@
+#include "core/force/sphere/offset_drag.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <string>
+
+#include "core/force/friction_drag.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kOffset = 0.1;
+constexpr FrictionCoefficients kRough{.at_rest = 0.5, .sliding = 0.3};
+const ContactTriangle kFlat(Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 2, 0));
+const ContactTriangle kUpright(Vec3(-1, 0.2, -1), Vec3(1, 0.2, -1), Vec3(0, 0.2, 2));
+
+// Of a single contact.
+struct Single {
+  explicit Single(const OffsetContact& of, const FrictionCoefficients& friction = kRough)
+      : contacts{of}, coefficients{friction}, drag(contacts, coefficients, kOffset) {}
+  std::array<OffsetContact, 1> contacts;
+  std::array<FrictionCoefficients, 1> coefficients;
+  OffsetDrag drag;
+};
+
+// The centre on the cone of a device: from the foot back along `way`, where the pull has the cone's length.
+Vec3 on_cone(const OffsetDrag& drag, const Vec3& foot, const Vec3& way, const Vec3& device) {
+  Vec3 c = foot;
+  OffsetDrag::Pull pull;
+  for (double off = 0.0, step = 0.02; step > 1e-17 && off < kOffset;) {
+    Vec3 there = foot - (off + step) * way;
+    EXPECT_TRUE(drag.restore(there) && drag.find_pull(there, device, pull));
+    if (pull.excess() <= 0.0) {
+      off += step;
+      c = there;
+    } else {
+      step *= 0.5;
+    }
+  }
+  return c;
+}
+
+// Quasi-static friction in the plainest way: the device moves a little, then the centre goes along the pull by what it exceeds the cone,
+// and back to the offset, until it does not. First order in the number of steps; two numbers make it second.
+Vec3 drag_plainly(const OffsetDrag& drag, const Vec3& from, const Vec3& to, Vec3 c, int steps) {
+  for (int i = 1; i <= steps; ++i) {
+    const Vec3 device = from + (static_cast<double>(i) / steps) * (to - from);
+    for (int round = 0; round < 60; ++round) {
+      OffsetDrag::Pull pull;
+      EXPECT_TRUE(drag.find_pull(c, device, pull));
+      if (!(pull.excess() > 1e-16)) break;
+      c += pull.excess() / drag.find_stability(pull) * pull.way / pull.length;
+      EXPECT_TRUE(drag.restore(c));
+    }
+  }
+  return c;
+}
+
+Vec3 drag_plainly_to_second_order(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& c, int steps) {
+  return 2.0 * drag_plainly(drag, from, to, c, 2 * steps) - drag_plainly(drag, from, to, c, steps);
+}
+
+TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
+  const Single single(OffsetContact::on_face(0, kFlat, Vec3::UnitZ()));
+  const Vec3 from(0.1, 0.05, -0.1);
+  const Vec3 to(0.16, 0.1, -0.15);
+  const Vec3 lag = 0.3 * 0.2 * Vec3(0.8, -0.6, 0.0);
+  const FrictionDrag expected = drag_by_friction({.lag = lag,
+                                                  .motion = Vec3(0.06, 0.05, 0.0),
+                                                  .pressure_start = 0.2,
+                                                  .pressure_end = 0.25,
+                                                  .friction_static = 0.3,
+                                                  .friction_dynamic = 0.3,
+                                                  .sliding = true});
+  Vec3 c = Vec3(0.1, 0.05, kOffset) - lag;
+  int tests = 0;
+  OffsetDrag::Pull pull;
+  ASSERT_TRUE(single.drag.find_pull(c, from, pull));
+  EXPECT_NEAR(pull.depth, 0.2, 1e-15);
+  EXPECT_NEAR(pull.excess(), 0.0, 1e-15);
+  EXPECT_DOUBLE_EQ(single.drag.find_stability(pull), 1.0);
+  // The lag and the motion less what the cone widens by.
+  EXPECT_NEAR(single.drag.find_drive(pull, to - from), (0.06 * 0.8 - 0.05 * 0.6) - 0.3 * 0.05, 1e-15);
+  ASSERT_TRUE(single.drag.follow(from, to, c, tests));
+  EXPECT_LT((Vec3(to.x(), to.y(), kOffset) - c - expected.lag).norm(), 1e-14);
+}
+
+class RoundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::mt19937_64 random(GetParam());
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const auto vector = [&] {
+    const double x = unit(random);
+    const double y = unit(random);
+    return Vec3(x, y, unit(random));
+  };
+  for (const bool is_edge : {true, false}) {
+    for (const double mu : {0.05, 0.2, 0.4}) {
+      const Single single(is_edge ? OffsetContact::on_edge(0, kFlat, 0) : OffsetContact::on_vertex(0, kFlat, 0), {mu, mu});
+      const Vec3 out = Vec3(is_edge ? 0.0 : 0.2 * unit(random), -1.0, 1.0).normalized();
+      const Vec3 origin(is_edge ? 0.1 : -1.0, -1.0, 0.0);
+      // Not so deep that the place on the cone is not stable.
+      const Vec3 from = origin + 0.06 * out;
+      const Vec3 to = from + 0.006 * vector();
+      Vec3 foot = origin + kOffset * out;
+      ASSERT_TRUE(single.drag.restore(foot));
+      Vec3 c = on_cone(single.drag, foot, (to - from - out * out.dot(to - from) + 0.002 * vector()).normalized(), from);
+      const Vec3 expected = drag_plainly_to_second_order(single.drag, from, to, c, 2000);
+      OffsetDrag::Flow at{.centre = c};
+      int tests = 0;
+      // To the end of the device's motion.
+      OffsetDrag::Pull pull;
+      ASSERT_TRUE(single.drag.find_pull(c, from, pull));
+      if (!(single.drag.find_drive(pull, to - from) > 0.0)) continue;
+      for (int i = 0; i < 20; ++i) {
+        ASSERT_TRUE(single.drag.find_pull(at.centre, from + at.time * (to - from), pull));
+        ASSERT_TRUE(single.drag.flow(from, to, (1.0 - at.time) / single.drag.find_stability(pull), at, tests));
+      }
+      ASSERT_NEAR(at.time, 1.0, 1e-15);
+      ASSERT_TRUE(single.drag.find_pull(at.centre, to, pull));
+      EXPECT_LE(std::fabs(pull.excess()), 1e-14);
+      EXPECT_LT((at.centre - expected).norm(), 2e-9) << "edge " << is_edge << " mu " << mu;
+      EXPECT_GT(tests, 0);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RoundAnEdgeOrVertex, testing::Values(1, 2, 3, 4, 5, 6));
+
+// Along the line where two planes meet: mu times the depth behind the device's projection.
+TEST(OffsetDrag, AlongTheCurveOfTwoTheLagIsOnTheCone) {
+  const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
+                                              OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
+  const std::array<FrictionCoefficients, 2> friction{kRough, kRough};
+  const OffsetDrag drag(contacts, friction, kOffset);
+  EXPECT_TRUE(drag.is_flat());
+  const Vec3 from(0.0, 0.14, -0.03);
+  const Vec3 to(0.05, 0.2, -0.05);
+  const double before = 0.3 * std::hypot(0.04, 0.13);
+  const double after = 0.3 * std::hypot(0.1, 0.15);
+  Vec3 c(-before, 0.1, kOffset);
+  int tests = 0;
+  OffsetDrag::Pull pull;
+  ASSERT_TRUE(drag.find_pull(c, from, pull));
+  EXPECT_NEAR(pull.multiplier[0], 0.13, 1e-14);
+  EXPECT_NEAR(pull.multiplier[1], 0.04, 1e-14);
+  EXPECT_NEAR(pull.excess(), 0.0, 1e-14);
+  ASSERT_TRUE(drag.follow(from, to, c, tests));
+  EXPECT_LT((c - Vec3(0.05 - after, 0.1, kOffset)).norm(), 1e-14);
+}
+
+// The means are weighted by the multipliers, as the material's are.
+TEST(OffsetDrag, TwoMaterialsShareACone) {
+  const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
+                                              OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
+  const std::array<FrictionCoefficients, 2> friction{FrictionCoefficients{0.4, 0.2}, FrictionCoefficients{0.8, 0.6}};
+  const OffsetDrag drag(contacts, friction, kOffset);
+  OffsetDrag::Pull pull;
+  ASSERT_TRUE(drag.find_pull(Vec3(0.0, 0.1, kOffset), Vec3(0.02, 0.2, -0.2), pull));  // multipliers 0.3 and 0.1
+  EXPECT_NEAR(pull.friction.at_rest, 0.5, 1e-14);
+  EXPECT_NEAR(pull.friction.sliding, 0.3, 1e-14);
+}
+
+// The device held, over the axis of an edge and beside it: straight down the pull, and on the offset all the while.
+TEST(OffsetDrag, DescendsTheSteepestWay) {
+  const Single single(OffsetContact::on_edge(0, kFlat, 0));
+  const Vec3 device(0.13, -1.02, -0.05);
+  Vec3 c(0.05, -1.0, kOffset);
+  c.y() += 0.06;
+  ASSERT_TRUE(single.drag.restore(c));
+  Vec3 plain = c;
+  int tests = 0;
+  OffsetDrag::Pull pull;
+  ASSERT_TRUE(single.drag.find_pull(c, device, pull));
+  const Vec3 way = pull.way / pull.length;
+  ASSERT_TRUE(single.drag.descend(device, way, 0.03, c, tests));
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {  // the midpoint rule
+    ASSERT_TRUE(single.drag.find_pull(plain, device, pull));
+    Vec3 middle = plain + (0.5 * 0.03 / kSteps) * pull.way / pull.length;
+    ASSERT_TRUE(single.drag.find_pull(middle, device, pull));
+    plain += (0.03 / kSteps) * pull.way / pull.length;
+  }
+  EXPECT_LT((c - plain).norm(), 1e-9);
+  EXPECT_NEAR(single.contacts[0].stand(c).distance, kOffset, 1e-15);
+}
+
+TEST(OffsetDrag, ADeviceComesOutOnTheSideOfTheCentre) {
+  const Single single(OffsetContact::on_edge(0, kFlat, 0));
+  const Vec3 c(0.0, -1.0, kOffset);
+  OffsetDrag::Pull pull;
+  const Vec3 from(0.0, -1.0, 0.05);
+  ASSERT_TRUE(single.drag.find_pull(c, from, pull));
+  EXPECT_NEAR(single.drag.time_of_release(from, {0.1, -1.0, 0.15}, pull), 0.5, 1e-15);
+  EXPECT_GT(single.drag.time_of_release(from, {0.1, -1.0, 0.09}, pull), 1.0);
+  EXPECT_GT(single.drag.time_of_release(from, {0.1, -1.0, -0.2}, pull), 1.0) << "out on the other side";
+  const Vec3 beyond(0.0, -1.0, -0.15);
+  ASSERT_TRUE(single.drag.find_pull(c, beyond, pull));
+  EXPECT_GT(single.drag.time_of_release(beyond, {0.0, -1.0, -0.3}, pull), 1.0);
+  EXPECT_NEAR(single.drag.time_of_release(beyond, {0.0, -1.0, 0.15}, pull), 0.25 / 0.3, 1e-14);
+}
+
+}  // namespace
+}  // namespace hapton

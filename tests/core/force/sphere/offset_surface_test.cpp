@@ -1,0 +1,180 @@
+#include "core/force/sphere/offset_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+
+#include "core/geometry/point_triangle.h"
+
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+Part part_of(Feature feature) { return feature == Feature::face ? Part::face : feature == Feature::edge ? Part::edge : Part::vertex; }
+
+class OffsetSurface : public testing::Test {
+ protected:
+  OffsetSurface() { RecordProperty("seed", std::to_string(kSeed)); }
+  double unit() { return unit_(random_); }
+  Vec3 vector() {
+    const double x = unit();
+    const double y = unit();
+    return {x, y, unit()};
+  }
+  // Every tenth a needle.
+  ContactTriangle triangle(int i) {
+    const Vec3 a = vector();
+    const Vec3 b = vector();
+    return {a, b, i % 10 == 9 ? Vec3(a + 0.6 * (b - a) + 1e-7 * vector()) : vector()};
+  }
+
+ private:
+  static constexpr std::uint64_t kSeed = 41;
+  std::mt19937_64 random_{kSeed};
+  std::uniform_real_distribution<double> unit_{-1.0, 1.0};
+};
+
+TEST_F(OffsetSurface, NearestIsThePartThatBruteForceFinds) {
+  constexpr int kGrid = 40;
+  int parts[3] = {0, 0, 0};
+  for (int i = 0; i < 600; ++i) {
+    const ContactTriangle shape = triangle(i);
+    const Vec3 c = 2.0 * vector();
+    const OffsetContact contact = OffsetContact::nearest(17, shape, c);
+    EXPECT_EQ(contact.triangle, 17U);
+    ++parts[static_cast<int>(contact.part)];
+    double sampled = std::numeric_limits<double>::infinity();
+    for (int u = 0; u <= kGrid; ++u) {
+      for (int v = 0; u + v <= kGrid; ++v) {
+        const Vec3 p = shape.corner(0) + shape.edge(0) * u / kGrid - shape.edge(2) * v / kGrid;
+        sampled = std::min(sampled, (c - p).norm());
+      }
+    }
+    const OffsetContact::Stand stand = contact.stand(c);
+    const double spacing = std::max({shape.length(0), shape.length(1), shape.length(2)}) / kGrid;
+    ASSERT_LE(stand.distance, sampled + 1e-14);
+    ASSERT_GE(stand.distance, sampled - spacing);
+    const Separation at = separation_from_triangle(c, shape.corner(0), shape.corner(1), shape.corner(2));
+    ASSERT_EQ(contact.part, part_of(at.feature));
+    ASSERT_NEAR(stand.distance, at.distance, 1e-14);
+    ASSERT_LT((stand.normal - at.normal).norm(), 1e-13);
+  }
+  for (const int count : parts) EXPECT_GT(count, 20);
+}
+
+TEST_F(OffsetSurface, OfATriangleWithoutAreaItIsAnEdgeOrAVertex) {
+  const Vec3 a(0.1, 0.2, 0.3);
+  const Vec3 b(0.9, 0.1, -0.2);
+  for (const ContactTriangle& shape : {ContactTriangle(a, b, a), ContactTriangle(a, b, b), ContactTriangle(a, b, 0.5 * (a + b))}) {
+    const Vec3 beside = 0.25 * a + 0.75 * b + 0.3 * (b - a).unitOrthogonal();
+    const OffsetContact edge = OffsetContact::nearest(0, shape, beside);
+    EXPECT_EQ(edge.part, Part::edge);
+    EXPECT_NEAR(edge.stand(beside).distance, 0.3, 1e-15);
+    const Vec3 beyond = b + 0.3 * (b - a);
+    const OffsetContact vertex = OffsetContact::nearest(0, shape, beyond);
+    EXPECT_EQ(vertex.part, Part::vertex);
+    EXPECT_EQ(vertex.origin(), b);
+  }
+  const ContactTriangle point(a, a, a);
+  EXPECT_EQ(OffsetContact::nearest(0, point, b).part, Part::vertex);
+  EXPECT_EQ(OffsetContact::on_edge(0, ContactTriangle(a, b, b), 1).part, Part::vertex);
+}
+
+TEST_F(OffsetSurface, AFaceStandsOnTheSideOfTheCentre) {
+  for (int i = 0; i < 100; ++i) {
+    const ContactTriangle shape = triangle(0);
+    const Vec3 on_face = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0;
+    for (const double side : {1.0, -1.0}) {
+      const Vec3 c = on_face + side * 0.2 * shape.normal();
+      const OffsetContact contact = OffsetContact::nearest(3, shape, c);
+      ASSERT_EQ(contact.part, Part::face);
+      EXPECT_EQ(contact.back, side < 0.0);
+      EXPECT_EQ(contact.normal, Vec3(side * shape.normal()));
+      EXPECT_NEAR(contact.stand(c).distance, 0.2, 1e-14);
+      EXPECT_FALSE(contact.is_curved());
+      EXPECT_EQ(OffsetContact::on_face(3, shape, side * (shape.normal() + shape.edge(0))).normal, contact.normal);
+      // It is the plane's: also beyond the border, and below it.
+      EXPECT_NEAR(contact.stand(c + 5.0 * shape.edge(1)).distance, 0.2, 1e-13);
+      EXPECT_LT(contact.stand(on_face - side * 0.1 * shape.normal()).distance, 0.0);
+    }
+  }
+}
+
+TEST_F(OffsetSurface, StandMeasuresFromTheCarrierOfAnEdgeAndFromAVertex) {
+  for (int i = 0; i < 200; ++i) {
+    const ContactTriangle shape = triangle(i);
+    const int k = i % 3;
+    const OffsetContact edge = OffsetContact::on_edge(0, shape, k);
+    const Vec3 out = edge.axis().unitOrthogonal();
+    const OffsetContact::Stand at = edge.stand(edge.origin() + unit() * edge.axis() + 0.3 * out);
+    EXPECT_NEAR(at.distance, 0.3, 1e-15);
+    EXPECT_LT((at.normal - out).norm(), 1e-14);
+    EXPECT_LE(std::fabs(at.normal.dot(edge.axis())), 0x1p-52);
+    const OffsetContact vertex = OffsetContact::on_vertex(0, shape, k);
+    const Vec3 off = vector();
+    EXPECT_NEAR(vertex.stand(shape.corner(k) + off).distance, off.norm(), 1e-15);
+    EXPECT_LT((vertex.stand(shape.corner(k) + off).normal - off.normalized()).norm(), 1e-14 / off.norm());
+    EXPECT_TRUE(edge.is_curved() && vertex.is_curved());
+  }
+  const OffsetContact vertex = OffsetContact::on_vertex(0, triangle(0), 0);
+  EXPECT_EQ(vertex.stand(vertex.origin()).distance, 0.0);
+  EXPECT_EQ(vertex.stand(vertex.origin()).normal.norm(), 1.0);
+}
+
+// Along a tangent the distance from the carrier grows by curvature s^2 / 2.
+TEST_F(OffsetSurface, CurvatureIsThatOfFiniteDifferences) {
+  for (int i = 0; i < 300; ++i) {
+    const ContactTriangle shape = triangle(0);
+    const double offset = 0.05 + 0.3 * std::fabs(unit());
+    const OffsetContact contact = i % 3 == 0   ? OffsetContact::on_face(0, shape, shape.normal())
+                                  : i % 3 == 1 ? OffsetContact::on_edge(0, shape, 1)
+                                               : OffsetContact::on_vertex(0, shape, 2);
+    const Vec3 normal = contact.stand(contact.origin() + vector()).normal;
+    const Vec3 v = vector();
+    const Vec3 tangent = (v - normal.dot(v) * normal).normalized();
+    const Vec3 c = contact.origin() + offset * normal;
+    const double s = 1e-3 * offset;
+    const double rise = 0.5 * (contact.stand(c + s * tangent).distance + contact.stand(c - s * tangent).distance) - offset;
+    EXPECT_NEAR(contact.curvature(tangent, offset) * offset, 2.0 * rise / (s * s) * offset, 1e-5);
+  }
+}
+
+TEST_F(OffsetSurface, ItsGuideKeepsAPathAtTheOffset) {
+  for (int i = 0; i < 300; ++i) {
+    const ContactTriangle shape = triangle(0);
+    const double offset = 0.05 + 0.3 * std::fabs(unit());
+    const OffsetContact contact = i % 3 == 0   ? OffsetContact::on_face(0, shape, shape.normal())
+                                  : i % 3 == 1 ? OffsetContact::on_edge(0, shape, 1)
+                                               : OffsetContact::on_vertex(0, shape, 2);
+    const auto onto = [&](const Vec3& p) { return Vec3(p + (offset - contact.stand(p).distance) * contact.stand(p).normal); };
+    const Vec3 from = onto(contact.origin() + vector());
+    const Vec3 to = onto(from + 0.2 * offset * vector());
+    CentrePath path = CentrePath::curved(from, to, to - from, to - from);
+    path.keep_on(contact.guide(offset));
+    for (int k = 0; k <= 20; ++k) EXPECT_NEAR(contact.stand(path.at(k / 20.0)).distance, offset, 0x1p-50);
+  }
+}
+
+TEST_F(OffsetSurface, PartsAreTheSameByTheirPlaces) {
+  const Vec3 a = vector();
+  const Vec3 b = vector();
+  const Vec3 c = vector();
+  const Vec3 d = vector();
+  const ContactTriangle shape(a, b, c);
+  const ContactTriangle beside(b, a, d);           // has edge 0
+  const ContactTriangle at_corner(d, a, 2.0 * d);  // has corner 0
+  const ContactTriangle copy(c, b, a);
+  const OffsetContact face = OffsetContact::on_face(0, shape, shape.normal());
+  const OffsetContact edge = OffsetContact::on_edge(0, shape, 0);
+  const OffsetContact vertex = OffsetContact::on_vertex(0, shape, 0);
+  EXPECT_TRUE(face.is_part_of(copy) && edge.is_part_of(copy) && vertex.is_part_of(copy));
+  EXPECT_TRUE(!face.is_part_of(beside) && edge.is_part_of(beside) && vertex.is_part_of(beside));
+  EXPECT_TRUE(!face.is_part_of(at_corner) && !edge.is_part_of(at_corner) && vertex.is_part_of(at_corner));
+  EXPECT_FALSE(OffsetContact::on_edge(0, shape, 1).is_part_of(beside));
+  EXPECT_FALSE(OffsetContact::on_vertex(0, shape, 2).is_part_of(at_corner));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,74 @@
+#include "devices/device_maker.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string refusal_of(const DeviceSettings& settings) {
+  const auto made = make_device(settings);
+  return made ? "it was made" : made.error().what;
+}
+
+TEST(DeviceMaker, makes_what_is_named) {
+  EXPECT_EQ((*make_device({}))->name(), "simulated");
+  const ScratchFolder scratch;
+  DeviceSettings settings;
+  settings.name = "replay";
+  settings.trajectory = (scratch.path() / "t.csv").string();
+  std::ofstream(settings.trajectory) << "t_s,x_m,y_m,z_m\n0,1,2,3\n";
+  EXPECT_EQ((*make_device(settings))->name(), "replay");
+}
+
+TEST(DeviceMaker, puts_the_device_where_it_stands) {
+  DeviceSettings settings;
+  const Vec3 here = (*make_device(settings))->read(0).p_WD;
+  settings.X_WB.translation() = Vec3(0.2, 0.0, 0.0);
+  EXPECT_LT(((*make_device(settings))->read(0).p_WD - here - Vec3(0.2, 0.0, 0.0)).norm(), 1e-12);
+}
+
+TEST(DeviceMaker, says_what_is_missing) {
+  DeviceSettings settings;
+  settings.trajectory = "t.csv";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory goes with --device replay"));
+  settings.name = "replay";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
+  settings.trajectory = "";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory"));
+  settings.name = "sofa";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("sofa"));
+  for (const std::string& name : device_names()) EXPECT_THAT(refusal_of(settings), HasSubstr(name));
+}
+
+TEST(DeviceMaker, ignores_no_setting) {
+  DeviceSettings settings;
+  settings.id = "7";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--device-id"));
+  settings = {};
+  settings.file = "mine.toml";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--device-file"));
+  settings = {};
+  settings.loop = true;
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--loop"));
+}
+
+TEST(DeviceMaker, knows_every_kind_once_and_says_what_it_is) {
+  std::set<std::string_view> names;
+  for (const DeviceMaker& maker : device_makers()) {
+    EXPECT_TRUE(names.insert(maker.name).second) << maker.name;
+    EXPECT_FALSE(maker.about.empty()) << maker.name;
+    EXPECT_NE(maker.make, nullptr) << maker.name;
+    EXPECT_THAT(describe_devices(), HasSubstr(maker.name));
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,223 @@
+// Against a stand-in of libdrd with a point mass in place of a device.
+#include "devices/force_dimension_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+
+#include "devices/dhd_library.h"
+#include "runtime/log.h"
+#include "tests/devices/servo_hand.h"
+#include "tests/standins/board.h"
+#include "tests/standins/paths.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct ForceDimension : testing::Test {
+  static void SetUpTestSuite() { start_log("test"); }
+
+  ScratchFolder folder;
+  standin::BoardFile board{folder.path() / "board"};
+  std::unique_ptr<Device> device;
+  ServoHand hand;
+
+  Result<std::unique_ptr<Device>> make(const std::string& id = "") {
+    DeviceSettings settings;
+    settings.id = id;
+    return make_force_dimension(settings, {standin::library("forcedimension/libdrd.so"), 0.1});
+  }
+  void open() {
+    auto made = make();
+    ASSERT_TRUE(made) << made.error().what;
+    device = std::move(*made);
+  }
+  template <class Condition>
+  bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
+    return hand.serve_until(*device, holds, wrench);
+  }
+  bool serve_until_ready() {
+    return serve_until([&] { return device->status() == DeviceStatus::ready; });
+  }
+};
+
+TEST_F(ForceDimension, limits_go_by_the_type) {
+  open();
+  EXPECT_EQ(device->limits().max_force_n, 12.0);
+  EXPECT_EQ(device->limits().max_torque_nm, 0.0);
+  device.reset();
+  board->system_type = 104;
+  open();
+  EXPECT_EQ(device->limits().max_force_n, 20.0);
+  EXPECT_EQ(device->limits().max_torque_nm, 0.4);
+}
+
+TEST_F(ForceDimension, an_unknown_type_gets_little_and_is_told_of) {
+  board->system_type = 999;
+  testing::internal::CaptureStderr();
+  open();
+  EXPECT_EQ(device->limits().max_force_n, 3.0);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("type 999"));
+}
+
+TEST_F(ForceDimension, its_axes_become_those_of_the_world) {
+  board->follows_hand = 0;
+  const double towards_user = 0.01, right = 0.02, up = 0.03;
+  board->hand_m[0] = towards_user;
+  board->hand_m[1] = right;
+  board->hand_m[2] = up;
+  board->buttons = 1;
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_TRUE(hand.sample().p_WD.isApprox(Vec3(right, up, towards_user), 1e-12));
+  EXPECT_EQ(hand.sample().buttons, 1U);
+  const Wrench push = {.force_n = Vec3(0.1, 0.2, 0.3)};
+  EXPECT_TRUE(serve_until([&] { return std::abs(board->force[1] - 0.1) < 1e-12; }, push));
+  EXPECT_NEAR(board->force[2], 0.2, 1e-12);
+  EXPECT_NEAR(board->force[0], 0.3, 1e-12);
+}
+
+TEST_F(ForceDimension, its_orientation_turns_with_the_axes) {
+  board->turn_rad[2] = std::numbers::pi / 2;  // about the device's z, which points up
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  const Quat expected(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
+  EXPECT_LT(hand.sample().q_WT.angularDistance(expected), 1e-9);
+}
+
+TEST_F(ForceDimension, torques_turn_with_the_axes_too) {
+  board->system_type = 104;
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_TRUE(serve_until([&] { return std::abs(board->torque[2] - 0.1) < 1e-12; }, {.torque_nm = Vec3(0, 0.1, 0)}));
+}
+
+TEST_F(ForceDimension, the_firmwares_watchdog_is_set) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_EQ(board->watchdog, 255);
+  EXPECT_EQ(board->enabled, 1);
+}
+
+TEST_F(ForceDimension, time_guard_and_saturation_are_no_errors) {
+  open();
+  for (const int result : {1, 2}) {
+    board->result = result;
+    const std::uint64_t ticks = board->ticks;
+    ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 50; }));
+    EXPECT_EQ(device->status(), DeviceStatus::ready);
+  }
+  EXPECT_EQ(board->closed, 0U);
+}
+
+TEST_F(ForceDimension, calibrates_by_motor_after_having_said_so) {
+  board->calibration = 1;
+  testing::internal::CaptureStderr();
+  open();
+  EXPECT_EQ(board->moved_by_itself, 0);
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_EQ(board->moved_by_itself, 1);
+  EXPECT_EQ(board->pushed_unasked, 0U);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("move by itself"));
+  EXPECT_THAT(said, HasSubstr("is calibrated"));
+}
+
+TEST_F(ForceDimension, that_cannot_calibrate_pushes_nothing) {
+  board->calibration = 1;
+  board->updates_until_good = 0;
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->moved_by_itself == 1; }));
+  const std::uint64_t ticks = board->ticks;
+  ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 100; }, {.force_n = Vec3(0, 0, 2)}));
+  EXPECT_EQ(device->status(), DeviceStatus::calibrating);
+  EXPECT_EQ(board->pushed_ticks, 0U);
+}
+
+TEST_F(ForceDimension, a_falcon_is_calibrated_by_hand) {
+  board->system_type = dhd::kFalcon;
+  board->calibration = 2;
+  board->updates_until_good = 50;
+  testing::internal::CaptureStderr();
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_EQ(board->moved_by_itself, 0);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("pull the grip all the way out"));
+  EXPECT_EQ(device->limits().max_force_n, 8.0);
+}
+
+TEST_F(ForceDimension, a_force_that_the_firmware_let_go_is_told_with_its_cause_and_comes_back) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+  testing::internal::CaptureStderr();
+  board->force_off_cause = 2;
+  EXPECT_TRUE(serve_until([&] { return board->force_off_cause == 0; }, push));
+  EXPECT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("velocity threshold"));
+}
+
+TEST_F(ForceDimension, a_force_that_the_person_switched_off_stays_off) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->force_off_cause = 1;
+  const std::uint64_t ticks = board->ticks;
+  ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 300; }, {.force_n = Vec3(0, 0, 2)}));
+  EXPECT_EQ(board->force_off_cause, 1);
+}
+
+TEST_F(ForceDimension, unplugged_in_contact_it_is_away_and_found_again) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away && board->closed == 1U; }, push));
+  board->largest_force = 0.0;
+  board->is_plugged = 1;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::ready; }, push));
+  EXPECT_LT(board->largest_force, 0.5);
+  EXPECT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+  EXPECT_EQ(board->wrong_calls, 0U);
+}
+
+TEST_F(ForceDimension, a_servo_that_dies_leaves_no_force) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
+  EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[0] == 0.0; }));
+}
+
+TEST_F(ForceDimension, none_there_or_another_number_is_told) {
+  EXPECT_THAT(make("1").error().what, HasSubstr("asks for number 1"));
+  EXPECT_THAT(make("left").error().what, HasSubstr("not 'left'"));
+  EXPECT_THAT(make("-1").error().what, HasSubstr("not '-1'"));
+  board->is_plugged = 0;
+  EXPECT_THAT(make().error().what, HasSubstr("sees 0 devices"));
+}
+
+TEST_F(ForceDimension, one_that_somebody_has_is_told) {
+  open();
+  const std::string what = make().error().what;
+  EXPECT_THAT(what, HasSubstr("another program"));
+  EXPECT_THAT(what, HasSubstr("the stand-in's own words"));
+}
+
+TEST_F(ForceDimension, the_servos_side_takes_nothing_from_the_heap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,62 @@
+#include "devices/hand_script.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hapton {
+namespace {
+
+HandScript::Options box(std::uint64_t seed) { return {seed, Vec3(-0.1, -0.1, -0.2), Vec3(0.1, 0.1, 0.2), Vec3(0.0, 0.0, 0.18)}; }
+
+TEST(HandScript, moves_smoothly_and_stays_in_the_workspace_where_there_is_nothing_to_touch) {
+  HandScript script(box(9));
+  Vec3 last = box(9).start_m;
+  for (int step = 0; step < 60'000; ++step) {
+    const Vec3 next = script.step(last, Vec3::Zero()).p_WH;
+    ASSERT_LE((next - last).norm(), 0.0007) << step;
+    ASSERT_LE(next.x(), 0.1);
+    ASSERT_GE(next.z(), -0.2);
+    last = next;
+  }
+}
+
+TEST(HandScript, survives_a_force_that_makes_no_sense) {
+  HandScript script(box(2));
+  const Vec3 forces[] = {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, -8), Vec3(0, 8, 0), Vec3::Zero()};
+  Vec3 last = box(2).start_m;
+  for (int step = 0; step < 60'000; ++step) {
+    last = script.step(last, forces[(step / 37) % 5]).p_WH;
+    ASSERT_TRUE(last.allFinite());
+  }
+}
+
+TEST(HandScript, follows_a_lead_and_returns_to_its_script) {
+  HandScript script(box(1));
+  Vec3 last = box(1).start_m;
+  script.lead(Vec3(0.05, -0.05, 0.0));
+  for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
+  EXPECT_EQ(script.phase(), HandScript::Phase::led);
+  EXPECT_LT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-12);
+  script.lead(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  last = script.step(last, Vec3::Zero()).p_WH;
+  EXPECT_TRUE(last.allFinite());
+  script.lead(std::nullopt);
+  for (int step = 0; step < 2000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
+  EXPECT_NE(script.phase(), HandScript::Phase::led);
+  EXPECT_GT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-3);
+}
+
+TEST(HandScript, letting_go_without_a_lead_changes_nothing) {
+  HandScript script(box(1)), other(box(1));
+  Vec3 a = box(1).start_m, b = a;
+  for (int step = 0; step < 3000; ++step) {
+    script.lead(std::nullopt);
+    a = script.step(a, Vec3::Zero()).p_WH;
+    b = other.step(b, Vec3::Zero()).p_WH;
+  }
+  EXPECT_EQ(a, b);
+}
+
+}  // namespace
+}  // namespace hapton

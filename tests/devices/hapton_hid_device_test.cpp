@@ -1,0 +1,176 @@
+#include "devices/hapton_hid_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "docs/hid/hapton_hid_device.h"
+#include "tests/support/fake_hid.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using Bytes = FakeHid::Bytes;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+hapton_hid_limits maker_limits() {
+  hapton_hid_limits limits = {};
+  limits.has_orientation = true;
+  limits.rate_hz = 1000;
+  limits.watchdog_ms = 20;
+  for (int n = 0; n < 3; ++n) {
+    limits.workspace_min_m[n] = -0.1f;
+    limits.workspace_max_m[n] = 0.1f;
+  }
+  limits.max_force_n = 6.0f;
+  limits.continuous_force_n = 2.0f;
+  limits.max_slew_n_per_s = 2000.0f;
+  limits.model = "Arm";
+  limits.serial = "7";
+  limits.firmware = "1.0";
+  return limits;
+}
+
+// The backend and the maker's own code, one on each side of a wire.
+class HaptonHid : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    give(maker_limits());
+    measured_.is_calibrated = true;
+    measured_.orientation[3] = 1.0f;
+  }
+  void give(const hapton_hid_limits& limits) {
+    hapton_hid_init(&device_, &limits);
+    for (const std::uint8_t id : {hapton_hid::kLimitsId, hapton_hid::kNamesId}) {
+      Bytes report(64);
+      report.resize(hapton_hid_feature(&device_, id, report.data(), report.size()));
+      hid_.set_feature(id, report);
+    }
+  }
+  Result<void> begin() {
+    auto transport = hid_.opener()();
+    return backend_.begin(**transport);
+  }
+  std::uint32_t now_us() const { return static_cast<std::uint32_t>(now_ns_ / 1000); }
+  // One cycle of a millisecond each way; what the motors do after it, N.
+  double cycle(const Vec3& force_n, bool is_live) {
+    now_ns_ += kMs;
+    Bytes state(HAPTON_HID_STATE_BYTES);
+    hapton_hid_state(&device_, &measured_, now_us(), state.data());
+    EXPECT_TRUE(backend_.decode(state, now_ns_, reading_));
+    Bytes force(64);
+    force.resize(backend_.encode({.force_n = force_n, .torque_nm = Vec3(1, 1, 1)}, is_live, now_ns_, force));
+    EXPECT_TRUE(hapton_hid_take_force(&device_, force.data(), force.size(), now_us()));
+    float pushed[3], turned[3];
+    hapton_hid_motors(&device_, now_us(), pushed, turned);
+    EXPECT_EQ(turned[0], 0.0f) << "it has no such motors";
+    return Vec3(pushed[0], pushed[1], pushed[2]).norm();
+  }
+
+  FakeHid hid_;
+  HaptonHidBackend backend_;
+  hapton_hid_device device_;
+  hapton_hid_measured measured_ = {};
+  DeviceExchange::Reading reading_;
+  std::int64_t now_ns_ = kNanosecondsPerSecond;
+};
+
+TEST_F(HaptonHid, IsWhatItsMakerSays) {
+  ASSERT_TRUE(begin());
+  EXPECT_EQ(backend_.limits().max_force_n, 6.0);
+  EXPECT_EQ(backend_.limits().continuous_force_n, 2.0);
+  EXPECT_LT((backend_.limits().workspace_max_m - Vec3::Constant(0.1)).norm(), 1e-6);
+  EXPECT_EQ(backend_.condition().model, "Arm");
+  EXPECT_EQ(backend_.condition().serial, "7");
+  EXPECT_EQ(backend_.condition().firmware, "1.0");
+}
+
+TEST_F(HaptonHid, PushesWithWhatItIsTold) {
+  ASSERT_TRUE(begin());
+  EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was told to be off";
+  EXPECT_EQ(cycle(Vec3::Zero(), false), 0.0);
+  EXPECT_EQ(reading_.status, DeviceStatus::ready);
+  EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 3.0);
+}
+
+TEST_F(HaptonHid, WhoseWatchdogHasBarkedIsAwayUntilItIsToldToBeOff) {
+  ASSERT_TRUE(begin());
+  cycle(Vec3::Zero(), false);
+  cycle(Vec3(1, 0, 0), true);
+  now_ns_ += 100 * kMs;
+  cycle(Vec3(1, 0, 0), true);
+  EXPECT_EQ(reading_.status, DeviceStatus::away);
+  EXPECT_EQ(cycle(Vec3::Zero(), false), 0.0);
+  EXPECT_EQ(cycle(Vec3(1, 0, 0), true), 1.0);
+  EXPECT_EQ(reading_.status, DeviceStatus::ready);
+}
+
+TEST_F(HaptonHid, TellsWhatItMeasuresAndHowItIs) {
+  ASSERT_TRUE(begin());
+  measured_.position_m[1] = 0.05f;
+  measured_.buttons = 3;
+  measured_.temperature = 0.25f;
+  cycle(Vec3::Zero(), false);
+  EXPECT_LT((reading_.sample.p_WD - Vec3(0, 0.05, 0)).norm(), 1e-7);
+  EXPECT_EQ(reading_.sample.buttons, 3U);
+  EXPECT_EQ(reading_.motor_temperature, 0.25);
+  EXPECT_TRUE(reading_.sample.is_held) << "it cannot tell";
+  measured_.is_calibrated = false;
+  cycle(Vec3::Zero(), false);
+  EXPECT_EQ(reading_.status, DeviceStatus::calibrating);
+  measured_.has_fault = true;
+  cycle(Vec3::Zero(), false);
+  EXPECT_EQ(reading_.status, DeviceStatus::fault);
+}
+
+TEST_F(HaptonHid, RepeatedStatesAreNoNews) {
+  ASSERT_TRUE(begin());
+  Bytes state(HAPTON_HID_STATE_BYTES);
+  hapton_hid_state(&device_, &measured_, 0, state.data());
+  EXPECT_TRUE(backend_.decode(state, now_ns_, reading_));
+  EXPECT_FALSE(backend_.decode(state, now_ns_, reading_));
+}
+
+TEST_F(HaptonHid, ThatComesBackAsAnotherDeviceIsNotDriven) {
+  ASSERT_TRUE(begin());
+  ASSERT_TRUE(begin()) << "the same one is";
+  hapton_hid_limits limits = maker_limits();
+  limits.max_force_n = 60.0f;
+  give(limits);
+  EXPECT_THAT(begin().error().what, HasSubstr("not the device that was there before"));
+  limits = maker_limits();
+  limits.serial = "8";
+  give(limits);
+  EXPECT_THAT(begin().error().what, HasSubstr("Arm 8"));
+}
+
+TEST_F(HaptonHid, WhoseLimitsMakeNoSenseIsRefused) {
+  hapton_hid_limits limits = maker_limits();
+  limits.watchdog_ms = 2000;
+  give(limits);
+  EXPECT_THAT(begin().error().what, HasSubstr("watchdog takes 2000 ms"));
+  hid_.set_feature(HAPTON_HID_LIMITS_ID, {HAPTON_HID_LIMITS_ID});
+  EXPECT_THAT(begin().error().what, HasSubstr("HAPT"));
+  hid_.unplug();
+}
+
+TEST_F(HaptonHid, AnyBytesAreSafeBeforeAndAfterItWasOpened) {
+  std::mt19937_64 random(6);
+  for (int turn = 0; turn < 20'000; ++turn) {
+    if (turn == 10'000) {
+      ASSERT_TRUE(begin());
+    }
+    Bytes bytes(random() % 70);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    if (!bytes.empty()) bytes[0] = HAPTON_HID_STATE_ID;
+    (void)backend_.decode(bytes, now_ns_, reading_);
+    ASSERT_TRUE(reading_.sample.p_WD.allFinite());
+    ASSERT_NEAR(reading_.sample.q_WT.norm(), 1.0, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

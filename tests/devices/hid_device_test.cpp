@@ -1,0 +1,236 @@
+#include "devices/hid_device.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "tests/devices/servo_hand.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/fake_hid.h"
+#include "tests/support/patience.h"
+
+namespace hapton {
+namespace {
+
+// In: {position in mm, status}; out: {0, whether it may push, force x in N}.
+class PlainBackend final : public HidBackend {
+ public:
+  Result<void> begin(HidTransport&) override { return {}; }
+  bool decode(std::span<const std::uint8_t> report, std::int64_t, DeviceExchange::Reading& reading) noexcept override {
+    if (report.size() != 2) return false;
+    reading.sample.p_WD = Vec3(1e-3 * report[0], 0, 0);
+    reading.status = static_cast<DeviceStatus>(report[1]);
+    reading.is_calibrated = true;
+    return true;
+  }
+  std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t, std::span<std::uint8_t> into) noexcept override {
+    into[0] = 0;
+    into[1] = is_live ? 1 : 0;
+    into[2] = static_cast<std::uint8_t>(wrench.force_n.x());
+    return 3;
+  }
+  std::string_view name() const noexcept override { return "plain"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceCondition condition() const noexcept override { return {}; }
+
+ private:
+  DeviceLimits limits_;
+};
+
+// A device that reports all the time, as real ones do, where it is told to be.
+class Reporter {
+ public:
+  explicit Reporter(FakeHid& hid)
+      : thread_([this, &hid] {
+          SteadyClock clock;
+          while (!ends_) {
+            if (!is_silent_) hid.send({position_mm_, static_cast<std::uint8_t>(status_.load())});
+            clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+          }
+        }) {}
+  ~Reporter() {
+    ends_ = true;
+    thread_.join();
+  }
+  void set_position(std::uint8_t mm) { position_mm_ = mm; }
+  void set_status(DeviceStatus status) { status_ = status; }
+  void be_silent(bool is_silent) { is_silent_ = is_silent; }
+
+ private:
+  std::atomic<bool> ends_ = false, is_silent_ = false;
+  std::atomic<std::uint8_t> position_mm_ = 1;
+  std::atomic<DeviceStatus> status_ = DeviceStatus::ready;
+  std::thread thread_;
+};
+
+class HidDeviceTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto opened = HidDevice::open(std::make_unique<PlainBackend>(), hid_.opener());
+    ASSERT_TRUE(opened) << opened.error().what;
+    device_ = std::move(*opened);
+  }
+  template <class Condition>
+  bool serve_until(Condition&& holds, double force_n = 100.0) {
+    return hand_.serve_until(*device_, holds, {.force_n = Vec3(force_n, 0, 0)});
+  }
+  bool is_pushing() {
+    const auto written = hid_.take_written();
+    return !written.empty() && written.back()[1] == 1 && written.back()[2] == 100;
+  }
+  bool is_letting_go() {
+    const auto written = hid_.take_written();
+    return !written.empty() && written.back()[2] == 0;
+  }
+
+  FakeHid hid_;
+  Reporter reporter_{hid_};
+  std::unique_ptr<HidDevice> device_;
+  ServoHand hand_;
+};
+
+TEST_F(HidDeviceTest, GivesTheNewestPositionAndTakesTheNewestForce) {
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::ready && is_pushing(); }));
+  reporter_.set_position(77);
+  EXPECT_TRUE(serve_until([&] { return hand_.sample().p_WD.x() == 0.077; }));
+}
+
+TEST_F(HidDeviceTest, LetsGoWhenTheServoIsSilent) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  EXPECT_TRUE(wait_until([&] { return is_letting_go(); }));
+  (void)hid_.take_written();
+  EXPECT_TRUE(wait_until([&] { return hid_.written() >= 5; })) << "and goes on telling so";
+  for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
+}
+
+TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndBackItPushesFromZero) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  const Vec3 last = hand_.sample().p_WD;
+  hid_.unplug();
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
+  EXPECT_EQ(hand_.sample().p_WD, last);
+  (void)hid_.take_written();
+  hid_.plug_in();
+  std::vector<FakeHid::Bytes> reports;
+  EXPECT_TRUE(serve_until([&] {
+    const auto written = hid_.take_written();
+    reports.insert(reports.end(), written.begin(), written.end());
+    return !reports.empty() && reports.back()[2] == 100;
+  }));
+  EXPECT_EQ(device_->status(), DeviceStatus::ready);
+  EXPECT_EQ(reports.front()[2], 0);
+  int steps = 0;
+  for (std::size_t n = 1; n < reports.size(); ++n) {
+    EXPECT_GE(reports[n][2], reports[n - 1][2]) << "the ramp only rises";
+    steps += reports[n][2] != reports[n - 1][2] ? 1 : 0;
+  }
+  EXPECT_GE(steps, 3);
+}
+
+TEST_F(HidDeviceTest, AWriteThatHangsHoldsNeitherTheServoNorTheReadingUp) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  hid_.block_writes(true);
+  EXPECT_TRUE(serve_until([&] { return hid_.has_waiting_writer(); }));
+  reporter_.set_position(33);
+  EXPECT_TRUE(serve_until([&] { return hand_.sample().p_WD.x() == 0.033; }));
+  EXPECT_EQ(device_->status(), DeviceStatus::ready);
+  hid_.block_writes(false);
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+}
+
+TEST_F(HidDeviceTest, UnpluggedWhileAWriteHangsItComesBackAllTheSame) {
+  hid_.block_writes(true);
+  EXPECT_TRUE(serve_until([&] { return hid_.has_waiting_writer(); }));
+  hid_.unplug();
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
+  hid_.block_writes(false);
+  hid_.plug_in();
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+}
+
+TEST_F(HidDeviceTest, WhatTakesNoReportsAtAllIsOpenedAnew) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  hid_.refuse_writes(true);
+  EXPECT_TRUE(serve_until([&] { return hid_.openings() >= 2; }));
+  hid_.refuse_writes(false);
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+}
+
+TEST_F(HidDeviceTest, SilentThoughPluggedInItIsAwayAndItsForceRampsInAgainAfterwards) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  reporter_.be_silent(true);
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
+  reporter_.be_silent(false);
+  bool saw_part = false;
+  EXPECT_TRUE(serve_until([&] {
+    const auto written = hid_.take_written();
+    for (const auto& report : written) saw_part = saw_part || (report[2] > 0 && report[2] < 100);
+    return saw_part && !written.empty() && written.back()[2] == 100;
+  }));
+}
+
+TEST_F(HidDeviceTest, ThatIsNotCalibratedOrBrokenIsNotPushed) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  for (const DeviceStatus status : {DeviceStatus::calibrating, DeviceStatus::fault}) {
+    reporter_.set_status(status);
+    EXPECT_TRUE(serve_until([&] { return device_->status() == status; }));
+    (void)hid_.take_written();
+    EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; }));
+    for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
+  }
+}
+
+TEST_F(HidDeviceTest, EndsWithAReportThatLetsGo) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  device_.reset();
+  EXPECT_EQ(hid_.take_written().back()[1], 0);
+}
+
+TEST_F(HidDeviceTest, ReadAndWriteTakeNothingFromTheHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::ready; }));
+  SteadyClock clock;
+  const AllocationGuard guard;
+  for (int n = 0; n < 1000; ++n) {
+    (void)device_->read(clock.now_ns());
+    device_->write({.force_n = Vec3(1, 0, 0)}, clock.now_ns());
+    (void)device_->status();
+    (void)device_->condition();
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+TEST(HidDevice, ThatSaysNothingOrNonsenseIsAnErrorInOneLine) {
+  HidDescription description;
+  description.path = "/dev/fake";
+  FakeHid hid(description);
+  std::atomic<bool> ends = false;
+  std::thread nonsense([&] {
+    while (!ends) {
+      hid.send({1, 2, 3});
+      SteadyClock().sleep_until_ns(SteadyClock().now_ns() + kNanosecondsPerMillisecond);
+    }
+  });
+  const auto opened = HidDevice::open(std::make_unique<PlainBackend>(), hid.opener());
+  ends = true;
+  nonsense.join();
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("plain at /dev/fake: it sends no reports that make sense"), std::string::npos) << opened.error().what;
+}
+
+TEST_F(HidDeviceTest, HasAPositionFromTheFirstReadOn) {
+  SteadyClock clock;
+  EXPECT_EQ(device_->read(clock.now_ns()).p_WD.x(), 0.001);
+  EXPECT_EQ(device_->status(), DeviceStatus::ready);
+}
+
+TEST(HidDevice, ThatIsNotThereIsAnErrorInOneLine) {
+  FakeHid hid;
+  hid.unplug();
+  const auto opened = HidDevice::open(std::make_unique<PlainBackend>(), hid.opener());
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().what, "the fake device is not plugged in");
+}
+
+}  // namespace
+}  // namespace hapton

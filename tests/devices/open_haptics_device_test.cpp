@@ -1,0 +1,314 @@
+// Against a stand-in of libHD with a point mass in place of a device: its scheduler's thread, its clock and its errors.
+#include "devices/open_haptics_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <numbers>
+
+#include "runtime/clock.h"
+#include "runtime/log.h"
+#include "tests/devices/servo_hand.h"
+#include "tests/standins/board.h"
+#include "tests/standins/paths.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/system_call_guard.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct OpenHaptics : testing::Test {
+  static void SetUpTestSuite() { start_log("test"); }
+
+  ScratchFolder folder;
+  standin::BoardFile board{folder.path() / "board"};
+  std::unique_ptr<Device> device;
+
+  Result<std::unique_ptr<Device>> make(const std::string& id = "") {
+    DeviceSettings settings;
+    settings.id = id;
+    return make_open_haptics(settings, standin::library("openhaptics/libHD.so"));
+  }
+  void open() {
+    auto made = make();
+    ASSERT_TRUE(made) << made.error().what;
+    device = std::move(*made);
+  }
+  // Acts as the servo does until what is asked for holds.
+  template <class Condition>
+  bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
+    return hand.serve_until(*device, holds, wrench);
+  }
+  bool serve_until_ready() {
+    return serve_until([&] { return device->status() == DeviceStatus::ready; });
+  }
+  ServoHand hand;
+};
+
+TEST_F(OpenHaptics, limits_are_the_devices_own) {
+  board->max_force_n = 7.5;
+  open();
+  const DeviceLimits& limits = device->limits();
+  EXPECT_DOUBLE_EQ(limits.max_force_n, 7.5);
+  EXPECT_DOUBLE_EQ(limits.continuous_force_n, 0.88);
+  EXPECT_DOUBLE_EQ(limits.max_stiffness_n_per_m, 1260.0);
+  // 160 x 120 x 70 mm, the middle of which is the origin.
+  EXPECT_TRUE(limits.workspace_max_m.isApprox(Vec3(0.08, 0.06, 0.035)));
+  EXPECT_TRUE(limits.workspace_min_m.isApprox(Vec3(-0.08, -0.06, -0.035)));
+  EXPECT_EQ(limits.max_torque_nm, 0.0);
+}
+
+TEST_F(OpenHaptics, says_what_it_is) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  const DeviceCondition condition = device->condition();
+  EXPECT_EQ(condition.model, "Stand-in Touch");
+  EXPECT_EQ(condition.serial, "SN-0042");
+  EXPECT_EQ(condition.firmware, "4.5");
+  EXPECT_TRUE(condition.is_calibrated);
+  EXPECT_DOUBLE_EQ(condition.motor_temperature, 0.2);
+  board->motor_temperature = 0.9;
+  EXPECT_TRUE(serve_until([&] { return device->condition().motor_temperature == 0.9; })) << "the warmest motor counts";
+}
+
+TEST_F(OpenHaptics, millimetres_become_metres_from_the_middle_of_the_workspace) {
+  board->follows_hand = 0;
+  const double at_m[] = {0.010, 0.050, -0.003};
+  for (std::size_t axis = 0; axis < 3; ++axis) board->hand_m[axis] = at_m[axis];
+  board->buttons = 3;
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  const DeviceSample sample = hand.sample();
+  EXPECT_TRUE(sample.p_WD.isApprox(Vec3(0.010, 0.030, -0.003), 1e-12)) << sample.p_WD.transpose();
+  EXPECT_EQ(sample.buttons, 3U);
+}
+
+TEST_F(OpenHaptics, the_transform_is_read_column_by_column) {
+  board->turn_rad[2] = std::numbers::pi / 2;
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  // A quarter turn about z takes x to y; read the other way round it would take it to -y.
+  EXPECT_TRUE((hand.sample().q_WT * Vec3::UnitX()).isApprox(Vec3::UnitY(), 1e-9));
+}
+
+TEST_F(OpenHaptics, forces_arrive_in_newtons_after_the_ramp_and_never_faster) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->largest_step = 0.0;
+  EXPECT_TRUE(serve_until([&] { return std::abs(board->force[1] - 1.5) < 1e-12; }, {.force_n = Vec3(0, 1.5, 0)}));
+  EXPECT_EQ(board->force[0], 0.0);
+  EXPECT_LE(board->largest_force, 1.5 + 1e-12);
+}
+
+TEST_F(OpenHaptics, torques_arrive_in_millinewton_metres_where_there_are_motors_for_them) {
+  board->output_dof = 6;
+  open();
+  ASSERT_GT(device->limits().max_torque_nm, 0.0);
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_TRUE(serve_until([&] { return std::abs(board->torque[2] - 50.0) < 1e-9; }, {.torque_nm = Vec3(0, 0, 0.05)}));
+}
+
+TEST_F(OpenHaptics, one_frame_a_tick_on_the_schedulers_thread_alone) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->ticks > 200; }, {.force_n = Vec3(1, 0, 0)}));
+  device.reset();
+  EXPECT_EQ(board->wrong_calls, 0U);
+  EXPECT_EQ(board->opened, board->closed);
+  EXPECT_EQ(board->is_running, 0);
+}
+
+TEST_F(OpenHaptics, the_usual_names_are_tried_one_after_the_other) {
+  for (const int known : {0, 1, 2}) {
+    board->known_name = known;
+    open();
+    device.reset();
+  }
+  EXPECT_EQ(board->opened, 3U);
+}
+
+TEST_F(OpenHaptics, a_name_that_was_given_is_the_only_one_tried) {
+  board->known_name = 3;
+  ASSERT_TRUE(make("Left Hand"));
+  EXPECT_FALSE(make());
+  board->known_name = 0;
+  const auto made = make("Left Hand");
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().what, HasSubstr("'Left Hand'"));
+  EXPECT_THAT(made.error().what, Not(HasSubstr("Default")));
+}
+
+TEST_F(OpenHaptics, what_fails_is_told_by_name_with_the_librarys_words_and_a_remedy) {
+  board->open_error = 0x302;
+  const std::string what = make().error().what;
+  EXPECT_THAT(what, HasSubstr("HD_COMM_ERROR (0x302)"));
+  EXPECT_THAT(what, HasSubstr("the stand-in's own words"));
+  EXPECT_THAT(what, HasSubstr("cable"));
+  EXPECT_THAT(what, Not(HasSubstr("\n")));
+  board->open_error = 0x600;
+  EXPECT_THAT(make().error().what, HasSubstr("licence"));
+  board->open_error = 0x301;
+  EXPECT_THAT(make().error().what, HasSubstr("another program"));
+}
+
+TEST_F(OpenHaptics, a_device_whose_figures_cannot_be_is_refused) {
+  board->max_force_n = 0.0;
+  EXPECT_THAT(make().error().what, HasSubstr("cannot be"));
+  EXPECT_EQ(board->opened, board->closed);
+}
+
+TEST_F(OpenHaptics, pushes_nothing_until_it_is_calibrated_and_tells_what_to_do) {
+  board->calibration = 2;
+  board->calibration_style = 4;
+  testing::internal::CaptureStderr();
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->ticks > 250; }, {.force_n = Vec3(0, 2, 0)}));
+  EXPECT_EQ(device->status(), DeviceStatus::calibrating);
+  EXPECT_FALSE(device->condition().is_calibrated);
+  EXPECT_EQ(board->pushed_ticks, 0U);
+  // The stylus has gone into the inkwell: the device wants its update.
+  board->calibration = 1;
+  EXPECT_TRUE(serve_until_ready());
+  EXPECT_EQ(board->last_update_style, 4);
+  EXPECT_TRUE(serve_until([&] { return board->force[1] > 1.0; }, {.force_n = Vec3(0, 2, 0)}));
+  EXPECT_EQ(board->pushed_unasked, 0U);
+  device.reset();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("put the stylus into its inkwell"));
+}
+
+TEST_F(OpenHaptics, the_neutral_pose_is_taken_when_the_button_says_so) {
+  board->calibration = 2;
+  board->calibration_style = 1;
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->ticks > 250; }));
+  EXPECT_EQ(board->calibration_updates, 0U) << "only the person knows the pose";
+  board->buttons = 1;
+  EXPECT_TRUE(serve_until_ready());
+  EXPECT_EQ(board->last_update_style, 1);
+}
+
+TEST_F(OpenHaptics, a_force_error_lets_go_for_a_moment_and_the_force_ramps_in_again) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+  board->error_once = 0x200;
+  EXPECT_TRUE(serve_until([&] { return board->force[2] == 0.0; }, push));
+  EXPECT_EQ(device->status(), DeviceStatus::ready);
+  EXPECT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+}
+
+TEST_F(OpenHaptics, motors_that_stay_warm_are_not_pushed_and_are_told_of) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  testing::internal::CaptureStderr();
+  board->error_each_tick = 0x200;
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 0.0 && board->ticks > 100; }, push));
+  const std::uint64_t pushed = board->pushed_ticks;
+  const std::uint64_t ticks = board->ticks;
+  ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 300; }, push));
+  EXPECT_EQ(board->pushed_ticks, pushed);
+  device.reset();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("HD_WARM_MOTORS"));
+}
+
+TEST_F(OpenHaptics, unplugged_in_contact_it_is_away_and_found_again) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+  const Vec3 last = hand.sample().p_WD;
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }, push));
+  EXPECT_LT((hand.sample().p_WD - last).norm(), 0.05) << "the last sample stays";
+  ASSERT_TRUE(serve_until([&] { return board->closed == 1U; }, push));
+  board->largest_force = 0.0;
+  board->is_plugged = 1;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::ready; }, push));
+  EXPECT_LT(board->largest_force, 0.5) << "it comes back with a ramp";
+  EXPECT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+  EXPECT_EQ(board->wrong_calls, 0U);
+}
+
+TEST_F(OpenHaptics, a_scheduler_that_stands_still_is_away_and_started_again) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->stands_still = 1;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }));
+  ASSERT_TRUE(serve_until([&] { return board->closed == 1U; }));
+  board->stands_still = 0;
+  EXPECT_TRUE(serve_until_ready());
+}
+
+TEST_F(OpenHaptics, a_slow_device_slows_nobody_else) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->slow_us = 20'000;
+  const std::uint64_t ticks = board->ticks;
+  std::uint64_t reads = 0;
+  ASSERT_TRUE(serve_until([&] {
+    ++reads;
+    return board->ticks > ticks + 5;
+  }));
+  EXPECT_GT(reads, 10U);
+  EXPECT_EQ(device->status(), DeviceStatus::ready);
+}
+
+TEST_F(OpenHaptics, two_at_once_get_each_its_own_force) {
+  const standin::BoardFile second_board(folder.path() / "second", standin::kSecondBoardVariable);
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
+  // While the first is in contact.
+  auto made = make("Second Device");
+  ASSERT_TRUE(made) << made.error().what;
+  const std::unique_ptr<Device> second = std::move(*made);
+  const auto serve_both_until = [&](auto&& holds) {
+    return serve_until(
+        [&] {
+          const std::int64_t now_ns = SteadyClock().now_ns();
+          second->read(now_ns);
+          second->write({.force_n = Vec3(1, 0, 0)}, now_ns);
+          return holds();
+        },
+        {.force_n = Vec3(0, 0, 2)});
+  };
+  EXPECT_TRUE(serve_both_until([&] { return board->force[2] == 2.0 && second_board->force[0] == 1.0; }));
+  EXPECT_EQ(board->force[0], 0.0);
+  EXPECT_EQ(second_board->largest_force, 1.0);
+  // One goes, the other stays.
+  second_board->is_plugged = 0;
+  EXPECT_TRUE(serve_both_until([&] { return second->status() == DeviceStatus::away && second_board->closed == 1U; }));
+  EXPECT_TRUE(serve_both_until([&] { return device->status() == DeviceStatus::ready && board->force[2] == 2.0; }));
+  EXPECT_EQ(board->wrong_calls, 0U);
+  EXPECT_EQ(second_board->wrong_calls, 0U);
+  ::unsetenv(standin::kSecondBoardVariable);
+}
+
+TEST_F(OpenHaptics, a_servo_that_dies_leaves_no_force) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
+  // Nobody serves any more; the device goes on by itself.
+  EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[2] == 0.0; }));
+}
+
+TEST_F(OpenHaptics, the_servos_side_takes_nothing_from_the_heap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

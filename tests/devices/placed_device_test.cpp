@@ -1,0 +1,80 @@
+#include "devices/placed_device.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+// Stays where it is put and remembers what it was told, in its own base frame.
+class StillDevice final : public Device {
+ public:
+  StillDevice() {
+    limits_.workspace_min_m = Vec3(-0.1, -0.2, -0.3);
+    limits_.workspace_max_m = Vec3(0.1, 0.2, 0.3);
+    sample.p_WD = Vec3(0.01, 0.02, 0.03);
+  }
+  std::string_view name() const noexcept override { return "still"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t) noexcept override { return sample; }
+  void write(const Wrench& wrench, std::int64_t) noexcept override { written = wrench; }
+  DeviceStatus status() const noexcept override { return DeviceStatus::calibrating; }
+  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override {
+    led_to = p_WH;
+    return true;
+  }
+
+  DeviceSample sample;
+  Wrench written;
+  std::optional<Vec3> led_to;
+
+ private:
+  DeviceLimits limits_;
+};
+
+// A quarter turn about y: the device's x axis points to W's -z, its z axis to W's x.
+Pose quarter_turn_beside() {
+  Pose X_WB = Pose::Identity();
+  X_WB.linear() = Eigen::AngleAxisd(std::numbers::pi / 2.0, Vec3::UnitY()).toRotationMatrix();
+  X_WB.translation() = Vec3(1.0, 0.0, 0.0);
+  return X_WB;
+}
+
+struct PlacedDevices : testing::Test {
+  StillDevice* inner = new StillDevice;
+  PlacedDevice device{std::unique_ptr<Device>(inner), quarter_turn_beside()};
+};
+
+TEST_F(PlacedDevices, are_read_in_the_world) {
+  const DeviceSample sample = device.read(5);
+  EXPECT_LT((sample.p_WD - Vec3(1.03, 0.02, -0.01)).norm(), 1e-12);
+  EXPECT_LT((sample.q_WT * Vec3::UnitZ() - Vec3::UnitX()).norm(), 1e-12);
+}
+
+TEST_F(PlacedDevices, get_the_wrench_in_their_own_frame) {
+  device.write({.force_n = Vec3(0, 0, -2), .torque_nm = Vec3(3, 0, 0)}, 5);
+  EXPECT_LT((inner->written.force_n - Vec3(2, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((inner->written.torque_nm - Vec3(0, 0, 3)).norm(), 1e-12);
+}
+
+TEST_F(PlacedDevices, are_led_to_a_place_in_the_world) {
+  EXPECT_TRUE(device.lead_hand(Vec3(1.03, 0.02, -0.01)));
+  EXPECT_LT((*inner->led_to - Vec3(0.01, 0.02, 0.03)).norm(), 1e-12);
+  device.lead_hand(std::nullopt);
+  EXPECT_FALSE(inner->led_to);
+}
+
+TEST_F(PlacedDevices, have_their_workspace_in_the_world) {
+  EXPECT_LT((device.limits().workspace_min_m - Vec3(0.7, -0.2, -0.1)).norm(), 1e-12);
+  EXPECT_LT((device.limits().workspace_max_m - Vec3(1.3, 0.2, 0.1)).norm(), 1e-12);
+}
+
+TEST_F(PlacedDevices, are_otherwise_as_they_were) {
+  EXPECT_EQ(device.name(), "still");
+  EXPECT_EQ(device.status(), DeviceStatus::calibrating);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,69 @@
+#include "devices/replay_device.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+std::vector<TrajectoryRow> two_rows() {
+  std::vector<TrajectoryRow> rows(2);
+  rows[0] = {10.0, Vec3(0, 0, 0), Quat::Identity()};
+  rows[1] = {10.01, Vec3(0.01, 0.02, -0.03), Quat(Eigen::AngleAxisd(1.0, Vec3::UnitX()))};
+  return rows;
+}
+
+TEST(ReplayDevice, interpolates_to_the_servo_rate_and_ends) {
+  ReplayDevice device(two_rows(), {});
+  EXPECT_EQ(device.read(777).p_WD, Vec3::Zero());
+  const DeviceSample quarter = device.read(777 + 2'500'000);
+  EXPECT_TRUE(quarter.p_WD.isApprox(Vec3(0.0025, 0.005, -0.0075), 1e-9));
+  EXPECT_LT(quarter.q_WT.angularDistance(Quat(Eigen::AngleAxisd(0.25, Vec3::UnitX()))), 1e-9);
+  EXPECT_EQ(device.status(), DeviceStatus::ready);
+  const DeviceSample last = device.read(777 + 10'000'000);
+  EXPECT_TRUE(last.p_WD.isApprox(Vec3(0.01, 0.02, -0.03)));
+  EXPECT_EQ(device.status(), DeviceStatus::ended);
+  EXPECT_TRUE(device.read(777 + 99'000'000).p_WD.isApprox(Vec3(0.01, 0.02, -0.03)));
+}
+
+TEST(ReplayDevice, loops) {
+  ReplayDevice device(two_rows(), {.loop = true});
+  device.read(0);
+  for (std::int64_t round = 0; round < 5; ++round) {
+    const Vec3 p = device.read(round * 20'000'000 + 5'000'000).p_WD;
+    EXPECT_TRUE(p.isApprox(Vec3(0.005, 0.01, -0.015), 1e-6)) << round;
+  }
+}
+
+TEST(ReplayDevice, a_loop_that_does_not_close_is_away_for_the_read_that_jumps) {
+  ReplayDevice device(two_rows(), {.loop = true});
+  device.read(0);
+  device.read(9'000'000);
+  EXPECT_EQ(device.status(), DeviceStatus::ready);
+  device.read(21'000'000);
+  EXPECT_EQ(device.status(), DeviceStatus::away);
+  device.read(22'000'000);
+  EXPECT_EQ(device.status(), DeviceStatus::ready);
+  std::vector<TrajectoryRow> closed = two_rows();
+  closed.push_back({10.02, Vec3(0, 0, 0), Quat::Identity()});
+  ReplayDevice closes(closed, {.loop = true});
+  for (std::int64_t now = 0; now < 100'000'000; now += 1'000'000) {
+    closes.read(now);
+    ASSERT_EQ(closes.status(), DeviceStatus::ready);
+  }
+}
+
+TEST(ReplayDevice, one_row_is_a_place_to_stand) {
+  std::vector<TrajectoryRow> rows = {two_rows()[1]};
+  ReplayDevice device(rows, {.loop = true});
+  EXPECT_EQ(device.read(0).p_WD, rows[0].p_WD);
+  EXPECT_EQ(device.read(1'000'000'000).p_WD, rows[0].p_WD);
+  EXPECT_EQ(device.status(), DeviceStatus::ready);
+}
+
+TEST(ReplayDevice, no_hand_to_lead) {
+  ReplayDevice device(two_rows(), {});
+  EXPECT_FALSE(device.lead_hand(Vec3(1, 2, 3)));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "devices/device.h"
+#include "runtime/clock.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+
+// Does with a device what the servo does, in real time, until something holds or half a minute is over.
+class ServoHand {
+ public:
+  static constexpr std::int64_t kPatienceNs = 30 * kNanosecondsPerSecond;
+
+  template <class Condition>
+  bool serve_until(Device& device, Condition&& holds, const Wrench& wrench = {}) {
+    return wait_until([&] {
+      const std::int64_t now_ns = clock_.now_ns();
+      sample_ = device.read(now_ns);
+      device.write(wrench, now_ns);
+      return holds();
+    });
+  }
+
+  template <class Condition>
+  static bool wait_until(Condition&& holds) {
+    SteadyClock clock;
+    const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+    while (!holds()) {
+      if (clock.now_ns() > end_ns) return false;
+      clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+    }
+    return true;
+  }
+
+  // What a thousand cycles of the servo take from the heap. Pre: AllocationGuard::is_available().
+  static std::uint64_t count_heap_use(Device& device) {
+    const AllocationGuard guard;
+    for (std::int64_t t = 0; t < 1000; ++t) {
+      device.read(t);
+      device.write({.force_n = Vec3(0, 0, 1)}, t);
+      (void)device.status();
+      (void)device.condition();
+    }
+    return guard.count();
+  }
+
+  const DeviceSample& sample() const { return sample_; }
+
+ private:
+  SteadyClock clock_;
+  DeviceSample sample_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,168 @@
+#include "devices/simulated_phantom.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "devices/model_a.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+// A wall of 1 kN/m at z = 0 that fills the half space below, computed as a haptics node would: from the sample, one step later.
+Vec3 wall_force(const Vec3& p_WD) { return {0.0, 0.0, std::max(0.0, -1000.0 * p_WD.z())}; }
+
+Vec3 held(const Vec3& force) { return force.norm() > model_a::kMaxForceN ? Vec3(force.normalized() * model_a::kMaxForceN) : force; }
+
+TEST(SimulatedPhantom, has_the_memos_data) {
+  SimulatedPhantom device({});
+  EXPECT_NEAR(device.limits().max_force_n, 8.4516, 1e-4);
+  EXPECT_TRUE((device.limits().workspace_max_m - device.limits().workspace_min_m).isApprox(Vec3(0.2667, 0.1905, 0.381), 1e-12));
+}
+
+TEST(SimulatedPhantom, reports_positions_on_the_800_dpi_grid_and_angles_on_512_counts) {
+  SimulatedPhantom device({});
+  std::set<long> seen;
+  for (std::int64_t now = 5; now < 3000 * kMs; now += kMs) {
+    const DeviceSample sample = device.read(now);
+    ASSERT_EQ(sample.time_ns, now);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double counts = sample.p_WD[axis] * 800.0 / 0.0254;
+      ASSERT_NEAR(counts, std::round(counts), 1e-7);
+    }
+    ASSERT_LE((sample.p_WD - device.exact_position_m()).cwiseAbs().maxCoeff(), 0.5 * 0.0254 / 800.0 + 1e-12);
+    // q = Ry(yaw) Rx(pitch) Rz(roll): the angles read back are whole counts.
+    const Mat3 r = sample.q_WT.toRotationMatrix();
+    const double step = 2.0 * std::numbers::pi / 512.0;
+    for (const double angle : {std::asin(-r(1, 2)), std::atan2(r(0, 2), r(2, 2)), std::atan2(r(1, 0), r(1, 1))}) {
+      ASSERT_NEAR(angle / step, std::round(angle / step), 1e-6);
+    }
+    seen.insert(std::lround(std::asin(-r(1, 2)) / step));
+  }
+  EXPECT_GT(seen.size(), 10U);
+}
+
+TEST(SimulatedPhantom, trajectory_does_not_depend_on_the_servo_rate) {
+  const auto run = [](std::int64_t dt) {
+    SimulatedPhantom device({.seed = 5, .stylus = {}});
+    for (std::int64_t now = 0; now <= 4000 * kMs; now += dt) {
+      device.read(1000 + now);
+      // The same forces at the same times, whatever the rate.
+      if (now % (4 * kMs) == 0)
+        device.write({.force_n = held(Vec3(0.3, -0.2, 20.0 * std::sin(1e-9 * static_cast<double>(now))))}, 1000 + now);
+    }
+    return device.exact_position_m();
+  };
+  const Vec3 slow = run(4 * kMs);
+  for (const std::int64_t dt : {100'000L, 250'000L, 1'000'000L, 2'000'000L}) {
+    EXPECT_LT((run(dt) - slow).norm(), 1e-8) << dt;
+  }
+}
+
+TEST(SimulatedPhantom, same_seed_same_motion_other_seed_other_motion) {
+  const auto run = [](std::uint64_t seed) {
+    SimulatedPhantom device({.seed = seed, .stylus = {}});
+    for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) device.write({.force_n = wall_force(device.read(now).p_WD)}, now + 100'000);
+    return device.exact_position_m();
+  };
+  EXPECT_EQ(run(3), run(3));
+  EXPECT_GT((run(3) - run(4)).norm(), 1e-3);
+}
+
+TEST(SimulatedPhantom, force_pushes_the_hand_back_by_its_stiffness) {
+  StylusModel frictionless;
+  frictionless.friction_n = 0.0;
+  SimulatedPhantom device({.seed = 1, .stylus = frictionless});
+  const Vec3 place(0.01, 0.02, 0.05);
+  device.lead_hand(place);
+  for (std::int64_t now = 0; now < 3000 * kMs; now += kMs) device.read(now);
+  EXPECT_LT((device.exact_position_m() - place).norm(), 1e-6);
+  device.write({.force_n = Vec3(0.0, 0.0, 4.0)}, 3000 * kMs);
+  for (std::int64_t now = 3000 * kMs; now < 6000 * kMs; now += kMs) device.read(now);
+  const StylusModel model;
+  const double give = 4.0 * (1.0 / model.hand_stiffness_n_per_m + 1.0 / model.structure_stiffness_n_per_m());
+  EXPECT_NEAR(device.exact_position_m().z() - place.z(), give, 1e-6);
+}
+
+TEST(SimulatedPhantom, stays_in_the_workspace_whatever_pushes) {
+  SimulatedPhantom device({});
+  device.lead_hand(Vec3(10.0, -10.0, 10.0));
+  for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) {
+    device.write({.force_n = Vec3(8.0, -8.0, 8.0)}, now);
+    const Vec3 p = device.read(now).p_WD;
+    ASSERT_TRUE((p.array() <= device.limits().workspace_max_m.array() + 1e-12).all());
+    ASSERT_TRUE((p.array() >= device.limits().workspace_min_m.array() - 1e-12).all());
+  }
+  EXPECT_TRUE(device.read(2000 * kMs).p_WD.isApprox(Vec3(0.13335, -0.09525, 0.1905), 1e-9));
+}
+
+struct Exploration {
+  int contact_steps = 0;
+  int contacts = 0;
+  double deepest_m = 0.0;
+  double greatest_n = 0.0;
+  std::set<HandScript::Phase> phases;
+  double path_in_contact_m = 0.0;
+};
+
+Exploration explore(std::uint64_t seed, std::int64_t dt, std::int64_t delay, double wall_z) {
+  SimulatedPhantom device({.seed = seed, .stylus = {}});
+  Exploration seen;
+  bool touching = false;
+  Vec3 last = Vec3::Zero();
+  for (std::int64_t now = 0; now < 20'000 * kMs; now += dt) {
+    const Vec3 p = device.read(now).p_WD;
+    const Vec3 force = held(wall_force(p - Vec3(0.0, 0.0, wall_z)));
+    device.write({.force_n = force}, now + delay);
+    const bool now_touching = force.norm() > 0.0;
+    seen.contact_steps += now_touching;
+    seen.contacts += now_touching && !touching;
+    if (now_touching && touching) seen.path_in_contact_m += (p - last).head<2>().norm();
+    touching = now_touching;
+    last = p;
+    seen.deepest_m = std::max(seen.deepest_m, wall_z - p.z());
+    seen.greatest_n = std::max(seen.greatest_n, force.norm());
+    seen.phases.insert(device.phase());
+  }
+  return seen;
+}
+
+TEST(SimulatedPhantom, script_finds_a_wall_it_does_not_know_and_goes_through_its_programme) {
+  for (const double wall_z : {-0.15, 0.0, 0.1}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Exploration seen = explore(seed, kMs, kMs / 10, wall_z);
+      EXPECT_GT(seen.contact_steps, 4000) << "seed " << seed << " wall " << wall_z;
+      EXPECT_GT(seen.contacts, 4) << "seed " << seed;
+      EXPECT_LT(seen.deepest_m, 0.008) << "seed " << seed;
+      EXPECT_GT(seen.greatest_n, 1.0) << "seed " << seed;
+      EXPECT_GT(seen.path_in_contact_m, 0.05) << "seed " << seed;
+      EXPECT_EQ(seen.phases.size(), 7U) << "seed " << seed;
+    }
+  }
+}
+
+TEST(SimulatedPhantom, a_wall_stays_stable_at_every_rate) {
+  for (const std::int64_t dt : {100'000L, 250'000L, 1'000'000L, 4'000'000L}) {
+    const Exploration seen = explore(2, dt, 100'000L, 0.0);
+    EXPECT_GT(seen.contacts, 2) << dt;
+    EXPECT_LT(seen.contacts, 200) << dt;
+    EXPECT_LT(seen.deepest_m, 0.009) << dt;
+  }
+}
+
+TEST(SimulatedPhantom, a_long_pause_is_cut) {
+  SimulatedPhantom paused({}), ran({});
+  paused.read(0);
+  ran.read(0);
+  const Vec3 after_pause = paused.read(60'000 * kMs).p_WD;
+  const Vec3 after_limit = ran.read(SimulatedPhantom::kLongestPauseNs).p_WD;
+  EXPECT_EQ(after_pause, after_limit);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,86 @@
+#include "devices/vendor_library.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/hd_library.h"
+#include "tests/standins/paths.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using standin::library;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+TEST(VendorLibrary, is_loaded_and_its_functions_are_found) {
+  const auto loaded = VendorLibrary::open(kOpenHaptics, library("openhaptics/libHD.so"));
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  EXPECT_EQ(loaded->file(), library("openhaptics/libHD.so"));
+  EXPECT_NE(loaded->find<unsigned()>("hdCheckCalibration"), nullptr);
+  EXPECT_EQ(loaded->find<unsigned()>("hdNoSuchThing"), nullptr);
+}
+
+TEST(VendorLibrary, that_is_nowhere_is_told_with_the_loaders_words_for_every_name) {
+  constexpr std::array<std::string_view, 2> kFiles = {"libhapton-no-such.so", "libhapton-no-such.so.3"};
+  const KnownVendorLibrary none = {"No SDK", "none", kFiles, "nothing", "nowhere", {}};
+  const auto loaded = VendorLibrary::open(none);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().what, HasSubstr("libhapton-no-such.so: cannot open shared object file: No such file or directory"));
+  EXPECT_THAT(loaded.error().what, HasSubstr("libhapton-no-such.so.3: cannot open shared object file"));
+  EXPECT_THAT(loaded.error().what, HasSubstr("LD_LIBRARY_PATH"));
+  EXPECT_THAT(loaded.error().what, HasSubstr("nowhere"));
+  EXPECT_THAT(loaded.error().what, Not(HasSubstr("\n")));
+}
+
+TEST(VendorLibrary, whose_dependency_is_missing_names_it_and_what_brings_it) {
+  std::vector<FailedLoad> failures;
+  const VendorLibrary loaded = VendorLibrary::try_open(kOpenHaptics, library("needy/libHD.so"), failures);
+  EXPECT_THAT(loaded.file(), IsEmpty());
+  ASSERT_EQ(failures.size(), 1U);
+  EXPECT_THAT(failures[0].error, HasSubstr("libPhantomIOLib42.so: cannot open shared object file"));
+  EXPECT_THAT(failures[0].hint, HasSubstr("needs libPhantomIOLib42.so"));
+  EXPECT_THAT(failures[0].hint, HasSubstr("Touch device driver"));
+}
+
+TEST(VendorLibrary, that_is_there_but_does_not_load_gives_the_hint_rather_than_those_that_are_not_there) {
+  const std::string needy = library("needy/libHD.so");
+  const std::array<std::string_view, 2> files = {"libhapton-no-such.so", needy};
+  const KnownVendorLibrary mixed = {"OpenHaptics", "openhaptics", files, "", "", {}};
+  EXPECT_THAT(VendorLibrary::open(mixed).error().what, HasSubstr("Touch device driver"));
+}
+
+TEST(VendorLibrary, that_is_no_library_says_so) {
+  const ScratchFolder folder;
+  const auto file = folder.write("libHD.so", "this is no library");
+  EXPECT_THAT(VendorLibrary::open(kOpenHaptics, file).error().what, HasSubstr("no library for this machine"));
+  EXPECT_THAT(VendorLibrary::open(kOpenHaptics, (folder.path() / "none.so").string()).error().what, HasSubstr("there is no such file"));
+}
+
+TEST(VendorLibrary, without_a_function_that_is_needed_says_which) {
+  const auto loaded = hd::load(library("old/libHD.so"));
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().what, HasSubstr("old/libHD.so has no hdGetError;"));
+}
+
+TEST(VendorLibrary, hints_fit_what_loaders_say) {
+  const auto hint = [](std::string_view error) { return hint_for_load_error("libHD.so", error); };
+  EXPECT_THAT(hint("libncurses.so.5: cannot open shared object file: No such file or directory"), HasSubstr("libncurses5"));
+  EXPECT_THAT(hint("libwhat.so.1: cannot open shared object file: No such file or directory"), HasSubstr("needs libwhat.so.1"));
+  EXPECT_THAT(hint("libHD.so: wrong ELF class: ELFCLASS32"), HasSubstr("64-bit"));
+  EXPECT_THAT(hint("/usr/lib/libHD.so: undefined symbol: _ZN3foo"), HasSubstr("different releases"));
+  EXPECT_THAT(hint("/lib/libc.so.6: version `GLIBC_2.99' not found (required by libHD.so)"), HasSubstr("newer"));
+  EXPECT_THAT(hint("something new"), HasSubstr("ldd"));
+}
+
+TEST(VendorLibrary, every_known_one_has_names_and_a_source) {
+  for (const KnownVendorLibrary& known : known_vendor_libraries()) {
+    EXPECT_FALSE(known.file_names.empty());
+    for (const std::string_view text : {known.name, known.device, known.devices, known.source}) EXPECT_FALSE(text.empty());
+  }
+}
+
+}  // namespace
+}  // namespace hapton

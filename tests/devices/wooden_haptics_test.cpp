@@ -1,0 +1,285 @@
+#include "devices/wooden_haptics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/support/fake_hid.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+using Bytes = FakeHid::Bytes;
+using Reading = DeviceExchange::Reading;
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+HidDescription description(std::size_t bytes) {
+  HidDescription device;
+  device.path = "/dev/fake";
+  device.vid = 0x1234;
+  device.pid = 0x0006;
+  device.serial = "W1";
+  if (bytes != 0) device.layout.reports = {{0, bytes, bytes, 0}};
+  return device;
+}
+
+Bytes report(const std::vector<int>& numbers) {
+  Bytes bytes;
+  for (const int number : numbers) {
+    bytes.push_back(static_cast<std::uint8_t>(number));
+    bytes.push_back(static_cast<std::uint8_t>(number >> 8));
+  }
+  return bytes;
+}
+
+int int16_at(const Bytes& bytes, std::size_t at) {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(bytes[at] | (bytes[at + 1] << 8)));
+}
+
+class Wooden : public ::testing::Test {
+ protected:
+  explicit Wooden(std::size_t bytes = 8) : hid_(description(bytes)) {}
+
+  void begin(const WoodenSettings& settings = WoodenSettings::make_default()) {
+    backend_ = std::make_unique<WoodenHapticsBackend>(settings);
+    begin_again();
+  }
+  void begin_again() {
+    auto transport = hid_.opener()();
+    const auto begun = backend_->begin(**transport);
+    ASSERT_TRUE(begun) << begun.error().what;
+  }
+  Reading hear(const std::vector<int>& numbers) {
+    EXPECT_TRUE(backend_->decode(report(numbers), now_ns_, reading_));
+    now_ns_ += kMs;
+    return reading_;
+  }
+  // Milliamperes.
+  Vec3 currents(const Vec3& force_n, bool is_live = true) {
+    Bytes into(64, 0xEE);
+    into.resize(backend_->encode({.force_n = force_n}, is_live, now_ns_, into));
+    now_ns_ += kMs;
+    EXPECT_EQ(into.size(), 9U);
+    EXPECT_EQ(into[0], 0);
+    EXPECT_EQ(int16_at(into, 7), 0);
+    return Vec3(int16_at(into, 1), int16_at(into, 3), int16_at(into, 5));
+  }
+  // Runs until gravity is carried in full.
+  Vec3 settled_currents(const Vec3& force_n) {
+    for (int n = 0; n < 1000; ++n) (void)currents(force_n);
+    return currents(force_n);
+  }
+
+  FakeHid hid_;
+  std::unique_ptr<WoodenHapticsBackend> backend_;
+  Reading reading_;
+  std::int64_t now_ns_ = kNanosecondsPerSecond;
+};
+
+WoodenSettings weightless() {
+  WoodenSettings settings = WoodenSettings::make_default();
+  settings.has_gravity_compensation = false;
+  return settings;
+}
+
+// Counts at which both arms lean well out, the device point near the middle of the workspace: b 40 degrees, c 35 degrees.
+const std::vector<int> kInTheMiddle = {0, 2667, 2333, 7};
+
+TEST_F(Wooden, IsReadyAtOnceAndInTheWorkspacesMiddleWhereItsKinematicsSaySo) {
+  begin();
+  const Reading reading = hear(kInTheMiddle);
+  EXPECT_EQ(reading.status, DeviceStatus::ready);
+  EXPECT_TRUE(reading.is_calibrated);
+  const WoodenKinematics arm{WoodenArm{}};
+  const Vec3 p = arm.position_m(arm.angles_rad({0, 2667, 2333}));
+  EXPECT_LT((reading.sample.p_WD - Vec3(p.y(), p.z(), p.x())).norm(), 1e-12);
+  EXPECT_LT(reading.sample.p_WD.norm(), 0.1);
+  EXPECT_EQ(backend_->condition().serial, "W1");
+}
+
+// W: x right, y up, z to the person; the base's x goes from the column to the person.
+TEST_F(Wooden, TheHandsAxesAreThePersons) {
+  begin();
+  const Vec3 middle = hear(kInTheMiddle).sample.p_WD;
+  const Vec3 turned_left = hear({200, 2667, 2333, 8}).sample.p_WD;
+  EXPECT_GT(turned_left.x(), middle.x() + 0.005);
+  const Vec3 lower_arm_up = hear({0, 2667, 2533, 9}).sample.p_WD;
+  EXPECT_GT(lower_arm_up.y(), middle.y() + 0.005);
+  EXPECT_GT(lower_arm_up.z(), middle.z() + 0.005);
+}
+
+TEST_F(Wooden, AForceBecomesTheCurrentsOfItsTorques) {
+  begin(weightless());
+  hear(kInTheMiddle);
+  const WoodenKinematics arm{WoodenArm{}};
+  const Vec3 expected = arm.motor_current_a(arm.joint_torque_nm(arm.angles_rad({0, 2667, 2333}), Vec3(3, 1, 2)));
+  EXPECT_LT((currents(Vec3(1, 2, 3)) - 1e3 * expected).cwiseAbs().maxCoeff(), 0.51);
+}
+
+TEST_F(Wooden, WhatIsBeyondTheMotorsKeepsItsDirection) {
+  WoodenSettings settings = weightless();
+  settings.max_current_a = 1.0;
+  begin(settings);
+  hear(kInTheMiddle);
+  const Vec3 small = currents(Vec3(0.1, 0.2, 0.3));
+  const Vec3 large = currents(Vec3(100, 200, 300));
+  EXPECT_NEAR(large.cwiseAbs().maxCoeff(), 1000.0, 0.51);
+  EXPECT_LT((large.normalized() - small.normalized()).norm(), 0.02);
+}
+
+TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndLetsGoAtOnce) {
+  begin();
+  hear(kInTheMiddle);
+  const double first_ma = currents(Vec3::Zero()).norm();
+  const WoodenKinematics arm{WoodenArm{}};
+  const Vec3 weight = 1e3 * arm.motor_current_a(arm.gravity_torque_nm(arm.angles_rad({0, 2667, 2333})));
+  EXPECT_GT(weight.norm(), 30.0);
+  EXPECT_LT(first_ma, 0.05 * weight.norm());
+  EXPECT_LT((settled_currents(Vec3::Zero()) - weight).cwiseAbs().maxCoeff(), 0.51);
+  EXPECT_EQ(currents(Vec3(1, 1, 1), false), Vec3::Zero());
+  EXPECT_LT(currents(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it begins anew, easily";
+}
+
+TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {
+  WoodenSettings settings = WoodenSettings::make_default();
+  settings.max_current_a = 0.5;
+  begin(settings);
+  hear(kInTheMiddle);
+  const Vec3 weight = settled_currents(Vec3::Zero());
+  const Vec3 pushed = settled_currents(Vec3(0, -500, 0));
+  EXPECT_LE(pushed.cwiseAbs().maxCoeff(), 500.0);
+  const WoodenKinematics arm{WoodenArm{}};
+  const Vec3 push = arm.motor_current_a(arm.joint_torque_nm(arm.angles_rad({0, 2667, 2333}), Vec3(0, 0, -500)));
+  EXPECT_GT((pushed - weight).norm(), 50.0);
+  EXPECT_LT(((pushed - weight).normalized() - push.normalized()).norm(), 0.02);
+}
+
+TEST_F(Wooden, NoForceIsNoNumberOnTheWire) {
+  begin(weightless());
+  hear(kInTheMiddle);
+  EXPECT_EQ(currents(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)), Vec3::Zero());
+  EXPECT_EQ(currents(Vec3(0, std::numeric_limits<double>::infinity(), 0)), Vec3::Zero());
+  EXPECT_LE(currents(Vec3(1e300, -1e300, 1e300)).cwiseAbs().maxCoeff(), 3000.0);
+}
+
+TEST_F(Wooden, ReportsOfAnotherLengthSayNothing) {
+  begin();
+  hear(kInTheMiddle);
+  const Vec3 before = reading_.sample.p_WD;
+  for (const std::size_t size : {0, 1, 7, 9, 14, 64}) EXPECT_FALSE(backend_->decode(Bytes(size, 0x55), now_ns_, reading_));
+  EXPECT_EQ(reading_.sample.p_WD, before);
+}
+
+TEST_F(Wooden, AnyEightBytesGiveAFinitePointAndCurrentsTheMotorsBear) {
+  begin();
+  std::mt19937_64 random(5);
+  for (int turn = 0; turn < 50'000; ++turn) {
+    Bytes bytes(8);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    ASSERT_TRUE(backend_->decode(bytes, now_ns_, reading_));
+    ASSERT_TRUE(reading_.sample.p_WD.allFinite());
+    ASSERT_LT(reading_.sample.p_WD.norm(), 1.0);
+    ASSERT_LE(currents(Vec3(5, -5, 5)).cwiseAbs().maxCoeff(), 3000.0);
+  }
+}
+
+// --- the zero of the encoders ---
+
+TEST_F(Wooden, GoesOnWhereItWasWhenItsElectronicsKeptTheirPower) {
+  begin();
+  const Vec3 before = hear(kInTheMiddle).sample.p_WD;
+  begin_again();
+  EXPECT_EQ(hear({0, 2700, 2300, 0}).status, DeviceStatus::ready);
+  EXPECT_EQ(hear(kInTheMiddle).sample.p_WD, before);
+}
+
+TEST_F(Wooden, WhoseCountsBeganAnewInUseIsNotTrustedUntilItHasRested) {
+  begin();
+  hear(kInTheMiddle);
+  begin_again();
+  EXPECT_EQ(hear({0, 3, -2, 0}).status, DeviceStatus::calibrating);
+  EXPECT_THAT(std::string(backend_->advice()), HasSubstr("rest pose"));
+  // A hand carries the arm to its rest pose: 2667 and 2333 counts back.
+  for (int n = 0; n <= 1000; ++n) EXPECT_EQ(hear({0, -2667 * n / 1000, -2333 * n / 1000, n}).status, DeviceStatus::calibrating);
+  int rested = 0;
+  while (hear({0, -2667, -2333, 0}).status == DeviceStatus::calibrating) ASSERT_LT(++rested, 3000);
+  EXPECT_GE(rested, 1990);
+  EXPECT_LT((reading_.sample.p_WD - Vec3(0, -0.04, -0.22)).norm(), 1e-9);
+  EXPECT_LT(hear({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
+}
+
+TEST_F(Wooden, ThatTremblesDoesNotRest) {
+  begin();
+  hear(kInTheMiddle);
+  begin_again();
+  for (int n = 0; n < 10'000; ++n) ASSERT_EQ(hear({0, n % 2 == 0 ? 0 : 4, 0, n}).status, DeviceStatus::calibrating);
+}
+
+TEST_F(Wooden, InItsRestPoseMayLoseItsCountsUnnoticed) {
+  begin();
+  hear({5, -20, 30, 0});
+  begin_again();
+  EXPECT_EQ(hear({0, 0, 0, 0}).status, DeviceStatus::ready);
+}
+
+// --- the variants ---
+
+TEST(WoodenVariants, AreKnownByTheirReportDescriptors) {
+  for (const std::size_t bytes : {8U, 14U}) {
+    FakeHid hid(description(bytes));
+    WoodenHapticsBackend backend(WoodenSettings::make_default());
+    ASSERT_TRUE(backend.begin(**hid.opener()()));
+    Bytes into(64);
+    EXPECT_EQ(backend.encode({}, false, 0, into), bytes + 1);
+    EXPECT_EQ(backend.encode({}, false, 0, std::span(into).first(bytes)), 0U);
+  }
+  FakeHid other(description(64));
+  WoodenHapticsBackend backend(WoodenSettings::make_default());
+  EXPECT_THAT(backend.begin(**other.opener()()).error().what, HasSubstr("64 bytes; WoodenHaptics has 8 or 14"));
+}
+
+TEST(WoodenVariants, MayBeNamedWhereTheDescriptorCannotBeRead) {
+  FakeHid hid(description(0));
+  WoodenSettings settings = WoodenSettings::make_default();
+  EXPECT_THAT(WoodenHapticsBackend(settings).begin(**hid.opener()()).error().what, HasSubstr("report_bytes"));
+  settings.report_bytes = 14;
+  EXPECT_TRUE(WoodenHapticsBackend(settings).begin(**hid.opener()()));
+}
+
+class LaterWooden : public Wooden {
+ protected:
+  LaterWooden() : Wooden(14) {}
+};
+
+TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed) {
+  begin();
+  EXPECT_EQ(hear({0, 2667, 2333, 500, 500, 500, 0}).sample.q_WT.coeffs(), Quat::Identity().coeffs());
+  WoodenSettings settings = WoodenSettings::make_default();
+  settings.wrist = WoodenWrist{};
+  settings.wrist->joints[0].axis = Vec3::UnitX();
+  begin(settings);
+  // Both lower arms hang straight down; the base's x is the world's z.
+  const Quat at_rest = hear({0, 0, 0, 0, 0, 0, 0}).sample.q_WT;
+  const Quat turned = hear({0, 0, 0, 500, 0, 0, 0}).sample.q_WT;
+  EXPECT_NEAR(at_rest.angularDistance(turned), 0.5 * 3.14159265358979, 1e-9);
+  const Eigen::AngleAxisd in_world(turned * at_rest.conjugate());
+  EXPECT_LT((in_world.axis() - Vec3::UnitZ()).norm(), 1e-9);
+}
+
+TEST_F(LaterWooden, AsksForNoCommandBesidesItsCurrents) {
+  begin(weightless());
+  hear({0, 2667, 2333, 1, 2, 3, 4});
+  Bytes into(64, 0xEE);
+  ASSERT_EQ(backend_->encode({.force_n = Vec3(1, 0, 0)}, true, now_ns_, into), 15U);
+  EXPECT_NE(int16_at(into, 1), 0);
+  EXPECT_THAT(Bytes(into.begin() + 7, into.begin() + 15), Each(0));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,95 @@
+#include "devices/wooden_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+class WoodenSettingsFile : public ::testing::Test {
+ protected:
+  Result<WoodenSettings> read(std::string_view text) { return read_wooden_settings(folder_.write("wooden.toml", text)); }
+  std::string refusal(std::string_view text) {
+    const auto settings = read(text);
+    return settings ? "taken" : settings.error().what;
+  }
+  ScratchFolder folder_;
+};
+
+TEST_F(WoodenSettingsFile, AnEmptyOneIsTheEditionOf2016) {
+  const auto settings = read("");
+  ASSERT_TRUE(settings) << settings.error().what;
+  EXPECT_EQ(settings->limits.max_force_n, 5.0);
+  EXPECT_EQ(settings->limits.workspace_max_m, Vec3::Constant(0.1));
+  EXPECT_EQ(settings->arm.bodies[0].body_diameter_m, 0.160);
+  EXPECT_EQ(settings->arm.bodies[1].length_m, 0.205);
+  EXPECT_EQ(settings->arm.bodies[2].mass_centre_m, 0.091);
+  EXPECT_EQ(settings->arm.origin_m, Vec3(0.22, 0.0, 0.08));
+  EXPECT_FALSE(settings->wrist);
+}
+
+TEST_F(WoodenSettingsFile, EveryNumberOfABuildCanBeNamed) {
+  const auto settings = read(R"(
+max_force_n = 9.5
+max_current_a = 2.0
+workspace_radius_m = 0.15
+origin_m = [0.1, 0.0, 0.2]
+gravity_compensation = false
+report_bytes = 14
+[body_a]
+body_diameter_m = 0.18
+direction = -1
+[body_c]
+length_m = 0.3
+rest_deg = 90
+[[wrist]]
+axis = [0, 0, 0.5]
+counts_per_turn = 4096
+[[wrist]]
+axis = [0, 1, 0]
+direction = -1
+[[wrist]]
+axis = [1, 0, 0]
+offset_deg = 180
+)");
+  ASSERT_TRUE(settings) << settings.error().what;
+  EXPECT_EQ(settings->limits.max_force_n, 9.5);
+  EXPECT_EQ(settings->limits.workspace_min_m, Vec3::Constant(-0.15));
+  EXPECT_EQ(settings->max_current_a, 2.0);
+  EXPECT_FALSE(settings->has_gravity_compensation);
+  EXPECT_EQ(settings->report_bytes, 14);
+  EXPECT_EQ(settings->arm.bodies[0].direction, -1.0);
+  EXPECT_NEAR(settings->arm.bodies[2].rest_rad, 0.5 * std::numbers::pi, 1e-12);
+  ASSERT_TRUE(settings->wrist);
+  EXPECT_EQ(settings->wrist->joints[0].axis, Vec3::UnitZ());
+  EXPECT_EQ(settings->wrist->joints[0].counts_per_turn, 4096.0);
+  EXPECT_EQ(settings->wrist->joints[1].direction, -1.0);
+  EXPECT_NEAR(settings->wrist->joints[2].offset_rad, std::numbers::pi, 1e-12);
+}
+
+TEST_F(WoodenSettingsFile, WhatMakesNoSenseIsRefusedWithItsLine) {
+  EXPECT_THAT(refusal("\nmax_force = 5\n"), HasSubstr("wooden.toml:2"));
+  EXPECT_THAT(refusal("max_force_n = 1e9"), HasSubstr("max_force_n"));
+  EXPECT_THAT(refusal("max_force_n = nan"), HasSubstr("max_force_n"));
+  EXPECT_THAT(refusal("[body_a]\ncapstan_diameter_m = 0"), HasSubstr("wooden.toml:2"));
+  EXPECT_THAT(refusal("[body_b]\ndirection = 0.5"), HasSubstr("'direction' is 1, or -1"));
+  EXPECT_THAT(refusal("report_bytes = 9"), HasSubstr("'report_bytes' is 8 or 14"));
+  EXPECT_THAT(refusal("[[wrist]]\naxis = [1, 0, 0]"), HasSubstr("three times"));
+  EXPECT_THAT(refusal("[[wrist]]\naxis = [0, 0, 0]\n[[wrist]]\naxis = [0, 0, 1]\n[[wrist]]\naxis = [0, 1, 0]"), HasSubstr("no direction"));
+  EXPECT_THAT(refusal("[[wrist]]\n[[wrist]]\n[[wrist]]\n"), HasSubstr("axis"));
+}
+
+TEST_F(WoodenSettingsFile, OneThatIsNotThereIsAnErrorInOneLine) {
+  const auto settings = read_wooden_settings(folder_.path() / "none.toml");
+  ASSERT_FALSE(settings);
+  EXPECT_THAT(settings.error().what, HasSubstr("none.toml"));
+}
+
+}  // namespace
+}  // namespace hapton

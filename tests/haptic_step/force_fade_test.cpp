@@ -1,0 +1,86 @@
+#include "haptic_step/force_fade.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace hapton {
+namespace {
+
+constexpr double kMs = 1e-3;
+const Vec3 kBefore(1.0, -2.0, 3.0);
+const Vec3 kAfter(-1.0, 0.5, 4.0);
+
+TEST(ForceFade, WithoutASwitchForcesPassToTheLastBit) {
+  ForceFade fade;
+  EXPECT_EQ(fade.step(kBefore, true, kMs), kBefore);
+  EXPECT_EQ(fade.step(kAfter, true, kMs), kAfter);
+  EXPECT_FALSE(fade.is_felt());
+}
+
+TEST(ForceFade, TheDifferenceOnlySinksAndIsGoneWhenItsTimeIsOver) {
+  for (const double dt_s : {1e-4, kMs, 4e-3}) {
+    ForceFade fade;
+    fade.step(kBefore, true, dt_s);
+    fade.begin();
+    Vec3 last = kBefore;
+    const Vec3 difference = kBefore - kAfter;
+    const int steps = static_cast<int>(ForceFade::kInContactS / dt_s) + 1;
+    for (int i = 0; i < steps; ++i) {
+      const Vec3 force = fade.step(kAfter, true, dt_s);
+      EXPECT_NEAR((last - force).dot(difference), (last - force).norm() * difference.norm(), 1e-12)
+          << "the same direction, towards the new";
+      EXPECT_LE((last - force).norm(), difference.norm() * dt_s / ForceFade::kInContactS + 1e-12);
+      last = force;
+    }
+    EXPECT_EQ(last, kAfter);
+    EXPECT_FALSE(fade.is_felt());
+  }
+}
+
+TEST(ForceFade, InTheAirItIsGoneTenTimesAsSoonAndContactThereafterBringsNothingBack) {
+  ForceFade fade;
+  fade.step(kBefore, true, kMs);
+  fade.begin();
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_NEAR((fade.step(Vec3::Zero(), false, kMs) - (0.9 - 0.1 * i) * kBefore).norm(), 0.0, 1e-12);
+    EXPECT_TRUE(fade.is_felt());
+  }
+  EXPECT_NEAR((fade.step(kAfter, true, kMs) - kAfter - 0.49 * kBefore).norm(), 0.0, 1e-12);
+  for (int i = 0; i < 6; ++i) fade.step(Vec3::Zero(), false, kMs);
+  EXPECT_EQ(fade.step(Vec3::Zero(), false, kMs), Vec3::Zero());
+  EXPECT_FALSE(fade.is_felt());
+}
+
+TEST(ForceFade, AnotherSwitchWhileItFadesBeginsAtWhatIsFelt) {
+  ForceFade fade;
+  fade.step(kBefore, true, kMs);
+  fade.begin();
+  Vec3 last;
+  for (int i = 0; i < 40; ++i) last = fade.step(kAfter, true, kMs);
+  fade.begin();
+  EXPECT_NEAR((fade.step(kBefore, true, kMs) - last).norm(), 0.01 * (kBefore - last).norm(), 1e-12);
+}
+
+TEST(ForceFade, ADifferenceThatIsNotFiniteIsLeftOut) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {inf, std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::max()}) {
+    ForceFade fade;
+    fade.step({bad, 0.0, 0.0}, true, kMs);
+    fade.begin();
+    EXPECT_EQ(fade.step({std::numeric_limits<double>::max(), 0.0, 0.0}, true, kMs), Vec3(std::numeric_limits<double>::max(), 0.0, 0.0));
+    EXPECT_EQ(fade.step(kAfter, true, kMs), kAfter);
+  }
+}
+
+TEST(ForceFade, WhatIsForgottenIsNotFelt) {
+  ForceFade fade;
+  fade.step(kBefore, true, kMs);
+  fade.begin();
+  fade.step(kAfter, true, kMs);
+  fade.forget();
+  EXPECT_EQ(fade.step(kAfter, true, kMs), kAfter);
+}
+
+}  // namespace
+}  // namespace hapton

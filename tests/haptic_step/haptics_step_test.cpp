@@ -1,0 +1,218 @@
+#include "haptic_step/haptics_step.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kOffset = 0.0005 * 0.0254;
+
+std::unique_ptr<TouchStep> make_touch(double stiffness = 1000.0) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {.stiffness_n_per_m = stiffness}}}};
+  return std::make_unique<TouchStep>(*make_method({.name = "sweep"}, scene));
+}
+
+// Device states one after the other, a millisecond apart.
+class States {
+ public:
+  DeviceState at(const Vec3& p_WD) {
+    ++sample_;
+    return {.sample = sample_, .sample_time_ns = 5'000'000'000 + 1'000'000 * static_cast<std::int64_t>(sample_), .p_WD = p_WD};
+  }
+
+ private:
+  std::uint64_t sample_ = 100;
+};
+
+ForceCommand answer(HapticsStep& step, const DeviceState& state) {
+  step.offer(state);
+  return step.answer();
+}
+
+TEST(HapticsStep, AnswersWithForceOffsetAndEcho) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  EXPECT_FALSE(step.has_state());
+  EXPECT_FALSE(answer(step, states.at({0.01, 0.01, 0.001})).contact);
+  const DeviceState pressed = states.at({0.01, 0.01, -0.002});
+  const ForceCommand command = answer(step, pressed);
+  EXPECT_EQ(command.echo_sample, pressed.sample);
+  EXPECT_EQ(command.echo_sample_time_ns, pressed.sample_time_ns);
+  EXPECT_TRUE(command.contact);
+  EXPECT_NEAR((command.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((command.visual_offset_m - Vec3(0, 0, 0.002)).norm(), 0.0, 1e-12);
+  EXPECT_FALSE(step.has_state());
+  EXPECT_EQ(step.counts().answered, 2U);
+  EXPECT_EQ(step.counts().contact_steps, 1U);
+}
+
+TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
+  States states;
+  DeviceState inside = states.at({0.01, 0.01, -0.002});
+  HapticsStep ignorant(make_touch(), kOffset);
+  EXPECT_FALSE(answer(ignorant, inside).contact) << "it begins below the sheet";
+
+  inside.is_resumed = true;
+  inside.p_WP = Vec3(0.01, 0.01, 0.0);
+  HapticsStep told(make_touch(), kOffset);
+  const ForceCommand felt = answer(told, inside);
+  EXPECT_TRUE(felt.contact);
+  EXPECT_NEAR((felt.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
+
+  // The hand has gone too far since.
+  inside.p_WD.z() = -1.1 * kResumeReachM;
+  HapticsStep late(make_touch(), kOffset);
+  EXPECT_FALSE(answer(late, inside).contact);
+}
+
+TEST(HapticsStep, GoesOnFeelingInANewSessionUnlessToldToForget) {
+  for (const bool forgets : {false, true}) {
+    HapticsStep step(make_touch(), kOffset);
+    States states;
+    answer(step, states.at({0.01, 0.01, 0.001}));
+    ASSERT_TRUE(answer(step, states.at({0.01, 0.01, -0.002})).contact);
+    forgets ? step.restart() : step.resume();
+    const ForceCommand first = answer(step, states.at({0.01, 0.011, -0.003}));
+    EXPECT_EQ(first.contact, !forgets);
+    // A recording of the new session alone cannot know it.
+    EXPECT_EQ(first.answered_before, forgets ? 0 : kUnknownBefore);
+  }
+}
+
+TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
+  const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
+  auto touch = std::make_unique<TouchStep>(*make_method({.name = "proxy", .build_on_approach = true}, scene));
+  const auto method = touch->share_method();
+  HapticsStep step(std::move(touch), kOffset);
+  DeviceState inside{.sample = 1, .sample_time_ns = 1, .p_WD = {0.01, 0.01, -0.002}};
+  inside.is_resumed = true;
+  inside.p_WP = {0.01, 0.01, 0.0};
+  step.offer(inside);
+  EXPECT_FALSE(method->prepare());
+  step.look_around();
+  EXPECT_TRUE(method->prepare());
+  EXPECT_FALSE(method->prepare());
+  EXPECT_FALSE(step.is_running());
+  EXPECT_TRUE(step.has_state());
+  const ForceCommand command = step.answer();
+  EXPECT_TRUE(command.contact);  // on the side that was felt before
+  EXPECT_GT(command.force_n.z(), 0.0);
+  EXPECT_EQ(command.answered_before, 0U);
+}
+
+TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  answer(step, states.at({0, 0.001, 0.001}));
+  step.offer(states.at({0, 0.001, 0.002}));
+  step.offer(states.at({0, 0.001, 0.003}));
+  const DeviceState newest = states.at({0, 0.001, 0.004});
+  step.offer(newest);
+  const ForceCommand command = step.answer();
+  EXPECT_EQ(command.echo_sample, newest.sample);
+  EXPECT_EQ(command.skipped_samples, 2U);
+  EXPECT_EQ(answer(step, states.at({0, 0, 0.005})).skipped_samples, 0U);
+}
+
+TEST(HapticsStep, AnAnswerTellsWhichOfThe64SamplesBeforeItWereAnswered) {
+  HapticsStep step(make_touch(), kOffset);
+  const auto answer_sample = [&](std::uint64_t sample) {
+    return answer(step, {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample), .p_WD = {0, 0, 0.01}}).answered_before;
+  };
+  EXPECT_EQ(answer_sample(100), 0U);
+  EXPECT_EQ(answer_sample(101), 0b1U);
+  EXPECT_EQ(answer_sample(102), 0b11U);
+  EXPECT_EQ(answer_sample(105), 0b11100U);
+  EXPECT_EQ(answer_sample(164), 1ULL << 63 | 1ULL << 62 | 1ULL << 61 | 1ULL << 58);
+  EXPECT_EQ(answer_sample(228), 1ULL << 63);
+  EXPECT_EQ(answer_sample(400), 0U);
+  step.restart();
+  EXPECT_EQ(answer_sample(401), 0U);
+}
+
+TEST(HapticsStep, AnAnswerTellsItsViewAndItsMethod) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  EXPECT_EQ(answer(step, states.at({0, 0, 0.01})).view_revision, 0U);
+  ASSERT_TRUE(step.turn_scene({.revision = 7}));
+  step.replace(make_touch());
+  const ForceCommand command = answer(step, states.at({0, 0, 0.01}));
+  EXPECT_EQ(command.view_revision, 7U);
+  EXPECT_EQ(command.method_serial, 1U);
+}
+
+TEST(HapticsStep, TheFirstStateIsFreeSpaceWhereverItIs) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  EXPECT_FALSE(answer(step, states.at({0, 0.001, -0.002})).contact);
+  EXPECT_TRUE(answer(step, states.at({0, 0.001, 0.002})).contact);  // from below
+  step.restart();
+  EXPECT_FALSE(answer(step, states.at({0, 0.001, -0.002})).contact);
+}
+
+TEST(HapticsStep, ATurnedSceneIsFeltAndABrokenOneIgnored) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  answer(step, states.at({0.01, 0.001, 0.001}));
+  ViewTransform raised;
+  raised.X_WS[11] = 0.003F;  // z of the translation
+  EXPECT_TRUE(step.turn_scene(raised));
+  const ForceCommand command = answer(step, states.at({0.01, 0.001, 0.001}));
+  EXPECT_NEAR(command.force_n[2], 2.0, 1e-6);
+  ViewTransform scaled = raised;
+  scaled.X_WS[0] = 2.0F;
+  EXPECT_FALSE(step.turn_scene(scaled));
+  EXPECT_NEAR(answer(step, states.at({0.01, 0.001, 0.001})).force_n[2], 2.0, 1e-6);
+  EXPECT_EQ(step.counts().views_taken, 1U);
+  EXPECT_EQ(step.counts().views_rejected, 1U);
+}
+
+TEST(HapticsStep, AMethodTakesOverInContactWithoutAPop) {
+  for (const double side : {1.0, -1.0}) {
+    HapticsStep step(make_touch(1000.0), kOffset);
+    States states;
+    ViewTransform moved;
+    moved.X_WS[3] = 0.02F;
+    step.turn_scene(moved);
+    answer(step, states.at({0.01, 0.01, side * 0.001}));
+    ASSERT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.0, 1e-9);
+    EXPECT_NE(step.replace(make_touch(1100.0)), nullptr);
+    for (int i = 1; i <= 100; ++i) {
+      const double felt_n = answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2];
+      EXPECT_NEAR(felt_n, side * (2.0 + 0.002 * i), 1e-9) << "the difference of 0.2 N fades in a tenth of a second";
+    }
+    EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.2, 1e-9);
+  }
+}
+
+TEST(HapticsStep, AMethodTakesOverInFreeSpaceWhereTheDeviceIs) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  answer(step, states.at({0.01, 0.01, 0.001}));
+  step.replace(make_touch());
+  EXPECT_FALSE(answer(step, states.at({0.01, 0.01, 0.0005})).contact);
+  EXPECT_TRUE(answer(step, states.at({0.01, 0.01, -0.0005})).contact);
+}
+
+TEST(HapticsStep, TakesNothingFromTheHeap) {
+  if (!AllocationGuard::is_available()) {
+    GTEST_SKIP() << "heap use cannot be counted in this build";
+  }
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  ViewTransform view;
+  const AllocationGuard guard;
+  for (int i = 0; i < 1000; ++i) {
+    view.X_WS[11] = 1e-6F * static_cast<float>(i);
+    step.turn_scene(view);
+    answer(step, states.at({0.00001 * i, 0.0, 0.005 * std::sin(0.1 * i)}));
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_GT(step.counts().contact_steps, 100U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,83 @@
+#include "safety/energy_budget.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr double kMaxN = 10.0;  // 0.1 J free, 0.3 J at most, 0.02 W forgiven
+
+// force_n was on the motors for 1 ms while the device moved by this.
+void give(EnergyBudget& budget, double force_n, double moved_m) {
+  const Wrench wrench{Vec3(0, 0, force_n), Vec3::Zero()};
+  budget.held(wrench, 1e-3);
+  budget.observe(kMaxN, wrench, Vec3(0, 0, moved_m), Vec3::Zero());
+}
+
+TEST(EnergyBudget, counts_what_is_given_and_what_is_taken) {
+  EnergyBudget budget;
+  give(budget, 5.0, 0.002);
+  EXPECT_NEAR(budget.spent_j(), 0.010 - 2e-5, 1e-12);
+  give(budget, -5.0, 0.001);
+  EXPECT_NEAR(budget.spent_j(), 0.005 - 4e-5, 1e-12);
+}
+
+TEST(EnergyBudget, takes_the_mean_of_the_forces_between_two_samples) {
+  EnergyBudget budget;
+  budget.held({Vec3(0, 0, 2), Vec3::Zero()}, 0.75e-3);
+  budget.held({Vec3(0, 0, 6), Vec3::Zero()}, 0.25e-3);
+  budget.observe(kMaxN, {}, Vec3(0, 0, 0.001), Vec3::Zero());
+  EXPECT_NEAR(budget.spent_j(), 0.003 - 2e-5, 1e-12);
+}
+
+TEST(EnergyBudget, counts_torque_and_turn) {
+  EnergyBudget budget;
+  budget.held({Vec3::Zero(), Vec3(0, 0.5, 0)}, 1e-3);
+  budget.observe(kMaxN, {}, Vec3::Zero(), Vec3(0, 0.1, 0));
+  EXPECT_NEAR(budget.spent_j(), 0.05 - 2e-5, 1e-12);
+}
+
+TEST(EnergyBudget, what_time_does_not_tell_the_wrench_of_now_does) {
+  EnergyBudget budget;
+  budget.observe(kMaxN, {Vec3(0, 0, 3), Vec3::Zero()}, Vec3(0, 0, 0.01), Vec3::Zero());
+  EXPECT_NEAR(budget.spent_j(), 0.03, 1e-12);
+}
+
+TEST(EnergyBudget, nothing_is_done_about_what_is_free) {
+  EnergyBudget budget;
+  give(budget, 5.0, 0.02);
+  ASSERT_LT(budget.spent_j(), EnergyBudget::free_j(kMaxN));
+  EXPECT_EQ(budget.damping_n_s_per_m(kMaxN, 0.1, 5.0), 0.0);
+  EXPECT_EQ(budget.share(kMaxN), 1.0);
+}
+
+TEST(EnergyBudget, damping_takes_the_excess_back_in_its_time) {
+  EnergyBudget budget;
+  give(budget, 5.0, 0.021);
+  const double excess_j = budget.spent_j() - 0.1;
+  ASSERT_GT(excess_j, 0.0);
+  const double damping = budget.damping_n_s_per_m(kMaxN, 0.5, 1e3);
+  EXPECT_NEAR(damping * 0.5 * 0.5 * EnergyBudget::kTakeBackS, excess_j, 1e-12);
+  EXPECT_EQ(budget.damping_n_s_per_m(kMaxN, 0.5, 1e-3), 1e-3);
+  EXPECT_EQ(budget.damping_n_s_per_m(kMaxN, 0.0, 5.0), 0.0);
+}
+
+TEST(EnergyBudget, the_force_sinks_to_nothing_and_comes_back_with_time) {
+  EnergyBudget budget;
+  give(budget, 10.0, 0.02);
+  EXPECT_NEAR(budget.share(kMaxN), 0.5, 1e-3);
+  give(budget, 10.0, 0.5);
+  EXPECT_EQ(budget.share(kMaxN), 0.0);
+  EXPECT_NEAR(budget.spent_j(), 0.36, 1e-12);
+  for (int n = 0; n < 13'100; ++n) give(budget, 0.0, 0.0);
+  EXPECT_EQ(budget.share(kMaxN), 1.0);
+}
+
+TEST(EnergyBudget, saves_no_more_than_a_press) {
+  EnergyBudget budget;
+  for (int n = 0; n < 10'000; ++n) give(budget, -10.0, 0.001);
+  EXPECT_NEAR(budget.spent_j(), -0.1, 1e-12);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,130 @@
+// The governor between a wall and the simulated PHANToM with a hand on it: a normal contact does not notice it, and a source of energy does
+// not get away with it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <functional>
+
+#include "devices/model_a.h"
+#include "devices/simulated_phantom.h"
+#include "safety/safety_governor.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+struct Touch {
+  double contact_s = 0.0;
+  double felt_n2 = 0.0;   // sum of squares of what was asked for, in contact
+  double error_n2 = 0.0;  // and of what was missing of it
+  double most_error_n = 0.0;
+  double given_j = 0.0;       // to the hand, in all, at the exact position
+  double most_given_j = 0.0;  // over any time
+  double most_speed = 0.0;
+};
+
+using Source = std::function<Vec3(const Vec3& p_WD, const Vec3& v)>;
+
+// 1 kHz, answers 100 us after the sample, `lag` samples late.
+Touch touch(SafetyGovernor* governor, const Source& source, double seconds, std::uint64_t seed, std::size_t lag = 0) {
+  SimulatedPhantom device({.seed = seed, .stylus = {}});
+  Touch touch;
+  std::deque<WantedWrench> answers;
+  Wrench out;
+  Vec3 exact_before = device.exact_position_m();
+  Vec3 before = exact_before;
+  double least_given_j = 0.0;
+  for (int n = 0; n < static_cast<int>(1000.0 * seconds); ++n) {
+    const std::int64_t now_ns = 1'000'000'000 + n * kMs;
+    const DeviceSample sample = device.read(now_ns);
+    const Vec3 exact = device.exact_position_m();
+    touch.given_j += out.force_n.dot(exact - exact_before);
+    exact_before = exact;
+    least_given_j = std::min(least_given_j, touch.given_j);
+    touch.most_given_j = std::max(touch.most_given_j, touch.given_j - least_given_j);
+    const Vec3 v = (sample.p_WD - before) * 1000.0;
+    before = sample.p_WD;
+    answers.push_back({{.force_n = source(sample.p_WD, v)}, sample.time_ns});
+    const std::int64_t write_ns = now_ns + 100'000;
+    const Vec3 wanted_n = answers.front().wrench.force_n;
+    if (governor != nullptr) {
+      governor->observe(sample, device.status());
+      out = governor->step(answers.size() > lag ? std::optional(answers.front()) : std::nullopt, write_ns);
+    } else {
+      out.force_n = wanted_n;
+      if (wanted_n.norm() > model_a::kMaxForceN) out.force_n *= model_a::kMaxForceN / wanted_n.norm();
+    }
+    if (answers.size() > lag) answers.pop_front();
+    device.write(out, write_ns);
+    if (n < 200 || wanted_n == Vec3::Zero()) continue;
+    touch.contact_s += 1e-3;
+    const double error_n = (out.force_n - wanted_n).norm();
+    touch.felt_n2 += wanted_n.squaredNorm();
+    touch.error_n2 += error_n * error_n;
+    touch.most_error_n = std::max(touch.most_error_n, error_n);
+  }
+  return touch;
+}
+
+Source wall(double stiffness_n_per_m) {
+  return [=](const Vec3& p_WD, const Vec3&) { return Vec3(0, 0, std::max(0.0, -stiffness_n_per_m * p_WD.z())); };
+}
+
+// Negative damping: pushes whatever moves.
+Source pump(double gain_n_s_per_m) {
+  return [=](const Vec3&, const Vec3& v) { return Vec3(gain_n_s_per_m * v); };
+}
+
+TEST(GovernedTouch, a_wall_of_1000_newtons_a_metre_is_felt_as_it_is) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SafetyGovernor governor(model_a::limits());
+    const Touch felt = touch(&governor, wall(1000.0), 30.0, seed);
+    EXPECT_GT(felt.contact_s, 10.0);
+    EXPECT_LT(std::sqrt(felt.error_n2 / felt.felt_n2), 1e-6) << seed;
+    EXPECT_LT(felt.most_error_n, 1e-6) << seed;
+    const GovernorCounters& counters = governor.counters();
+    EXPECT_EQ(counters.damped + counters.braked + counters.stopped + counters.cooled + counters.latched, 0U);
+    // Not even near.
+    EXPECT_LT(governor.energy_spent_j(), 0.0);
+    EXPECT_LT(governor.thermal_load(), 0.2);
+  }
+}
+
+TEST(GovernedTouch, so_it_is_when_the_answers_are_late) {
+  for (const std::size_t lag : {1U, 3U}) {
+    SafetyGovernor governor(model_a::limits());
+    touch(&governor, wall(1000.0), 20.0, 1, lag);
+    EXPECT_EQ(governor.counters().damped, 0U) << lag;
+  }
+}
+
+TEST(GovernedTouch, a_source_of_energy_is_bounded) {
+  constexpr double kSeconds = 20.0;
+  for (const double gain : {8.0, 20.0, 100.0}) {
+    const Touch wild = touch(nullptr, pump(gain), kSeconds, 1);
+    SafetyGovernor governor(model_a::limits());
+    const Touch tame = touch(&governor, pump(gain), kSeconds, 1);
+    // energy_budget.h: what is free, what is there at most, what is forgiven, and what the last force gives while it is let go. Positions
+    // are read in steps of 32 um, the judgement is on the exact ones: a tenth more.
+    const double bound_j =
+        1.1 * model_a::kMaxForceN *
+        (EnergyBudget::kFreeM + EnergyBudget::kMostM + EnergyBudget::kForgivenMPerS * kSeconds + 0.01 * model_a::kMaxSpeedMPerS);
+    EXPECT_LT(tame.most_given_j, bound_j) << gain;
+    EXPECT_GT(governor.counters().damped, 100U) << gain;
+    EXPECT_GT(wild.most_given_j, 3.0 * tame.most_given_j) << gain;
+  }
+}
+
+TEST(GovernedTouch, a_wall_that_buzzes_is_calmed) {
+  // Ten samples late 1000 N/m are not stable.
+  const Touch wild = touch(nullptr, wall(1000.0), 20.0, 1, 10);
+  SafetyGovernor governor(model_a::limits());
+  const Touch tame = touch(&governor, wall(1000.0), 20.0, 1, 10);
+  EXPECT_GT(governor.counters().damped, 100U);
+  EXPECT_GT(wild.most_given_j, 3.0 * tame.most_given_j);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,148 @@
+#include "safety/safety_limits.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "tools/governor/hostile_program.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+DeviceLimits full() {
+  return {.max_force_n = 8.0,
+          .max_slew_n_per_s = 2000.0,
+          .max_stiffness_n_per_m = 1000.0,
+          .workspace_min_m = Vec3::Constant(-0.1),
+          .workspace_max_m = Vec3::Constant(0.1),
+          .max_torque_nm = 0.5,
+          .max_torque_slew_nm_per_s = 100.0,
+          .continuous_force_n = 2.0,
+          .peak_s = 10.0,
+          .max_speed_m_per_s = 3.0};
+}
+
+// Each field that limits, to be set alone.
+const std::vector<double DeviceLimits::*> kFields = {&DeviceLimits::max_force_n,        &DeviceLimits::max_slew_n_per_s,
+                                                     &DeviceLimits::max_torque_nm,      &DeviceLimits::max_torque_slew_nm_per_s,
+                                                     &DeviceLimits::continuous_force_n, &DeviceLimits::max_speed_m_per_s};
+
+void expect_no_looser(const DeviceLimits& after, const DeviceLimits& before) {
+  for (const auto field : kFields) EXPECT_LE(after.*field, before.*field);
+  EXPECT_EQ(after.max_stiffness_n_per_m, before.max_stiffness_n_per_m);
+  EXPECT_EQ(after.peak_s, before.peak_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_GE(after.workspace_min_m[axis], before.workspace_min_m[axis]);
+    EXPECT_LE(after.workspace_max_m[axis], before.workspace_max_m[axis]);
+    EXPECT_LT(after.workspace_min_m[axis], after.workspace_max_m[axis]);
+  }
+}
+
+TEST(SafetyLimits, every_field_can_be_tightened_and_none_loosened) {
+  for (const auto field : kFields) {
+    SafetyLimits limits(full());
+    const double own = limits.now().*field;
+    for (const double more : {2.0 * own, 1e8, 1e300, kInf, kNan, -kInf, 0.0, -1.0, 5e-324}) {
+      DeviceLimits wanted;
+      wanted.*field = more;
+      limits.tighten(wanted);
+      ASSERT_EQ(limits.now().*field, own) << more;
+    }
+    DeviceLimits wanted;
+    wanted.*field = 0.5 * own;
+    limits.tighten(wanted);
+    EXPECT_EQ(limits.now().*field, 0.5 * own);
+    EXPECT_EQ(limits.device().*field, own);
+    wanted.*field = 0.7 * own;
+    limits.tighten(wanted);
+    EXPECT_EQ(limits.now().*field, 0.5 * own);
+    // The others are as they were.
+    for (const auto other : kFields) {
+      if (other != field) {
+        EXPECT_EQ(limits.now().*other, SafetyLimits(full()).now().*other);
+      }
+    }
+  }
+}
+
+TEST(SafetyLimits, workspaces_shrink_to_what_both_have) {
+  SafetyLimits limits(full());
+  DeviceLimits wanted;
+  wanted.workspace_min_m = Vec3(-0.05, -1.0, 0.5);
+  wanted.workspace_max_m = Vec3(1.0, 0.02, 0.6);
+  limits.tighten(wanted);
+  EXPECT_EQ(limits.now().workspace_min_m, Vec3(-0.05, -0.1, -0.1));
+  EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: they have nothing in common
+}
+
+TEST(SafetyLimits, no_sequence_of_wishes_loosens_anything) {
+  SplitMix random(7);
+  for (int round = 0; round < 200; ++round) {
+    SafetyLimits limits(full());
+    for (int n = 0; n < 50; ++n) {
+      const DeviceLimits before = limits.now();
+      DeviceLimits wanted;
+      for (const auto field : kFields) {
+        const double nasty[] = {kNan, kInf, -kInf, 0.0, -1.0, 1e300};
+        wanted.*field = random.once_in(3) ? nasty[random.below(6)] : full().*field * random.uniform(0.0, 3.0);
+      }
+      wanted.peak_s = random.uniform(-1.0, 1e6);
+      wanted.workspace_min_m = random.vector(0.2);
+      wanted.workspace_max_m = random.vector(0.2);
+      if (random.once_in(5)) wanted.workspace_max_m.x() = kNan;
+      limits.tighten(wanted);
+      expect_no_looser(limits.now(), before);
+    }
+    EXPECT_EQ(limits.release_n_per_s(), 2000.0);
+    EXPECT_EQ(limits.release_nm_per_s(), 100.0);
+  }
+}
+
+TEST(SafetyLimits, what_makes_no_sense_gives_nothing) {
+  for (const double nonsense : {kNan, kInf, 0.0, -1.0, 1e10, 5e-324}) {
+    DeviceLimits device = full();
+    device.max_force_n = nonsense;
+    EXPECT_EQ(SafetyLimits(device).now().max_force_n, 0.0);
+    EXPECT_EQ(SafetyLimits(device).now().max_torque_nm, 0.0);
+    device = full();
+    device.max_slew_n_per_s = nonsense;
+    EXPECT_EQ(SafetyLimits(device).now().max_force_n, 0.0);
+    device = full();
+    device.max_torque_nm = nonsense;
+    EXPECT_EQ(SafetyLimits(device).now().max_torque_nm, 0.0);
+    EXPECT_EQ(SafetyLimits(device).now().max_force_n, 8.0);
+    device = full();
+    device.max_speed_m_per_s = nonsense;
+    EXPECT_EQ(SafetyLimits(device).now().max_speed_m_per_s, kFastestHandMPerS);
+    device = full();
+    device.continuous_force_n = nonsense;
+    EXPECT_EQ(SafetyLimits(device).now().continuous_force_n, 8.0);
+    device = full();
+    device.peak_s = nonsense;
+    EXPECT_EQ(SafetyLimits(device).now().peak_s, 0.0);
+  }
+}
+
+TEST(SafetyLimits, a_device_too_slow_to_let_go_gets_the_slew_that_does) {
+  DeviceLimits device = full();
+  device.max_slew_n_per_s = 1.0;
+  device.max_torque_slew_nm_per_s = 0.0;
+  EXPECT_EQ(SafetyLimits(device).now().max_slew_n_per_s, 800.0);
+  EXPECT_EQ(SafetyLimits(device).now().max_torque_slew_nm_per_s, 50.0);
+}
+
+TEST(SafetyLimits, an_axis_without_ends_has_none) {
+  DeviceLimits device = full();
+  device.workspace_max_m = Vec3(-0.1, kNan, 0.1);
+  const SafetyLimits limits(device);
+  EXPECT_EQ(limits.now().workspace_max_m.x(), kInf);
+  EXPECT_EQ(limits.now().workspace_min_m.y(), -kInf);
+  EXPECT_EQ(limits.now().workspace_max_m.z(), 0.1);
+}
+
+}  // namespace
+}  // namespace hapton

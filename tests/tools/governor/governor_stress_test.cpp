@@ -1,0 +1,86 @@
+// Whatever is said, wherever the device is and whatever the time: millions of hostile turns, and nothing that must not be.
+#include "tools/governor/governor_stress.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261120;
+
+std::string told(const GovernorStressCount& count, std::size_t breach) {
+  return std::string(to_string(static_cast<GovernorBreach>(breach))) + ": " + std::to_string(count.breaches[breach]) +
+         " times, first in program " + std::to_string(count.findings[breach].program) + ", turn " +
+         std::to_string(count.findings[breach].turn);
+}
+
+TEST(GovernorStress, holds_against_hostile_programs) {
+  const GovernorStress stress(kSeed);
+  GovernorStressCount count;
+  for (std::uint64_t program = 0; count.turns < 3'000'000; ++program) GovernorStress::run(stress.program_seed(program), count);
+  for (std::size_t breach = 0; breach < count.breaches.size(); ++breach) EXPECT_EQ(count.breaches[breach], 0U) << told(count, breach);
+
+  // Every stage, every latched fault and every way to come back has been there, many times.
+  const GovernorCounters& g = count.governors;
+  EXPECT_GT(static_cast<double>(count.forceful), 0.25 * static_cast<double>(count.turns));
+  for (const std::uint64_t stage :
+       {g.accepted, g.not_finite, g.refused_old, g.refused_future, g.silences, g.clamped, g.slewed, g.bad_samples, g.stopped, g.braked,
+        g.damped, g.cooled, g.releases, g.latched, g.resets, g.resets_refused}) {
+    EXPECT_GT(stage, 1000U);
+  }
+  for (int fault = 1; fault < kSafetyFaults; ++fault) EXPECT_GT(g.faults[static_cast<std::size_t>(fault)], 3U) << fault;
+
+  // A judge that sees nothing near a limit has looked at nothing.
+  EXPECT_GT(count.worst.force, 0.999);
+  EXPECT_GT(count.worst.torque, 0.999);
+  EXPECT_GT(count.worst.force_slew, 0.999);
+  EXPECT_GT(count.worst.torque_slew, 0.999);
+  EXPECT_GT(count.worst.heat, 0.95);
+  EXPECT_GT(count.worst.energy, 0.5);
+  EXPECT_GT(count.worst.release_ms, 10.0);
+}
+
+TEST(GovernorStress, a_program_is_the_same_again) {
+  const std::uint64_t seed = GovernorStress(3).program_seed(17);
+  GovernorStressCount first;
+  GovernorStressCount second;
+  GovernorStress::run(seed, first);
+  GovernorStress::run(seed, second);
+  EXPECT_EQ(first.turns, second.turns);
+  EXPECT_EQ(first.forceful, second.forceful);
+  EXPECT_EQ(first.worst.energy, second.worst.energy);
+  EXPECT_NE(GovernorStress(3).program_seed(18), seed);
+  EXPECT_NE(GovernorStress(4).program_seed(17), seed);
+}
+
+TEST(GovernorStress, sums_keep_the_first_finding_and_the_worst) {
+  GovernorStressCount sum;
+  GovernorStressCount part;
+  part.turns = 5;
+  part.breaches[1] = 2;
+  part.findings[1] = {42, 7};
+  part.worst.heat = 0.5;
+  sum.add(part);
+  part.findings[1] = {43, 8};
+  part.worst.heat = 0.4;
+  sum.add(part);
+  EXPECT_EQ(sum.turns, 10U);
+  EXPECT_EQ(sum.total_breaches(), 4U);
+  EXPECT_EQ(sum.findings[1].program, 42U);
+  EXPECT_EQ(sum.worst.heat, 0.5);
+}
+
+TEST(GovernorStress, takes_nothing_from_the_heap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  GovernorStressCount count;
+  AllocationGuard guard;
+  GovernorStress::run(GovernorStress(1).program_seed(1), count);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,169 @@
+#include "watchdog/outer_watchdog.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using Verdict = OuterWatchdog::Verdict;
+constexpr std::int64_t kMs = 1'000'000;
+
+struct Watched : testing::Test {
+  // io_node as it is: a cycle and a new force each millisecond, looked at every second one.
+  Verdict live(int looks) {
+    Verdict verdict = Verdict::fine;
+    for (int n = 0; n < looks; ++n) {
+      now_ns += OuterWatchdog::kLookEveryNs;
+      page.heartbeat_ns = now_ns - kMs / 2;
+      page.force_sample_ns = now_ns - kMs / 2;
+      verdict = watchdog.look(page, false, now_ns);
+    }
+    return verdict;
+  }
+  // Nothing moves any more: how long until it is noticed; below 0: never.
+  double noticed_after_ms(Verdict expected) {
+    const std::int64_t begin_ns = now_ns;
+    while (now_ns - begin_ns < 200 * kMs) {
+      now_ns += OuterWatchdog::kLookEveryNs;
+      if (watchdog.look(page, false, now_ns) == expected) return 1e-6 * static_cast<double>(now_ns - begin_ns);
+    }
+    return -1.0;
+  }
+  GuardPage page;
+  OuterWatchdog watchdog;
+  std::int64_t now_ns = 1000 * kMs;
+};
+
+TEST_F(Watched, ALivingLoopIsLeftAlone) { EXPECT_EQ(live(10'000), Verdict::fine); }
+
+TEST_F(Watched, AFrozenLoopWithAForceOutIsNoticedWithin30Ms) {
+  live(100);
+  const double after_ms = noticed_after_ms(Verdict::frozen);
+  EXPECT_GT(after_ms, 20.0);
+  EXPECT_LE(after_ms, 30.0);
+  EXPECT_GT(watchdog.force_age_ns(), 20 * kMs);
+}
+
+TEST_F(Watched, WithoutAForceThereIsNothingToTakeAway) {
+  live(100);
+  page.force_sample_ns = 0;
+  EXPECT_LT(noticed_after_ms(Verdict::frozen), 0.0);
+  EXPECT_EQ(watchdog.look(page, true, now_ns), Verdict::fine);
+}
+
+// The barrier against a device side that lives and yet holds a force, by a fault of its governor.
+TEST_F(Watched, ALoopThatHoldsAForceIsNoticed) {
+  live(100);
+  const std::int64_t begin_ns = now_ns;
+  Verdict verdict = Verdict::fine;
+  while (verdict == Verdict::fine && now_ns - begin_ns < 200 * kMs) {
+    now_ns += OuterWatchdog::kLookEveryNs;
+    page.heartbeat_ns = now_ns;
+    verdict = watchdog.look(page, false, now_ns);
+  }
+  EXPECT_EQ(verdict, Verdict::stale);
+  EXPECT_LE(now_ns - begin_ns, 40 * kMs);
+}
+
+TEST_F(Watched, AProcessThatEndedWithAForceOutIsNoticedAtOnce) {
+  live(100);
+  now_ns += 1;
+  EXPECT_EQ(watchdog.look(page, true, now_ns), Verdict::gone);
+}
+
+// A suspended machine stops both: what then looks like a frozen loop gets the time to show that it is none.
+TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
+  live(100);
+  now_ns += 5000 * kMs;
+  EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::fine);
+  EXPECT_EQ(live(10), Verdict::fine);
+}
+
+// Kept from its CPU itself, the watchdog looks rarely: that must not make it blind.
+TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
+  live(100);
+  for (const std::int64_t every_ns : {5 * kMs, 9 * kMs, 40 * kMs, 400 * kMs}) {
+    live(100);
+    Verdict verdict = Verdict::fine;
+    now_ns += 25 * kMs;
+    verdict = watchdog.look(page, false, now_ns);
+    EXPECT_EQ(verdict, Verdict::fine);
+    now_ns += every_ns;
+    EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::frozen) << every_ns;
+  }
+}
+
+TEST_F(Watched, OneBadLookIsNotEnough) {
+  live(100);
+  page.heartbeat_ns = now_ns - 25 * kMs;
+  now_ns += OuterWatchdog::kLookEveryNs;
+  EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::fine);
+  EXPECT_EQ(live(1), Verdict::fine);
+}
+
+TEST(ForceCutterTest, TellsAHidDeviceToBeOffByAHandleOfItsOwn) {
+  ScratchFolder folder;
+  const std::string path = (folder.path() / "hidraw").string();
+  std::ofstream(path).flush();
+  const auto page = std::make_unique<GuardPage>();
+  ForceCutter cutter(*page, 0);
+  EXPECT_FALSE(cutter.cut()) << "nothing is known of the device yet";
+  const std::uint8_t off[] = {2, 0, 0, 7};
+  page->set_hid(path, off);
+  cutter.prepare();
+  // Unplugged or not: the handle is there already.
+  std::filesystem::rename(path, path + ".gone");
+  EXPECT_TRUE(cutter.cut());
+  std::stringstream written;
+  written << std::ifstream(path + ".gone").rdbuf();
+  EXPECT_EQ(written.str(), std::string({2, 0, 0, 7}));
+}
+
+TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
+  ScratchFolder folder;
+  const auto page = std::make_unique<GuardPage>();
+  ForceCutter cutter(*page, 0);
+  for (const char* name : {"hidraw0", "hidraw1"}) {
+    const std::string path = (folder.path() / name).string();
+    std::ofstream(path).flush();
+    page->set_hid(path, std::vector<std::uint8_t>{1});
+    EXPECT_TRUE(cutter.cut());
+    EXPECT_EQ(std::filesystem::file_size(path), 1U);
+  }
+}
+
+TEST(ForceCutterTest, AReportThatIsTooLongMakesItADeviceWithoutMeans) {
+  const auto page = std::make_unique<GuardPage>();
+  page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(GuardPage::kMostReport + 1));
+  EXPECT_EQ(page->means.load(), CutMeans::none);
+  ForceCutter cutter(*page, 0);
+  EXPECT_FALSE(cutter.cut());
+}
+
+TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    for (;;) ::pause();
+  }
+  ::kill(child, SIGSTOP);  // frozen, as it would be
+  const auto page = std::make_unique<GuardPage>();
+  page->set_means(CutMeans::kill);
+  ForceCutter cutter(*page, child);
+  EXPECT_TRUE(cutter.cut());
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+}
+
+}  // namespace
+}  // namespace hapton

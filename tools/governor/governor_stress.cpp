@@ -1,0 +1,90 @@
+#include "tools/governor/governor_stress.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace hapton {
+namespace {
+
+void add_to(GovernorCounters& sum, const GovernorCounters& more) {
+  sum.accepted += more.accepted;
+  sum.not_finite += more.not_finite;
+  sum.refused_old += more.refused_old;
+  sum.refused_future += more.refused_future;
+  sum.silences += more.silences;
+  sum.clamped += more.clamped;
+  sum.slewed += more.slewed;
+  sum.bad_samples += more.bad_samples;
+  sum.stopped += more.stopped;
+  sum.braked += more.braked;
+  sum.damped += more.damped;
+  sum.cooled += more.cooled;
+  sum.releases += more.releases;
+  sum.latched += more.latched;
+  sum.resets += more.resets;
+  sum.resets_refused += more.resets_refused;
+  for (std::size_t fault = 0; fault < sum.faults.size(); ++fault) sum.faults[fault] += more.faults[fault];
+}
+
+void keep_worse(GovernorWorst& worst, const GovernorWorst& other) {
+  worst.force = std::max(worst.force, other.force);
+  worst.torque = std::max(worst.torque, other.torque);
+  worst.force_slew = std::max(worst.force_slew, other.force_slew);
+  worst.torque_slew = std::max(worst.torque_slew, other.torque_slew);
+  worst.heat = std::max(worst.heat, other.heat);
+  worst.energy = std::max(worst.energy, other.energy);
+  worst.release_ms = std::max(worst.release_ms, other.release_ms);
+}
+
+}  // namespace
+
+std::uint64_t GovernorStressCount::total_breaches() const noexcept {
+  return std::accumulate(breaches.begin(), breaches.end(), std::uint64_t{0});
+}
+
+void GovernorStressCount::add(const GovernorStressCount& other) noexcept {
+  turns += other.turns;
+  programs += other.programs;
+  forceful += other.forceful;
+  for (std::size_t n = 0; n < breaches.size(); ++n) {
+    if (breaches[n] == 0) findings[n] = other.findings[n];
+    breaches[n] += other.breaches[n];
+  }
+  add_to(governors, other.governors);
+  keep_worse(worst, other.worst);
+}
+
+std::uint64_t GovernorStress::program_seed(std::uint64_t program) const noexcept {
+  return SplitMix(SplitMix(seed_).bits() + program).bits();
+}
+
+void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count) noexcept {
+  HostileProgram program(program_seed);
+  SafetyGovernor governor(program.device());
+  if (program.button() >= 0) governor.require_button(program.button());
+  GovernorJudge judge(program, governor);
+  auto breaches = judge.breaches();
+  Wrench out;
+  for (int turn = 0; turn < program.turns(); ++turn) {
+    const HostileStep& step = program.turn(out);
+    if (step.tightened) governor.tighten(*step.tightened);
+    const bool was_reset = step.resets && governor.reset_faults();
+    if (step.temperature >= 0.0) governor.observe_temperature(step.temperature);
+    governor.observe(step.sample, step.status);
+    out = governor.step(step.wanted, step.now_ns);
+    judge.look(step, was_reset, out);
+    count.forceful += out.force_n != Vec3::Zero() ? 1 : 0;
+    if (judge.breaches() == breaches) continue;
+    for (std::size_t n = 0; n < breaches.size(); ++n) {
+      if (judge.breaches()[n] > breaches[n] && count.breaches[n] + breaches[n] == 0) count.findings[n] = {program_seed, turn};
+    }
+    breaches = judge.breaches();
+  }
+  for (std::size_t n = 0; n < breaches.size(); ++n) count.breaches[n] += breaches[n];
+  count.turns += static_cast<std::uint64_t>(program.turns());
+  ++count.programs;
+  add_to(count.governors, governor.counters());
+  keep_worse(count.worst, judge.worst());
+}
+
+}  // namespace hapton

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "tools/governor/governor_judge.h"
+
+namespace hapton {
+
+// Where something went wrong first, to be found again.
+struct GovernorFinding {
+  std::uint64_t program = 0;  // its seed
+  int turn = 0;
+};
+
+struct GovernorStressCount {
+  std::uint64_t turns = 0;
+  std::uint64_t programs = 0;
+  std::uint64_t forceful = 0;  // turns with a force on the motors
+  std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::kCount)> breaches = {};
+  std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::kCount)> findings = {};  // of each breach there is
+  GovernorCounters governors;  // what the stages did, so that each is seen to have been reached
+  GovernorWorst worst;
+
+  std::uint64_t total_breaches() const noexcept;
+  void add(const GovernorStressCount& other) noexcept;
+};
+
+// Drives fresh governors with hostile programs and judges every turn. Program n of a seed depends on nothing but these two.
+// RT: no heap. Threads: one each.
+class GovernorStress {
+ public:
+  explicit GovernorStress(std::uint64_t seed) noexcept : seed_(seed) {}
+
+  // What names a program.
+  std::uint64_t program_seed(std::uint64_t program) const noexcept;
+  // Runs one to its end.
+  static void run(std::uint64_t program_seed, GovernorStressCount& count) noexcept;
+
+ private:
+  std::uint64_t seed_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "safety/wrench_intake.h"
+
+namespace hapton {
+
+// A stream of random bits that is the same everywhere. Source: Steele, Lea and Flood, "Fast splittable pseudorandom number generators"
+// (2014): SplitMix64.
+class SplitMix {
+ public:
+  explicit SplitMix(std::uint64_t seed) noexcept : state_(seed) {}
+  std::uint64_t bits() noexcept {
+    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15U);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
+    return z ^ (z >> 31);
+  }
+  // 0 .. n - 1; n > 0.
+  std::uint64_t below(std::uint64_t n) noexcept { return bits() % n; }
+  double uniform(double low, double high) noexcept { return low + (high - low) * (static_cast<double>(bits() >> 11) * 0x1p-53); }
+  bool once_in(std::uint64_t n) noexcept { return below(n) == 0; }
+  Vec3 vector(double size) noexcept { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
+
+ private:
+  std::uint64_t state_;
+};
+
+// What happens to a governor in one turn: whatever is there, in this order.
+struct HostileStep {
+  std::optional<DeviceLimits> tightened;
+  bool resets = false;
+  double temperature = -1.0;
+  DeviceSample sample;  // with its own idea of the time
+  DeviceStatus status = DeviceStatus::ready;
+  std::optional<WantedWrench> wanted;
+  std::int64_t now_ns = 0;
+};
+
+// A device, a hand and a haptics node that mean harm, from one seed: a device of random limits, and spells of a few dozen turns of every
+// kind of force (springs, square waves at Nyquist, numbers that are none, energy out of nothing, old ones said again, silence), motion (a
+// hand that gives way, one that follows the force, leaps, positions that are none), time (250 Hz to 10 kHz, jitter, leaps, backwards) and
+// state (away, let go, hot, failed). Many programs have peaceful parts, or every one of them would end in a latched fault at once.
+// RT: no heap. Threads: one each.
+class HostileProgram {
+ public:
+  static constexpr double kTurnRadPerS = 5.0;  // a physical device turns no faster
+
+  explicit HostileProgram(std::uint64_t seed) noexcept;
+
+  const DeviceLimits& device() const noexcept { return device_; }
+  // Button that the governor has to ask for; below 0: none.
+  int button() const noexcept { return button_; }
+  // How many turns it is meant for.
+  int turns() const noexcept { return turns_; }
+  // Time never leaps in it, and the device moves as matter does: its heat and energy can be judged by absolute bounds.
+  bool is_physical() const noexcept { return is_physical_; }
+
+  // out: what the governor put on the motors last.
+  const HostileStep& turn(const Wrench& out) noexcept;
+
+ private:
+  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, kCount };
+  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, kCount };
+  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, kCount };
+
+  void choose_device() noexcept;
+  void choose_spell() noexcept;
+  void pass_time() noexcept;
+  void move(const Wrench& out) noexcept;
+  void move_as_matter(const Vec3& force_n, double passed_s) noexcept;
+  void choose_state() noexcept;
+  void ask() noexcept;
+  Vec3 wanted_n(double most) noexcept;
+  double nasty() noexcept;
+
+  SplitMix random_;
+  DeviceLimits device_;
+  HostileStep step_;
+  int turns_ = 0;
+  int button_ = -1;
+  bool is_physical_ = false;
+  bool is_calm_in_time_ = false;
+  bool is_calm_in_motion_ = false;
+  bool is_calm_in_state_ = false;
+  Force force_ = Force::none;
+  Motion motion_ = Motion::still;
+  Time time_ = Time::steady;
+  int left_ = 0;  // turns of this spell
+  int turn_ = 0;
+  std::int64_t period_ns_ = 1'000'000;
+  std::int64_t clock_ns_ = 0;  // the true one
+  double passed_s_ = 0.0;
+  Vec3 p_m_ = Vec3::Zero();
+  Vec3 v_m_per_s_ = Vec3::Zero();
+  Vec3 hand_m_ = Vec3::Zero();
+  Vec3 hand_m_per_s_ = Vec3::Zero();
+  Quat q_ = Quat::Identity();
+  Vec3 turn_rad_per_s_ = Vec3::Zero();
+  Vec3 axis_ = Vec3::UnitZ();
+  double hertz_ = 1.0;
+  std::array<WantedWrench, 16> told_ = {};
+};
+
+}  // namespace hapton

@@ -1,0 +1,123 @@
+// hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and takes the force
+// away when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. Two threads look: one
+// with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is refused, an ordinary one, which runs when
+// the kernel throttles the first or another real-time program has run wild.
+#include <fmt/core.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <thread>
+
+#include "runtime/clock.h"
+#include "runtime/deadline_thread.h"
+#include "runtime/realtime.h"
+#include "runtime/start_thread.h"
+#include "watchdog/guard_memory.h"
+#include "watchdog/outer_watchdog.h"
+
+namespace {
+
+using namespace hapton;
+
+// Where io_node puts the memory that is shared.
+constexpr int kGuardFile = 3;
+constexpr int kTimesAtTheEnd = 3;
+// Of SCHED_DEADLINE.
+constexpr std::int64_t kRuntimeNs = 100'000;
+constexpr std::int64_t kPeriodNs = 1'000'000;
+
+bool is_gone(int process_file) {
+  pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
+  return ::poll(&ended, 1, 0) > 0;
+}
+
+// Until the next look, or until the process ends.
+void rest(int process_file) {
+  pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
+  const timespec every = {.tv_sec = 0, .tv_nsec = OuterWatchdog::kLookEveryNs};
+  ::ppoll(&ended, 1, &every, nullptr);
+}
+
+void note_cut(GuardPage& page, const OuterWatchdog& watchdog) {
+  if (page.is_cut.exchange(1) != 0) return;
+  page.cuts.fetch_add(1);
+  if (watchdog.force_age_ns() > page.longest_force_ns.load()) page.longest_force_ns.store(watchdog.force_age_ns());
+}
+
+void tell(std::string_view what, const OuterWatchdog& watchdog, const ForceCutter& cutter) {
+  fmt::print(stderr, "hapton_watchdog: io_node {}, its last cycle {:.1f} ms ago, a force out {:.1f} ms after its sample: {}\n", what,
+             1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
+}
+
+void watch(GuardPage& page, int process, int process_file, bool tells) {
+  SteadyClock clock;
+  OuterWatchdog watchdog;
+  ForceCutter cutter(page, process);
+  bool is_told = false;
+  while (true) {
+    const bool has_ended = is_gone(process_file);
+    const OuterWatchdog::Verdict verdict = watchdog.look(page, has_ended, clock.now_ns());
+    page.guard_beat_ns.store(clock.now_ns(), std::memory_order_release);
+    if (verdict == OuterWatchdog::Verdict::fine) {
+      if (has_ended) return;
+      is_told = false;
+      cutter.prepare();
+      rest(process_file);
+      continue;
+    }
+    // Again with every look: what was frozen may have had a last force on its way.
+    note_cut(page, watchdog);
+    cutter.cut();
+    if (verdict == OuterWatchdog::Verdict::gone) {
+      for (int n = 1; n < kTimesAtTheEnd; ++n) {
+        clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kLookEveryNs);
+        cutter.cut();
+      }
+      if (tells) tell("has ended", watchdog, cutter);
+      return;
+    }
+    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "stands still" : "holds a force", watchdog, cutter);
+    is_told = true;
+    rest(process_file);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  const int process = argc > 1 ? std::atoi(argv[1]) : 0;
+  const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
+  if (first == "--help" || first == "-h") {
+    fmt::print(
+        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: takes the force of io_node's "
+        "device away when\n"
+        "io_node is frozen or killed (docs/safety-case.md).\n",
+        kGuardFile);
+    return 0;
+  }
+  GuardMemory memory;
+  if (const auto opened = memory.open(kGuardFile); !opened || process <= 0) {
+    fmt::print(stderr, "hapton_watchdog: {}\n",
+               opened ? "tell it io_node's process; this program is started by io_node" : opened.error().what);
+    return 2;
+  }
+  // It outlives io_node by a moment: what ends io_node's unit or terminal must not end it first.
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
+  const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
+  if (process_file < 0 || ::getppid() != process) return 0;  // it has ended already, without a force
+  std::thread beside = start_thread([&] {
+    if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
+    watch(memory.page(), process, process_file, false);
+  });
+  (void)enter_realtime({.mode = priority > 0 ? RealtimeMode::attempt : RealtimeMode::off, .priority = priority, .low_dma_latency = false});
+  watch(memory.page(), process, process_file, true);
+  beside.join();
+  return 0;
+}

@@ -1,0 +1,83 @@
+#include "watchdog/outer_watchdog.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+
+namespace hapton {
+
+OuterWatchdog::Verdict OuterWatchdog::look(const GuardPage& page, bool is_gone, std::int64_t now_ns) noexcept {
+  const std::int64_t heartbeat_ns = page.heartbeat_ns.load(std::memory_order_acquire);
+  const std::int64_t sample_ns = page.force_sample_ns.load(std::memory_order_acquire);
+  silence_ns_ = heartbeat_ns != 0 ? std::max(now_ns - heartbeat_ns, std::int64_t{0}) : 0;
+  force_age_ns_ = sample_ns != 0 ? std::max(now_ns - sample_ns, std::int64_t{0}) : 0;
+  if (sample_ns != 0 && is_gone) return Verdict::gone;
+  const bool is_frozen = silence_ns_ >= kHeartbeatLimitNs;
+  const bool is_bad = sample_ns != 0 && (is_frozen || force_age_ns_ >= kForceLimitNs);
+  if (!is_bad) {
+    bad_since_ns_ = 0;
+    return Verdict::fine;
+  }
+  if (bad_since_ns_ == 0) bad_since_ns_ = now_ns;
+  if (now_ns - bad_since_ns_ < kGraceNs) return Verdict::fine;
+  return is_frozen ? Verdict::frozen : Verdict::stale;
+}
+
+ForceCutter::~ForceCutter() { close_device(); }
+
+void ForceCutter::close_device() noexcept {
+  if (device_ >= 0) ::close(device_);
+  device_ = -1;
+}
+
+void ForceCutter::prepare() noexcept {
+  const std::uint32_t generation = page_.generation.load(std::memory_order_acquire);
+  if (generation == generation_ || generation % 2 != 0) return;
+  std::array<char, GuardPage::kMostPath> path = {};
+  std::array<std::uint8_t, GuardPage::kMostReport> report = {};
+  std::transform(page_.path.begin(), page_.path.end(), path.begin(), [](const auto& c) { return c.load(std::memory_order_relaxed); });
+  std::transform(page_.report.begin(), page_.report.end(), report.begin(), [](const auto& b) { return b.load(std::memory_order_relaxed); });
+  const std::size_t size = std::min<std::size_t>(page_.report_size.load(std::memory_order_relaxed), report.size());
+  std::atomic_thread_fence(std::memory_order_acquire);
+  if (page_.generation.load(std::memory_order_relaxed) != generation) return;
+  generation_ = generation;
+  path.back() = '\0';
+  report_.assign(report.begin(), report.begin() + static_cast<std::ptrdiff_t>(size));
+  close_device();
+  if (path[0] != '\0') device_ = ::open(path.data(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+}
+
+bool ForceCutter::cut() noexcept {
+  prepare();
+  switch (page_.means.load(std::memory_order_acquire)) {
+    case CutMeans::none:
+      return false;
+    case CutMeans::hid:
+      return device_ >= 0 && ::write(device_, report_.data(), report_.size()) == static_cast<ssize_t>(report_.size());
+    case CutMeans::kill:
+      return process_ > 0 && ::kill(process_, SIGKILL) == 0;
+    case CutMeans::simulated:
+      return true;  // by GuardPage::is_cut, which the caller sets
+  }
+  return false;
+}
+
+std::string ForceCutter::describe() const {
+  switch (page_.means.load(std::memory_order_acquire)) {
+    case CutMeans::none:
+      return "its device cannot be told from here";
+    case CutMeans::hid:
+      return device_ >= 0 ? "told its device to be off"
+                          : "its device could not be opened from here: give this user the right to (udev rule)";
+    case CutMeans::kill:
+      return "killed it, so that the vendor's driver lets go";
+    case CutMeans::simulated:
+      return "cut its simulated motors";
+  }
+  return {};
+}
+
+}  // namespace hapton
