@@ -14,8 +14,8 @@ using Vec3f = Eigen::Vector3f;
 // The unit frame U of a mesh: its box around the origin, the longest side 2. Single precision is then as good for a mesh of 0.1 mm as for
 // one of a metre.
 struct DetailFrame {
-  Vec3 centre = Vec3::Zero();  // frame of the mesh, m
-  double scale_m = 1.0;        // metres a unit
+  Vec3 centre = Vec3::Zero();      // frame of the mesh, m
+  double scale_m = 1.0;            // metres a unit
   Eigen::Matrix4d matrix() const;  // X_SU, scale included
 };
 
@@ -55,7 +55,8 @@ std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::siz
 // The largest distance of up to `samples` of the full level's vertices, evenly taken, from the level's triangles.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
-// Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many triangles.
+// Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many
+// triangles.
 void divide_into_clusters(DetailLevel& level);
 
 }  // namespace hapton

@@ -73,7 +73,7 @@ struct Vertices {
 struct ScenePainter::Object {
   DetailFrame frame;
   Vec3 colour;
-  double radius_m = 0.0;            // around frame.centre
+  double radius_m = 0.0;               // around frame.centre
   std::unique_ptr<DetailLevel> whole;  // read by the builder
   FlatLevel full;
   Vertices full_vertices;

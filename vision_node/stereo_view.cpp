@@ -70,8 +70,7 @@ int vtk_stereo_type(StereoMode mode) {
 class SceneProp : public vtkProp {
  public:
   static SceneProp* New();
-  vtkTypeMacro(SceneProp, vtkProp)
-  std::function<void()> draw;
+  vtkTypeMacro(SceneProp, vtkProp) std::function<void()> draw;
   int RenderOpaqueGeometry(vtkViewport*) override {
     draw();
     return 1;
@@ -79,8 +78,8 @@ class SceneProp : public vtkProp {
 };
 vtkStandardNewMacro(SceneProp)
 
-// One viewport: the whole window, or one eye's half of it.
-struct EyeView {
+    // One viewport: the whole window, or one eye's half of it.
+    struct EyeView {
   Eye eye = Eye::centre;
   bool composed = false;  // VTK draws both eyes through this view and says which by the camera's LeftEye
   bool swapped = false;   // and these are the other way round
