@@ -120,6 +120,13 @@ void GlTarget::copy_to_bound(int x, int y) const {
                     GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
+double GlTarget::read_depth(int x, int y) const {
+  GLfloat depth = 1.0F;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glReadPixels(x, y, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+  return depth;
+}
+
 void GlTarget::swap(GlTarget& other) noexcept {
   std::swap(size_, other.size_);
   std::swap(format_, other.format_);

@@ -49,6 +49,8 @@ class GlTarget {
   void bind() const;
   // Colour and depth into the framebuffer that is bound for drawing, from its pixel (x, y). Leaves it bound for drawing.
   void copy_to_bound(int x, int y) const;
+  // 0 to 1, of one pixel. Pre: within the size, one sample a pixel.
+  double read_depth(int x, int y) const;
   void swap(GlTarget& other) noexcept;
   void release();
 

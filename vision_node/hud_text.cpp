@@ -15,14 +15,16 @@ std::string compose_hud(const HudFacts& facts) {
   } else {
     text += "waiting for the hub ...\n\n";
   }
-  text += fmt::format("{:.0f} pictures/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
+  text += fmt::format("{:.0f} frames/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
                       facts.cull ? "" : ", no cull", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
+  if (facts.detail_progress < 1.0) text += fmt::format("   preparing detail {:.0f} %", 100.0 * facts.detail_progress);
   return text;
 }
 
 std::string_view keys_help() {
-  return "x X y Y z Z dials   0 home   b cull   s screenshot   h hand   k help   q quit\n"
-         "left drag: hand   wheel: hand's depth   right drag: dials (shift: z)";
+  return "x X y Y z Z knob box   0 home   m stereo   e swap eyes   f frame   r reset view   b cull   s screenshot   h hand   k help   q "
+         "quit\n"
+         "left drag: hand over the surface, wheel: press   right drag: look round   shift or middle: move   wheel + -: zoom";
 }
 
 }  // namespace hapton

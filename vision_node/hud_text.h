@@ -15,6 +15,7 @@ struct HudFacts {
   std::string_view stereo;
   bool cull = true;
   bool hand_held = false;
+  double detail_progress = 1.0;  // of the levels of detail, 0 to 1
 };
 
 // The few lines in the picture's corner: rates, latency, force. Rounded so that noise below what a reader cares for does not change it.

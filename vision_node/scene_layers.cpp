@@ -109,4 +109,17 @@ void SceneLayers::copy_to_bound(Eye eye, int x, int y) const {
   layers_[static_cast<std::size_t>(eye)].shown.copy_to_bound(x, y);
 }
 
+std::optional<Vec3> SceneLayers::find_surface(Eye eye, int x, int y) const {
+  const Layer& here = layers_[static_cast<std::size_t>(eye)];
+  if (!here.is_valid || x < 0 || y < 0 || x >= here.pass.size.width_px || y >= here.pass.size.height_px) return std::nullopt;
+  if (here.shown.format().samples > 0) return std::nullopt;
+  const GlStateGuard guard;
+  const double depth = here.shown.read_depth(x, y);
+  if (!(depth < 1.0)) return std::nullopt;
+  const Mat4 to_clip = compute_projection_matrix(here.pass.screen, eye) * compute_view_matrix(here.pass.screen, eye);
+  const Eigen::Vector4d clip(2.0 * (x + 0.5) / here.pass.size.width_px - 1.0, 2.0 * (y + 0.5) / here.pass.size.height_px - 1.0,
+                             2.0 * depth - 1.0, 1.0);
+  return Vec3((to_clip.inverse() * clip).hnormalized());
+}
+
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,9 @@ class SceneLayers {
 
   // The eye's picture with its depth into the framebuffer bound for drawing, from its pixel (x, y) on. Leaves OpenGL as it was.
   void copy_to_bound(Eye eye, int x, int y) const;
+
+  // The place of the scene that is seen at a pixel of the eye's picture, frame W; none where there is only background, or no such pixel.
+  std::optional<Vec3> find_surface(Eye eye, int x, int y) const;
 
   // How much of all levels of detail has been made, 0 to 1.
   double progress() const { return painter_->progress(); }

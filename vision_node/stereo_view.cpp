@@ -178,7 +178,7 @@ Result<void> StereoView::Window::open() {
         "stereo mode crystal_eyes needs a quad-buffered OpenGL visual and this display has none: use --stereo side_by_side or auto");
   }
   mode = settings.stereo;
-  if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::side_by_side;
+  if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
   return {};
 }
 
@@ -293,6 +293,34 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
 }
 
 void StereoView::set_scene_pose(const Pose& X_WS) { window_->X_WS = X_WS; }
+void StereoView::set_framing(const Framing& framing) { window_->settings.framing = framing; }
+
+Result<void> StereoView::set_stereo(StereoMode mode) {
+  if (mode == StereoMode::automatic) mode = window_->has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
+  if (mode == StereoMode::crystal_eyes && !window_->has_quad) return fail("this window has no quad-buffered stereo");
+  window_->mode = mode;
+  window_->arrange();
+  return {};
+}
+
+void StereoView::swap_eyes() {
+  window_->swapped = !window_->swapped;
+  window_->arrange();
+}
+
+std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
+  for (const auto& view : window_->eyes) {
+    const int* origin = view->renderer->GetOrigin();
+    const int x = x_px - origin[0];
+    const int y = y_px - origin[1];
+    const PictureSize size = view->size();
+    if (x < 0 || y < 0 || x >= size.width_px || y >= size.height_px) continue;
+    window_->window->MakeCurrent();
+    return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
+  }
+  return std::nullopt;
+}
+
 void StereoView::set_probe(const ProbeShown& probe) { window_->probe->set(probe); }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,12 +48,22 @@ class StereoView {
   ~StereoView();
 
   void set_scene_pose(const Pose& X_WS);
+  // Another view of it. Sizes of what is drawn for the probe stay as they began.
+  void set_framing(const Framing& framing);
+  // Error: crystal_eyes where the display cannot do it. automatic: what it came to at the start.
+  Result<void> set_stereo(StereoMode mode);
+  // The left eye's picture for the right eye and back, in all modes that show two eyes.
+  void swap_eyes();
   // Nothing is drawn for the probe before the first call.
   void set_probe(const ProbeShown& probe);
   // Of another hand; the same holds.
   void set_other_probe(const ProbeShown& probe);
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
+
+  // The surface of the scene that is seen at that pixel of the window, from the lower left corner, in the newest picture; none where
+  // nothing of the scene is. Frame W. None as well while the window is drawn with smoothed edges.
+  std::optional<Vec3> pick(int x_px, int y_px);
 
   // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: what it sets of the probe and
   // the HUD is in the picture.

@@ -39,7 +39,8 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   bool no_help = false;
 
   CLI::App app{
-      "Draws the scene and the probe in stereo, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn the window:\n" +
+      "Draws the scene and the probe, in stereo where asked for, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn "
+      "the window:\n" +
           std::string(keys_help()),
       "vision_node"};
   app.add_option("--hub", hubs,
@@ -51,7 +52,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node must be told the same");
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--stereo", stereo,
-                 fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side",
+                 fmt::format("One of: {}. auto: quad-buffer where the display can, else mono",
                              [] {
                                std::string all;
                                for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;

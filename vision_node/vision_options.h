@@ -22,6 +22,8 @@ struct VisionOptions {
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace};  // drawn as it came
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
+  Vec3 p_SO = Vec3::Zero();  // a sphere around the scene that was opened
+  double scene_radius_m = 0.0;
   // A three-quarter view shows depth and the force that points at the hand, and is little enough for the hand not to mind.
   double view_yaw_deg = -25.0;
   double view_pitch_deg = 20.0;

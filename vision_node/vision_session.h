@@ -40,6 +40,10 @@ class VisionSession {
 
  private:
   void hear_hub(std::int64_t deadline_ns);
+  void take_states(std::int64_t deadline_ns);
+  void handle_events();
+  void change_stereo(const Wishes& wishes);
+  void refine_scene();
   Result<void> attend_window();
   void speak();
   Result<void> draw_if_wanted();
@@ -66,7 +70,7 @@ class VisionSession {
   std::int64_t heard_ns_ = 0;  // when the state came that is drawn next
 };
 
-// Draws that many pictures flat out, the dials turning, and says how fast it went.
-std::string run_bench(StereoView& view, const Clock& clock, int frames);
+// Draws that many pictures flat out, the dials turning, once all levels of detail are made, and says how fast it went.
+std::string run_bench(StereoView& view, Clock& clock, int frames);
 
 }  // namespace hapton
