@@ -214,7 +214,10 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   }
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
   if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event);
-  if (std::holds_alternative<HapticsSetup>(datagram.message)) peers_.send_to_role(NodeRole::tool, datagram.message);
+  if (std::holds_alternative<HapticsSetup>(datagram.message)) {
+    peers_.send_to_role(NodeRole::tool, datagram.message);
+    peers_.send_to_role(NodeRole::vision, datagram.message);  // it draws the probe as large as it is felt
+  }
   if (const auto* ask = std::get_if<ReportAsk>(&datagram.message); ask != nullptr && desk_ != nullptr) desk_->ask(event.peer, *ask);
 }
 

@@ -2,10 +2,13 @@
 
 #include <string_view>
 
+#include <vtkActor2D.h>
 #include <vtkNew.h>
+#include <vtkPoints.h>
 #include <vtkRenderer.h>
 #include <vtkTextActor.h>
 
+#include "vision_node/depth_cues.h"
 #include "vision_node/stereo_camera.h"
 
 namespace hapton {
@@ -16,10 +19,15 @@ class HudFigure {
   void add_to(vtkRenderer* renderer);
   void place(PictureSize size);
   void set(std::string_view facts, std::string_view help);
+  // Above the right end of the picture's foot; one without a length is not shown.
+  void set_scale_bar(const ScaleBar& bar, PictureSize size);
 
  private:
   vtkNew<vtkTextActor> facts_;
   vtkNew<vtkTextActor> help_;
+  vtkNew<vtkTextActor> scale_label_;
+  vtkNew<vtkActor2D> scale_;
+  vtkNew<vtkPoints> scale_corners_;
 };
 
 }  // namespace hapton

@@ -22,9 +22,9 @@ std::string compose_hud(const HudFacts& facts) {
 }
 
 std::string_view keys_help() {
-  return "x X y Y z Z knob box   0 home   m stereo   e swap eyes   f frame   r reset view   b cull   s screenshot   h hand   k help   q "
-         "quit\n"
-         "left drag: hand over the surface, wheel: press   right drag: look round   shift or middle: move   wheel + -: zoom";
+  return "x X y Y z Z knob box   0 home   b cull   h hand   s screenshot   k help   q quit\n"
+         "m stereo   e swap eyes   f frame   r reset view   g ground   wheel + - zoom\n"
+         "left drag: hand, wheel: press   right drag: look round, with shift: move";
 }
 
 }  // namespace hapton

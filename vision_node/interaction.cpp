@@ -97,6 +97,9 @@ void Interaction::press_key(char key, const View& view) {
     case 'b':
       wishes_.toggle_cull = true;
       break;
+    case 'g':
+      wishes_.toggle_depth_cues = true;
+      break;
     case 's':
       wishes_.screenshot = true;
       break;

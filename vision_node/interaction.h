@@ -29,6 +29,7 @@ struct Wishes {
   bool screenshot = false;
   bool toggle_cull = false;
   bool toggle_help = false;
+  bool toggle_depth_cues = false;
   bool next_stereo = false;
   bool swap_eyes = false;
   bool look_at_scene = false;

@@ -15,8 +15,8 @@ bool same_screen(const StereoScreen& a, const StereoScreen& b) {
 }
 
 bool same_pass(const ScenePass& a, const ScenePass& b) {
-  return a.eye == b.eye && a.size == b.size && a.cull == b.cull && a.plain == b.plain && a.X_WS.matrix() == b.X_WS.matrix() &&
-         same_screen(a.screen, b.screen);
+  return a.eye == b.eye && a.size == b.size && a.cull == b.cull && a.plain == b.plain && a.depth_cues == b.depth_cues &&
+         a.X_WS.matrix() == b.X_WS.matrix() && same_screen(a.screen, b.screen);
 }
 
 }  // namespace
@@ -55,7 +55,9 @@ void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& for
 
 // The target is bound, with the background in it.
 void SceneLayers::begin(Layer& here, GlTarget& target) {
-  if (here.background.shape(target.size(), target.format())) {
+  const bool is_new = here.background.shape(target.size(), target.format());
+  if (is_new || !same_screen(here.background_pass.screen, here.pass.screen) || here.background_pass.depth_cues != here.pass.depth_cues) {
+    here.background_pass = here.pass;
     here.background.bind();
     painter_->paint_background(here.pass);
   }

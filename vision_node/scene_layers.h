@@ -48,6 +48,7 @@ class SceneLayers {
   struct Layer {
     ScenePass pass;
     GlTarget background;  // copied faster than drawn
+    ScenePass background_pass;
     GlTarget shown;
     GlTarget finer;
     PaintCursor cursor;

@@ -6,6 +6,7 @@
 
 #include <GL/glew.h>
 
+#include "vision_node/depth_cues.h"
 #include "vision_node/detail_choice.h"
 #include "vision_node/view_culling.h"
 
@@ -17,7 +18,8 @@ constexpr std::string_view kVertexShader = R"(#version 150
 in vec3 position;
 in vec4 direction;
 uniform mat4 to_clip, to_eye;
-uniform vec3 colour, light;
+uniform vec3 colour, light, haze;
+uniform float haze_from, haze_to;
 uniform int plain;
 flat out vec4 shade;
 void main() {
@@ -32,7 +34,8 @@ void main() {
   float p16 = p4 * p4;
   p16 *= p16;
   vec3 lit = colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards);
-  shade = vec4(plain != 0 ? colour : lit, 1.0);
+  float far = 0.45 * clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 1.0);
+  shade = vec4(plain != 0 ? colour : mix(lit, haze, far), 1.0);
 }
 )";
 
@@ -58,8 +61,30 @@ out vec4 shown;
 void main() { shown = vec4(mix(low, high, height), 1.0); }
 )";
 
+// One colour, wherever the matrix puts it.
+constexpr std::string_view kSingleVertexShader = R"(#version 150
+in vec3 position;
+uniform mat4 to_clip;
+void main() { gl_Position = to_clip * vec4(position, 1.0); }
+)";
+
+constexpr std::string_view kSingleFragmentShader = R"(#version 150
+uniform vec3 colour;
+out vec4 shown;
+void main() { shown = vec4(colour, 1.0); }
+)";
+
 const Vec3 kLow(0.055, 0.07, 0.095);
 const Vec3 kHigh(0.30, 0.36, 0.44);
+const Vec3 kHaze(0.19, 0.23, 0.29);
+const Vec3 kGrid(0.20, 0.24, 0.30);
+const Vec3 kBox(0.34, 0.40, 0.48);
+const Vec3 kShadow(0.045, 0.05, 0.06);
+// The shadow lies this far above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
+constexpr std::size_t kPreviewTriangles = 150'000;
+// A shadow of more triangles costs more than it shows: of a large mesh before its levels are made.
+constexpr std::size_t kShadowTriangles = 20'000;
+constexpr double kAboveGround = 1e-3;
 // From over the viewer's left shoulder.
 const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
 
@@ -127,6 +152,8 @@ ScenePainter::~ScenePainter() {
     release(object->full_vertices);
     for (Vertices& vertices : object->coarser_vertices) release(vertices);
   }
+  if (line_vertices_ != 0) glDeleteVertexArrays(1, &line_vertices_);
+  if (line_buffer_ != 0) glDeleteBuffers(1, &line_buffer_);
   if (index_buffer_ != 0) glDeleteBuffers(1, &index_buffer_);
   if (empty_vertices_ != 0) glDeleteVertexArrays(1, &empty_vertices_);
 }
@@ -137,10 +164,14 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   if (!shaded) return tl::unexpected(shaded.error());
   auto background = GlProgram::make(kBackgroundVertexShader, kBackgroundFragmentShader);
   if (!background) return tl::unexpected(background.error());
+  auto single = GlProgram::make(kSingleVertexShader, kSingleFragmentShader);
+  if (!single) return tl::unexpected(single.error());
+  painter->single_ = std::make_unique<GlProgram>(std::move(*single));
   painter->shaded_ = std::make_unique<GlProgram>(std::move(*shaded));
   painter->background_ = std::make_unique<GlProgram>(std::move(*background));
   glGenBuffers(1, &painter->index_buffer_);
   glGenVertexArrays(1, &painter->empty_vertices_);
+  painter->upload_lines();
   std::vector<const DetailLevel*> levels;
   for (const ShownObject& shown : objects) {
     auto object = std::make_unique<Object>();
@@ -197,6 +228,7 @@ std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, do
 }
 
 bool ScenePainter::is_full(const ScenePass& pass) const {
+  if (builder_->progress() < 1.0) return false;
   return std::all_of(objects_.begin(), objects_.end(), [&](const auto& object) { return choose(*object, pass) == 0; });
 }
 
@@ -214,6 +246,68 @@ void ScenePainter::paint_background(const ScenePass& pass) const {
   background_->set("high", kHigh);
   glBindVertexArray(empty_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (pass.depth_cues) paint_lines(pass);
+}
+
+void ScenePainter::upload_lines() {
+  std::vector<Vec3f> corners;
+  for (const auto& segment : make_ground_grid()) {
+    for (const Vec3& p : segment) corners.push_back(p.cast<float>());
+  }
+  grid_corners_ = static_cast<int>(corners.size());
+  for (const auto& segment : make_workspace_box()) {
+    for (const Vec3& p : segment) corners.push_back(p.cast<float>());
+  }
+  box_corners_ = static_cast<int>(corners.size()) - grid_corners_;
+  glGenVertexArrays(1, &line_vertices_);
+  glGenBuffers(1, &line_buffer_);
+  glBindVertexArray(line_vertices_);
+  glBindBuffer(GL_ARRAY_BUFFER, line_buffer_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(Vec3f)), corners.data(), GL_STATIC_DRAW);
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+void ScenePainter::paint_lines(const ScenePass& pass) const {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  single_->use();
+  single_->set("to_clip", Mat4(compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye)));
+  glBindVertexArray(line_vertices_);
+  single_->set("colour", kGrid);
+  glDrawArrays(GL_LINES, 0, grid_corners_);
+  single_->set("colour", kBox);
+  glDrawArrays(GL_LINES, grid_corners_, box_corners_);
+  glBindVertexArray(0);
+}
+
+// Of the coarsest levels: it is flat and of one colour. What lies below the ground throws none, because it is beneath.
+void ScenePainter::paint_shadow(const ScenePass& pass) {
+  if (pass.plain || !pass.depth_cues) return;
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  Mat4 raise = Mat4::Identity();
+  raise(1, 3) = kAboveGround * pass.screen.distance_m;
+  const Mat4 to_ground = raise * compute_shadow_matrix(shadow_light()) * pass.X_WS.matrix();
+  const Mat4 to_clip = compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye) * to_ground;
+  single_->use();
+  single_->set("colour", kShadow);
+  for (const auto& object : objects_) {
+    const std::size_t coarsest = object->facts.size() - 1;
+    const FlatLevel& level = object->level(coarsest);
+    if (level.triangles() > kShadowTriangles) continue;
+    single_->set("to_clip", Mat4(to_clip * object->frame.matrix()));
+    glBindVertexArray(object->vertices(coarsest));
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(level.indices.size() * sizeof(std::uint32_t)), level.indices.data(),
+                 GL_STREAM_DRAW);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(level.indices.size()), GL_UNSIGNED_INT, nullptr);
+  }
+  glBindVertexArray(0);
 }
 
 void ScenePainter::begin_objects(const ScenePass& pass) const {
@@ -227,10 +321,15 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   shaded_->use();
   shaded_->set("light", kLight_V);
   shaded_->set("plain", pass.plain ? 1 : 0);
+  shaded_->set("haze", kHaze);
+  // From where the picture's centre is to the far end of what is drawn, in eyes' distances; beyond every depth where there is none.
+  const bool is_hazy = pass.depth_cues && !pass.plain;
+  shaded_->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
+  shaded_->set("haze_to", is_hazy ? 1.0 + 0.5 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
 }
 
 std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass,
-                                         std::size_t from, std::size_t to) {
+                                         std::size_t from, std::size_t to, std::uint32_t every) {
   const Mat4 X_WU = pass.X_WS.matrix() * object.frame.matrix();
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
   const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
@@ -240,6 +339,12 @@ std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& 
   for (std::size_t i = from; i < to; ++i) {
     const DetailCluster& cluster = level.clusters[i];
     if (!culling.may_see(cluster)) continue;
+    if (every > 1) {
+      for (std::uint32_t k = cluster.first; k + 2 < cluster.first + cluster.count; k += 3 * every) {
+        visible_.insert(visible_.end(), level.indices.begin() + k, level.indices.begin() + k + 3);
+      }
+      continue;
+    }
     const auto first = level.indices.begin() + cluster.first;
     visible_.insert(visible_.end(), first, first + cluster.count);
   }
@@ -258,6 +363,7 @@ std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& 
 }
 
 PaintCount ScenePainter::paint(const ScenePass& pass) {
+  paint_shadow(pass);
   begin_objects(pass);
   PaintCount count;
   for (const auto& object : objects_) {
@@ -266,12 +372,16 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
     const FlatLevel& level = object->level(i);
     count.triangles += level.triangles();
     count.largest_error_px = std::max(count.largest_error_px, error_px);
-    count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size());
+    // Of a large mesh without any level yet only some of the triangles: a picture at once, and in a moment a better one.
+    const bool is_preview = object->facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
+    const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
+    count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size(), every);
   }
   return count;
 }
 
 bool ScenePainter::paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles) {
+  if (cursor.object == 0 && cursor.cluster == 0) paint_shadow(pass);
   begin_objects(pass);
   std::size_t drawn = 0;
   while (cursor.object < objects_.size() && drawn < triangles) {

@@ -24,8 +24,9 @@ struct ScenePass {
   StereoScreen screen;
   PictureSize size;
   Pose X_WS = Pose::Identity();
-  bool cull = true;    // leave out triangles seen from behind (memo 4.2.1)
-  bool plain = false;  // one dark colour behind, no light
+  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
+  bool plain = false;      // one dark colour behind, no light
+  bool depth_cues = true;  // ground, shadow, workspace, haze; none where plain
 };
 
 // What was drawn, for reports.
@@ -57,9 +58,9 @@ class ScenePainter {
   // How much of all levels has been made, 0 to 1.
   double progress() const { return builder_->progress(); }
 
-  // What lies behind the scene, over everything in the framebuffer that is bound; its depth is the farthest.
+  // What lies behind and around the scene, over everything in the framebuffer that is bound: does not depend on the scene's pose.
   void paint_background(const ScenePass& pass) const;
-  // The scene, with its depth, in levels good enough to move.
+  // The scene and its shadow, with their depth, in levels good enough to move.
   PaintCount paint(const ScenePass& pass);
   // The scene in full detail, in parts: from the cursor on, about as many triangles as asked for. True when the picture is whole.
   bool paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles);
@@ -70,14 +71,19 @@ class ScenePainter {
   struct Object;
   ScenePainter();
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
+  void upload_lines();
+  void paint_lines(const ScenePass& pass) const;
+  void paint_shadow(const ScenePass& pass);
   void begin_objects(const ScenePass& pass) const;
   std::size_t paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass, std::size_t from,
-                             std::size_t to);
+                             std::size_t to, std::uint32_t every = 1);
 
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
-  std::unique_ptr<GlProgram> shaded_, background_;
+  std::unique_ptr<GlProgram> shaded_, background_, single_;
   std::uint32_t index_buffer_ = 0, empty_vertices_ = 0;
+  std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
+  int grid_corners_ = 0, box_corners_ = 0;
   std::vector<std::uint32_t> visible_;
   std::unique_ptr<DetailBuilder> builder_;  // last: it reads the objects' levels
 };

@@ -89,6 +89,7 @@ vtkStandardNewMacro(SceneProp)
   vtkNew<SceneProp> scene;
   HudFigure hud;
   PictureSize placed;
+  bool shows_scale = false;
 
   PictureSize size() {
     const int* pixels = renderer->GetSize();
@@ -116,6 +117,7 @@ vtkStandardNewMacro(SceneProp)
     camera->UseExplicitProjectionTransformMatrixOn();
     const Vec3 towards = screen.X_WV.linear() * kLight_V;
     light->SetPosition(towards.x(), towards.y(), towards.z());
+    hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
     if (size() == placed) return;
     placed = size();
     hud.place(placed);
@@ -241,6 +243,7 @@ void StereoView::Window::begin(EyeView& view) {
   const PictureSize pixels = view.size();
   if (pixels.width_px <= 0 || pixels.height_px <= 0) return;
   if (!std::exchange(is_prepared, true)) prepare();
+  view.shows_scale = settings.depth_cues && !settings.plain;
   view.aim(compute_screen(settings.framing, pixels));
 }
 
@@ -248,7 +251,8 @@ void StereoView::Window::begin(EyeView& view) {
 void StereoView::Window::prepare() {
   std::vector<ScenePass> passes;
   for (const auto& view : eyes) {
-    ScenePass pass{view->eye, compute_screen(settings.framing, view->size()), view->size(), X_WS, settings.cull, settings.plain};
+    ScenePass pass{view->eye,          compute_screen(settings.framing, view->size()), view->size(), X_WS, settings.cull, settings.plain,
+                   settings.depth_cues};
     if (view->composed) {
       pass.eye = Eye::left;
       passes.push_back(pass);
@@ -285,8 +289,8 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   auto layers = SceneLayers::make(objects);
   if (!layers) return tl::unexpected(layers.error());
   window->layers = std::move(*layers);
-  window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing));
-  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing));
+  window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());
+  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::other());
   window->arrange();
   if (!settings.offscreen) window->listener = std::make_unique<WindowListener>(window->window);
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
@@ -329,6 +333,8 @@ void StereoView::set_hud(std::string_view facts, std::string_view help) {
 }
 
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
+void StereoView::set_depth_cues(bool shown) { window_->settings.depth_cues = shown; }
+void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::draw(std::function<void()> before_probe) {
   if (window_->mode == StereoMode::emulate) {

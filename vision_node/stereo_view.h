@@ -26,6 +26,7 @@ struct ViewSettings {
   bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
   bool offscreen = false;  // no window is mapped; a display is needed all the same
   bool plain = false;      // one dark colour behind, no light, no HUD: for measuring pixels
+  bool depth_cues = true;  // ground, shadow, workspace, haze and scale bar; none where plain
   Framing framing;
 };
 
@@ -60,6 +61,9 @@ class StereoView {
   void set_other_probe(const ProbeShown& probe);
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
+  void set_depth_cues(bool shown);
+  // The probe's true radius; 0: a point, drawn as a pin.
+  void set_probe_radius(double radius_m);
 
   // The surface of the scene that is seen at that pixel of the window, from the lower left corner, in the newest picture; none where
   // nothing of the scene is. Frame W. None as well while the window is drawn with smoothed edges.

@@ -26,6 +26,7 @@ VisionStepSettings make_step_settings(const StereoView& view, const VisionOption
   settings.max_rate_hz = options.rate_limit_hz;
   settings.always_changing = view.mode() == StereoMode::emulate;
   settings.cull = options.view.cull;
+  settings.depth_cues = options.view.depth_cues;
   settings.help = options.help;
   settings.stereo = stereo_mode_name(view.mode());
   settings.home = options.view.framing;
@@ -108,7 +109,9 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
       clock_(clock),
       options_(options),
       step_(make_step_settings(view, options)),
-      moment_(options.screenshot_moment) {}
+      moment_(options.screenshot_moment) {
+  if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
+}
 
 Result<void> VisionSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
@@ -130,11 +133,21 @@ Result<void> VisionSession::run(const StopSignal& stop) {
 void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram heard;
   for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
+    if (const auto* setup = std::get_if<HapticsSetup>(&heard.message)) take_setup(*setup);
     const auto* state = std::get_if<ProbeState>(&heard.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     heard_ns_ = hub_.receive_time_ns();
     step_.hear(*state);
   }
+}
+
+void VisionSession::take_setup(const HapticsSetup& setup) {
+  if (options_.probe_radius_m >= 0.0) return;
+  const double radius_m = find_probe_radius(setup.method.data());
+  if (radius_m == probe_radius_m_) return;
+  probe_radius_m_ = radius_m;
+  view_.set_probe_radius(radius_m);
+  step_.spoil();
 }
 
 void VisionSession::hear_hub(std::int64_t deadline_ns) {
@@ -213,6 +226,7 @@ Result<void> VisionSession::draw_if_wanted() {
   view_.set_framing(shown.framing);
   if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
   view_.set_cull(shown.cull);
+  view_.set_depth_cues(shown.depth_cues);
   view_.set_hud(shown.hud, shown.help);
   // While the scene was drawn the probe has moved on.
   view_.draw([this] {

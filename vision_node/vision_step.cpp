@@ -20,7 +20,11 @@ constexpr std::int64_t kRestNs = 150'000'000;
 }  // namespace
 
 VisionStep::VisionStep(VisionStepSettings settings)
-    : settings_(std::move(settings)), watch_(settings_.threshold_px), cull_(settings_.cull), help_(settings_.help) {
+    : settings_(std::move(settings)),
+      watch_(settings_.threshold_px),
+      cull_(settings_.cull),
+      help_(settings_.help),
+      depth_cues_(settings_.depth_cues) {
   interaction_.dials() = settings_.dials;
   sender_.set(settings_.dials.compute_pose(settings_.p_WC));
 }
@@ -59,7 +63,8 @@ Wishes VisionStep::take_wishes() {
   const Wishes wishes = interaction_.take_wishes();
   cull_ = cull_ != wishes.toggle_cull;
   help_ = help_ != wishes.toggle_help;
-  stale_ = stale_ || wishes.toggle_cull || wishes.toggle_help;
+  depth_cues_ = depth_cues_ != wishes.toggle_depth_cues;
+  stale_ = stale_ || wishes.toggle_cull || wishes.toggle_help || wishes.toggle_depth_cues;
   if (wishes.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
   return wishes;
 }
@@ -126,6 +131,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.hud = hud_shown_;
   if (help_) shown.help = keys_help();
   shown.cull = cull_;
+  shown.depth_cues = depth_cues_;
   stale_ = false;
   return shown;
 }

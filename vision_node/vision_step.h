@@ -22,6 +22,7 @@ struct VisionStepSettings {
   bool always_changing = false;  // draw even when nothing moved: modes that alternate the eyes
   bool cull = true;
   bool help = true;
+  bool depth_cues = true;
   std::string stereo;        // the mode's name, for the HUD
   Framing home;              // how the picture begins
   Vec3 p_SO = Vec3::Zero();  // a sphere around the scene
@@ -47,6 +48,7 @@ class VisionStep {
     std::string hud;
     std::string_view help;
     bool cull = true;
+    bool depth_cues = true;
   };
 
   explicit VisionStep(VisionStepSettings settings);
@@ -110,6 +112,7 @@ class VisionStep {
   bool unseen_ = false;  // and would look the same
   bool cull_;
   bool help_;
+  bool depth_cues_;
   Vec3 dials_shown_ = Vec3::Zero();
   CameraView camera_shown_;
   std::int64_t scene_moved_ns_ = 0;
