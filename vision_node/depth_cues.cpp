@@ -30,6 +30,11 @@ std::vector<LineSegment> make_workspace_box() {
   return lines;
 }
 
+Vec3 find_nearest_corner(const Vec3& p_W) {
+  const Vec3 half = 0.5 * workspace_size_m();
+  return p_W.cwiseSign().unaryExpr([](double sign) { return sign < 0.0 ? -1.0 : 1.0; }).cwiseProduct(half);
+}
+
 std::vector<LineSegment> make_ground_grid() {
   const Vec3 half = 0.5 * workspace_size_m();
   const double y = ground_height_m();
@@ -57,6 +62,11 @@ Mat4 compute_shadow_matrix(const Vec3& towards_light) {
   m.block<3, 1>(0, 1) -= slope;
   m.block<3, 1>(0, 3) = ground_height_m() * slope;
   return m;
+}
+
+std::optional<Vec3> find_shadow(const Vec3& p_W) {
+  if (!p_W.allFinite() || p_W.y() < ground_height_m()) return std::nullopt;
+  return Vec3((compute_shadow_matrix(shadow_light()) * p_W.homogeneous()).head<3>());
 }
 
 ScaleBar choose_scale_bar(const StereoScreen& screen, PictureSize size) {

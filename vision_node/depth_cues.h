@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ inline Vec3 workspace_size_m() { return {0.2667, 0.1905, 0.381}; }
 
 // The twelve edges of the workspace.
 std::vector<LineSegment> make_workspace_box();
+// Its corner nearest to a point.
+Vec3 find_nearest_corner(const Vec3& p_W);
 // Squares of 20 mm on the floor of the workspace.
 std::vector<LineSegment> make_ground_grid();
 // Height of that floor.
@@ -23,6 +26,8 @@ double ground_height_m();
 
 // Moves each point of the world along the light's rays onto the ground: homogeneous, 4 x 4. towards_light points from the ground up.
 Mat4 compute_shadow_matrix(const Vec3& towards_light);
+// Where a point's shadow lies; none for one below the ground.
+std::optional<Vec3> find_shadow(const Vec3& p_W);
 // Where the light comes from that throws the shadows: from above, a little from the left and from the front.
 Vec3 shadow_light();
 

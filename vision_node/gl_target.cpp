@@ -52,6 +52,7 @@ GlStateGuard::GlStateGuard() {
   glGetIntegerv(GL_VIEWPORT, viewport_);
   glGetIntegerv(GL_SCISSOR_BOX, scissor_);
   glGetFloatv(GL_COLOR_CLEAR_VALUE, clear_);
+  glGetFloatv(GL_LINE_WIDTH, &line_width_);
   glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
   glGetBooleanv(GL_COLOR_WRITEMASK, colour_mask_);
   for (int i = 0; i < 4; ++i) enabled_[i] = glIsEnabled(kSwitches[i]);
@@ -68,6 +69,7 @@ GlStateGuard::~GlStateGuard() {
   glFrontFace(static_cast<GLenum>(front_face_));
   glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
   glScissor(scissor_[0], scissor_[1], scissor_[2], scissor_[3]);
+  glLineWidth(line_width_);
   glClearColor(clear_[0], clear_[1], clear_[2], clear_[3]);
   glDepthMask(depth_mask_);
   glColorMask(colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);

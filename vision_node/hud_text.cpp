@@ -23,7 +23,7 @@ std::string compose_hud(const HudFacts& facts) {
 
 std::string_view keys_help() {
   return "x X y Y z Z knob box   0 home   b cull   h hand   s screenshot   k help   q quit\n"
-         "m stereo   e swap eyes   f frame   r reset view   g ground   wheel + - zoom\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground\n"
          "left drag: hand, wheel: press   right drag: look round, with shift: move";
 }
 

@@ -12,6 +12,7 @@
 #include <vtkProperty.h>
 #include <vtkShaderProperty.h>
 
+#include "vision_node/depth_cues.h"
 #include "vision_node/vtk_shapes.h"
 
 namespace hapton {
@@ -20,6 +21,8 @@ namespace {
 constexpr double kHeadToShaftRadius = 2.6;
 constexpr double kHeadLengthInRadii = 7.0;
 constexpr double kLimitToShaftRadius = 3.2;
+// A point's shadow would not be seen.
+constexpr double kShadowInRadii = 2.0;
 // From the tip's middle to where the arrow begins.
 constexpr double kGapInRadii = 1.8;
 // Of the depth range, in front: what shows through lies in a thousandth, and the tip before the arrow.
@@ -122,6 +125,8 @@ ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeLook& colours) : si
         0.0);
   dress(device_point_, make_ball(0.6 * sizes.tip_radius_m), {0.95, 0.25, 0.20}, 0.6, 0.0);
   dress(penetration_, make_lathe({{0.0, 0.0}, {0.35 * s, 0.0}, {0.35 * s, 1.0}, {0.0, 1.0}}), {0.95, 0.25, 0.20}, 0.7, 0.0);
+  // A disc that lies flat: z of the shape is up.
+  dress(shadow_, make_lathe({{0.0, 0.0}, {1.0, 0.0}}), {0.045, 0.05, 0.06}, 1.0, 0.0);
   bring_to_front(device_point_, kGhostShare);
   bring_to_front(penetration_, kGhostShare);
   make_ghost(ghost_tip_, tip_, kTipShare);
@@ -146,6 +151,17 @@ void ProbeFigure::set(const ProbeShown& probe) {
   for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), ghost_tip_.Get()}) actor->VisibilityOn();
   place_arrow(probe);
   place_device_point(probe);
+  place_shadow(probe);
+}
+
+void ProbeFigure::place_shadow(const ProbeShown& probe) {
+  const auto p_WS = find_shadow(probe.p_WP);
+  shadow_->SetVisibility(throws_shadow_ && p_WS.has_value());
+  if (!throws_shadow_ || !p_WS) return;
+  // Over the scene's own shadow, by as much as that lies over the ground.
+  const double above = 0.5 * sizes_.tip_radius_m;
+  place(shadow_, *p_WS + above * Vec3::UnitY(), turn_z_to(Vec3::UnitY()),
+        {kShadowInRadii * tip_radius_m_, kShadowInRadii * tip_radius_m_, 1.0});
 }
 
 void ProbeFigure::place_arrow(const ProbeShown& probe) {

@@ -32,6 +32,8 @@ class ProbeFigure {
   void set(const ProbeShown& probe);
   // The tip is a ball of this radius; 0: a pin, of the radius in sizes().
   void set_tip_radius(double radius_m);
+  // Whether the tip throws a shadow on the ground.
+  void set_shadow(bool thrown) { throws_shadow_ = thrown; }
   const ProbeSizes& sizes() const { return sizes_; }
 
  private:
@@ -39,6 +41,7 @@ class ProbeFigure {
 
   void place_arrow(const ProbeShown& probe);
   void place_device_point(const ProbeShown& probe);
+  void place_shadow(const ProbeShown& probe);
 
   ProbeSizes sizes_;
   double tip_radius_m_;
@@ -55,11 +58,14 @@ class ProbeFigure {
   vtkNew<vtkActor> ghost_head_;
   vtkNew<vtkActor> device_point_;
   vtkNew<vtkActor> penetration_;
+  vtkNew<vtkActor> shadow_;
   std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // of so many newtons
   int rings_shown_ = -1;
+  bool throws_shadow_ = false;
 
-  std::array<vtkActor*, 12> actors() {
-    return {stylus_, grip_, tip_, shaft_, head_, rings_, limit_, ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_};
+  std::array<vtkActor*, 13> actors() {
+    return {stylus_,    grip_,        tip_,        shaft_,        head_,        rings_, limit_,
+            ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_, shadow_};
   }
 };
 

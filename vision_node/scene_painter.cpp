@@ -18,10 +18,11 @@ constexpr std::string_view kVertexShader = R"(#version 150
 in vec3 position;
 in vec4 direction;
 uniform mat4 to_clip, to_eye;
-uniform vec3 colour, light, haze;
+uniform vec3 colour, light;
 uniform float haze_from, haze_to;
 uniform int plain;
-flat out vec4 shade;
+flat out vec3 shade;
+out float far;
 void main() {
   gl_Position = to_clip * vec4(position, 1.0);
   vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
@@ -34,15 +35,17 @@ void main() {
   float p16 = p4 * p4;
   p16 *= p16;
   vec3 lit = colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards);
-  float far = 0.45 * clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 1.0);
-  shade = vec4(plain != 0 ? colour : mix(lit, haze, far), 1.0);
+  shade = plain != 0 ? colour : lit;
+  far = clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 0.45);
 }
 )";
 
 constexpr std::string_view kFragmentShader = R"(#version 150
-flat in vec4 shade;
+flat in vec3 shade;
+in float far;
+uniform vec3 haze;
 out vec4 shown;
-void main() { shown = shade; }
+void main() { shown = vec4(mix(shade, haze, far), 1.0); }
 )";
 
 constexpr std::string_view kBackgroundVertexShader = R"(#version 150
@@ -258,7 +261,6 @@ void ScenePainter::upload_lines() {
   for (const auto& segment : make_workspace_box()) {
     for (const Vec3& p : segment) corners.push_back(p.cast<float>());
   }
-  box_corners_ = static_cast<int>(corners.size()) - grid_corners_;
   glGenVertexArrays(1, &line_vertices_);
   glGenBuffers(1, &line_buffer_);
   glBindVertexArray(line_vertices_);
@@ -276,10 +278,17 @@ void ScenePainter::paint_lines(const ScenePass& pass) const {
   single_->use();
   single_->set("to_clip", Mat4(compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye)));
   glBindVertexArray(line_vertices_);
+  glLineWidth(1.0F);
   single_->set("colour", kGrid);
   glDrawArrays(GL_LINES, 0, grid_corners_);
   single_->set("colour", kBox);
-  glDrawArrays(GL_LINES, grid_corners_, box_corners_);
+  // But for the three edges that meet in the corner nearest to the viewer, in front of all that is looked at.
+  const auto edges = make_workspace_box();
+  const Vec3 nearest = find_nearest_corner(compute_eye_position(pass.screen, Eye::centre));
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (edges[i][0] == nearest || edges[i][1] == nearest) continue;
+    glDrawArrays(GL_LINES, grid_corners_ + 2 * static_cast<int>(i), 2);
+  }
   glBindVertexArray(0);
 }
 
@@ -325,7 +334,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   // From where the picture's centre is to the far end of what is drawn, in eyes' distances; beyond every depth where there is none.
   const bool is_hazy = pass.depth_cues && !pass.plain;
   shaded_->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
-  shaded_->set("haze_to", is_hazy ? 1.0 + 0.5 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
+  shaded_->set("haze_to", is_hazy ? 1.0 + 1.0 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
 }
 
 std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass,

@@ -83,7 +83,7 @@ class ScenePainter {
   std::unique_ptr<GlProgram> shaded_, background_, single_;
   std::uint32_t index_buffer_ = 0, empty_vertices_ = 0;
   std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
-  int grid_corners_ = 0, box_corners_ = 0;
+  int grid_corners_ = 0;
   std::vector<std::uint32_t> visible_;
   std::unique_ptr<DetailBuilder> builder_;  // last: it reads the objects' levels
 };

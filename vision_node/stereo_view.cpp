@@ -291,6 +291,7 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   window->layers = std::move(*layers);
   window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());
   window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::other());
+  for (ProbeFigure* figure : {window->probe.get(), window->other_probe.get()}) figure->set_shadow(settings.depth_cues && !settings.plain);
   window->arrange();
   if (!settings.offscreen) window->listener = std::make_unique<WindowListener>(window->window);
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
@@ -333,7 +334,10 @@ void StereoView::set_hud(std::string_view facts, std::string_view help) {
 }
 
 void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
-void StereoView::set_depth_cues(bool shown) { window_->settings.depth_cues = shown; }
+void StereoView::set_depth_cues(bool shown) {
+  window_->settings.depth_cues = shown;
+  for (ProbeFigure* figure : {window_->probe.get(), window_->other_probe.get()}) figure->set_shadow(shown && !window_->settings.plain);
+}
 void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
 void StereoView::draw(std::function<void()> before_probe) {

@@ -41,7 +41,7 @@ TEST(Hud, SaysHowFarTheLevelsOfDetailAre) {
 }
 
 TEST(Hud, NamesEveryKey) {
-  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r "})
+  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g "})
     EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
 }
 

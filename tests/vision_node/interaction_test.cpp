@@ -197,9 +197,9 @@ TEST_F(InteractionTest, WishesAreToldOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
   const Wishes wishes = hands_.take_wishes();
   EXPECT_TRUE(wishes.toggle_cull && wishes.screenshot && wishes.quit && wishes.toggle_help);
-  for (const char c : {'m', 'e', 'f'}) give(key(c));
+  for (const char c : {'m', 'e', 'f', 'g'}) give(key(c));
   const Wishes more = hands_.take_wishes();
-  EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene);
+  EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues);
   EXPECT_FALSE(hands_.take_wishes().quit);
   give(mouse(Kind::close, 0, 0));
   EXPECT_TRUE(hands_.take_wishes().quit);

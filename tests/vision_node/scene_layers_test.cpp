@@ -7,6 +7,7 @@
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/vision_node/made_views.h"
+#include "vision_node/depth_cues.h"
 #include "vision_node/knob_box.h"
 
 namespace hapton {
@@ -198,6 +199,57 @@ TEST(SceneLayers, ANearerFramingMakesTheSceneLarger) {
   nearer.view_m *= 0.5;
   view->set_framing(nearer);
   EXPECT_NEAR(red_pixels(), 4.0 * before, 0.05 * 4.0 * before);
+}
+
+TEST(SceneLayers, GroundAndWorkspaceAreThereUntilTheyAreLeftOut) {
+  ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
+  settings.framing.pitch_rad = 0.4;
+  auto view = open_or_fail(settings, {});
+  ASSERT_TRUE(view);
+  view->draw();
+  const Picture with = view->read_picture();
+  view->set_depth_cues(false);
+  view->draw();
+  const double share = share_differing(with, view->read_picture(), 8);
+  EXPECT_GT(share, 0.005);
+  EXPECT_LT(share, 0.2) << "lines, not areas";
+  view->set_depth_cues(true);
+  view->draw();
+  EXPECT_EQ(share_differing(with, view->read_picture()), 0.0);
+}
+
+TEST(SceneLayers, AnObjectDarkensTheGroundInItsShadow) {
+  ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
+  settings.framing.pitch_rad = 0.6;
+  const Vec3 p_WO(0.0, 0.05, 0.0);
+  auto view = open_or_fail(settings, {{make_marker(p_WO, 0.02), {0.8, 0.8, 0.8}}});
+  ASSERT_TRUE(view);
+  view->draw();
+  const Vec2 at = project_to_pixel(view->screen(), Eye::centre, {480, 480}, *find_shadow(p_WO));
+  const auto brightness = [&] {
+    const Picture picture = view->read_picture();
+    const std::uint8_t* rgb = picture.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    return int{rgb[0]} + rgb[1] + rgb[2];
+  };
+  const int shaded = brightness();
+  view->set_depth_cues(false);
+  view->draw();
+  EXPECT_LT(shaded, brightness() - 15);
+}
+
+TEST(SceneLayers, WhatIsFartherAwayIsHazier) {
+  const std::vector<ShownObject> objects = {{make_marker(Vec3(-0.05, 0.0, 0.06), 0.02), {1, 0, 0}},
+                                            {make_marker(Vec3(0.05, 0.0, -0.09), 0.02), {1, 0, 0}}};
+  auto view = open_or_fail(lit_settings(StereoMode::mono, 480, 480), objects);
+  ASSERT_TRUE(view);
+  const auto blue_over_red = [&](const Vec3& p_W) {
+    const Picture picture = view->read_picture();
+    const Vec2 at = project_to_pixel(view->screen(), Eye::centre, {480, 480}, p_W);
+    const std::uint8_t* rgb = picture.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    return static_cast<double>(rgb[2]) / rgb[0];
+  };
+  view->draw();
+  EXPECT_GT(blue_over_red(Vec3(0.05, 0.0, -0.09)), blue_over_red(Vec3(-0.05, 0.0, 0.06)) + 0.02);
 }
 
 }  // namespace

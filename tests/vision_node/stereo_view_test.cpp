@@ -273,6 +273,7 @@ TEST(StereoView, FlatShadingGivesATriangleOneColour) {
 TEST(StereoView, HudLiesInTheSamePlaceOfBothEyesPictures) {
   ViewSettings settings = plain_settings(StereoMode::side_by_side, 1280, 720);
   settings.plain = false;
+  settings.depth_cues = false;  // which have depth
   auto view = open_or_fail(settings, {});
   ASSERT_TRUE(view);
   view->draw();
