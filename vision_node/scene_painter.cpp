@@ -296,7 +296,7 @@ void ScenePainter::paint_lines(const ScenePass& pass) const {
 void ScenePainter::paint_shadow(const ScenePass& pass) {
   if (pass.plain || !pass.depth_cues) return;
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LEQUAL);
+  glDepthFunc(GL_LESS);  // where it is dark already, nothing more is done
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
