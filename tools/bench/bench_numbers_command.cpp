@@ -144,9 +144,7 @@ void add_bench_numbers_command(CommandLine bench, int& exit_code) {
         .between(10, 10'000'000)
         .shows_default();
     command.add_option("--seed", options->settings.seed, "Of meshes and trajectories").shows_default();
-    command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv and numbers.json")
-        .folder_to_write()
-        .shows_default();
+    command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv and numbers.json").shows_default();
   };
   const auto run = [options, &exit_code] {
     const auto done = measure(*options);
