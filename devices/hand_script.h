@@ -24,7 +24,7 @@ struct HandIntention {
 // met nothing, it looks nearer to the middle next, then farther out. Told where the surface is (aim), it goes there instead: a scene may be
 // a small thing, or lie aside.
 // A lead (the mouse in the vision window) takes the hand over; let go of, the script begins again from there.
-// Every number it draws comes from the seed. RT: step and lead yes.
+// Every number it draws comes from the seed; when it is told of a surface, it sets out anew. RT: step, lead and aim yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
