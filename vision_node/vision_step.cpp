@@ -70,6 +70,7 @@ std::string VisionStep::compose_hud_now() const {
   facts.stereo = settings_.stereo;
   facts.cull = cull_;
   facts.hand_held = interaction_.hand_active();
+  facts.is_other_scene = is_other_scene_;
   return compose_hud(facts);
 }
 
