@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "core/math/types.h"
@@ -85,6 +86,11 @@ class Device {
 
   // Leads the simulated hand to p_WH, or lets it go its own way again; false: a real hand or a recording moves this device.
   virtual bool lead_hand(const std::optional<Vec3>& p_WH) noexcept = 0;
+
+  // Points of the scene's surface (W) that the simulated hand goes to, one after the other; the first kMostAims count. None: it looks for
+  // itself. False: as above. RT: yes.
+  static constexpr std::size_t kMostAims = 16;
+  virtual bool aim_hand(std::span<const Vec3> /*p_WA*/) noexcept { return false; }
 };
 
 }  // namespace hapton

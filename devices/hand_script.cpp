@@ -41,6 +41,20 @@ void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
   }
 }
 
+void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
+  std::array<Vec3, kMostAims> taken;
+  std::size_t count = 0;
+  for (const Vec3& p : p_WA) {
+    const bool is_within = (p - options_.workspace_min_m).minCoeff() >= 0.0 && (options_.workspace_max_m - p).minCoeff() >= 0.0;
+    if (is_within && count < taken.size()) taken[count++] = p;
+  }
+  if (count == aim_count_ && std::equal(taken.begin(), taken.begin() + count, aims_m_.begin())) return;
+  aims_m_ = taken;
+  aim_count_ = count;
+  // On its way to where nothing may be.
+  if (phase_ == Phase::travel || (phase_ == Phase::approach && !touched_)) enter(Phase::travel);
+}
+
 void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
   felt_n_ += (force_n - felt_n_) * (kStepS / kFeelS);
   const double felt = felt_n_.norm();
@@ -52,10 +66,16 @@ void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
   lost_s_ = felt < kLostN ? lost_s_ + kStepS : 0.0;
 }
 
-// A point of the front plane within reach_m_ of the middle.
+// In front of a point of the surface; not told of any, a point of the front plane within reach_m_ of the middle.
 void HandScript::choose_aim() noexcept {
   const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
   const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
+  const double front = middle.z() + 0.9 * half.z();
+  if (aim_count_ > 0) {
+    const Vec3& at = aims_m_[static_cast<std::size_t>(uniform(0.0, static_cast<double>(aim_count_)))];
+    aim_m_ = Vec3(at.x(), at.y(), std::max(front, at.z()));
+    return;
+  }
   const double radius = reach_m_ * std::sqrt(uniform(0.0, 1.0));
   const double angle = uniform(0.0, 2.0 * std::numbers::pi);
   aim_m_ = middle + half.cwiseProduct(Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.9));

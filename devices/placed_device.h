@@ -23,6 +23,7 @@ class PlacedDevice final : public Device {
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
  private:
   std::unique_ptr<Device> device_;

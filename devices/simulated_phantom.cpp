@@ -33,6 +33,11 @@ bool SimulatedPhantom::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
   return true;
 }
 
+bool SimulatedPhantom::aim_hand(std::span<const Vec3> p_WA) noexcept {
+  script_.aim(p_WA);
+  return true;
+}
+
 void SimulatedPhantom::begin_hand_step() noexcept {
   const HandIntention next = script_.step(exact_position_m(), force_n_);
   hand_m_per_s_ = (next.p_WH - hand_m_) * (1e9 / static_cast<double>(HandScript::kStepNs));

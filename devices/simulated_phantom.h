@@ -45,6 +45,7 @@ class SimulatedPhantom final : public Device {
   }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
   // What no program sees on a real device: for tests and plots.
   Vec3 exact_position_m() const noexcept;

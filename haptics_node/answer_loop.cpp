@@ -18,12 +18,13 @@ constexpr int kSetupRepeats = 3;
 }  // namespace
 
 AnswerLoop::AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup,
-                       bool builds_on_approach)
+                       bool builds_on_approach, const SceneFacts& scene)
     : hub_(hub),
       clock_(clock),
       step_(step),
       builder_(builder),
       setup_(setup),
+      scene_(scene),
       builds_on_approach_(builds_on_approach),
       start_ns_(clock.now_ns()) {}
 
@@ -49,6 +50,7 @@ void AnswerLoop::turn(std::int64_t deadline_ns) {
   change_method();
   tell_setup();
   tell_of_hub();
+  tell_of_scene();
 }
 
 void AnswerLoop::drain() noexcept {
@@ -75,6 +77,8 @@ void AnswerLoop::hear(const Message& message) noexcept {
       view_revision_ = view->revision;
       step_.turn_scene(*view);
     }
+  } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
+    scene_shown_ = scene->given_hash;
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
     // Who waits for an answer asks again until it comes.
     if (settings->method_ask != 0 && settings->method_ask == heard_ask_) return;
@@ -138,6 +142,18 @@ void AnswerLoop::tell_setup() noexcept {
   setup_.view_revision = step_.view().revision;
   setup_.X_WS = step_.view().X_WS;
   hub_.send(setup_);
+  if (scene_.given_hash != 0) hub_.send(scene_);
+}
+
+void AnswerLoop::tell_of_scene() {
+  if (scene_shown_ == 0 || scene_.given_hash == 0 || scene_shown_ == scene_told_) return;
+  const bool was_other = scene_told_ != 0 && scene_told_ != scene_.given_hash;
+  scene_told_ = scene_shown_;
+  if (scene_shown_ != scene_.given_hash) {
+    log_warning("vision_node shows another scene than the one that is felt; start both with the same --scene, --unit and --no-fit");
+  } else if (was_other) {
+    log_info("vision_node shows the scene that is felt");
+  }
 }
 
 void AnswerLoop::tell_of_hub() {

@@ -15,12 +15,13 @@ namespace hapton {
 // The haptics node at work: waits for the hub, answers the newest device state at once, and leaves everything else for after the answer.
 // Where a method builds on approach, the first answer waits until what is near is built: contact that goes on from before is there from the
 // first answer on, and the same states give the same forces again.
-// Once a second, and when it has changed, it tells the hub its setup, for recordings; and what became of a method that was asked for.
-// RT: run and turn yes, apart from a line in the log when the hub comes or goes. Threads: one.
+// Once a second, and when it has changed, it tells the hub its setup, for recordings, and its scene; and what became of a method that was
+// asked for. A vision node with another scene is a line in the log. RT: run and turn yes, apart from a line in the log when the hub comes
+// or goes. Threads: one.
 class AnswerLoop {
  public:
   AnswerLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
-             bool builds_on_approach = false);
+             bool builds_on_approach = false, const SceneFacts& scene = {});
 
   // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
   void run(const StopSignal& stop, double seconds);
@@ -42,12 +43,16 @@ class AnswerLoop {
   void tell_setup_soon() noexcept;
   void tell_setup() noexcept;
   void tell_of_hub();
+  void tell_of_scene();
 
   HubClient& hub_;
   const Clock& clock_;
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
+  SceneFacts scene_;
+  std::uint64_t scene_shown_ = 0;  // its hash, as a vision node said last; 0: none did
+  std::uint64_t scene_told_ = 0;   // of these, the one that the log spoke of
   bool builds_on_approach_;
   std::optional<std::uint64_t> looks_before_;  // of the builder, when the method looked around
   std::int64_t next_setup_ns_ = 0;

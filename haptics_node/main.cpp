@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "haptic_step/haptics_setup.h"
+#include "haptic_step/scene_facts.h"
 #include "haptics_node/answer_loop.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
@@ -15,6 +16,7 @@
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
+#include "scene/scene_report.h"
 
 namespace {
 
@@ -35,6 +37,7 @@ int run(const HapticsOptions& options) {
   const auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
+  for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   auto method = make_method(options.method, scene->touch_scene());
   if (!method) return give_up(method.error());
   log_method(**method);
@@ -51,7 +54,7 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
-  AnswerLoop loop(client, clock, step, builder, setup, options.method.build_on_approach);
+  AnswerLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, make_scene_facts(*scene));
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

@@ -192,6 +192,7 @@ void DeviceLoop::grant_requests() noexcept {
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
   if (std::exchange(hands_granted_, requests.hands) != requests.hands) device_.lead_hand(requests.p_WH);
+  if (std::exchange(aims_granted_, requests.aims) != requests.aims) device_.aim_hand(std::span(requests.p_WA).first(requests.aim_count));
   const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
   const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
   if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
@@ -294,6 +295,13 @@ std::uint64_t DeviceLoop::post(const WantedWrench& wanted) noexcept {
 void DeviceLoop::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
   requests_.p_WH = p_WH;
   ++requests_.hands;
+  requests_box_.publish(requests_);
+}
+
+void DeviceLoop::aim_hand(std::span<const Vec3> p_WA) noexcept {
+  requests_.aim_count = std::min(p_WA.size(), requests_.p_WA.size());
+  std::copy_n(p_WA.begin(), requests_.aim_count, requests_.p_WA.begin());
+  ++requests_.aims;
   requests_box_.publish(requests_);
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "devices/device.h"
 #include "link/session_entry.h"
@@ -148,6 +149,7 @@ class DeviceLoop {
   std::uint64_t post(const WantedWrench& wanted) noexcept;
   // These take effect with the next cycle.
   void lead_hand(const std::optional<Vec3>& p_WH) noexcept;
+  void aim_hand(std::span<const Vec3> p_WA) noexcept;  // the first Device::kMostAims
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
   void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
@@ -178,6 +180,9 @@ class DeviceLoop {
     double rate_hz = 0.0;  // 0: as it is
     std::optional<Vec3> p_WH;
     std::uint32_t hands = 0;
+    std::array<Vec3, Device::kMostAims> p_WA;
+    std::size_t aim_count = 0;
+    std::uint32_t aims = 0;
     std::uint32_t resets = 0;          // by someone known to be present
     std::uint32_t resets_if_held = 0;  // ... if the switch is held
     std::uint32_t stats = 0;
@@ -216,6 +221,7 @@ class DeviceLoop {
   DeviceCycle cycle_;
   std::int64_t next_look_ns_ = 0;  // at the motors' temperature
   std::uint32_t hands_granted_ = 0;
+  std::uint32_t aims_granted_ = 0;
   std::uint32_t resets_granted_ = 0;
   std::uint32_t resets_if_held_granted_ = 0;
   std::uint32_t stats_granted_ = 0;

@@ -30,6 +30,9 @@ struct ServoEvent {
     reset_without_right,   // a tool whose key is not an operator's asked for a reset
     reset_without_person,  // ... an operator, and nobody is known to be at the device
     flood,                 // more datagrams were refused than anyone of good will sends
+    out_of_reach,          // the device cannot touch the scene
+    too_small,             // ... nor find it
+    in_reach,              // ... can, after it could not
     role_violation,        // a node asked for a role, or sent what belongs to one, that its key does not allow
   };
   Kind kind = Kind::joined;

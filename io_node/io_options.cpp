@@ -54,7 +54,8 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
       ->check(between(0.0, 1e9))
       ->capture_default_str();
-  app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks");
+  app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks")
+      ->check(folder_to_write());
   app.add_option("--seed", options.device.seed, "Of the simulated hand's script")->capture_default_str();
   app.add_option("--max-force", options.device.max_force_n, "Tighter limit on the force, N; 0: no force at all (default: the device's own)")
       ->check(between(0.0, 1e3));
@@ -72,7 +73,8 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                  "Dead man's switch: force only while this button is held, 0 the first; -1: none")
       ->check(between(-1, 31));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
-  app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");
+  app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)")
+      ->check(file_to_write());
   app.add_option("--flight", options.flight,
                  "Folder for flight records, the last 2 s before a fault; off: none (default: OUT/flight, without --out the state folder)");
   app.add_option("--overrun", options.overrun, "A cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")

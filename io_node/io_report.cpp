@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -187,6 +188,45 @@ void add_device(LatencyReport& report, const ServoStats& stats) {
   if (stats.device.motor_temperature >= 0.0) report.notes["motor_temperature"] = fmt::format("{:.3f}", stats.device.motor_temperature);
 }
 
+std::string text_of(const HapticsSetup::Text& text) {
+  return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
+}
+
+// What was touched and with what, as the haptics node told last.
+void add_setup(LatencyReport& report, const HapticsSetup& setup) {
+  if (setup.scene_hash == 0) return;
+  constexpr std::array kUnits = {"not given", "m", "cm", "mm", "in"};
+  report.notes["scene"] = text_of(setup.scene);
+  report.notes["scene_hash"] = fmt::format("{:016x}", setup.scene_hash);
+  report.notes["method"] = text_of(setup.method);
+  report.notes["haptics_build"] = text_of(setup.build);
+  if (setup.scene_loading == 0) return;
+  const std::uint32_t unit = setup.scene_loading >> 3;  // proto/hapton.proto says what each bit means
+  report.notes["scene_unit"] = unit < kUnits.size() ? kUnits[unit] : "unknown";
+  report.notes["scene_sealed"] = (setup.scene_loading & 2U) != 0 ? "yes" : "no";
+  report.notes["scene_fitted"] = (setup.scene_loading & 4U) != 0 ? "yes" : "no";
+}
+
+const char* describe_status(ProbeStatus status) {
+  switch (status) {
+    case ProbeStatus::ok:
+      break;
+    case ProbeStatus::no_haptics:
+      return "no force: no haptics node answers";
+    case ProbeStatus::fault_latched:
+      return "no force: a fault is latched";
+    case ProbeStatus::device_away:
+      return "no force: the device is away";
+    case ProbeStatus::calibrating:
+      return "no force: the device is being calibrated";
+    case ProbeStatus::out_of_reach:
+      return "the scene is out of the device's reach";
+    case ProbeStatus::too_small:
+      return "the scene is a speck in the device's workspace";
+  }
+  return "ok";
+}
+
 void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name, double fraction) {
   const double echo_ns = stats.bare_echo.quantile_ns(fraction);
   if (stats.round_trip.count() > 0 && echo_ns > 0.0) report.ratios[name] = stats.round_trip.quantile_ns(fraction) / echo_ns;
@@ -261,6 +301,10 @@ LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, 
     report.notes["haptics_clock_ahead_ns"] = std::to_string(stats.ways.clock_offset_ns);
     report.notes["haptics_clock_error_ns"] = std::to_string(stats.ways.clock_error_ns);
   }
+  add_setup(report, stats.setup);
+  report.notes["status_now"] = describe_status(stats.status);
+  if (stats.reach == SceneReach::out_of_reach) report.notes["reach"] = describe_status(ProbeStatus::out_of_reach);
+  if (stats.reach == SceneReach::too_small) report.notes["reach"] = describe_status(ProbeStatus::too_small);
   report.nodes = make_nodes(stats);
   add_device(report, stats);
   add_safety(report, stats.governor);

@@ -65,6 +65,13 @@ std::string describe(const ServoEvent& event) {
     case ServoEvent::Kind::role_violation:
       return "a node asks for a role that its key does not allow; if it is a node of yours, give it the key of its role: hapton keygen "
              "--role ROLE --master MASTER FILE";
+    case ServoEvent::Kind::out_of_reach:
+      return "the scene is out of the device's reach: give its --unit, place it with a scene file (docs/scene-files.md), or leave out "
+             "--no-fit";
+    case ServoEvent::Kind::too_small:
+      return "the scene is a speck in the device's workspace: give its --unit, scale it in a scene file, or leave out --no-fit";
+    case ServoEvent::Kind::in_reach:
+      return "the scene is within the device's reach";
     case ServoEvent::Kind::away:
       return "the device is away; no force until it is back";
     case ServoEvent::Kind::calibrating:

@@ -1,6 +1,7 @@
 #include "io_node/servo.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -214,10 +215,8 @@ void Servo::hear_message(const PeerEvent& event, const Datagram& datagram) noexc
   }
   if (const auto* hand = std::get_if<HandTarget>(&datagram.message)) return on_hand(*hand, event.peer);
   if (const auto* settings = std::get_if<Settings>(&datagram.message)) return on_settings(*settings, event);
-  if (std::holds_alternative<HapticsSetup>(datagram.message)) {
-    peers_.send_to_role(NodeRole::tool, datagram.message);
-    peers_.send_to_role(NodeRole::vision, datagram.message);  // it draws the probe as large as it is felt
-  }
+  if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) return on_setup(*setup);
+  if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) return on_scene(*scene, event.role);
   if (const auto* ask = std::get_if<ReportAsk>(&datagram.message); ask != nullptr && desk_ != nullptr) desk_->ask(event.peer, *ask);
 }
 
@@ -257,10 +256,56 @@ void Servo::note_round_trip(const ForceCommand& command, std::int64_t ready_ns) 
 }
 
 void Servo::on_view(const ViewTransform& view) noexcept {
-  if (!view_ || view_->revision != view.revision) probe_memory_.forget_rest();
+  const bool is_news = !view_ || view_->revision != view.revision;
+  if (is_news) probe_memory_.forget_rest();
   view_ = view;
+  if (is_news) place_scene();
   stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
   next_view_repeat_ns_ = clock_.now_ns() + kViewRepeatNs;
+}
+
+void Servo::on_setup(const HapticsSetup& setup) noexcept {
+  stats_.setup = setup;
+  peers_.send_to_role(NodeRole::tool, setup);
+  peers_.send_to_role(NodeRole::vision, setup);  // it draws the probe as large as it is felt
+}
+
+// Each side hears of the other's, and compares.
+void Servo::on_scene(const SceneFacts& scene, NodeRole role) noexcept {
+  if (role != NodeRole::haptics) {
+    peers_.send_to_role(NodeRole::haptics, scene);
+    return;
+  }
+  peers_.send_to_role(NodeRole::vision, scene);
+  const bool is_news = !scene_ || scene_->given_hash != scene.given_hash || scene_->points_m != scene.points_m;
+  scene_ = scene;
+  if (is_news) place_scene();
+}
+
+// Where it is now, as the hand and whoever wonders at feeling nothing are to know.
+void Servo::place_scene() noexcept {
+  if (!scene_) return;
+  const Pose X_WS = view_ ? pose_of(*view_) : Pose(Pose::Identity());
+  std::array<Vec3, SceneFacts::kMostPoints> p_WA;
+  for (std::size_t i = 0; i < scene_->point_count; ++i) p_WA[i] = point_in_world(*scene_, X_WS, i);
+  loop_.aim_hand(std::span(p_WA).first(scene_->point_count));
+  const SceneReach before = std::exchange(reach_, judge_reach(*scene_, X_WS, limits()));
+  stats_.reach = reach_;
+  if (reach_ == before) return;
+  if (reach_ == SceneReach::out_of_reach) tell(ServoEvent::Kind::out_of_reach, NodeRole::haptics, {});
+  if (reach_ == SceneReach::too_small) tell(ServoEvent::Kind::too_small, NodeRole::haptics, {});
+  const bool was_lost = before == SceneReach::out_of_reach || before == SceneReach::too_small;
+  if (was_lost && reach_ == SceneReach::in_reach) tell(ServoEvent::Kind::in_reach, NodeRole::haptics, {});
+}
+
+ProbeStatus Servo::status_now() noexcept {
+  const DeviceSide& side = loop_.look();
+  if (side.governor.fault != SafetyFault::none) return ProbeStatus::fault_latched;
+  if (side.status == DeviceStatus::away || side.status == DeviceStatus::fault) return ProbeStatus::device_away;
+  if (side.status == DeviceStatus::calibrating) return ProbeStatus::calibrating;
+  if (!peers_.has_haptics() || side.is_silent) return ProbeStatus::no_haptics;
+  if (reach_ == SceneReach::out_of_reach) return ProbeStatus::out_of_reach;
+  return reach_ == SceneReach::too_small ? ProbeStatus::too_small : ProbeStatus::ok;
 }
 
 void Servo::on_hand(const HandTarget& hand, std::size_t peer) noexcept {
@@ -329,8 +374,9 @@ void Servo::tell(ServoEvent::Kind kind, NodeRole role, const Address& address) n
 void Servo::do_spare_work() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   ledger_.settle(now_ns);
+  stats_.status = status_now();
   if (peers_.count(NodeRole::vision) > 0) {
-    vision_.tell(probe_memory_, loop_.look(), cycle_, view_ ? view_->revision : 0, now_ns);
+    vision_.tell(probe_memory_, loop_.look(), cycle_, view_ ? view_->revision : 0, stats_.status, now_ns);
   }
   if (view_ && now_ns >= next_view_repeat_ns_) {
     next_view_repeat_ns_ = now_ns + kViewRepeatNs;

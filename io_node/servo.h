@@ -12,6 +12,7 @@
 #include "io_node/report_desk.h"
 #include "io_node/safety_news.h"
 #include "io_node/sample_ledger.h"
+#include "io_node/scene_reach.h"
 #include "io_node/servo_stats.h"
 #include "io_node/servo_tap.h"
 #include "io_node/stranger_news.h"
@@ -115,6 +116,10 @@ class Servo {
   void hand_out_snapshot() noexcept;
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;
   void on_view(const ViewTransform& view) noexcept;
+  void on_setup(const HapticsSetup& setup) noexcept;
+  void on_scene(const SceneFacts& scene, NodeRole role) noexcept;
+  void place_scene() noexcept;
+  ProbeStatus status_now() noexcept;
   void on_hand(const HandTarget& hand, std::size_t peer) noexcept;
   void on_settings(const Settings& settings, const PeerEvent& event) noexcept;
   void reset_faults(const Peer& asker) noexcept;
@@ -159,6 +164,8 @@ class Servo {
   bool is_finished_ = false;
   ProbeMemory probe_memory_;
   std::optional<ViewTransform> view_;
+  std::optional<SceneFacts> scene_;  // of the haptics node
+  SceneReach reach_ = SceneReach::unknown;
   std::size_t hand_leader_ = kNobody;
   Datagram incoming_;
 

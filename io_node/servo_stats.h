@@ -6,6 +6,7 @@
 #include "devices/device.h"
 #include "io_node/echo_probe.h"
 #include "io_node/sample_ledger.h"
+#include "io_node/scene_reach.h"
 #include "io_node/way_meter.h"
 #include "link/hub_peers.h"
 #include "link/session_entry.h"
@@ -70,6 +71,9 @@ struct ServoStats {
   WayStats ways;
   std::array<PeerFigures, HubPeers::kCapacity> peers = {};
   DeviceStatus device_status = DeviceStatus::ready;
+  ProbeStatus status = ProbeStatus::ok;  // as the picture says it
+  SceneReach reach = SceneReach::unknown;
+  HapticsSetup setup;  // told last; its hash is 0 when none was
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }

@@ -17,11 +17,12 @@ void VisionFeed::on_drawn(const Header& header, const Drawn& drawn, std::size_t 
 }
 
 void VisionFeed::tell(const ProbeMemory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
-                      std::int64_t now_ns) noexcept {
+                      ProbeStatus status, std::int64_t now_ns) noexcept {
   memory.show(side.is_silent, probe_);
   probe_.buttons = cycle.sample.buttons;
   probe_.force_n = side.written.force_n;
   probe_.view_revision = view_revision;
+  probe_.status = status;
   std::size_t reached = 0;
   for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
     const Peer& peer = peers_.peer(place);

@@ -28,7 +28,7 @@ class VisionFeed {
   // newest_sample: of this session. A word about a state that was never sent is passed over.
   void on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
   // Once a cycle: those whose turn it is.
-  void tell(const ProbeMemory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
+  void tell(const ProbeMemory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision, ProbeStatus status,
             std::int64_t now_ns) noexcept;
   // Now and then: the rate and the round trip that people read in the picture.
   void refresh_figures(std::uint64_t newest_sample, std::int64_t now_ns) noexcept;

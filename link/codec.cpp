@@ -91,6 +91,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   to.set_round_trip_p50_us(from.round_trip_p50_us);
   to.set_round_trip_p99_us(from.round_trip_p99_us);
   to.set_view_revision(from.view_revision);
+  to.set_status(static_cast<std::uint32_t>(from.status));
 }
 
 void write(const Drawn& from, wire::Drawn& to) {
@@ -135,6 +136,23 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   to.set_scene_loading(from.scene_loading);
   to.set_method_ask(from.method_ask);
   write_text(from.refusal, *to.mutable_refusal());
+}
+
+template <class Field>
+void add_point(Field& field, const SceneFacts::Point& point) {
+  for (const float value : point) field.AddAlreadyReserved(value);
+}
+
+void write(const SceneFacts& from, wire::SceneFacts& to) {
+  to.set_given_hash(from.given_hash);
+  to.mutable_lowest_m()->Clear();
+  to.mutable_highest_m()->Clear();
+  to.mutable_points_m()->Clear();
+  add_point(*to.mutable_lowest_m(), from.lowest_m);
+  add_point(*to.mutable_highest_m(), from.highest_m);
+  for (std::size_t i = 0; i < std::min<std::size_t>(from.point_count, from.points_m.size()); ++i) {
+    add_point(*to.mutable_points_m(), from.points_m[i]);
+  }
 }
 
 void write(const ReportAsk& from, wire::ReportAsk& to) {
@@ -238,6 +256,9 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.round_trip_p50_us = from.round_trip_p50_us();
   to.round_trip_p99_us = from.round_trip_p99_us();
   to.view_revision = from.view_revision();
+  // What a newer hub may say is no reason to show nothing.
+  to.status =
+      from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
   return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) && is_rate(to.servo_rate_hz) &&
          is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
@@ -292,6 +313,28 @@ bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
   to.scene_loading = from.scene_loading();
   return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
          read_text(from.method(), to.method) && read_text(from.refusal(), to.refusal);
+}
+
+template <class Field>
+bool read_point(const Field& field, int first, SceneFacts::Point& point) {
+  for (std::size_t axis = 0; axis < point.size(); ++axis) {
+    point[axis] = field.Get(first + static_cast<int>(axis));
+    if (!(std::abs(point[axis]) <= static_cast<float>(kMaxWireMagnitude))) return false;
+  }
+  return true;
+}
+
+bool read(const wire::SceneFacts& from, SceneFacts& to) {
+  to.given_hash = from.given_hash();
+  const int numbers = from.points_m_size();
+  if (from.lowest_m_size() != 3 || from.highest_m_size() != 3 || numbers % 3 != 0 || numbers > 3 * static_cast<int>(to.points_m.size())) {
+    return false;
+  }
+  to.point_count = static_cast<std::uint32_t>(numbers / 3);
+  for (int i = 0; i < numbers / 3; ++i) {
+    if (!read_point(from.points_m(), 3 * i, to.points_m[static_cast<std::size_t>(i)])) return false;
+  }
+  return read_point(from.lowest_m(), 0, to.lowest_m) && read_point(from.highest_m(), 0, to.highest_m);
 }
 
 bool read_document(std::uint32_t from, ReportDocument& to) {
@@ -362,12 +405,14 @@ constexpr std::tuple kMessageKinds{
                                             &wire::Envelope::mutable_report_ask},
     MessageKind<ReportPart, wire::ReportPart>{&wire::Envelope::has_report_part, &wire::Envelope::report_part,
                                               &wire::Envelope::mutable_report_part},
+    MessageKind<SceneFacts, wire::SceneFacts>{&wire::Envelope::has_scene_facts, &wire::Envelope::scene_facts,
+                                              &wire::Envelope::mutable_scene_facts},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kReportPartFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kSceneFactsFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -459,6 +504,11 @@ void reserve(wire::HapticsSetup& m) {
   m.mutable_build()->reserve(kMaxDatagramBytes);
   m.mutable_method()->reserve(kMaxDatagramBytes);
   m.mutable_refusal()->reserve(kMaxDatagramBytes);
+}
+void reserve(wire::SceneFacts& m) {
+  reserve_field(*m.mutable_lowest_m());
+  reserve_field(*m.mutable_highest_m());
+  reserve_field(*m.mutable_points_m());
 }
 void reserve(wire::ReportAsk&) {}
 void reserve(wire::ReportPart& m) { m.mutable_text()->reserve(kMaxDatagramBytes); }

@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t kNowhere = HubPeers::kCapacity;
 
 bool may_send(NodeRole role, const Message& message) {
+  if (std::holds_alternative<SceneFacts>(message)) return role != NodeRole::tool;
   if (role == NodeRole::haptics) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message);
   }

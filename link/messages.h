@@ -65,6 +65,17 @@ struct ViewTransform {
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]
 };
 
+// Why a person feels nothing, or nothing right; of several the one that has to be seen to first.
+enum class ProbeStatus : std::uint8_t {
+  ok = 0,
+  no_haptics = 1,     // no haptics node answers
+  fault_latched = 2,  // no force until a person resets it
+  device_away = 3,    // unplugged or silent
+  calibrating = 4,    // the device's position is not to be trusted yet
+  out_of_reach = 5,   // no part of the scene lies in the device's workspace
+  too_small = 6,      // the scene is a speck in it: a wrong unit, most likely
+};
+
 // hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest that haptics answered, the newest of all while
 // nobody answers (offset zero then). Force, buttons and figures are the newest.
 struct ProbeState {
@@ -80,6 +91,7 @@ struct ProbeState {
   float round_trip_p50_us = 0.0F;
   float round_trip_p99_us = 0.0F;
   std::uint32_t view_revision = 0;  // newest ViewTransform the hub has forwarded
+  ProbeStatus status = ProbeStatus::ok;
 };
 
 // vision -> hub, after a picture was drawn, or where it would have looked the same: which sample it shows. Asks for the next state.
@@ -127,6 +139,19 @@ struct HapticsSetup {
   std::uint32_t scene_loading = 0;  // unit, sealing and fit of the scene (scene/scene_loading.h); 0: not said
 };
 
+// haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: the scene that a node has, so
+// that two nodes with different ones know of it; of haptics, where it can be touched, so that a simulated hand finds it. Frame S, m.
+struct SceneFacts {
+  static constexpr std::size_t kMostPoints = 16;
+  using Point = std::array<float, 3>;
+
+  std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
+  Point lowest_m = {};           // corners of its box
+  Point highest_m = {};
+  std::uint32_t point_count = 0;
+  std::array<Point, kMostPoints> points_m = {};  // spread over its surface
+};
+
 // tool -> hub: a part of the hub's report.
 enum class ReportDocument : std::uint8_t { json = 0, csv = 1 };
 struct ReportAsk {
@@ -146,7 +171,7 @@ struct ReportPart {
 };
 
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
-                             HapticsSetup, ReportAsk, ReportPart>;
+                             HapticsSetup, ReportAsk, ReportPart, SceneFacts>;
 
 // In front of every message.
 struct Header {

@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "runtime/writable_path.h"
+
 namespace hapton {
 namespace {
 
@@ -42,6 +44,24 @@ CLI::Validator zero_or_more(const std::string& what) {
     return value >= 0.0 ? "" : "is not a number";
   };
   return check_number(refusal, what + ", zero or more", "NONNEGATIVE");
+}
+
+CLI::Validator folder_to_write() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto checked = check_writable_folder(text);
+        return checked ? std::string() : checked.error().what;
+      },
+      "");
+}
+
+CLI::Validator file_to_write() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto checked = check_writable_file(text);
+        return checked ? std::string() : checked.error().what;
+      },
+      "");
 }
 
 }  // namespace hapton

@@ -25,6 +25,8 @@ CommandOption CommandOption::one_of(const std::vector<std::string>& words) const
   return CommandOption(*option_->check(CLI::IsMember(words)));
 }
 CommandOption CommandOption::existing_folder() const { return CommandOption(*option_->check(CLI::ExistingDirectory)); }
+CommandOption CommandOption::folder_to_write() const { return CommandOption(*option_->check(hapton::folder_to_write())); }
+CommandOption CommandOption::file_to_write() const { return CommandOption(*option_->check(hapton::file_to_write())); }
 CommandOption CommandOption::again_for_more() const { return CommandOption(*option_->expected(1)->take_all()); }
 CommandOption CommandOption::needs(CommandOption other) const { return CommandOption(*option_->needs(other.option_)); }
 CommandOption CommandOption::excludes(CommandOption other) const { return CommandOption(*option_->excludes(other.option_)); }

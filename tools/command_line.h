@@ -28,6 +28,9 @@ class CommandOption {
   CommandOption not_negative(const std::string& what = "a number") const;
   CommandOption one_of(const std::vector<std::string>& words) const;
   CommandOption existing_folder() const;
+  // Refused at the start when it can neither be written to nor made: its contents are written at the end.
+  CommandOption folder_to_write() const;
+  CommandOption file_to_write() const;
   // Takes one word each time it is given, and keeps them all.
   CommandOption again_for_more() const;
   CommandOption needs(CommandOption other) const;

@@ -14,6 +14,7 @@ namespace hapton {
 namespace {
 
 // How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
+constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without an answer, before a person is told
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 // The smallest thing that is framed: a scene of one point still gives a picture.
@@ -134,6 +135,7 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram heard;
   for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
     if (const auto* setup = std::get_if<HapticsSetup>(&heard.message)) take_setup(*setup);
+    if (const auto* scene = std::get_if<SceneFacts>(&heard.message)) compare_scene(*scene);
     const auto* state = std::get_if<ProbeState>(&heard.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     heard_ns_ = hub_.receive_time_ns();
@@ -156,6 +158,7 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
   if (joined && (!was_joined_ || hub_.counts().joins != joins_)) {
     log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
     step_.joined();
+    next_scene_ns_ = 0;
   } else if (!joined && was_joined_) {
     if (hub_.has_hub_left()) {
       log_info("the hub has ended its session; waiting for the next one");
@@ -169,6 +172,19 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
   }
   joins_ = hub_.counts().joins;
   was_joined_ = joined;
+}
+
+void VisionSession::compare_scene(const SceneFacts& felt) {
+  if (scene_hash_ == 0 || felt.given_hash == 0) return;
+  const bool is_other = felt.given_hash != scene_hash_;
+  if (is_other == is_other_scene_) return;
+  is_other_scene_ = is_other;
+  step_.set_other_scene(is_other);
+  if (is_other) {
+    log_warning("haptics_node feels another scene than the one shown; start both with the same --scene, --unit and --no-fit");
+  } else {
+    log_info("haptics_node feels the scene shown");
+  }
 }
 
 Result<void> VisionSession::attend_window() {
@@ -210,6 +226,10 @@ void VisionSession::refine_scene() {
 
 void VisionSession::speak() {
   if (hub_.state() != JoinState::joined) return;
+  if (scene_hash_ != 0 && clock_.now_ns() >= next_scene_ns_) {
+    next_scene_ns_ = clock_.now_ns() + kSceneEveryNs;
+    hub_.send(SceneFacts{.given_hash = scene_hash_});
+  }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
 }
 

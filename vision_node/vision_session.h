@@ -33,6 +33,9 @@ class VisionSession {
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
 
+  // Which scene is shown (Scene::given_hash), to be compared with the one that is felt.
+  void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
+
   // Until the window is closed, the time is up or a signal asks. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -45,6 +48,7 @@ class VisionSession {
   void handle_events();
   void change_stereo(const Wishes& wishes);
   void refine_scene();
+  void compare_scene(const SceneFacts& felt);
   Result<void> attend_window();
   void speak();
   Result<void> draw_if_wanted();
@@ -62,6 +66,9 @@ class VisionSession {
   const VisionOptions& options_;
   VisionStep step_;
   ScreenshotMoment moment_;
+  std::uint64_t scene_hash_ = 0;
+  bool is_other_scene_ = false;
+  std::int64_t next_scene_ns_ = 0;  // when the hub is told of ours again
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;

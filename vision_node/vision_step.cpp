@@ -98,6 +98,7 @@ std::string VisionStep::compose_hud_now() const {
   facts.cull = cull_;
   facts.hand_held = interaction_.hand_active();
   facts.detail_progress = detail_progress_;
+  facts.is_other_scene = is_other_scene_;
   return compose_hud(facts);
 }
 

@@ -91,6 +91,8 @@ class VisionStep {
   std::optional<Drawn> take_unseen();
 
   Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
+  // Whether haptics_node feels another scene than the one shown.
+  void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
@@ -107,6 +109,7 @@ class VisionStep {
   FrameLog frames_;
   std::optional<ProbeState> state_;
   bool connected_ = false;
+  bool is_other_scene_ = false;
   bool stale_ = true;
   bool moved_ = false;   // a new state has come since the last picture
   bool unseen_ = false;  // and would look the same

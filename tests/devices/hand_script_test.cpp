@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 namespace hapton {
@@ -59,6 +60,34 @@ TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {
   const HandIntention after = script.step(last, Vec3::Zero());
   EXPECT_NE(after.gimbal_rad, before.gimbal_rad);
   EXPECT_LT((after.gimbal_rad - before.gimbal_rad).norm(), 0.01) << "without a jump";
+}
+
+// A pin of 2 mm that stands aside, which no blind search meets within seconds.
+TEST(HandScript, goes_to_where_it_is_told_that_there_is_something) {
+  const Vec3 pin(0.07, -0.08, 0.05);
+  const auto seconds_until_touch = [&](bool is_told) {
+    HandScript script(box(3));
+    Vec3 last = box(3).start_m;
+    if (is_told) script.aim(std::array{pin, Vec3(9, 9, 9), Vec3(pin + Vec3(0, 0.001, 0))});
+    for (int step = 0; step < 20'000; ++step) {
+      last = script.step(last, Vec3::Zero()).p_WH;
+      if ((last - pin).head<2>().norm() < 0.002 && last.z() <= pin.z()) return 1e-3 * step;
+    }
+    return 1e9;
+  };
+  EXPECT_LT(seconds_until_touch(true), 4.0);
+  EXPECT_GT(seconds_until_touch(false), 10.0);
+}
+
+TEST(HandScript, aims_out_of_its_reach_leave_it_as_it_was) {
+  HandScript script(box(1)), other(box(1));
+  Vec3 a = box(1).start_m, b = a;
+  for (int step = 0; step < 3000; ++step) {
+    script.aim(std::array{Vec3(5, 0, 0), Vec3(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()))});
+    a = script.step(a, Vec3::Zero()).p_WH;
+    b = other.step(b, Vec3::Zero()).p_WH;
+  }
+  EXPECT_EQ(a, b);
 }
 
 TEST(HandScript, letting_go_without_a_lead_changes_nothing) {

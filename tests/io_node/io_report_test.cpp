@@ -62,6 +62,26 @@ TEST(IoReport, says_what_the_device_says_of_itself) {
   EXPECT_FALSE(make_io_report(*two_seconds(), {}, "").notes.contains("motor_temperature"));
 }
 
+TEST(IoReport, says_which_scene_was_touched_and_with_what) {
+  auto stats = two_seconds();
+  EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene"));
+  stats->setup.scene_hash = 0xBEEF;
+  stats->setup.scene_loading = 1 + 2 + 4 + (3U << 3U);
+  std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());
+  std::copy_n("name=proxy", 10, stats->setup.method.begin());
+  stats->status = ProbeStatus::device_away;
+  stats->reach = SceneReach::out_of_reach;
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  EXPECT_EQ(report.notes.at("scene"), "/a/part.stl");
+  EXPECT_EQ(report.notes.at("scene_hash"), "000000000000beef");
+  EXPECT_EQ(report.notes.at("scene_unit"), "mm");
+  EXPECT_EQ(report.notes.at("scene_sealed"), "yes");
+  EXPECT_EQ(report.notes.at("scene_fitted"), "yes");
+  EXPECT_EQ(report.notes.at("method"), "name=proxy");
+  EXPECT_EQ(report.notes.at("status_now"), "no force: the device is away");
+  EXPECT_THAT(report.notes.at("reach"), HasSubstr("out of the device's reach"));
+}
+
 TEST(IoReport, claims_no_echo_that_was_not_measured) {
   auto stats = two_seconds();
   stats->bare_echo.clear();

@@ -58,7 +58,12 @@ class BenchDevice final : public Device {
   DeviceCondition condition_now;
   std::vector<Written> written;
   std::vector<std::int64_t> reads;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override {
+    aims.assign(p_WA.begin(), p_WA.end());
+    return true;
+  }
   std::optional<Vec3> hand;
+  std::vector<Vec3> aims;
 
  private:
   DeviceLimits limits_;
@@ -77,6 +82,7 @@ struct Servos : testing::Test {
   std::vector<ViewTransform> views;
   std::vector<Settings> settings;
   std::vector<std::pair<Address, HapticsSetup>> setups;
+  std::vector<std::pair<Address, SceneFacts>> scenes;
   // How the haptics node answers; -1: not at all.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
@@ -112,6 +118,7 @@ struct Servos : testing::Test {
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
     if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
     if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) setups.emplace_back(to, *setup);
+    if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) scenes.emplace_back(to, *scene);
   }
 
   void force(const DeviceState& state, std::int64_t delay_ns) {
@@ -539,6 +546,84 @@ TEST_F(Servos, what_haptics_says_of_its_method_is_heard_by_tools_and_vision) {
     EXPECT_EQ(setup.method_ask, 77U);
     EXPECT_STREQ(setup.refusal.data(), "no");
   }
+}
+
+TEST_F(Servos, haptics_and_vision_hear_of_each_others_scene) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(5);
+  say(kHaptics, SceneFacts{.given_hash = 1});
+  run(2);
+  say(kVision, SceneFacts{.given_hash = 2});
+  run(2);
+  say(kTool, SceneFacts{.given_hash = 3});
+  run(2);
+  ASSERT_EQ(scenes.size(), 2U);
+  EXPECT_EQ(scenes[0].first, at(kVision));
+  EXPECT_EQ(scenes[0].second.given_hash, 1U);
+  EXPECT_EQ(scenes[1].first, at(kHaptics));
+  EXPECT_EQ(scenes[1].second.given_hash, 2U);
+}
+
+TEST_F(Servos, the_hand_is_told_where_the_scene_is_and_where_it_was_turned_to) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(5);
+  say(kHaptics,
+      SceneFacts{.given_hash = 1, .lowest_m = {0, 0, 0}, .highest_m = {0.08F, 0, 0}, .point_count = 1, .points_m = {{{0.08F, 0, 0}}}});
+  run(3);
+  ASSERT_EQ(device.aims.size(), 1U);
+  EXPECT_LT((device.aims[0] - Vec3(0.08, 0, 0)).norm(), 1e-6);
+  EXPECT_EQ(servo->collect_stats().reach, SceneReach::in_reach);
+  say(kVision, ViewTransform{.revision = 1, .X_WS = {0, -1, 0, 0, 1, 0, 0, 0.5F, 0, 0, 1, 0}});
+  run(3);
+  EXPECT_LT((device.aims[0] - Vec3(0, 0.58, 0)).norm(), 1e-6);
+  EXPECT_EQ(servo->collect_stats().reach, SceneReach::out_of_reach);
+  ASSERT_FALSE(probes.empty());
+  EXPECT_EQ(probes.back().status, ProbeStatus::out_of_reach);
+}
+
+TEST_F(Servos, vision_is_told_why_there_is_no_force) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(200);
+  ASSERT_FALSE(probes.empty());
+  EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
+  join(kHaptics, NodeRole::haptics);
+  run(500);
+  EXPECT_EQ(probes.back().status, ProbeStatus::ok);
+  device.state = DeviceStatus::calibrating;
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::calibrating);
+  device.state = DeviceStatus::away;
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::device_away);
+  device.state = DeviceStatus::ready;
+  run(1000);
+  EXPECT_EQ(probes.back().status, ProbeStatus::ok);
+  answer_delay_ns = -1;
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
+  answer_delay_ns = 100 * kUs;
+  run(500);
+  servo->device_loop().latch_again(SafetyFault::speed);
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::fault_latched);
+}
+
+TEST_F(Servos, remembers_what_the_haptics_node_works_with) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(5);
+  HapticsSetup setup{.scene_hash = 0xABCD};
+  std::copy_n("car.toml", 8, setup.scene.begin());
+  say(kHaptics, setup);
+  run(2);
+  EXPECT_EQ(servo->collect_stats().setup.scene_hash, 0xABCDU);
+  EXPECT_STREQ(servo->collect_stats().setup.scene.data(), "car.toml");
 }
 
 TEST_F(Servos, the_mouse_leads_the_hand_until_it_lets_go_or_leaves) {

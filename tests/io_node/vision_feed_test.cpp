@@ -48,7 +48,7 @@ struct Feed : testing::Test {
     memory.note_sample(cycle.number, cycle.sample);
     side.written.force_n = Vec3(0, 0, x_m);
     side.is_silent = true;
-    feed.tell(memory, side, cycle, 3, clock.now_ns());
+    feed.tell(memory, side, cycle, 3, ProbeStatus::ok, clock.now_ns());
   }
   Drawn drawn() const { return {heard.back().sample, heard.back().sample_time_ns, 60.0F}; }
 };

@@ -60,7 +60,19 @@ class RandomDatagrams {
       case 5:
         return draw_view();
       case 6:
-        return ProbeState{bits(), time, vector(), rotation(), vector(), vector(), flag(), bits32(), rate(), rate(), rate(), bits32()};
+        return ProbeState{bits(),
+                          time,
+                          vector(),
+                          rotation(),
+                          vector(),
+                          vector(),
+                          flag(),
+                          bits32(),
+                          rate(),
+                          rate(),
+                          rate(),
+                          bits32(),
+                          static_cast<ProbeStatus>(bits() % 7)};
       case 7:
         return Drawn{bits(), time, rate(), bits32(), bits32(), flag()};
       case 8:
@@ -71,9 +83,22 @@ class RandomDatagrams {
         return draw_setup();
       case 11:
         return ReportAsk{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
-      default:
+      case 12:
         return draw_part();
+      default:
+        return draw_facts();
     }
+  }
+
+  SceneFacts draw_facts() {
+    SceneFacts facts;
+    const auto point = [&] { return SceneFacts::Point{rate(), -rate(), rate()}; };
+    facts.given_hash = bits();
+    facts.lowest_m = point();
+    facts.highest_m = point();
+    facts.point_count = bits32() % (SceneFacts::kMostPoints + 1);
+    for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
+    return facts;
   }
 
   ReportPart draw_part() {
@@ -165,6 +190,7 @@ void expect_equal(const ProbeState& a, const ProbeState& b) {
   EXPECT_EQ(a.round_trip_p50_us, b.round_trip_p50_us);
   EXPECT_EQ(a.round_trip_p99_us, b.round_trip_p99_us);
   EXPECT_EQ(a.view_revision, b.view_revision);
+  EXPECT_EQ(a.status, b.status);
 }
 void expect_equal(const Drawn& a, const Drawn& b) {
   EXPECT_EQ(a.echo_sample, b.echo_sample);
@@ -211,6 +237,14 @@ void expect_equal(const ReportPart& a, const ReportPart& b) {
   EXPECT_EQ(std::string_view(a.text.data(), a.size), std::string_view(b.text.data(), b.size));
 }
 
+void expect_equal(const SceneFacts& a, const SceneFacts& b) {
+  EXPECT_EQ(a.given_hash, b.given_hash);
+  EXPECT_EQ(a.lowest_m, b.lowest_m);
+  EXPECT_EQ(a.highest_m, b.highest_m);
+  EXPECT_EQ(a.point_count, b.point_count);
+  EXPECT_EQ(a.points_m, b.points_m);
+}
+
 void expect_equal(const Datagram& a, const Datagram& b) {
   EXPECT_EQ(a.header.session, b.header.session);
   EXPECT_EQ(a.header.sender, b.header.sender);
@@ -246,6 +280,11 @@ void expect_sane(const Datagram& datagram) {
     for (const HapticsSetup::Text& text : {setup->scene, setup->build, setup->method, setup->refusal}) {
       EXPECT_EQ(text.back(), '\0');
       EXPECT_TRUE(std::none_of(text.begin(), text.end(), [](char c) { return (c > 0 && c < ' ') || c == '\x7f'; }));
+    }
+  } else if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) {
+    EXPECT_LE(facts->point_count, facts->points_m.size());
+    for (const SceneFacts::Point& point : facts->points_m) {
+      for (const float value : point) EXPECT_LE(std::abs(value), static_cast<float>(kMaxWireMagnitude));
     }
   } else if (const auto* part = std::get_if<ReportPart>(&datagram.message)) {
     EXPECT_LE(part->size, part->text.size());
@@ -497,6 +536,9 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   HapticsSetup endless;
   endless.refusal.fill('x');  // the last place is NUL
   EXPECT_EQ(round_trip(endless), DecodeStatus::bad_value);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(round_trip(SceneFacts{.lowest_m = {0, kNan, 0}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(SceneFacts{.point_count = 1, .points_m = {{{0, 0, 2e9F}}}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportAsk{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);

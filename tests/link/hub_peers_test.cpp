@@ -365,6 +365,11 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
     }
   }
   EXPECT_EQ(hub_->counts().misplaced, 14U);
+  // Two roles have a scene.
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
+    EXPECT_EQ(say(nodes[n].second, SceneFacts{}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
+  }
 }
 
 TEST_F(HubPeersTest, SaysByeToEveryoneWhenItGoes) {

@@ -101,7 +101,26 @@ TEST_F(ConfigTest, TheCommandLineWins) {
 
 TEST_F(ConfigTest, NamesAnUnknownKeyWithFileAndLine) {
   EXPECT_EQ(parse({"--config", file("rate = 2000\n\nraet = 1\n")}), 2);
-  expect_one_error(path_.string() + ":3: unknown key 'raet'");
+  expect_one_error(path_.string() + ":3: unknown key 'raet'; did you mean 'rate'?");
+}
+
+TEST_F(ConfigTest, NamesTheFlagThatWasMeant) {
+  EXPECT_EQ(parse({"--raet", "500"}), 2);
+  expect_one_error("; did you mean '--rate'?; see io_node --help");
+  EXPECT_EQ(parse({"--headles"}), 2);
+  expect_one_error("did you mean '--headless'?");
+  EXPECT_EQ(parse({"--gaisn=3"}), 2);
+  expect_one_error("did you mean '--gains'?");
+  EXPECT_EQ(parse({"--zzzzzz"}), 2);
+  expect_one_error("--zzzzzz; see io_node --help");
+}
+
+TEST_F(ConfigTest, NamesTheFlagOfACommandThatWasMeant) {
+  CLI::App* command = app_.add_subcommand("replay");
+  std::string out;
+  command->add_option_group("what is written")->add_option("--out", out);
+  EXPECT_EQ(parse({"replay", "--ott", "x"}), 2);
+  expect_one_error("did you mean '--out'?");
 }
 
 TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {

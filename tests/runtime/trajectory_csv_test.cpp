@@ -84,5 +84,15 @@ TEST(TrajectoryCsv, reads_a_file_and_names_a_missing_one) {
   EXPECT_FALSE(read_trajectory_csv(testing::TempDir()));
 }
 
+TEST(TrajectoryCsv, PassesOverTheSampleNumberOfAnExport) {
+  const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n0,1,2,3,1,0,0,0,17\n0.5,1,2,4,1,0,0,0,18\n", "t.csv");
+  ASSERT_TRUE(rows) << rows.error().what;
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_EQ((*rows)[1].p_WD, Vec3(1, 2, 4));
+  EXPECT_TRUE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,17\n", "t.csv"));
+  EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3\n", "t.csv"));
+  EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,x\n", "t.csv"));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -55,7 +55,8 @@ void add_bench_objects_command(CommandLine bench, int& exit_code) {
       .shows_default();
   command.add_option("--steps", options->settings.steps, "Of each trajectory").between(100, 10'000'000).shows_default();
   command.add_option("--seed", options->settings.seed, "Of the trajectories").shows_default();
-  command.add_option("--out", options->out, "Folder for objects.txt, objects.csv and objects.json; default: none are written");
+  command.add_option("--out", options->out, "Folder for objects.txt, objects.csv and objects.json; default: none are written")
+      .folder_to_write();
   command.on_run([options, &exit_code] {
     const auto done = measure(*options);
     if (!done) fmt::print(stderr, "hapton bench objects: {}\n", done.error().what);

@@ -99,7 +99,7 @@ void add_bench_pareto_command(CommandLine bench, int& exit_code) {
       .between(10, 10'000'000)
       .shows_default();
   command.add_option("--seed", options->settings.seed, "Of the slides").shows_default();
-  command.add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png").required();
+  command.add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png").folder_to_write().required();
   command.on_run([options, &exit_code] {
     const auto done = measure(*options);
     if (!done) fmt::print(stderr, "hapton bench pareto: {}\n", done.error().what);

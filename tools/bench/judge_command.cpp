@@ -85,7 +85,7 @@ void add_judge_command(CommandLine app, int& exit_code) {
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->settings.threads, "Segments judged at a time").between(1, 1024).shows_default();
-  command.add_option("--out", options->out, "Folder for judge.json and judge.csv");
+  command.add_option("--out", options->out, "Folder for judge.json and judge.csv").folder_to_write();
   command.on_run([options, &exit_code] {
     const auto done = judge(*options);
     if (!done) fmt::print(stderr, "hapton judge: {}\n", done.error().what);

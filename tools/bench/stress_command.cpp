@@ -149,7 +149,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();
-  command.add_option("--out", options->out, "Folder for stress.json");
+  command.add_option("--out", options->out, "Folder for stress.json").folder_to_write();
   command.on_run([options, &exit_code] {
     const auto clean = torture(*options);
     if (!clean) fmt::print(stderr, "hapton stress: {}\n", clean.error().what);

@@ -55,6 +55,7 @@ int run_compare(const CompareOptions& options) {
 void add_run_options(CommandLine command, LatencyRunOptions& options) {
   command.add_option("--seconds", options.seconds, "How long").between(0.5, 1e6).shows_default();
   command.add_option("--out", options.out, "Folder for report.json, latency.csv, latency.png, latency.txt and the nodes' logs")
+      .folder_to_write()
       .shows_default();
   const CommandOption hosts =
       command.add_option("--hosts", options.hosts, "Measure the system whose hub runs at HOST[:PORT], instead of starting one here");
@@ -92,7 +93,7 @@ void add_latency_command(CommandLine app, int& exit_code) {
   const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");
   compare_command.add_option("A", compared->a, "Folder of a run, or its report.json").required();
   compare_command.add_option("B", compared->b, "Another one").required();
-  compare_command.add_option("--json", compared->json, "Write the comparison to this file too");
+  compare_command.add_option("--json", compared->json, "Write the comparison to this file too").file_to_write();
   compare_command.on_run([compared, &exit_code] { exit_code = run_compare(*compared); });
 
   command.on_run([command, options, &exit_code] {

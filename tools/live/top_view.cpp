@@ -122,6 +122,8 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
   text +=
       fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));
+  if (const std::string status = word(section(now.report, "notes"), "status_now"); !status.empty() && status != "ok")
+    text += status + "\n\n";
   if (const std::string safety = safety_text(now.report); !safety.empty()) text += safety + "\n";
   text += nodes_text(span) + "\n";
   text += hops_text(span.before == nullptr ? now.hops : subtract_hops(now.hops, before->hops)) + "\n";

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/near_miss.h"
 #include "runtime/regular_file.h"
-#include "scene/near_miss.h"
 
 namespace hapton {
 namespace {

@@ -187,7 +187,7 @@ void add_session_command(CommandLine app, int& exit_code) {
 
   const CommandLine tables = session.add_subcommand("export", "Write it as trajectory.csv, forces.csv and cycles.csv");
   tables.add_option("file", options->file, "Recorded session").required();
-  tables.add_option("--out", options->out, "Folder for the tables").required();
+  tables.add_option("--out", options->out, "Folder for the tables").folder_to_write().required();
   tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
 
   const CommandLine replay = session.add_subcommand("replay", "Replay it through the haptic step and compare every force bit for bit");

@@ -13,7 +13,7 @@ constexpr std::size_t kFaultsListed = 20;
 
 const char* name_of(const Message& message) {
   constexpr std::array kNames = {"Hello", "Welcome",    "Bye",      "DeviceState",  "ForceCommand", "ViewTransform", "ProbeState",
-                                 "Drawn", "HandTarget", "Settings", "HapticsSetup", "ReportAsk",    "ReportPart"};
+                                 "Drawn", "HandTarget", "Settings", "HapticsSetup", "ReportAsk",    "ReportPart",    "SceneFacts"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }

@@ -51,7 +51,9 @@ void add_soak_command(CommandLine app, int& exit_code) {
   command.add_flag("--vision", options->vision, "A vision node takes part");
   command.add_option("--scene", options->scene, "What is touched").shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
-  command.add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports").shows_default();
+  command.add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports")
+      .folder_to_write()
+      .shows_default();
   command.add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
       .one_of({"try", "require", "off"})
       .shows_default();

@@ -1,4 +1,4 @@
-#include "scene/near_miss.h"
+#include "core/base/near_miss.h"
 
 #include <fmt/core.h>
 
@@ -27,12 +27,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string near_miss_hint(std::string_view word, std::span<const std::string_view> known) {
+std::string_view find_near_miss(std::string_view word, std::span<const std::string_view> known) {
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-  std::string all;
   for (const std::string_view candidate : known) {
-    all += fmt::format("{}{}", all.empty() ? "" : ", ", candidate);
     // A word cut short, such as stiffness for stiffness_n_per_m, is near too.
     const bool begins = word.size() >= 4 && candidate.starts_with(word);
     const std::size_t distance = begins || word.size() > 64 ? (begins ? 0 : word.size()) : edit_distance(word, candidate);
@@ -41,7 +39,15 @@ std::string near_miss_hint(std::string_view word, std::span<const std::string_vi
       best = candidate;
     }
   }
-  return best.empty() ? fmt::format("; known are {}", all) : fmt::format("; did you mean '{}'?", best);
+  return best;
+}
+
+std::string near_miss_hint(std::string_view word, std::span<const std::string_view> known) {
+  const std::string_view best = find_near_miss(word, known);
+  if (!best.empty()) return fmt::format("; did you mean '{}'?", best);
+  std::string all;
+  for (const std::string_view candidate : known) all += fmt::format("{}{}", all.empty() ? "" : ", ", candidate);
+  return fmt::format("; known are {}", all);
 }
 
 }  // namespace hapton
