@@ -64,7 +64,7 @@ class HandScript {
   Phase phase_ = Phase::travel;
   double phase_s_ = 0.0;
   double phase_end_s_ = 0.0;
-  double total_s_ = 0.0;
+  double tilted_s_ = 0.0;        // of the script, without the time it was led: a led hand holds the stylus still
   Vec3 hand_m_;                  // the intention, moved on step by step
   Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
   Vec3 normal_ = Vec3::UnitZ();  // of the surface felt last

@@ -267,6 +267,7 @@ void Servo::on_view(const ViewTransform& view) noexcept {
 void Servo::on_setup(const HapticsSetup& setup) noexcept {
   stats_.setup = setup;
   peers_.send_to_role(NodeRole::tool, setup);
+  peers_.send_to_role(NodeRole::vision, setup);  // it draws the probe as large as it is felt
 }
 
 // Each side hears of the other's, and compares.

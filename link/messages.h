@@ -122,8 +122,8 @@ struct Settings {
   std::uint32_t method_ask = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
 };
 
-// haptics -> hub -> every tool, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt
-// again, and what became of the method asked for last.
+// haptics -> hub -> every tool and vision, when it has changed and once a second: what the forces are worked out with, so that a recording
+// can be felt again, and what became of the method asked for last.
 struct HapticsSetup {
   using Text = std::array<char, 256>;  // NUL-padded, printable
 

@@ -528,7 +528,7 @@ TEST_F(Servos, a_method_goes_on_to_haptics_and_a_report_wish_to_the_other_thread
   EXPECT_EQ(servo->snapshot().samples, 8U);
 }
 
-TEST_F(Servos, what_haptics_says_to_a_method_is_heard_by_tools_alone) {
+TEST_F(Servos, what_haptics_says_of_its_method_is_heard_by_tools_and_vision) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -539,10 +539,13 @@ TEST_F(Servos, what_haptics_says_to_a_method_is_heard_by_tools_alone) {
   say(kHaptics, refused);
   say(kTool, HapticsSetup{.method_ask = 78});
   run(2);
-  ASSERT_EQ(setups.size(), 1U);
+  ASSERT_EQ(setups.size(), 2U);
   EXPECT_EQ(setups[0].first, at(kTool));
-  EXPECT_EQ(setups[0].second.method_ask, 77U);
-  EXPECT_STREQ(setups[0].second.refusal.data(), "no");
+  EXPECT_EQ(setups[1].first, at(kVision)) << "it draws the probe as large as it is felt";
+  for (const auto& [to, setup] : setups) {
+    EXPECT_EQ(setup.method_ask, 77U);
+    EXPECT_STREQ(setup.refusal.data(), "no");
+  }
 }
 
 TEST_F(Servos, haptics_and_vision_hear_of_each_others_scene) {
