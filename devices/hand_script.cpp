@@ -217,13 +217,13 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
 
 HandIntention HandScript::intention() noexcept {
   hand_m_ = hand_m_.cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
-  const double turn = 2.0 * std::numbers::pi * total_s_;
+  const double turn = 2.0 * std::numbers::pi * tilted_s_;
   return {hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
 }
 
 HandIntention HandScript::step(const Vec3& p_WD, const Vec3& force_n) noexcept {
   phase_s_ += kStepS;
-  total_s_ += kStepS;
+  if (phase_ != Phase::led) tilted_s_ += kStepS;
   feel(p_WD, force_n);
   advance_phase(p_WD);
   return intention();

@@ -24,7 +24,7 @@ struct HandIntention {
 // met nothing, it looks nearer to the middle next, then farther out. Told where the surface is (aim), it goes there instead: a scene may be
 // a small thing, or lie aside.
 // A lead (the mouse in the vision window) takes the hand over; let go of, the script begins again from there.
-// Every number it draws comes from the seed. RT: step and lead yes.
+// Every number it draws comes from the seed; when it is told of a surface, it sets out anew. RT: step, lead and aim yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
@@ -64,7 +64,7 @@ class HandScript {
   Phase phase_ = Phase::travel;
   double phase_s_ = 0.0;
   double phase_end_s_ = 0.0;
-  double total_s_ = 0.0;
+  double tilted_s_ = 0.0;        // of the script, without the time it was led: a led hand holds the stylus still
   Vec3 hand_m_;                  // the intention, moved on step by step
   Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
   Vec3 normal_ = Vec3::UnitZ();  // of the surface felt last

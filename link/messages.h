@@ -130,8 +130,8 @@ struct Settings {
   std::uint32_t method_request = 0;  // identifies the reply to `method` in HapticsSetup; 0: no reply is awaited
 };
 
-// haptics -> hub -> every tool, when it has changed and once a second: what the forces are computed with, so that a recording can be
-// replayed, and the result of the last method request.
+// haptics -> hub -> every tool and vision node, when it has changed and once a second: what the forces are computed with, so that a
+// recording can be replayed, and the result of the last method request.
 struct HapticsSetup {
   using Text = std::array<char, 256>;  // NUL-padded, printable
 

@@ -181,17 +181,6 @@ const CLI::App& innermost_command(const CLI::App& app) {
   return app;
 }
 
-// "; did you mean '--scene'?" of the first argument that nobody knows, if there is one like it.
-std::string suggest_flag(const CLI::App& app) {
-  const std::vector<std::string> unknown = app.remaining(true);
-  if (unknown.empty()) return {};
-  std::vector<std::string> words;
-  add_words(innermost_command(app), words);
-  const std::vector<std::string_view> known(words.begin(), words.end());
-  const std::string_view best = find_near_miss(std::string_view(unknown.front()).substr(0, unknown.front().find('=')), known);
-  return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
-}
-
 std::string program_name(const CLI::App& app, int argc, const char* const* argv) {
   if (!app.get_name().empty()) {
     return app.get_name();
@@ -201,6 +190,16 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
 }
 
 }  // namespace
+
+std::string suggest_flag(const CLI::App& app) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (unknown.empty()) return {};
+  std::vector<std::string> words;
+  add_words(innermost_command(app), words);
+  const std::vector<std::string_view> known(words.begin(), words.end());
+  const std::string_view best = find_near_miss(std::string_view(unknown.front()).substr(0, unknown.front().find('=')), known);
+  return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
+}
 
 void require_finite_numbers(CLI::App& app) {
   const auto is_finite = [](const std::string& text) {

@@ -91,7 +91,7 @@ int run_hapton_command(int argc, const char* const* argv) {
     const std::string command = words_so_far(app);
     std::string what = error.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
-    fmt::print(stderr, "{}: {}; see {} --help\n", command, what, command);
+    fmt::print(stderr, "{}: {}{}; see {} --help\n", command, what, suggest_flag(app), command);
     return kBadCommandLine;
   }
   return exit_code;

@@ -43,6 +43,11 @@ class VisionSession {
 
  private:
   void hear_hub(std::int64_t deadline_ns);
+  void take_states(std::int64_t deadline_ns);
+  void take_setup(const HapticsSetup& setup);
+  void handle_events();
+  void change_stereo(const Wishes& wishes);
+  void refine_scene();
   void compare_scene(const SceneFacts& felt);
   Result<void> attend_window();
   void speak();
@@ -70,10 +75,11 @@ class VisionSession {
   bool told_absent_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
-  std::int64_t heard_ns_ = 0;  // when the state came that is drawn next
+  double probe_radius_m_ = 0.0;  // that the haptics node feels with
+  std::int64_t heard_ns_ = 0;    // when the state came that is drawn next
 };
 
-// Draws that many pictures flat out, the dials turning, and says how fast it went.
-std::string run_bench(StereoView& view, const Clock& clock, int frames);
+// Draws that many pictures flat out, the dials turning, once all levels of detail are made, and says how fast it went.
+std::string run_bench(StereoView& view, Clock& clock, int frames);
 
 }  // namespace hapton

@@ -48,6 +48,20 @@ TEST(HandScript, FollowsALeadAndReturnsToItsScript) {
   EXPECT_GT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-3);
 }
 
+TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {
+  HandScript script(box(1));
+  Vec3 last = box(1).start_m;
+  HandIntention before;
+  for (int step = 0; step < 700; ++step) before = script.step(last, Vec3::Zero()), last = before.p_WH;
+  ASSERT_GT(before.gimbal_rad.norm(), 0.01);
+  script.lead(Vec3(0.05, -0.05, 0.0));
+  for (int step = 0; step < 1000; ++step) EXPECT_EQ(script.step(last, Vec3::Zero()).gimbal_rad, before.gimbal_rad);
+  script.lead(std::nullopt);
+  const HandIntention after = script.step(last, Vec3::Zero());
+  EXPECT_NE(after.gimbal_rad, before.gimbal_rad);
+  EXPECT_LT((after.gimbal_rad - before.gimbal_rad).norm(), 0.01) << "without a jump";
+}
+
 // A pin of 2 mm that stands aside, which no blind search meets within seconds.
 TEST(HandScript, GoesToWhereItIsToldThatThereIsSomething) {
   const Vec3 pin(0.07, -0.08, 0.05);

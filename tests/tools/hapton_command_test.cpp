@@ -119,6 +119,21 @@ TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
   EXPECT_EQ(run({"--no-such-flag"}).code, 2);
 }
 
+TEST_F(HaptonCommandTest, UnknownFlagsAreHinted) {
+  const Seen seen = run({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("did you mean '--trajectory'?"));
+  const Seen grouped = run(replay({"--mehs", path("t.obj")}));
+  EXPECT_EQ(grouped.code, 2);
+  EXPECT_THAT(grouped.err, HasSubstr("did you mean '--mesh'?"));
+}
+
+TEST_F(HaptonCommandTest, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
+  const Seen seen = run({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("cannot be a folder"));
+}
+
 TEST_F(HaptonCommandTest, ReplayWritesWhatWasFelt) {
   const Seen seen = run(replay({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
   EXPECT_EQ(seen.code, 0) << seen.err;

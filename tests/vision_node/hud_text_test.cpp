@@ -35,6 +35,13 @@ TEST(Hud, NumbersThatAreNoneDoNotBreakIt) {
   EXPECT_NE(compose_hud(facts).find("0.00 N"), std::string::npos);
 }
 
+TEST(Hud, SaysHowFarTheLevelsOfDetailAre) {
+  HudFacts facts;
+  EXPECT_EQ(compose_hud(facts).find("detail"), std::string::npos);
+  facts.detail_progress = 0.42;
+  EXPECT_NE(compose_hud(facts).find("detail 42 %"), std::string::npos);
+}
+
 TEST(Hud, SaysWhyThereIsNoForce) {
   HudFacts facts;
   facts.connected = true;
@@ -69,7 +76,8 @@ TEST(Hud, WarnsOfASceneThatCannotBeReachedOrIsNotTheOneFelt) {
 }
 
 TEST(Hud, NamesEveryKey) {
-  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q "}) EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
+  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g "})
+    EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
 }
 
 }  // namespace

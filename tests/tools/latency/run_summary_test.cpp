@@ -43,6 +43,15 @@ TEST(RunSummary, SaysWhenNothingWasTouched) {
   EXPECT_THAT(summary.text, HasSubstr("touched nothing of part.stl in 6.0 s"));
 }
 
+TEST(RunSummary, SaysThatTheDeviceCannotReachTheScene) {
+  Json report = make_report();
+  report["counters"]["contact_samples"] = 0;
+  report["notes"]["reach"] = "the scene is out of the device's reach";
+  const RunSummary summary = summarise_run(report, "part.stl");
+  EXPECT_FALSE(summary.held);
+  EXPECT_THAT(summary.text, HasSubstr("out of the device's reach (check --unit and --no-fit)"));
+}
+
 TEST(RunSummary, NamesEachThingThatDidNotHold) {
   struct Case {
     const char *section, *key;

@@ -49,6 +49,14 @@ TEST(TopView, SaysWhatTheGovernorDoes) {
   EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor latched: the motors are too hot; hapton set --reset-faults;"));
 }
 
+TEST(TopView, SaysWhyThereIsNoForce) {
+  TopLook look = look_after(10, 0);
+  look.report["notes"]["status_now"] = "ok";
+  EXPECT_THAT(make_top_view("h", look, nullptr), Not(HasSubstr("ok\n")));
+  look.report["notes"]["status_now"] = "no force: the device is away";
+  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("\nno force: the device is away\n"));
+}
+
 TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
   const TopLook before = look_after(100, 0);
   const TopLook now = look_after(102, 2000);
