@@ -217,11 +217,12 @@ TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
   EXPECT_THAT(run({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 
+// It takes the flags of `bench numbers`, and checks its folder before it measures.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
-  const Seen seen = run({"bench", "--out", path("a file/numbers")});
-  EXPECT_EQ(seen.code, 1);
-  EXPECT_THAT(seen.err, HasSubstr("hapton bench numbers: "));
+  const Seen seen = run({"bench", "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("a file is none"));
 }
 
 TEST_F(HaptonCommandTest, StressRefusesADynamicFrictionAboveTheStaticOne) {
