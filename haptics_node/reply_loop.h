@@ -15,8 +15,8 @@ namespace hapton {
 // The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. Where a method builds
 // on approach, the first reply waits until the objects nearby are built: so resumed contact is felt from the first reply on, and the same
 // states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the result of a
-// method request, and its scene. A vision node with another scene is a line in the log. RT: run and turn yes, apart from such lines. Threads:
-// one.
+// method request, and its scene. A vision node with another scene is a line in the log. RT: run and turn yes, apart from such lines.
+// Threads: one.
 class ReplyLoop {
  public:
   ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},

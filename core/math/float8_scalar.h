@@ -185,9 +185,7 @@ inline Float4 max(Float4 a, Float4 b) noexcept {
   return detail::map(a, b, [](float x, float y) { return x > y ? x : y; });
 }
 inline std::uint32_t last_word(Float4 a) noexcept { return detail::word(a.v[3]); }
-inline Float4 with_last_word(Float4 a, std::uint32_t word) noexcept {
-  return {a.v[0], a.v[1], a.v[2], detail::number(word)};
-}
+inline Float4 with_last_word(Float4 a, std::uint32_t word) noexcept { return {a.v[0], a.v[1], a.v[2], detail::number(word)}; }
 inline void transpose(Float4& a, Float4& b, Float4& c, Float4& d) noexcept {
   const Float4 rows[4] = {a, b, c, d};
   Float4* const columns[4] = {&a, &b, &c, &d};

@@ -21,9 +21,9 @@
 namespace hapton::gltf {
 namespace {
 
-// Draco takes memory for what its header promises. A regular mesh of one repeated pattern takes the fewest bits: a plane grid of half a million
-// triangles has 22 triangles a byte (tests/scene/gltf/draco_test.cpp measures it); the bound leaves ten times that, and a small mesh its
-// tables.
+// Draco takes memory for what its header promises. A regular mesh of one repeated pattern takes the fewest bits: a plane grid of half a
+// million triangles has 22 triangles a byte (tests/scene/gltf/draco_test.cpp measures it); the bound leaves ten times that, and a small
+// mesh its tables.
 constexpr std::size_t kMostTrianglesOfAByte = 256;
 constexpr std::size_t kMostAttributes = 64;
 constexpr std::size_t kMostBytesOfAPoint = 1024;

@@ -44,7 +44,8 @@ TEST(ChooseHidDevice, ANameThatNobodyHasListsWhatThereIs) {
 
 TEST(ChooseHidDevice, NoneOfItsKindSaysHowManyOthersThereAre) {
   const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077)};
-  EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::hapton_hid, "")), HasSubstr("no Hapton HID is plugged in, among 1 HID devices"));
+  EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::hapton_hid, "")),
+              HasSubstr("no Hapton HID is plugged in, among 1 HID devices"));
 }
 
 TEST(ChooseHidDevice, AHaptonHidDeviceIsFoundByAnyOfItsUsages) {

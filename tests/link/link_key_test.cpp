@@ -194,7 +194,8 @@ TEST_F(LinkKeyTest, ARolesKeyIsGoodForThatRoleAlone) {
   for (const KeyRole other : {KeyRole::haptics, KeyRole::tool, KeyRole::operator_role}) {
     const auto rejected = read_role_key_file(path, other);
     ASSERT_FALSE(rejected);
-    EXPECT_THAT(rejected.error().what, HasSubstr("is the key of role vision, and this needs that of role " + std::string(to_string(other))));
+    EXPECT_THAT(rejected.error().what,
+                HasSubstr("is the key of role vision, and this needs that of role " + std::string(to_string(other))));
     EXPECT_THAT(rejected.error().what, HasSubstr("hapton keygen --role"));
   }
   EXPECT_FALSE(make_role_key_file(path, master, KeyRole::tool)) << "what is there stays";

@@ -29,10 +29,10 @@ struct Latched : testing::Test {
   std::string hub = "127.0.0.1:" + find_free_port();
 
   Program start(const std::string& trajectory) {
-    return Program(
-        "io_node",
-        {"--bind", hub, "--rt", "off", "--watchdog", "off", "--max-speed", "1", "--device", "replay", "--trajectory", (folder.path() / trajectory).string()},
-        folder.path());
+    return Program("io_node",
+                   {"--bind", hub, "--rt", "off", "--watchdog", "off", "--max-speed", "1", "--device", "replay", "--trajectory",
+                    (folder.path() / trajectory).string()},
+                   folder.path());
   }
   bool says(const Program& program, const std::string& text) {
     for (int tries = 0; tries < 2000 && program.err().find(text) == std::string::npos; ++tries) {

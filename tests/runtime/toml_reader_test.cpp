@@ -82,9 +82,9 @@ TEST_F(TomlFiles, SayWhereTheyAreWrong) {
   std::string text;
   Vec3 place = Vec3::Ones();
   EXPECT_THAT(rejection("a = 1\nnmae = 2\n",
-                      [](TomlReader& r) {
-                        r.allow({"a", "name"});
-                      }),
+                        [](TomlReader& r) {
+                          r.allow({"a", "name"});
+                        }),
               AllOf(HasSubstr("f.toml:2: unknown key 'nmae'"), HasSubstr("a, name")));
   EXPECT_THAT(rejection("[[device]]\n", [](TomlReader& r) { r.tables("device").front().require("name"); }),
               HasSubstr("f.toml:1: 'name' is missing in [[device]] 1; add it"));
@@ -107,11 +107,11 @@ TEST_F(TomlFiles, SayWhereTheyAreWrong) {
 
 TEST_F(TomlFiles, KeepTheirFirstError) {
   EXPECT_THAT(rejection("a = 1\nb = 2\n",
-                      [](TomlReader& r) {
-                        std::string text;
-                        r.read("b", text);
-                        r.read("a", text);
-                      }),
+                        [](TomlReader& r) {
+                          std::string text;
+                          r.read("b", text);
+                          r.read("a", text);
+                        }),
               HasSubstr("f.toml:2"));
 }
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "tools/doctor/run_in_child.h"
 #include "tools/doctor/display_probe.h"
+#include "tools/doctor/run_in_child.h"
 
 namespace hapton::doctor {
 namespace {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/vendor_library.h"
-#include "tools/doctor/run_in_child.h"
 #include "tools/doctor/plugged_device.h"
+#include "tools/doctor/run_in_child.h"
 
 namespace hapton::doctor {
 namespace {

@@ -267,7 +267,8 @@ TEST_F(VrpnServer, WhatCannotBeOpenedIsTold) {
   open();
   const Server::Options same{.address = to_string(at()), .name = "Phantom0", .limits = {}};
   EXPECT_THAT(Server::open(feed, same).error().what, HasSubstr("another program holds this port"));
-  EXPECT_THAT(Server::open(feed, {.address = "127.0.0.1:0", .name = "a b", .limits = {}}).error().what, HasSubstr("not a valid VRPN device name"));
+  EXPECT_THAT(Server::open(feed, {.address = "127.0.0.1:0", .name = "a b", .limits = {}}).error().what,
+              HasSubstr("not a valid VRPN device name"));
   EXPECT_THAT(Server::open(feed, {.address = "192.0.2.1:0", .name = "a", .limits = {}}).error().what, HasSubstr("no such address"));
 }
 
