@@ -35,8 +35,8 @@ class DeviceExchange {
   DeviceSample read(std::int64_t now_ns) noexcept {
     readings_.take();
     now_ns_ = now_ns;
-    wish_.time_ns = now_ns;
-    wishes_.publish(wish_);
+    command_.time_ns = now_ns;
+    commands_.publish(command_);
     DeviceSample sample = readings_.value().sample;
     sample.time_ns = now_ns;
     return sample;
@@ -44,8 +44,8 @@ class DeviceExchange {
 
   // Servo: the wrench from now on.
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept {
-    wish_ = {wrench, now_ns};
-    wishes_.publish(wish_);
+    command_ = {wrench, now_ns};
+    commands_.publish(command_);
   }
 
   // Any thread: the driver gets zero until restore, then a ramp.
@@ -75,29 +75,29 @@ class DeviceExchange {
 
   // Driver: the wrench to apply now: the servo's newest; zero while the device is not ready or the servo has timed out.
   Wrench wrench(std::int64_t now_ns) noexcept {
-    wishes_.take();
-    const Wish& wish = wishes_.value();
+    commands_.take();
+    const Command& command = commands_.value();
     if (ready_since_ns_ < 0) return {};
-    if (now_ns - wish.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
+    if (now_ns - command.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
       ready_since_ns_ = now_ns;
       return {};
     }
     const double share = std::clamp(static_cast<double>(now_ns - ready_since_ns_) / static_cast<double>(kRampNs), 0.0, 1.0);
-    return {share * wish.wrench.force_n, share * wish.wrench.torque_nm};
+    return {share * command.wrench.force_n, share * command.wrench.torque_nm};
   }
 
   // Driver: until the first read nobody has asked for anything.
-  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - wishes_.value().time_ns <= kServoSilenceNs; }
+  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoSilenceNs; }
 
  private:
-  struct Wish {
+  struct Command {
     Wrench wrench;
     std::int64_t time_ns = -kNanosecondsPerSecond;
   };
 
   Mailbox<Reading> readings_;
-  Mailbox<Wish> wishes_;
-  Wish wish_;                         // the servo's
+  Mailbox<Command> commands_;
+  Command command_;                   // the servo's
   std::int64_t now_ns_ = 0;           // the servo's
   std::int64_t ready_since_ns_ = -1;  // the driver's
   std::atomic<bool> is_cut_{false};

@@ -9,8 +9,8 @@
 #include <thread>
 #include <utility>
 
-#include "devices/device_exchange.h"
 #include "devices/dhd_library.h"
+#include "devices/vendor_device.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
@@ -32,7 +32,7 @@ constexpr double kMaxSpeedMPerS = 5.0;
 Vec3 to_w(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
 Vec3 from_w(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 
-class ForceDimensionDevice final : public Device {
+class ForceDimensionDevice final : public VendorDevice {
  public:
   ForceDimensionDevice(dhd::Library library, int index, std::optional<RealtimeSettings> realtime, const ForceDimensionOptions& options)
       : dhd_(std::move(library)), index_(index), realtime_(realtime), options_(options) {}
@@ -45,19 +45,9 @@ class ForceDimensionDevice final : public Device {
 
   std::string_view name() const noexcept override { return "forcedimension"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
-  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
-  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
-  bool cut() noexcept override {
-    exchange_.cut();
-    return true;
-  }
-  void restore() noexcept override { exchange_.restore(); }
-  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
-  DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override {
     return {model_, serial_, {}, exchange_.reading().is_calibrated, exchange_.reading().motor_temperature};
   }
-  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   std::string last_error() const;
@@ -70,7 +60,7 @@ class ForceDimensionDevice final : public Device {
   bool wait_warning();
   bool tick(std::int64_t now_ns);
   void look_at_status(std::int64_t now_ns);
-  void tell_away(std::int64_t now_ns, const std::string& why);
+  void log_away(std::int64_t now_ns, const std::string& why);
   void try_to_reopen(std::int64_t now_ns);
   void publish(DeviceStatus status, std::int64_t now_ns);
 
@@ -83,7 +73,6 @@ class ForceDimensionDevice final : public Device {
   int type_ = 0;
   SteadyClock clock_;
 
-  DeviceExchange exchange_;
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
@@ -162,7 +151,7 @@ void ForceDimensionDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void ForceDimensionDevice::run() {
-  // What is refused here the servo's thread was refused as well, and says so.
+  // Rights that are missing here are missing for the servo's thread as well, which logs it.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   calibrate();
@@ -176,7 +165,7 @@ void ForceDimensionDevice::run() {
     } else if (tick(now_ns)) {
       failures_ = 0;
     } else if (++failures_ >= kMostFailuresInARow) {
-      tell_away(now_ns, last_error());
+      log_away(now_ns, last_error());
     }
   }
 }
@@ -261,7 +250,7 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
 void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
   dhd::Status status = {};
   if (dhd_.get_status(status.data(), id_) < 0) return;
-  if (status[dhd::kStatusConnected] == 0) return tell_away(now_ns, "it reports that it is not connected");
+  if (status[dhd::kStatusConnected] == 0) return log_away(now_ns, "it reports that it is not connected");
   if (!reading_.is_calibrated) return;
   const bool was_off = std::exchange(is_force_off_, status[dhd::kStatusForce] == 0);
   if (!is_force_off_) return;
@@ -275,7 +264,7 @@ void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
   if (status[dhd::kStatusForceOffCause] == 2 || status[dhd::kStatusForceOffCause] == 3) dhd_.enable_force(1, id_);
 }
 
-void ForceDimensionDevice::tell_away(std::int64_t now_ns, const std::string& why) {
+void ForceDimensionDevice::log_away(std::int64_t now_ns, const std::string& why) {
   log_warning("{} is disconnected ({}); trying to reconnect", model_, why);
   dhd_.close(id_);
   is_open_ = false;

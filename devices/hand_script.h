@@ -23,7 +23,7 @@ struct HandIntention {
 // direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene there is; where it
 // met nothing, it looks nearer to the middle next, then farther out. Told where the surface is (aim), it goes there instead: a scene may be
 // a small thing, or lie aside.
-// A lead (the mouse in the vision window) takes the hand over; let go of, the script begins again from there.
+// A lead (the mouse in the vision window) takes the hand over; when it ends, the script starts again from there.
 // Every number it draws comes from the seed; when it is told of a surface, it sets out anew. RT: step, lead and aim yes.
 class HandScript {
  public:

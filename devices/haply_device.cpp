@@ -6,8 +6,8 @@
 #include <thread>
 #include <utility>
 
-#include "devices/device_exchange.h"
 #include "devices/haply_messages.h"
+#include "devices/vendor_device.h"
 #include "link/udp_endpoint.h"
 #include "link/websocket_endpoint.h"
 #include "runtime/clock.h"
@@ -40,7 +40,7 @@ DeviceLimits careful_limits() {
   return limits;
 }
 
-class HaplyDevice final : public Device {
+class HaplyDevice final : public VendorDevice {
  public:
   HaplyDevice(const Address& service, std::string id, std::optional<RealtimeSettings> realtime)
       : service_(service), realtime_(realtime), id_(std::move(id)) {}
@@ -57,17 +57,7 @@ class HaplyDevice final : public Device {
 
   std::string_view name() const noexcept override { return "haply"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
-  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
-  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
-  bool cut() noexcept override {
-    exchange_.cut();
-    return true;
-  }
-  void restore() noexcept override { exchange_.restore(); }
-  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
-  DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override { return {model_, id_, firmware_, exchange_.reading().is_calibrated, -1.0}; }
-  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   void run();
@@ -81,7 +71,6 @@ class HaplyDevice final : public Device {
   const DeviceLimits limits_ = careful_limits();
   std::string id_, model_, firmware_;
   SteadyClock clock_;
-  DeviceExchange exchange_;
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
@@ -90,7 +79,7 @@ class HaplyDevice final : public Device {
   DeviceExchange::Reading reading_;
   std::string said_;
   int absences_ = 0;
-  bool is_calibration_told_ = false;
+  bool is_calibration_logged_ = false;
   std::int64_t next_try_ns_ = 0;
 };
 
@@ -126,7 +115,7 @@ void HaplyDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void HaplyDevice::run() {
-  // What is refused here the servo's thread was refused as well, and says so.
+  // Rights that are missing here are missing for the servo's thread as well, which logs it.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   while (!ends_.load(std::memory_order_relaxed)) {
@@ -155,7 +144,7 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
   if (open()) log_info("reconnected to the Haply Inverse Service, device {}", id_);
 }
 
-// The answer to what was said last, then what is to be said next. False: the connection is over.
+// Receives the reply to the last message, then sends the next. False: the connection is closed.
 bool HaplyDevice::tick() {
   if (!socket_->receive(said_, kAnswerPatienceNs)) return false;
   const std::int64_t now_ns = clock_.now_ns();
@@ -178,7 +167,7 @@ void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
     reading_.sample.q_WT = state.grip->q_WT;
     reading_.sample.buttons = state.grip->buttons;
   }
-  if (!arm->is_calibrated && !std::exchange(is_calibration_told_, true)) {
+  if (!arm->is_calibrated && !std::exchange(is_calibration_logged_, true)) {
     log_warning("{} {}: calibrate: leave the arm on its rest, or put the grip into the inkwell, until its light stays on", model_, id_);
   }
   publish(arm->is_calibrated ? DeviceStatus::ready : DeviceStatus::calibrating, now_ns);

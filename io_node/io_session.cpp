@@ -160,9 +160,9 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
     print_events();
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
     tell_service();
-    note_wishes(stop);
+    note_requests(stop);
     if (!servo_.take_snapshot()) continue;
-    if (const auto granted = grant_wishes(servo_.snapshot()); !granted && reported) reported = granted;
+    if (const auto granted = serve_requests(servo_.snapshot()); !granted && reported) reported = granted;
   }
   return reported;
 }
@@ -211,24 +211,24 @@ void IoSession::tell_service() {
   if (service_.watchdog_ns() > 0 && lives) service_.send("WATCHDOG=1");
 }
 
-void IoSession::note_wishes(const StopSignal& stop) {
+void IoSession::note_requests(const StopSignal& stop) {
   const bool asked_by_tool = servo_.take_report_request();
   const bool asked_by_reader = report_server_ != nullptr && report_server_->take_request();
   const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
   const std::uint32_t asked_before = std::exchange(reports_asked_, stop.report_requests());
   const bool asked_by_signal = reports_asked_ != asked_before;
   if (!asked_by_tool && !asked_by_reader && !metrics_due && !asked_by_signal) return;
-  file_wished_ = file_wished_ || asked_by_tool || asked_by_signal;
+  file_requested_ = file_requested_ || asked_by_tool || asked_by_signal;
   server_wants_report_ = server_wants_report_ || asked_by_reader;
-  metrics_wished_ = metrics_wished_ || metrics_due;
+  metrics_requested_ = metrics_requested_ || metrics_due;
   if (metrics_due) next_metrics_ns_ = clock_.now_ns() + kMetricsEveryNs;
   servo_.request_snapshot();
 }
 
-Result<void> IoSession::grant_wishes(const ServoStats& stats) {
-  const bool writes_file = std::exchange(file_wished_, false);
+Result<void> IoSession::serve_requests(const ServoStats& stats) {
+  const bool writes_file = std::exchange(file_requested_, false);
   const bool fills_desk = std::exchange(server_wants_report_, false);
-  const bool fills_metrics = std::exchange(metrics_wished_, false);
+  const bool fills_metrics = std::exchange(metrics_requested_, false);
   if (fills_desk || fills_metrics) {
     const LatencyReport report = make_io_report(stats, options_, realtime_, watch_.figures());
     if (fills_desk) report_server_->publish(to_json(report), to_csv(report));

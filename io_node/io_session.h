@@ -44,8 +44,8 @@ class IoSession {
   void servo_thread();
   bool is_over(const StopSignal& stop) const;
   Result<void> look_after(const StopSignal& stop);
-  void note_wishes(const StopSignal& stop);
-  Result<void> grant_wishes(const ServoStats& stats);
+  void note_requests(const StopSignal& stop);
+  Result<void> serve_requests(const ServoStats& stats);
   void print_events();
   void keep_latch(const ServoEvent& event);
   std::string described(const ServoStats& stats) const;
@@ -66,9 +66,9 @@ class IoSession {
   std::int64_t next_sign_ns_ = 0;
   std::uint64_t cuts_told_ = 0;
   // What the next copy of the figures is for.
-  bool file_wished_ = false;
+  bool file_requested_ = false;
   bool server_wants_report_ = false;
-  bool metrics_wished_ = false;
+  bool metrics_requested_ = false;
   std::uint32_t reports_asked_ = 0;  // by signal, so far
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;

@@ -82,9 +82,15 @@ bool read_document(std::uint32_t from, ReportDocument& to) {
   return from <= static_cast<std::uint32_t>(ReportDocument::csv);
 }
 
-template <class Field>
-void add_point(Field& field, const SceneFacts::Point& point) {
-  for (const float value : point) field.AddAlreadyReserved(value);
+template <std::size_t N, class Field>
+void add_numbers(const std::array<float, N>& from, Field& field) {
+  for (const float value : from) field.AddAlreadyReserved(value);
+}
+
+template <std::size_t N, class Field>
+void write_numbers(const std::array<float, N>& from, Field& field) {
+  field.Clear();
+  add_numbers(from, field);
 }
 
 template <class Field>
@@ -134,10 +140,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
   to.set_revision(from.revision);
-  to.mutable_x_ws()->Clear();
-  for (const float value : from.X_WS) {
-    to.mutable_x_ws()->AddAlreadyReserved(value);
-  }
+  write_numbers(from.X_WS, *to.mutable_x_ws());
 }
 
 void write(const ProbeState& from, wire::ProbeState& to) {
@@ -172,8 +175,7 @@ void write(const HandTarget& from, wire::HandTarget& to) {
 
 void write(const Settings& from, wire::Settings& to) {
   to.set_servo_rate_hz(from.servo_rate_hz);
-  const auto* end = std::find(from.method.data(), from.method.data() + from.method.size(), '\0');
-  to.mutable_method()->assign(from.method.data(), static_cast<std::size_t>(end - from.method.data()));
+  write_text(from.method, *to.mutable_method());
   to.set_report_now(from.report_now);
   to.set_reset_faults(from.reset_faults);
   to.set_method_request(from.method_request);
@@ -182,10 +184,7 @@ void write(const Settings& from, wire::Settings& to) {
 void write(const HapticsSetup& from, wire::HapticsSetup& to) {
   to.set_method_serial(from.method_serial);
   to.set_view_revision(from.view_revision);
-  to.mutable_x_ws()->Clear();
-  for (const float value : from.X_WS) {
-    to.mutable_x_ws()->AddAlreadyReserved(value);
-  }
+  write_numbers(from.X_WS, *to.mutable_x_ws());
   to.set_scene_hash(from.scene_hash);
   write_text(from.scene, *to.mutable_scene());
   write_text(from.build, *to.mutable_build());
@@ -197,13 +196,11 @@ void write(const HapticsSetup& from, wire::HapticsSetup& to) {
 
 void write(const SceneFacts& from, wire::SceneFacts& to) {
   to.set_given_hash(from.given_hash);
-  to.mutable_lowest_m()->Clear();
-  to.mutable_highest_m()->Clear();
+  write_numbers(from.lowest_m, *to.mutable_lowest_m());
+  write_numbers(from.highest_m, *to.mutable_highest_m());
   to.mutable_points_m()->Clear();
-  add_point(*to.mutable_lowest_m(), from.lowest_m);
-  add_point(*to.mutable_highest_m(), from.highest_m);
   for (std::size_t i = 0; i < std::min<std::size_t>(from.point_count, from.points_m.size()); ++i) {
-    add_point(*to.mutable_points_m(), from.points_m[i]);
+    add_numbers(from.points_m[i], *to.mutable_points_m());
   }
 }
 

@@ -26,7 +26,7 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
   using Kind = WindowEvent::Kind;
   switch (event.kind) {
     case Kind::close:
-      wishes_.quit = true;
+      requests_.quit = true;
       break;
     case Kind::key:
       press_key(event.key, view);
@@ -86,28 +86,28 @@ void Interaction::press_key(char key, const View& view) {
       camera_ = {};
       break;
     case 'f':
-      wishes_.look_at_scene = true;
+      requests_.look_at_scene = true;
       break;
     case 'm':
-      wishes_.next_stereo = true;
+      requests_.next_stereo = true;
       break;
     case 'e':
-      wishes_.swap_eyes = true;
+      requests_.swap_eyes = true;
       break;
     case 'b':
-      wishes_.toggle_cull = true;
+      requests_.toggle_cull = true;
       break;
     case 'g':
-      wishes_.toggle_depth_cues = true;
+      requests_.toggle_depth_cues = true;
       break;
     case 's':
-      wishes_.screenshot = true;
+      requests_.screenshot = true;
       break;
     case 'k':
-      wishes_.toggle_help = true;
+      requests_.toggle_help = true;
       break;
     case 'q':
-      wishes_.quit = true;
+      requests_.quit = true;
       break;
     case 'h':
       latched_ = !latched_;
@@ -180,7 +180,7 @@ void Interaction::turn_wheel(int notches, const View& view) {
   hand_changed_ = true;
 }
 
-Wishes Interaction::take_wishes() { return std::exchange(wishes_, {}); }
+UserRequests Interaction::take_requests() { return std::exchange(requests_, {}); }
 
 std::optional<HandTarget> Interaction::take_hand(std::int64_t now_ns) {
   const std::int64_t silent_ns = now_ns - hand_sent_ns_;

@@ -24,7 +24,7 @@ struct WindowEvent {
 };
 
 // What a person asked for, gathered from events.
-struct Wishes {
+struct UserRequests {
   bool quit = false;
   bool screenshot = false;
   bool toggle_cull = false;
@@ -35,7 +35,7 @@ struct Wishes {
   bool look_at_scene = false;
 };
 
-// Turns keys and mouse into dials, the camera, the hand's target and wishes. Only the dials turn what is felt.
+// Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn what is felt.
 // Left drag (or any motion while the hand is held with h) leads the hand: over the surface that is seen under the pointer, a little within
 // it, so that it is felt; beside the scene in the screen's plane. The wheel then presses deeper or lifts the hand off. A right drag goes
 // round the scene, with shift, or with the middle button, the picture is moved; the wheel without a hand zooms.
@@ -57,8 +57,8 @@ class Interaction {
   const CameraView& camera() const { return camera_; }
   bool hand_active() const { return hand_.active; }
 
-  // What has been wished since the last call.
-  Wishes take_wishes();
+  // What has been requested since the last call.
+  UserRequests take_requests();
 
   // The hand's target when it is to be sent: whenever it moved, again every 100 ms while held, and a few times after it was let go,
   // since one datagram may be lost.
@@ -75,7 +75,7 @@ class Interaction {
 
   Dials dials_;
   CameraView camera_;
-  Wishes wishes_;
+  UserRequests requests_;
   HandTarget hand_;
   WindowEvent::Button held_ = WindowEvent::Button::none;
   bool latched_ = false;      // h was pressed: the hand follows the mouse without a button

@@ -192,11 +192,11 @@ Result<void> VisionSession::attend_window() {
   handle_events();
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   if (view_.take_stale()) step_.spoil();
-  const Wishes wishes = step_.take_wishes();
-  quit_ = quit_ || wishes.quit;
-  change_stereo(wishes);
+  const UserRequests requests = step_.take_requests();
+  quit_ = quit_ || requests.quit;
+  change_stereo(requests);
   step_.set_detail_progress(view_.detail_progress());
-  return wishes.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+  return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
 }
 
 // Of motions that came together only the last one counts.
@@ -210,12 +210,12 @@ void VisionSession::handle_events() {
   }
 }
 
-void VisionSession::change_stereo(const Wishes& wishes) {
-  if (wishes.swap_eyes) {
+void VisionSession::change_stereo(const UserRequests& requests) {
+  if (requests.swap_eyes) {
     view_.swap_eyes();
     step_.spoil();
   }
-  if (!wishes.next_stereo) return;
+  if (!requests.next_stereo) return;
   if (const auto changed = view_.set_stereo(next_stereo(view_.mode())); !changed) log_warning("{}", changed.error().what);
   step_.set_stereo(stereo_mode_name(view_.mode()), view_.mode() == StereoMode::emulate);
 }

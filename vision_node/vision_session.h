@@ -46,7 +46,7 @@ class VisionSession {
   void take_states(std::int64_t deadline_ns);
   void take_setup(const HapticsSetup& setup);
   void handle_events();
-  void change_stereo(const Wishes& wishes);
+  void change_stereo(const UserRequests& requests);
   void refine_scene();
   void compare_scene(const SceneFacts& felt);
   Result<void> attend_window();

@@ -59,14 +59,14 @@ void VisionStep::turn_dials(const Vec3& degrees) {
   sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
 }
 
-Wishes VisionStep::take_wishes() {
-  const Wishes wishes = interaction_.take_wishes();
-  cull_ = cull_ != wishes.toggle_cull;
-  help_ = help_ != wishes.toggle_help;
-  depth_cues_ = depth_cues_ != wishes.toggle_depth_cues;
-  stale_ = stale_ || wishes.toggle_cull || wishes.toggle_help || wishes.toggle_depth_cues;
-  if (wishes.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
-  return wishes;
+UserRequests VisionStep::take_requests() {
+  const UserRequests requests = interaction_.take_requests();
+  cull_ = cull_ != requests.toggle_cull;
+  help_ = help_ != requests.toggle_help;
+  depth_cues_ = depth_cues_ != requests.toggle_depth_cues;
+  stale_ = stale_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues;
+  if (requests.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
+  return requests;
 }
 
 void VisionStep::set_stereo(std::string_view name, bool always_changing) {

@@ -70,7 +70,7 @@ class VisionStep {
   // The window has to be drawn whatever moved (uncovered, resized).
   void spoil() { stale_ = true; }
 
-  Wishes take_wishes();
+  UserRequests take_requests();
   // The mode of stereo is another one from now on.
   void set_stereo(std::string_view name, bool always_changing);
   void set_detail_progress(double progress) { detail_progress_ = progress; }

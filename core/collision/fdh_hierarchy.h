@@ -134,9 +134,9 @@ class FdhHierarchy {
   static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
     Sweep sweep;
     for (int i = 0; i < kAxes; ++i) {
-      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + 1e-30;
+      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + kLeastPad;
       double d = to[i] - from[i];
-      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + 1e-6) + pad;
+      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kNodeSlack) + pad;
       if (std::fabs(d) < pad) {
         d = d < 0.0 ? -pad : pad;
         grow += 2.0 * pad;
@@ -243,8 +243,13 @@ class FdhHierarchy {
     unsigned used() const { return sign_bits(low[0] <= high[0]); }
   };
 
-  // Node distances carry at most five roundings of 2^-24 each (difference, square, two sums, scale).
-  static float slackened(double squared) { return detail::float_above(squared * (1.0 + 1e-6)); }
+  // Relative. Node distances carry at most five roundings of 2^-24 each (difference, square, two sums, scale): three times that.
+  static constexpr double kNodeSlack = 0x1p-20;
+  // Where a sweep begins and ends at the centre itself. A 2^-50th of the smallest extent that a tree takes (1e-15), and an inverse of
+  // 2^100 is still a float.
+  static constexpr double kLeastPad = 0x1p-100;
+
+  static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeSlack)); }
 
   template <class Test, class Leaf>
   FdhVisits walk(Test&& test, Leaf&& leaf) const {

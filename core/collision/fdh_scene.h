@@ -178,7 +178,7 @@ FdhHull<K> hull_around(const FdhSweep& sweep) {
   hull.add(sweep.from);
   hull.add(sweep.to);
   for (int i = 0; i < K / 2; ++i) {
-    const double grow = sweep.radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + 1e-12);
+    const double grow = sweep.radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kOutward);
     hull.low[i] -= grow;
     hull.high[i] += grow;
   }
@@ -216,10 +216,10 @@ FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
   FdhHull<K> point;
   point.add(p);
   upper_.walk_nearest(
-      interval(point), [&bound] { return bound * bound * (1.0 + 1e-15); },
+      interval(point), [&bound] { return bound * bound * (1.0 + kOutward); },
       [&](std::uint32_t first, std::uint32_t count) {
         for (std::uint32_t i = first; i < first + count; ++i) {
-          FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + 1e-15));
+          FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + kOutward));
           near.object = order_[i];
           if (near.distance_squared < best.distance_squared ||
               (near.distance_squared == best.distance_squared && near.object < best.object)) {

@@ -13,9 +13,11 @@ using IntLanes = std::int32_t __attribute__((vector_size(16)));
 constexpr int kBins = 16;
 // Runs of this size and more are split along their widest axis only: a third of the work, and nearly always the same choice.
 constexpr std::uint32_t kOneAxisFrom = 2048;
-// Below this the bins' scale would overflow, and no split is worth looking for.
+// In the unit of the mesh, and a 1e-15th of the smallest mesh that a tree takes. Below this the bins' scale (kBins over the extent) would
+// come near a float's largest number, 3.4e38, and no split is worth looking for.
 constexpr float kSmallestExtent = 1e-30F;
-// An axis thinner than this share of the widest is not worth a split along it: a float has no more digits there.
+// An axis thinner than this share of the widest is not worth a split along it: its centroids, of which each is rounded to 2^-24 of
+// the widest, have four bits there.
 constexpr float kThinnestShare = 1e-6F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

@@ -15,6 +15,11 @@
 
 namespace hapton {
 
+// Relative: a bound is widened by so much, in the direction in which nothing is missed. A few operations on doubles round by 2^-53 each.
+constexpr double kOutward = 0x1p-40;
+// In the unit of the mesh, and its inverse for the smallest: squares of extents (1e30 and 1e-30) stay far inside the range of a float.
+constexpr double kLargestExtent = 1e15;
+
 struct FdhBall {
   Vec3 centre;
   double radius;
@@ -62,7 +67,7 @@ class FdhNearest {
   std::span<const FdhNear> finish() {
     if (count_ >= keep_) {
       cut();
-      complete_radius_ = std::fmax(0.0, std::sqrt(found_[keep_ - 1].distance_squared) * (1.0 - 1e-12) - 2.0 * rounding_);
+      complete_radius_ = std::fmax(0.0, std::sqrt(found_[keep_ - 1].distance_squared) * (1.0 - kOutward) - 2.0 * rounding_);
       count_ = keep_ - 1;
     } else {
       complete_radius_ = max_distance_;
@@ -164,7 +169,7 @@ class FdhTree {
   double rounding_at(const Vec3& p) const { return slack_ + 0x1p-49 * (p - centre_).cwiseAbs().maxCoeff(); }
   // Squared, and generous by rounding.
   double reach_squared(double radius, const Vec3& p) const {
-    const double reach = radius * (1.0 + 1e-12) + rounding_at(p);
+    const double reach = radius * (1.0 + kOutward) + rounding_at(p);
     return reach * reach;
   }
 
@@ -194,7 +199,7 @@ Result<void> FdhTree<K>::measure(std::span<const Vec3> vertices, std::span<const
     }
   }
   const double extent = 0.5 * (high - low).maxCoeff();
-  if (!(extent < 1e15) || (extent > 0.0 && extent < 1e-15)) {
+  if (!(extent < kLargestExtent) || (extent > 0.0 && extent < 1.0 / kLargestExtent)) {
     return fail("tree: the mesh extends {:g} m; give coordinates in metres, between 1e-15 and 1e15 across", 2.0 * extent);
   }
   extent_ = extent;

@@ -94,11 +94,11 @@ void Client::hear_udp(const Message& message) {
   const auto* const text = reinterpret_cast<const char*>(message.body.data());
   const std::string_view address(text, std::find(text, text + message.body.size(), '\0') - text);
   if (address.size() > kLongestAddress || message.sender < 1 || message.sender > 65535) return;
-  udp_wish_ = UdpWish{std::string(address), static_cast<std::uint16_t>(message.sender)};
+  udp_request_ = UdpRequest{std::string(address), static_cast<std::uint16_t>(message.sender)};
 }
 
 bool Client::is_about_us(std::int32_t sender) const { return contains(us_, sender); }
 
-bool Client::take_workspace_wish() { return std::exchange(wants_workspace_, false); }
+bool Client::take_workspace_request() { return std::exchange(wants_workspace_, false); }
 
 }  // namespace hapton::vrpn

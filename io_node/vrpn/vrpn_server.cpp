@@ -81,7 +81,7 @@ struct Server::State final : StreamEndpoint::Listener {
   StreamEndpoint::Id give_up_for_another() override;
 
   void answer(StreamEndpoint::Id id, Peer& peer);
-  void follow_udp_wish(Peer& peer);
+  void follow_udp_request(Peer& peer);
   void drop_timed_out(std::int64_t now_ns);
   void take_samples();
   void report();
@@ -145,8 +145,8 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
   if (peer.client.rejected_forces() > 0 && !std::exchange(peer.is_rejection_logged, true)) {
     log_warning("the VRPN client at {} requests forces; rejected: only the haptics node sends forces", to_string(peer.address));
   }
-  follow_udp_wish(peer);
-  if (peer.client.take_workspace_wish()) {
+  follow_udp_request(peer);
+  if (peer.client.take_workspace_request()) {
     append_workspace(peer.client.out(), peer.client.header(OurType::workspace, to_time_of_day(clock.now_ns())),
                      options.limits.workspace_min_m, options.limits.workspace_max_m);
   }
@@ -154,11 +154,11 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
 }
 
 // Datagrams go to nobody but who has the connection.
-void Server::State::follow_udp_wish(Peer& peer) {
-  if (!peer.client.udp_wish() || peer.udp) return;
-  if (!names_itself(peer.client.udp_wish()->address, peer.address)) return;
+void Server::State::follow_udp_request(Peer& peer) {
+  if (!peer.client.udp_request() || peer.udp) return;
+  if (!names_itself(peer.client.udp_request()->address, peer.address)) return;
   peer.udp = peer.address;
-  peer.udp->port = peer.client.udp_wish()->port;
+  peer.udp->port = peer.client.udp_request()->port;
 }
 
 void Server::State::answer(StreamEndpoint::Id id, Peer& peer) {

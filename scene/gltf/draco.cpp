@@ -16,7 +16,11 @@
 #include <draco/core/varint_decoding.h>
 #pragma GCC diagnostic pop
 
+#include <array>
+#include <cstring>
 #include <exception>
+#include <limits>
+#include <type_traits>
 
 namespace hapton::gltf {
 namespace {
@@ -98,14 +102,51 @@ std::optional<Error> decode_any(std::string_view bytes, std::size_t max_triangle
   return decode_with<draco::MeshSequentialDecoder>(bytes, max_triangles, where, mesh);
 }
 
-// Three numbers a point; empty when there is no such attribute.
+// Values of a hostile stream lie anywhere in its memory, so they are copied out, never read in place as Draco's own ConvertValue does.
+template <class Component>
+Eigen::Vector3f read_vector(const std::uint8_t* bytes, bool normalized) {
+  std::array<Component, 3> components;
+  std::memcpy(components.data(), bytes, sizeof components);
+  const Eigen::Vector3f value(static_cast<float>(components[0]), static_cast<float>(components[1]), static_cast<float>(components[2]));
+  if (!std::is_integral_v<Component> || !normalized) return value;
+  return value / static_cast<float>(std::numeric_limits<Component>::max());
+}
+
+using VectorReader = Eigen::Vector3f (*)(const std::uint8_t*, bool);
+
+// The component types that glTF and KHR_mesh_quantization allow for positions and normals; null for any other.
+VectorReader reader_of(draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8:
+      return read_vector<std::int8_t>;
+    case draco::DT_UINT8:
+      return read_vector<std::uint8_t>;
+    case draco::DT_INT16:
+      return read_vector<std::int16_t>;
+    case draco::DT_UINT16:
+      return read_vector<std::uint16_t>;
+    case draco::DT_FLOAT32:
+      return read_vector<float>;
+    default:
+      return nullptr;
+  }
+}
+
+// Three numbers a point; empty when there is no such attribute, or not of three numbers of a type that glTF has.
 std::vector<Eigen::Vector3f> values_of(const draco::Mesh& mesh, std::uint32_t id) {
   const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
-  if (attribute == nullptr || attribute->num_components() != 3) return {};
+  if (attribute == nullptr || attribute->num_components() != 3 || attribute->buffer() == nullptr) return {};
+  const VectorReader read = reader_of(attribute->data_type());
+  if (read == nullptr) return {};
+  if (!attribute->is_mapping_identity() && attribute->indices_map_size() < mesh.num_points()) return {};
+  const std::size_t value_bytes = std::size_t{3} * static_cast<std::size_t>(draco::DataTypeLength(attribute->data_type()));
   std::vector<Eigen::Vector3f> values(mesh.num_points(), Eigen::Vector3f::Zero());
   for (std::uint32_t point = 0; point < mesh.num_points(); ++point) {
     const draco::AttributeValueIndex index = attribute->mapped_index(draco::PointIndex(point));
-    if (index.value() >= attribute->size() || !attribute->ConvertValue<float, 3>(index, values[point].data())) return {};
+    if (index.value() >= attribute->size()) return {};
+    const auto start = static_cast<std::size_t>(attribute->GetBytePos(index));
+    if (start > attribute->buffer()->data_size() || attribute->buffer()->data_size() - start < value_bytes) return {};
+    values[point] = read(attribute->buffer()->data() + start, attribute->normalized());
   }
   return values;
 }

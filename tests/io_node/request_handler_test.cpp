@@ -31,16 +31,16 @@ TEST_F(Servos, RateChangesWhileRunningAndNonsenseIsRefused) {
   EXPECT_EQ(event.rate_hz, 4000.0);
 }
 
-TEST_F(Servos, AMethodGoesOnToHapticsAndAReportWishToTheOtherThread) {
+TEST_F(Servos, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
-  Settings wish;
-  std::copy_n("sweep", 5, wish.method.begin());
-  wish.report_now = true;
-  wish.method_request = 77;
+  Settings request;
+  std::copy_n("sweep", 5, request.method.begin());
+  request.report_now = true;
+  request.method_request = 77;
   run(5);
-  say(kTool, wish);
+  say(kTool, request);
   run(2);
   ASSERT_EQ(settings.size(), 1U);
   EXPECT_STREQ(settings[0].method.data(), "sweep");

@@ -79,7 +79,7 @@ TEST(SafetyLimits, WorkspacesShrinkToWhatBothHave) {
   EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: they have nothing in common
 }
 
-TEST(SafetyLimits, NoSequenceOfWishesLoosensAnything) {
+TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
   SplitMix random(7);
   for (int round = 0; round < 200; ++round) {
     SafetyLimits limits(full());

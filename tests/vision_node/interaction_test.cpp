@@ -193,16 +193,16 @@ TEST_F(InteractionTest, HLatchesTheHandToTheMouse) {
   EXPECT_FALSE(hands_.hand_active());
 }
 
-TEST_F(InteractionTest, WishesAreToldOnce) {
+TEST_F(InteractionTest, RequestsAreTakenOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
-  const Wishes wishes = hands_.take_wishes();
-  EXPECT_TRUE(wishes.toggle_cull && wishes.screenshot && wishes.quit && wishes.toggle_help);
+  const UserRequests requests = hands_.take_requests();
+  EXPECT_TRUE(requests.toggle_cull && requests.screenshot && requests.quit && requests.toggle_help);
   for (const char c : {'m', 'e', 'f', 'g'}) give(key(c));
-  const Wishes more = hands_.take_wishes();
+  const UserRequests more = hands_.take_requests();
   EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues);
-  EXPECT_FALSE(hands_.take_wishes().quit);
+  EXPECT_FALSE(hands_.take_requests().quit);
   give(mouse(Kind::close, 0, 0));
-  EXPECT_TRUE(hands_.take_wishes().quit);
+  EXPECT_TRUE(hands_.take_requests().quit);
 }
 
 }  // namespace

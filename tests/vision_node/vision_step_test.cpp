@@ -149,7 +149,7 @@ TEST_F(VisionStepTest, FLooksAtTheSceneWhereItIsTurnedTo) {
   WindowEvent key;
   key.key = 'f';
   step.handle(key, where_);
-  step.take_wishes();
+  step.take_requests();
   EXPECT_LT((step.compose(0).framing.p_WC - Vec3(0.0, 0.1, 0.0)).norm(), 1e-12);
 }
 
@@ -173,7 +173,7 @@ TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
   EXPECT_FALSE(turn(step, 60 * kMs));
   event.key = 'b';
   step.handle(event, where_);
-  step.take_wishes();
+  step.take_requests();
   EXPECT_TRUE(step.wants_picture(80 * kMs, where_));
   EXPECT_FALSE(step.compose(80 * kMs).cull);
   step.drew(80 * kMs, 85 * kMs, where_);

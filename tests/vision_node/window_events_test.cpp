@@ -108,7 +108,7 @@ TEST_F(WindowEvents, ResizeMakesThePictureStaleAndKeepsItsShape) {
   EXPECT_NEAR(left->y(), 150.0, 0.6);
 }
 
-TEST_F(WindowEvents, ClosingIsAWishNotAnAbort) {
+TEST_F(WindowEvents, ClosingIsARequestNotAnAbort) {
   person_->close();
   const auto heard = hear(1);
   ASSERT_FALSE(heard.empty());

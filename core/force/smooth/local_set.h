@@ -27,7 +27,7 @@ struct SetTriangle {
 };
 
 // Where a set is wanted: the triangles nearest to the way between two points.
-struct LocalSetWish {
+struct LocalSetRequest {
   Vec3 from = Vec3::Zero();
   Vec3 to = Vec3::Zero();
 };

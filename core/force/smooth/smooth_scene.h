@@ -32,9 +32,9 @@ class SmoothScene {
   SmoothScene(SmoothScene&&) = default;
   SmoothScene& operator=(SmoothScene&&) = default;
 
-  // The slow task: the `count` triangles nearest to the way from wish.from to wish.to. What `set` holds from before bounds the
+  // The slow task: the `count` triangles nearest to the way from request.from to request.to. What `set` holds from before bounds the
   // search, never what is found: on from place to place is sooner done. Pre: 1 <= count <= LocalSet::kCapacity.
-  FdhVisits select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept;
+  FdhVisits select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept;
 
   // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.
   template <class Visit>
@@ -86,7 +86,7 @@ class SmoothScene {
   std::string describe() const;
 
  private:
-  double farthest_wanted(const LocalSetWish& wish, std::uint32_t count, const LocalSet& before) const noexcept;
+  double farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept;
 
   struct Object {
     SmoothSurface surface;

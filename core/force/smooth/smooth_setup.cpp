@@ -70,7 +70,7 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
 
 // ---- looking ---------------------------------------------------------------------------------------------------------
 
-LocalSetWish SmoothMethod::wish() const noexcept {
+LocalSetRequest SmoothMethod::request() const noexcept {
   const Vec3& from = inside_ ? V_ : P_;
   Vec3 way = kLookAheadSeconds * velocity_;
   // A way longer than a set reaches spends the set on its length.
@@ -81,19 +81,19 @@ LocalSetWish SmoothMethod::wish() const noexcept {
 }
 
 bool SmoothMethod::prepare() {
-  if (!wishes_.take()) return false;
-  scene_->select(wishes_.value(), set_size_, sets_.draft());
+  if (!requests_.take()) return false;
+  scene_->select(requests_.value(), set_size_, sets_.draft());
   sets_.publish_draft();
   return true;
 }
 
 // Asks the slow task for a set before this one's reach is used up.
 void SmoothMethod::ask_ahead() noexcept {
-  const LocalSetWish ahead = wish();
+  const LocalSetRequest ahead = request();
   const double reach = (1.0 + kSpare) * radius_;
   const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > reach && set_.clearance_at(ahead.to) > reach;
   if (is_fresh() && (is_clear || (set_.reach_at(ahead.from) > reach && set_.reach_at(ahead.to) > reach))) return;
-  wishes_.publish(ahead);
+  requests_.publish(ahead);
 }
 
 void SmoothMethod::offer(const LocalSet& set) noexcept {
@@ -110,7 +110,7 @@ bool SmoothMethod::would_help(const Vec3& p, double radius) const { return set_.
 void SmoothMethod::select_at(const Vec3& p) noexcept {
   ++counters_.selections;
   counters_.late += has_slow_task_ ? 1 : 0;
-  const LocalSetWish ahead = wish();
+  const LocalSetRequest ahead = request();
   scene_->select({p, p + (ahead.to - ahead.from)}, set_size_, set_);
 }
 

@@ -104,26 +104,26 @@ TEST(VrpnClient, MayGiveANumberAnotherMeaning) {
   EXPECT_TRUE(client.out().empty());
 }
 
-TEST(VrpnClient, ThatWishesForUdpSaysItsPortInTheSendersPlace) {
+TEST(VrpnClient, ThatRequestsUdpSendsItsPortInTheSendersPlace) {
   Client client("Phantom0");
   Speaker speaker;
   // "127.0.0.1" and a zero, for port 0xd431.
-  const Bytes wish = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
-  speaker.said.insert(speaker.said.end(), wish.begin(), wish.end());
+  const Bytes request = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
+  speaker.said.insert(speaker.said.end(), request.begin(), request.end());
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  ASSERT_TRUE(client.udp_wish());
-  EXPECT_EQ(client.udp_wish()->address, "127.0.0.1");
-  EXPECT_EQ(client.udp_wish()->port, 0xd431);
+  ASSERT_TRUE(client.udp_request());
+  EXPECT_EQ(client.udp_request()->address, "127.0.0.1");
+  EXPECT_EQ(client.udp_request()->port, 0xd431);
 }
 
-TEST(VrpnClient, ThatWishesForAnImpossiblePortIsNotFollowed) {
+TEST(VrpnClient, ThatRequestsAnImpossiblePortIsNotFollowed) {
   for (const char* port : {"00000000", "00010000", "ffffffff"}) {
     Client client("Phantom0");
     Speaker speaker;
-    const Bytes wish = hex("00000022 00000000 00000000" + std::string(port) + "fffffffd 00000000 3132372e302e302e31 00 000000000000");
-    speaker.said.insert(speaker.said.end(), wish.begin(), wish.end());
+    const Bytes request = hex("00000022 00000000 00000000" + std::string(port) + "fffffffd 00000000 3132372e302e302e31 00 000000000000");
+    speaker.said.insert(speaker.said.end(), request.begin(), request.end());
     ASSERT_TRUE(client.hear(speaker.said, kNow));
-    EXPECT_FALSE(client.udp_wish()) << port;
+    EXPECT_FALSE(client.udp_request()) << port;
   }
 }
 
@@ -151,8 +151,8 @@ TEST(VrpnClient, MayAskForTheWorkspace) {
   speaker.describe_type(30, "vrpn_Tracker Request_Tracker_Workspace");
   speaker.say(4, 30);
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  EXPECT_TRUE(client.take_workspace_wish());
-  EXPECT_FALSE(client.take_workspace_wish());
+  EXPECT_TRUE(client.take_workspace_request());
+  EXPECT_FALSE(client.take_workspace_request());
 }
 
 TEST(VrpnClient, ThatSaysGoodbyeIsLetGo) {

@@ -13,8 +13,8 @@
 namespace hapton {
 namespace {
 
-StressCount torture(const StressBody& body, const StressSettings& settings, const std::string& method, std::uint64_t episodes,
-                    const StressRun::MethodMaker& maker = &make_method) {
+StressCount run_stress(const StressBody& body, const StressSettings& settings, const std::string& method, std::uint64_t episodes,
+                       const StressRun::MethodMaker& maker = &make_method) {
   MethodSettings method_settings;
   method_settings.name = method;
   method_settings.reference_substeps = 1;
@@ -38,7 +38,7 @@ class EveryBody : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(EveryBody, HoldsUnderTheReference) {
   const StressBody body = make_stress_body(GetParam());
-  const StressCount count = torture(body, {.seed = 1}, "reference", 12);
+  const StressCount count = run_stress(body, {.seed = 1}, "reference", 12);
   EXPECT_EQ(count.total_faults(), 0u) << told(count);
   EXPECT_GT(count.contact_steps, 200u);
 }
@@ -49,7 +49,7 @@ TEST_P(EveryBody, HoldsUnderTheProxy) {
   std::uint64_t contacts = 0;
   for (const StressSettings& settings : {StressSettings{.seed = 1}, StressSettings{.seed = 2, .scale = 1e-6},
                                          StressSettings{.seed = 3, .scale = 1e6}, StressSettings{.seed = 4, .offset_extents = 1e6}}) {
-    const StressCount count = torture(body, settings, "proxy", 25);
+    const StressCount count = run_stress(body, settings, "proxy", 25);
     EXPECT_EQ(count.total_faults(), 0u) << "scale " << settings.scale << " offset " << settings.offset_extents << " seed " << settings.seed
                                         << '\n'
                                         << told(count);
@@ -64,7 +64,7 @@ TEST_P(EveryBody, IsNeverFallenThroughBySmooth) {
   // Known limits of the method (docs/decisions/0003): jumps by an extent between two blades, and pieces that pass through each other.
   if (GetParam() == "knife-gutter" || GetParam().starts_with("overlapping-parts")) return;
   for (const StressSettings& settings : {StressSettings{.seed = 5}, StressSettings{.seed = 6, .offset_extents = 1e6}}) {
-    const StressCount count = torture(body, settings, "smooth", 15);
+    const StressCount count = run_stress(body, settings, "smooth", 15);
     for (const StressFault fault : {StressFault::fall, StressFault::inside, StressFault::through, StressFault::not_finite}) {
       EXPECT_EQ(count.faults[static_cast<std::size_t>(fault)], 0u) << told(count);
     }
@@ -138,7 +138,7 @@ TEST(StressRun, SeesEveryKindOfFault) {
       return std::make_unique<Wrong>(std::move(*right), fault);
     };
     const StressBody body = make_stress_body(fault == StressFault::pop ? "turned-room" : "sphere");
-    const StressCount count = torture(body, {.seed = 1, .rest_every = 8}, "reference", 20, maker);
+    const StressCount count = run_stress(body, {.seed = 1, .rest_every = 8}, "reference", 20, maker);
     EXPECT_GT(count.faults[static_cast<std::size_t>(fault)], 0u) << name_of(fault);
     ASSERT_FALSE(count.findings.empty());
   }
@@ -178,7 +178,7 @@ TEST(StressRun, AProxyOnAWallToTheLastDigitIsJudgedFromTheFreeSide) {
     return std::make_unique<OnTheThirdWall>(std::move(*right), compute_bounds(body.touched).high);
   };
   OnTheThirdWall::moved_ = 0;
-  const StressCount count = torture(body, {.seed = 1, .rest_every = 1}, "reference", 40, maker);
+  const StressCount count = run_stress(body, {.seed = 1, .rest_every = 1}, "reference", 40, maker);
   EXPECT_GT(OnTheThirdWall::moved_, 100);
   EXPECT_GT(count.judged_rests, 1000U);
   EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::lag)], 0u) << told(count);
@@ -198,8 +198,8 @@ TEST(StressRun, SeesAWayThroughAnOpenSheet) {
     return std::make_unique<Nothing>();
   };
   const StressBody sheet = make_stress_body("sheet", make_plane_grid(0.1, 8));
-  EXPECT_GT(torture(sheet, {}, "none", 20, maker).faults[static_cast<std::size_t>(StressFault::through)], 0u);
-  const StressCount held = torture(sheet, {}, "reference", 20);
+  EXPECT_GT(run_stress(sheet, {}, "none", 20, maker).faults[static_cast<std::size_t>(StressFault::through)], 0u);
+  const StressCount held = run_stress(sheet, {}, "reference", 20);
   EXPECT_EQ(held.total_faults(), 0u) << told(held);
 }
 
@@ -220,7 +220,7 @@ TEST(StressRun, AnEpisodeCanBeRunAgainAlone) {
 
 TEST(StressRun, SaysWhichFaultsItLooksForAtAll) {
   const auto looks_for = [](const StressBody& body, const Material& material, StressFault fault) {
-    return torture(body, {.material = material}, "reference", 1).looked_for[static_cast<std::size_t>(fault)];
+    return run_stress(body, {.material = material}, "reference", 1).looked_for[static_cast<std::size_t>(fault)];
   };
   const Material rough{.friction_static = 0.5, .friction_dynamic = 0.4};
   const StressBody ball = make_stress_body("sphere"), room = make_stress_body("room"), sheet{"sheet", make_plane_grid(0.1, 4), {}};

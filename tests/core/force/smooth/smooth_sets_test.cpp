@@ -88,7 +88,7 @@ TEST(SmoothMethod, TheSlowTaskMayBeLate) {
     for (std::size_t i = 0; i < way.size(); ++i) {
       if (i % static_cast<std::size_t>(period) == 0) {
         auto set = std::make_unique<LocalSet>();
-        method->scene().select(method->wish(), method->set_size(), *set);
+        method->scene().select(method->request(), method->set_size(), *set);
         mail.emplace_back(i + static_cast<std::size_t>(latency), std::move(set));
       }
       while (!mail.empty() && mail.front().first <= i) {
@@ -245,7 +245,7 @@ TEST(SmoothMethod, StepUsesNoHeap) {
     const AllocationGuard guard;
     for (const Vec3& P : way) {
       method->step({.p_SD = P});
-      method->scene().select(method->wish(), size, *set);
+      method->scene().select(method->request(), size, *set);
       method->offer(*set);
     }
     EXPECT_EQ(guard.count(), 0U);
