@@ -34,7 +34,7 @@ void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
   if (p_WH && !p_WH->allFinite()) return;
   if (p_WH) {
     if (!lead_m_) phase_ = Phase::led;
-    lead_m_ = p_WH->cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
+    lead_m_ = within_workspace(*p_WH);
   } else if (lead_m_) {
     lead_m_.reset();
     enter(Phase::leave);
@@ -81,6 +81,10 @@ void HandScript::choose_aim() noexcept {
   aim_m_ = middle + half.cwiseProduct(Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.9));
 }
 
+Vec3 HandScript::within_workspace(const Vec3& p_W) const noexcept {
+  return p_W.cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
+}
+
 void HandScript::enter(Phase phase) noexcept {
   phase_ = phase;
   phase_s_ = 0.0;
@@ -103,7 +107,7 @@ void HandScript::enter(Phase phase) noexcept {
     case Phase::tap:
       taps_left_ = static_cast<int>(uniform(3.0, 6.0));
       striking_ = false;
-      aim_m_ = contact_m_ + kLiftM * normal_;
+      aim_m_ = within_workspace(contact_m_ + kLiftM * normal_);
       phase_end_s_ = 4.0;  // something may press from all sides, so that no lift ever frees it
       break;
     case Phase::circle: {
@@ -114,7 +118,7 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     }
     case Phase::leave:
-      aim_m_ = hand_m_ + 0.03 * normal_;
+      aim_m_ = within_workspace(hand_m_ + 0.03 * normal_);  // what is out of reach is never arrived at
       break;
     case Phase::led:
       break;
@@ -161,9 +165,9 @@ void HandScript::tap(const Vec3& p_WD) noexcept {
     if (move_towards(aim_m_, kStrikeSpeed) && felt_n_.norm() < kLostN) striking_ = true;
     return;
   }
-  const bool missed = move_towards(aim_m_ - (kLiftM + kStrikeDepthM) * normal_, kStrikeSpeed);
+  const bool missed = move_towards(within_workspace(aim_m_ - (kLiftM + kStrikeDepthM) * normal_), kStrikeSpeed);
   if (felt_n_.norm() > kTouchN) {
-    aim_m_ = p_WD + kLiftM * normal_;
+    aim_m_ = within_workspace(p_WD + kLiftM * normal_);
     striking_ = false;
     --taps_left_;
   } else if (missed) {
@@ -216,7 +220,7 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
 }
 
 HandIntention HandScript::intention() noexcept {
-  hand_m_ = hand_m_.cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
+  hand_m_ = within_workspace(hand_m_);
   const double turn = 2.0 * std::numbers::pi * tilted_s_;
   return {hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
 }

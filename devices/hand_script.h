@@ -51,6 +51,7 @@ class HandScript {
   double uniform(double low, double high) noexcept;
   void feel(const Vec3& p_WD, const Vec3& force_n) noexcept;
   void enter(Phase phase) noexcept;
+  Vec3 within_workspace(const Vec3& p_W) const noexcept;
   void choose_aim() noexcept;
   bool move_towards(const Vec3& goal, double speed_m_per_s) noexcept;
   void rub(const Vec3& p_WD, double turn_rad_per_s) noexcept;

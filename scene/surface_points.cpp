@@ -8,30 +8,40 @@ namespace {
 
 // So many are drawn for each that is kept.
 constexpr std::size_t kCandidatesOfAPoint = 32;
+// A face whose normal is nearer than this (sine) to across the view is edge on: a hand that comes from the front slides off it.
+constexpr double kEdgeOn = 0.05;
 
 Vec3 area_vector(const TriangleMesh& mesh, std::size_t t) {
   return 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
 }
 
-// At equal steps of area, counted through all triangles. A face that is seen edge on from the front has a tenth: a hand that comes from
-// there slides off it.
+// At equal steps of area as it is seen from the front, where the hand comes from, counted through all triangles; of a scene that is seen
+// edge on, of area.
 std::vector<Vec3> draw_candidates(const TouchScene& scene, std::size_t count) {
-  const auto weight_of = [](const TriangleMesh& mesh, std::size_t t) {
-    const Vec3 area = area_vector(mesh, t);
-    return 0.1 * area.norm() + 0.9 * std::abs(area.z());
-  };
-  double whole = 0.0;
+  double seen = 0.0;
+  double area = 0.0;
   for (const TouchObject& object : scene.objects) {
-    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) whole += weight_of(*object.mesh, t);
+    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
+      const Vec3 vector = area_vector(*object.mesh, t);
+      seen += std::abs(vector.z());
+      area += vector.norm();
+    }
   }
+  const bool is_edge_on = seen < kEdgeOn * area;
+  const double whole = is_edge_on ? area : seen;
+  const auto weight_of = [&](const TriangleMesh& mesh, std::size_t t) {
+    const Vec3 vector = area_vector(mesh, t);
+    return is_edge_on ? vector.norm() : std::abs(vector.z());
+  };
   std::vector<Vec3> candidates;
   const double step = whole / static_cast<double>(count);
   double next = 0.5 * step;
   double passed = 0.0;
   for (const TouchObject& object : scene.objects) {
     for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
-      passed += weight_of(*object.mesh, t);
-      if (!(passed >= next) || candidates.size() == count) continue;
+      const double weight = weight_of(*object.mesh, t);
+      passed += weight;
+      if (!(passed >= next) || !(weight > kEdgeOn * area_vector(*object.mesh, t).norm()) || candidates.size() == count) continue;
       candidates.push_back((object.mesh->corner(t, 0) + object.mesh->corner(t, 1) + object.mesh->corner(t, 2)) / 3.0);
       next = passed + step;
     }

@@ -63,6 +63,19 @@ TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {
 }
 
 // A pin of 2 mm that stands aside, which no blind search meets within seconds.
+// A surface felt from within its reach, whose normal leads out of it: away from there is as far as the border only.
+TEST(HandScript, LeavesASurfaceAtTheBorderOfItsReach) {
+  HandScript script(box(4));
+  const Vec3 border(0.0, -0.1, 0.0);
+  Vec3 last = box(4).start_m;
+  script.lead(border);
+  for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3(0, -1, 0)).p_WH;
+  ASSERT_EQ(last, border);
+  script.lead(std::nullopt);
+  for (int step = 0; step < 20'000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
+  EXPECT_GT((last - border).norm(), 0.01);
+}
+
 TEST(HandScript, GoesToWhereItIsToldThatThereIsSomething) {
   const Vec3 pin(0.07, -0.08, 0.05);
   const auto seconds_until_touch = [&](bool is_told) {

@@ -32,6 +32,21 @@ TEST(SurfacePoints, LieOnEveryObject) {
   EXPECT_LT(on_first, 12U);
 }
 
+// A hand from the front passes by a face that it sees edge on.
+TEST(SurfacePoints, LieOnFacesThatAreSeenFromTheFront) {
+  const TouchScene box{.objects = {{made::shared(make_box(Vec3(1, 2, 3))), {}}}};
+  const std::vector<Vec3> points = find_surface_points(box, 16);
+  EXPECT_EQ(points.size(), 4U);
+  for (const Vec3& p : points) EXPECT_NEAR(std::abs(p.z()), 1.5, 1e-9);
+}
+
+TEST(SurfacePoints, LieOnASheetSeenEdgeOnAllTheSame) {
+  TriangleMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  sheet.triangles = {{0, 1, 2}};
+  EXPECT_EQ(find_surface_points({.objects = {{made::shared(sheet), {}}}}, 16).size(), 1U);
+}
+
 TEST(SurfacePoints, AreNoMoreThanThereAreTriangles) {
   TriangleMesh one;
   one.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
