@@ -6,6 +6,7 @@
 #include "haptic_step/scene_facts.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
+#include "haptics_node/preparation_notice.h"
 #include "haptics_node/reply_loop.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
@@ -27,6 +28,17 @@ int give_up(const Error& error) {
   return 1;
 }
 
+// With a connection of its own, so that the one that is used for forces begins afresh.
+void tell_hub(const HapticsOptions& options, const Address& hub, const RoleKey& key, const Clock& clock, const SceneFacts& facts,
+              std::int64_t began_ns, DoneSignal& done) {
+  const auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(hub) : options.bind);
+  if (!endpoint) return;  // said by who needs it
+  (void)(*endpoint)->accept_only(hub);
+  SealedClient sealed(**endpoint, clock, key, hub);
+  HubClient client(sealed, clock, NodeRole::haptics, hub);
+  tell_of_preparation(client, clock, facts, began_ns, done);
+}
+
 int run(const HapticsOptions& options) {
   const StopSignal stop;  // first: it ends in order however far it has come
   const auto hub = parse_address(options.hub);
@@ -38,7 +50,11 @@ int run(const HapticsOptions& options) {
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
-  auto method = make_method(options.method, scene->touch_scene());
+  SteadyClock clock;
+  const SceneFacts facts = make_scene_facts(*scene);
+  auto method =
+      build_and_tell([&] { return make_method(options.method, scene->touch_scene()); },
+                     [&, began_ns = clock.now_ns()](DoneSignal& done) { tell_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
   log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
@@ -46,7 +62,6 @@ int run(const HapticsOptions& options) {
   // A flood at this node's port is not to take its time. Rejected: it costs a look at each datagram.
   (void)(*endpoint)->accept_only(*hub);
 
-  SteadyClock clock;
   SealedClient::Options sealing;
   sealing.worker = AgreementWorker::Where::own_thread;
   SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
@@ -54,7 +69,7 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
-  ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, make_scene_facts(*scene));
+  ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();

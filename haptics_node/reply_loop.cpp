@@ -14,6 +14,9 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is told a few times more, soon: a datagram may get lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
+// A first reply that waits no longer than that is not worth a word; else vision nodes are told so often how long it has waited.
+constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
@@ -43,9 +46,7 @@ void ReplyLoop::run(const StopSignal& stop, double seconds) {
 void ReplyLoop::turn(std::int64_t deadline_ns) {
   if (hub_.receive(datagram_, deadline_ns)) {
     drain();
-    if (step_.has_state() && is_ready()) {
-      answer();
-    }
+    if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
   }
   change_method();
   tell_setup();
@@ -98,7 +99,20 @@ bool ReplyLoop::is_ready() noexcept {
   return true;
 }
 
+// A person who looks at the picture is told that it is not dead.
+void ReplyLoop::wait_for_builder() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (preparing_since_ns_ == 0) preparing_since_ns_ = now_ns;
+  scene_.preparing_s = static_cast<float>(static_cast<double>(now_ns - preparing_since_ns_) * 1e-9);
+  if (now_ns - preparing_since_ns_ >= kMomentNs) next_setup_ns_ = std::min(next_setup_ns_, told_setup_ns_ + kPreparingEveryNs);
+}
+
 void ReplyLoop::answer() noexcept {
+  if (preparing_since_ns_ != 0) {
+    preparing_since_ns_ = 0;
+    scene_.preparing_s = 0.0F;
+    tell_setup_soon();
+  }
   const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.answer();
   const std::int64_t end_ns = clock_.now_ns();
@@ -135,6 +149,7 @@ void ReplyLoop::tell_setup() noexcept {
   if ((now_ns < next_setup_ns_ && !is_new_session) || hub_.state() != JoinState::joined) return;
   if (is_new_session) setup_repeats_ = kSetupRepeats;
   told_session_ = hub_.session();
+  told_setup_ns_ = now_ns;
   next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupAgainNs : kSetupEveryNs);
   setup_repeats_ -= setup_repeats_ > 0 ? 1 : 0;
   setup_.method_serial = static_cast<std::uint32_t>(step_.counts().methods_taken);

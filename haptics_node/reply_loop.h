@@ -40,6 +40,7 @@ class ReplyLoop {
   void answer() noexcept;
   void change_method() noexcept;
   void tell_setup_soon() noexcept;
+  void wait_for_builder() noexcept;
   void tell_setup() noexcept;
   void tell_of_hub();
   void tell_of_scene();
@@ -55,8 +56,10 @@ class ReplyLoop {
   bool builds_on_approach_;
   std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
   std::int64_t next_setup_ns_ = 0;
-  std::uint64_t told_session_ = 0;  // of the setup
-  int setup_repeats_ = 0;           // still to be sent soon
+  std::int64_t told_setup_ns_ = 0;
+  std::int64_t preparing_since_ns_ = 0;  // a state waits for the first answer since then; 0: none does
+  std::uint64_t told_session_ = 0;       // of the setup
+  int setup_repeats_ = 0;                // still to be sent soon
   Datagram datagram_;
   LatencyHistogram compute_times_;
   LatencyHistogram step_times_;

@@ -202,6 +202,7 @@ void write(const SceneFacts& from, wire::SceneFacts& to) {
   for (std::size_t i = 0; i < std::min<std::size_t>(from.point_count, from.points_m.size()); ++i) {
     add_numbers(from.points_m[i], *to.mutable_points_m());
   }
+  to.set_preparing_s(from.preparing_s);
 }
 
 void write(const ReportRequest& from, wire::ReportRequest& to) {
@@ -318,6 +319,8 @@ bool read(const wire::SceneFacts& from, SceneFacts& to) {
     return false;
   }
   to.point_count = static_cast<std::uint32_t>(numbers / 3);
+  to.preparing_s = from.preparing_s();
+  if (!(to.preparing_s >= 0.0F && std::isfinite(to.preparing_s))) return false;
   for (int i = 0; i < numbers / 3; ++i) {
     if (!read_point(from.points_m(), 3 * i, to.points_m[static_cast<std::size_t>(i)])) return false;
   }

@@ -158,6 +158,7 @@ struct SceneFacts {
   Point highest_m = {};
   std::uint32_t point_count = 0;
   std::array<Point, kMostPoints> points_m = {};  // spread over its surface
+  float preparing_s = 0.0F;                      // above 0: haptics is building what it feels with, for so long now, and cannot be felt yet
 };
 
 // tool -> hub: a part of the hub's report.

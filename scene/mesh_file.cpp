@@ -8,6 +8,7 @@
 
 #include "scene/file_bytes.h"
 #include "scene/raw_mesh.h"
+#include "scene/read_mtl.h"
 #include "scene/weld.h"
 
 namespace hapton {
@@ -24,11 +25,24 @@ std::string extension_of(const std::filesystem::path& path) {
 
 bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
 
-Result<RawMesh> read_raw(std::string_view bytes, const std::string& extension, const std::filesystem::path& folder) {
-  if (extension == ".obj") return read_obj(bytes);
+// The libraries that an OBJ file names, where there are any.
+RawMesh with_materials(RawMesh raw, const std::filesystem::path& folder) {
+  for (const std::string& name : raw.mtl_files) {
+    const Result<std::string> library = read_file_bytes(folder / name, kMaxMeshFileBytes);
+    if (library) {
+      read_mtl(*library, (folder / name).parent_path(), raw);
+    } else {
+      raw.notes.push_back(fmt::format("a material library is missing: {}", library.error().what));
+    }
+  }
+  return raw;
+}
+
+Result<RawMesh> read_raw(std::string_view bytes, const std::string& extension, const std::filesystem::path& folder, LookReading look) {
+  if (extension == ".obj") return read_obj(bytes, look).map([&](RawMesh&& raw) { return with_materials(std::move(raw), folder); });
   if (extension == ".stl") return read_stl(bytes);
-  if (extension == ".ply") return read_ply(bytes);
-  return extension == ".glb" ? read_glb(bytes, folder) : read_gltf(bytes, folder);
+  if (extension == ".ply") return read_ply(bytes, folder, look);
+  return extension == ".glb" ? read_glb(bytes, folder, kMaxMeshTriangles, look) : read_gltf(bytes, folder, kMaxMeshTriangles, look);
 }
 
 Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
@@ -37,6 +51,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
     return fail("has {} triangles, more than {}: simplify it", raw.mesh.triangles.size(), kMaxMeshTriangles);
   }
   raw.end_normals();
+  raw.end_look();
   MeshFile file;
   file.file_vertices = raw.mesh.vertices.size();
   weld_vertices(raw.mesh);
@@ -56,6 +71,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   file.format = std::move(raw.format);
   file.unit = unit;
   file.notes = std::move(raw.notes);
+  if (raw.look.says_anything()) file.look = std::move(raw.look);
   const double longest = (highest - lowest).maxCoeff();
   if (!unit_is_known && (longest > 10.0 || longest < 1e-3)) {
     file.notes.push_back(fmt::format("is {:.4g} m long read in {}: if that is wrong, give its unit", longest, name_of(unit)));
@@ -70,7 +86,7 @@ bool is_mesh_file_name(const std::filesystem::path& path) {
   return extension == ".obj" || extension == ".stl" || extension == ".ply" || is_gltf(extension);
 }
 
-Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit) {
+Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit, LookReading look) {
   const std::string extension = extension_of(path);
   const Result<std::string> bytes = read_file_bytes(path, kMaxMeshFileBytes);
   if (!bytes) return tl::unexpected(bytes.error());
@@ -80,7 +96,7 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
   if (is_gltf(extension) && unit.value_or(Unit::m) != Unit::m) {
     return fail("{}: glTF is always in metres, not {}: leave the unit out", path.string(), name_of(*unit));
   }
-  Result<MeshFile> file = read_raw(*bytes, extension, path.parent_path()).and_then([&](RawMesh&& raw) {
+  Result<MeshFile> file = read_raw(*bytes, extension, path.parent_path(), look).and_then([&](RawMesh&& raw) {
     return to_metres(std::move(raw), unit.value_or(Unit::m), unit.has_value() || is_gltf(extension));
   });
   if (!file) return fail("{}: {}", path.string(), file.error().what);
@@ -89,14 +105,20 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
 
 std::string full_name(const MeshPart& part) { return part.object.empty() ? part.name : part.object + "/" + part.name; }
 
-Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name) {
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look) {
   TriangleMesh part;
   std::string names;
+  const bool has_look = look != nullptr && !file.look.triangles.empty();
+  if (has_look) *look = {.images = file.look.images, .materials = file.look.materials, .triangles = {}};
   for (const MeshPart& run : file.parts) {
     const std::string full = full_name(run);
     if (name == run.name || name == full || (!name.empty() && name == run.object)) {
       const auto first = file.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
       part.triangles.insert(part.triangles.end(), first, first + static_cast<std::ptrdiff_t>(run.triangle_count));
+      if (has_look) {
+        const auto from = file.look.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
+        look->triangles.insert(look->triangles.end(), from, from + static_cast<std::ptrdiff_t>(run.triangle_count));
+      }
       if (file.mesh.has_authored_normals()) {
         const auto from = file.mesh.authored_normals.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
         part.authored_normals.insert(part.authored_normals.end(), from, from + static_cast<std::ptrdiff_t>(run.triangle_count));

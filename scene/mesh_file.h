@@ -8,6 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_look.h"
 #include "scene/unit.h"
 
 namespace hapton {
@@ -28,6 +29,7 @@ struct MeshFile {
   Unit unit = Unit::m;             // what the numbers in the file were taken to be
   std::size_t file_vertices = 0;   // before equal ones were welded and unused ones dropped, instances counted each
   std::vector<std::string> notes;  // what was skipped or looks odd, one line each; not errors
+  MeshLook look;                   // with no triangles where it was not asked for or the file says nothing
 };
 
 // No file we read may hold more, whatever its header says: about 4 GB once loaded.
@@ -39,9 +41,11 @@ constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 31;
 // winding, degenerate ones stay. Positions are scaled to metres.
 // unit: what the file's numbers are in; none given means metres. glTF is in metres by its standard, any other unit is refused.
 // Post: every coordinate is finite, every index in range, at least one triangle.
+// look: whether colours and textures are read as well; a texture that cannot be found is a note, not an error.
 // Error: one line with the file, the place in it (line, vertex, byte) and what to do.
 // RT: set-up only. Memory is bounded by the file's size, never by what its header claims.
-Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt);
+Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
+                                LookReading look = LookReading::off);
 
 // True for the extensions load_mesh_file knows.
 bool is_mesh_file_name(const std::filesystem::path& path);
@@ -51,6 +55,7 @@ std::string full_name(const MeshPart& part);
 
 // The triangles of every part of that name, of every part of the object of that name, or of those with that full name; with the vertices
 // they use. Error: no such part; names those there are.
-Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name);
+// look: if not null, becomes what is seen of those triangles.
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look = nullptr);
 
 }  // namespace hapton

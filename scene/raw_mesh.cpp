@@ -24,8 +24,8 @@ const std::array<Eigen::Vector3f, 3> kNoNormals = {Eigen::Vector3f::Zero(), Eige
 
 }  // namespace
 
-bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals) {
-  if (normals.empty()) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
+bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals, const PolygonLook* look_of) {
+  if (normals.empty() && look_of == nullptr) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
   // Over the polygon's own corners: one vertex may stand in it twice, with two normals.
   std::vector<std::uint32_t> own(corners.size());
   std::iota(own.begin(), own.end(), 0U);
@@ -33,7 +33,19 @@ bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<cons
   for (const std::uint32_t corner : corners) points.push_back(mesh.vertices[corner]);
   std::vector<Triangle> triangles;
   if (!triangulate_polygon(own, points, triangles)) return false;
-  for (const auto& [a, b, c] : triangles) add_triangle({corners[a], corners[b], corners[c]}, {normals[a], normals[b], normals[c]});
+  for (const auto& [a, b, c] : triangles) {
+    const Triangle triangle = {corners[a], corners[b], corners[c]};
+    if (look_of != nullptr) {
+      look.resize(mesh.triangles.size());
+      const auto& seen = look_of->corners;
+      look.triangles.push_back({look_of->material, look_of->has_colours, {seen[a], seen[b], seen[c]}});
+    }
+    if (normals.empty()) {
+      mesh.triangles.push_back(triangle);
+    } else {
+      add_triangle(triangle, {normals[a], normals[b], normals[c]});
+    }
+  }
   return true;
 }
 
@@ -45,6 +57,10 @@ void RawMesh::add_triangle(const Triangle& triangle, const std::array<Eigen::Vec
 
 void RawMesh::end_normals() {
   if (!mesh.authored_normals.empty()) mesh.authored_normals.resize(mesh.triangles.size(), kNoNormals);
+}
+
+void RawMesh::end_look() {
+  if (!look.triangles.empty()) look.resize(mesh.triangles.size());
 }
 
 }  // namespace hapton

@@ -10,8 +10,16 @@
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
 #include "scene/mesh_file.h"
+#include "scene/mesh_look.h"
 
 namespace hapton {
+
+// How a polygon looks: its material and its corners, in their order.
+struct PolygonLook {
+  std::uint32_t material = TriangleLook::kNoMaterial;
+  bool has_colours = false;
+  std::span<const CornerLook> corners;
+};
 
 // What a reader found, before welding: the file's own units. Every index in range, every coordinate finite.
 struct RawMesh {
@@ -19,6 +27,8 @@ struct RawMesh {
   TriangleMesh mesh;
   std::vector<MeshPart> parts;
   std::vector<std::string> notes;
+  MeshLook look = {};                       // without triangles where it was not asked for, or nothing is said of it
+  std::vector<std::string> mtl_files = {};  // an OBJ file's material libraries, not read yet
 
   // Every triangle from here on belongs to a part of this name.
   void begin_part(std::string name);
@@ -26,20 +36,24 @@ struct RawMesh {
   void end_parts();
 
   // Appends a polygon's triangles as triangulate_polygon does. normals: the authored ones of its corners, in their order; empty when there
-  // are none. False, and nothing appended, when it has too many corners.
-  bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals);
+  // are none. look: null where there is none. False, and nothing appended, when it has too many corners.
+  bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals, const PolygonLook* look = nullptr);
   // The same for one triangle.
   void add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals);
   // Once at the end: triangles that were added without normals have zero ones, when others have some.
   void end_normals();
+  // Once at the end: triangles that were added without a look have none, when others have one.
+  void end_look();
 };
 
 // One strict reader a format; bytes is the whole file. Errors say where in the file, not which file. RT: set-up only.
-Result<RawMesh> read_obj(std::string_view bytes);
+Result<RawMesh> read_obj(std::string_view bytes, LookReading look = LookReading::off);
 Result<RawMesh> read_stl(std::string_view bytes);
-Result<RawMesh> read_ply(std::string_view bytes);
+Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder = {}, LookReading look = LookReading::off);
 // folder: where buffers with relative addresses are. max_triangles: of all instances together; with more the file is refused.
-Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles);
-Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles);
+Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,
+                          LookReading look = LookReading::off);
+Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,
+                         LookReading look = LookReading::off);
 
 }  // namespace hapton

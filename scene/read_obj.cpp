@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,8 +15,8 @@ namespace {
 
 // Keywords that carry no triangles. What is in neither list is noted, so that nothing is dropped in silence.
 bool is_decoration(std::string_view keyword) {
-  for (const std::string_view known : {"vt", "s", "usemtl", "mtllib", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod",
-                                       "shadow_obj", "trace_obj", "mg"}) {
+  for (const std::string_view known :
+       {"s", "l", "p", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "mg"}) {
     if (keyword == known) return true;
   }
   return false;
@@ -29,7 +30,10 @@ std::string_view without_byte_order_mark(std::string_view text) {
 
 class ObjReader {
  public:
-  explicit ObjReader(std::string_view text) : text_(without_byte_order_mark(text)), cursor_(text_) { raw_.format = "OBJ"; }
+  ObjReader(std::string_view text, LookReading look)
+      : text_(without_byte_order_mark(text)), cursor_(text_), wants_look_(look == LookReading::on) {
+    raw_.format = "OBJ";
+  }
 
   Result<RawMesh> read() {
     if (text_.find('\0') != std::string_view::npos) return fail("is not text, so not an OBJ file: check its extension");
@@ -56,6 +60,10 @@ class ObjReader {
       return std::nullopt;
     }
     if (keyword == "f" || keyword == "fo") return read_face();
+    if (keyword == "vt" || keyword == "usemtl" || keyword == "mtllib") {
+      if (wants_look_) read_look(keyword);
+      return std::nullopt;
+    }
     if (keyword == "o" || keyword == "g") {
       (keyword == "o" ? object_ : group_) = std::string(cursor_.rest_of_line());
       if (keyword == "o") group_.clear();
@@ -84,8 +92,54 @@ class ObjReader {
       if (!std::isfinite(vertex[axis])) return at_line("coordinate '{}' is not finite: repair the mesh", printable(word));
     }
     raw_.mesh.vertices.push_back(vertex);
+    if (wants_look_) read_colour();
     is_in_face_.push_back(false);
     return std::nullopt;
+  }
+
+  // Some programs write red, green and blue behind the position. What cannot be read is no colour.
+  void read_colour() {
+    std::array<double, 3> channels = {};
+    for (double& channel : channels) {
+      if (!parse_number(cursor_.word_in_line(), channel) || !std::isfinite(channel)) return;
+    }
+    if (!cursor_.word_in_line().empty()) return;
+    colours_.resize(raw_.mesh.vertices.size() - 1, CornerLook().colour);
+    auto& colour = colours_.emplace_back();
+    for (int k = 0; k < 3; ++k) colour[k] = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(channels[k], 0.0, 1.0)));
+  }
+
+  void read_look(std::string_view keyword) {
+    if (keyword == "vt") {
+      double u = 0.0;
+      double v = 0.0;
+      const bool is_read = parse_number(cursor_.word_in_line(), u) && parse_number(cursor_.word_in_line(), v);
+      const bool is_good = is_read && std::isfinite(u) && std::isfinite(v);
+      texcoords_.push_back(is_good ? Eigen::Vector2f(static_cast<float>(u), static_cast<float>(1.0 - v)) : Eigen::Vector2f(0.0F, 0.0F));
+      return;
+    }
+    const std::string name(cursor_.rest_of_line());
+    if (keyword == "mtllib") {
+      raw_.mtl_files.push_back(name);
+      return;
+    }
+    const auto [known, is_new] = materials_.emplace(name, static_cast<std::uint32_t>(raw_.look.materials.size()));
+    if (is_new) raw_.look.materials.push_back({.name = name, .colour = {}, .image = {}});
+    material_ = known->second;
+  }
+
+  // Of a corner "vertex/texture/normal".
+  CornerLook look_of(std::string_view word, std::uint32_t vertex) const {
+    CornerLook look;
+    if (vertex < colours_.size()) look.colour = colours_[vertex];
+    const auto first = word.find('/');
+    if (first == std::string_view::npos) return look;
+    std::int64_t index = 0;
+    if (!parse_integer(word.substr(first + 1, word.find('/', first + 1) - first - 1), index)) return look;
+    const auto count = static_cast<std::int64_t>(texcoords_.size());
+    const std::int64_t from_zero = index < 0 ? count + index : index - 1;
+    if (from_zero >= 0 && from_zero < count) look.texcoord = texcoords_[static_cast<std::size_t>(from_zero)];
+    return look;
   }
 
   // Normals are welcome, not needed: one that cannot be read is none, and its corners get computed ones.
@@ -116,6 +170,8 @@ class ObjReader {
   std::optional<Error> read_face() {
     corners_.clear();
     corner_normals_.clear();
+    corner_looks_.clear();
+    const bool has_look = material_ != TriangleLook::kNoMaterial || !colours_.empty();
     for (std::string_view word = cursor_.word_in_line(); !word.empty() && word[0] != '#'; word = cursor_.word_in_line()) {
       std::int64_t index = 0;
       if (!parse_integer(word.substr(0, word.find('/')), index)) {
@@ -128,10 +184,12 @@ class ObjReader {
       }
       corners_.push_back(static_cast<std::uint32_t>(from_zero));
       if (!normals_.empty()) corner_normals_.push_back(normal_of(word));
+      if (has_look) corner_looks_.push_back(look_of(word, corners_.back()));
     }
     if (corners_.size() < 3) return at_line("a face has {} corners where at least 3 belong: export the file again", corners_.size());
     for (const std::uint32_t corner : corners_) is_in_face_[corner] = true;
-    if (!raw_.add_polygon(corners_, corner_normals_)) {
+    const PolygonLook look = {material_, !colours_.empty(), corner_looks_};
+    if (!raw_.add_polygon(corners_, corner_normals_, has_look ? &look : nullptr)) {
       return at_line("a hollow polygon has {} corners, more than {}: triangulate it before exporting", corners_.size(), kMaxPolygonCorners);
     }
     if (raw_.parts.empty()) raw_.parts.push_back({});
@@ -151,12 +209,18 @@ class ObjReader {
 
   std::string_view text_;
   TextCursor cursor_;
+  bool wants_look_;
   RawMesh raw_;
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<Eigen::Vector3f> corner_normals_;  // of corners_; empty: the file has none
-  std::vector<bool> is_in_face_;                 // of each vertex
-  std::string object_;                           // the names that hold from here on
+  std::vector<Eigen::Vector2f> texcoords_;
+  std::vector<std::array<std::uint8_t, 3>> colours_;  // of the vertices, as far as they have one
+  std::vector<CornerLook> corner_looks_;              // of corners_; empty: nothing is said of them
+  std::map<std::string, std::uint32_t> materials_;
+  std::uint32_t material_ = TriangleLook::kNoMaterial;  // that holds from here on
+  std::vector<bool> is_in_face_;                        // of each vertex
+  std::string object_;                                  // the names that hold from here on
   std::string group_;
   std::size_t unknown_ = 0;
   std::size_t bad_normals_ = 0;
@@ -164,6 +228,6 @@ class ObjReader {
 
 }  // namespace
 
-Result<RawMesh> read_obj(std::string_view bytes) { return ObjReader(bytes).read(); }
+Result<RawMesh> read_obj(std::string_view bytes, LookReading look) { return ObjReader(bytes, look).read(); }
 
 }  // namespace hapton

@@ -10,6 +10,7 @@
 
 #include "scene/polygon.h"
 #include "scene/raw_mesh.h"
+#include "scene/read_mtl.h"
 #include "scene/text_cursor.h"
 
 namespace hapton {
@@ -78,6 +79,7 @@ enum class Encoding { ascii, little_endian, big_endian };
 struct Header {
   Encoding encoding = Encoding::ascii;
   std::vector<Element> elements;
+  std::string texture;  // a comment of MeshLab and others names it
   std::size_t body_offset = 0;
   std::size_t body_line = 0;
 };
@@ -111,6 +113,7 @@ class HeaderReader {
   }
 
   std::optional<Error> read_line(std::string_view keyword) {
+    if (keyword == "comment" && cursor_.word_in_line() == "TextureFile") header_.texture = std::string(cursor_.rest_of_line());
     if (keyword.empty() || keyword == "comment" || keyword == "obj_info") return std::nullopt;
     if (keyword == "format") return read_format();
     if (keyword == "element") return read_element();
@@ -252,7 +255,8 @@ static_assert(std::endian::native == std::endian::little, "the byte swap assumes
 template <class Values>
 class BodyReader {
  public:
-  BodyReader(const Header& header, Values values, RawMesh& raw) : header_(header), values_(std::move(values)), raw_(raw) {}
+  BodyReader(const Header& header, Values values, RawMesh& raw, LookReading look)
+      : header_(header), values_(std::move(values)), raw_(raw), wants_look_(look == LookReading::on) {}
 
   std::optional<Error> read() {
     for (const Element& element : header_.elements) {
@@ -302,20 +306,22 @@ class BodyReader {
       }
     }
     find_normal_axes(element, axes);
+    if (wants_look_) find_look_axes(element, axes);
     raw_.mesh.vertices.reserve(raw_.mesh.vertices.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
-      Vec3 vertex;
-      Vec3 normal;
+      std::array<double, kPlaces> values = {};
       for (std::size_t p = 0; p < axes.size(); ++p) {
         if (axes[p] < 0) {
           if (auto error = skip(element.properties[p])) return error;
-        } else if (const char* why = values_.read(element.properties[p].type, axes[p] < 3 ? vertex[axes[p]] : normal[axes[p] - 3])) {
+        } else if (const char* why = values_.read(element.properties[p].type, values[static_cast<std::size_t>(axes[p])])) {
           return at_place(why);
         }
       }
+      const Vec3 vertex(values[0], values[1], values[2]);
       if (!vertex.allFinite()) return at_place(fmt::format("vertex {} has a coordinate that is not finite: repair the mesh", i));
       raw_.mesh.vertices.push_back(vertex);
-      if (has_normals_) normals_.push_back(normal.cast<float>());
+      if (has_normals_) normals_.push_back(Vec3(values[3], values[4], values[5]).cast<float>());
+      if (has_colours_ || has_texcoords_) looks_.push_back(look_of(values));
     }
     return std::nullopt;
   }
@@ -332,6 +338,50 @@ class BodyReader {
     has_normals_ = std::all_of(found.begin(), found.end(), [](const auto& places) { return places.size() == 1; });
     normals_.resize(has_normals_ ? raw_.mesh.vertices.size() : 0, Eigen::Vector3f::Zero());
     for (std::size_t axis = 0; axis < 3 && has_normals_; ++axis) axes[found[axis][0]] = 3 + static_cast<int>(axis);
+  }
+
+  // Where each value of a vertex goes: position, normal, colour, place in the texture.
+  static constexpr std::size_t kPlaces = 11;
+  static constexpr int kColourPlace = 6;
+  static constexpr int kTexcoordPlace = 9;
+
+  CornerLook look_of(const std::array<double, kPlaces>& values) const {
+    CornerLook look;
+    for (std::size_t k = 0; k < 3 && has_colours_; ++k) {
+      const double channel = values[kColourPlace + k] * colour_scale_;
+      look.colour[k] = static_cast<std::uint8_t>(std::lround(std::isfinite(channel) ? std::clamp(channel, 0.0, 255.0) : 255.0));
+    }
+    const Eigen::Vector2f place = Eigen::Vector2d(values[kTexcoordPlace], 1.0 - values[kTexcoordPlace + 1]).cast<float>();
+    if (has_texcoords_ && place.allFinite()) look.texcoord = place;
+    return look;
+  }
+
+  // The properties of those names, all of them or none, go to the places from there on.
+  static bool find_all(const Element& element, std::initializer_list<std::string_view> names, int place, std::vector<int>& axes) {
+    std::vector<int> found = axes;
+    for (const std::string_view name : names) {
+      const auto is_it = [&](const Property& p) { return !p.list_count && p.name == name; };
+      if (std::count_if(element.properties.begin(), element.properties.end(), is_it) != 1) return false;
+      const auto at = std::find_if(element.properties.begin(), element.properties.end(), is_it) - element.properties.begin();
+      found[static_cast<std::size_t>(at)] = place++;
+    }
+    axes = found;
+    return true;
+  }
+
+  void find_look_axes(const Element& element, std::vector<int>& axes) {
+    has_colours_ = find_all(element, {"red", "green", "blue"}, kColourPlace, axes) ||
+                   find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, kColourPlace, axes);
+    for (std::size_t p = 0; p < axes.size() && has_colours_; ++p) {
+      if (axes[p] != kColourPlace) continue;
+      const PlyType type = element.properties[p].type;
+      colour_scale_ = type == PlyType::f32 || type == PlyType::f64 ? 255.0 : type == PlyType::u16 ? 1.0 / 257.0 : 1.0;
+    }
+    for (const auto& [u, v] : {std::pair("s", "t"), std::pair("u", "v"), std::pair("texture_u", "texture_v")}) {
+      if (raw_.look.materials.empty() || has_texcoords_) break;
+      has_texcoords_ = find_all(element, {u, v}, kTexcoordPlace, axes);
+    }
+    looks_.resize(has_colours_ || has_texcoords_ ? raw_.mesh.vertices.size() : 0);
   }
 
   std::optional<Error> read_faces(const Element& element) {
@@ -367,7 +417,12 @@ class BodyReader {
     }
     corner_normals_.clear();
     for (std::size_t k = 0; k < corners_.size() && has_normals_; ++k) corner_normals_.push_back(normals_[corners_[k]]);
-    if (!raw_.add_polygon(corners_, corner_normals_)) {
+    corner_looks_.clear();
+    for (std::size_t k = 0; k < corners_.size() && !looks_.empty(); ++k) {
+      corner_looks_.push_back(corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook());
+    }
+    const PolygonLook look = {has_texcoords_ ? 0 : TriangleLook::kNoMaterial, has_colours_, corner_looks_};
+    if (!raw_.add_polygon(corners_, corner_normals_, looks_.empty() ? nullptr : &look)) {
       return at_place(
           fmt::format("face {} is hollow and has more than {} corners: triangulate it before exporting", face, kMaxPolygonCorners));
     }
@@ -393,16 +448,26 @@ class BodyReader {
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;  // of the vertices; empty: the file has none
   std::vector<Eigen::Vector3f> corner_normals_;
+  bool wants_look_;
+  std::vector<CornerLook> looks_;  // of the vertices; empty: the file says nothing of them
+  std::vector<CornerLook> corner_looks_;
+  double colour_scale_ = 1.0;
+  bool has_colours_ = false;
+  bool has_texcoords_ = false;
   bool has_normals_ = false;
   bool seen_faces_ = false;
 };
 
 template <class Values>
-Result<RawMesh> read_body(const Header& header, std::string_view body, std::string format) {
+Result<RawMesh> read_body(const Header& header, std::string_view body, std::string format, const std::filesystem::path& folder,
+                          LookReading look) {
   RawMesh raw;
   raw.format = std::move(format);
   raw.begin_part("");
-  BodyReader<Values> reader(header, Values(body, header), raw);
+  if (look == LookReading::on && !header.texture.empty()) {
+    raw.look.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.texture, raw)});
+  }
+  BodyReader<Values> reader(header, Values(body, header), raw, look);
   if (auto error = reader.read()) return tl::unexpected(std::move(*error));
   if (header.encoding == Encoding::ascii) {
     if (!body.ends_with('\n')) raw.notes.push_back("the last line has no line end: the file may have been cut short");
@@ -415,12 +480,12 @@ Result<RawMesh> read_body(const Header& header, std::string_view body, std::stri
 
 }  // namespace
 
-Result<RawMesh> read_ply(std::string_view bytes) {
+Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder, LookReading look) {
   const Result<Header> header = HeaderReader(bytes).read();
   if (!header) return tl::unexpected(header.error());
   const std::string_view body = bytes.substr(header->body_offset);
-  if (header->encoding == Encoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY");
-  return read_body<BinaryValues>(*header, body, "binary PLY");
+  if (header->encoding == Encoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, look);
+  return read_body<BinaryValues>(*header, body, "binary PLY", folder, look);
 }
 
 }  // namespace hapton

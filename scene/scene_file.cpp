@@ -134,6 +134,7 @@ struct ObjectSpec {
   std::string material;
   bool seal_cracks = true;
   std::array<double, 3> color = SceneObject().color;
+  bool has_color = false;     // which then is that of the whole object, whatever its mesh file says
   std::size_t mesh_line = 0;  // in the scene file
   std::size_t part_line = 0;
   std::size_t material_line = 0;
@@ -178,6 +179,7 @@ Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
   reader.read("seal_cracks", spec.seal_cracks);
   reader.read("scale", spec.scale, 0.0, kMaxScale, true);
   reader.read("color", spec.color, 0.0, 1.0);
+  spec.has_color = reader.has("color");
   std::array<double, 3> position = {};
   reader.read("position_m", position, -kMaxLengthM, kMaxLengthM);
   spec.p_SM = Vec3(position[0], position[1], position[2]);
@@ -255,9 +257,10 @@ class MeshShelf {
     SealReport sealed;
     std::vector<Vec3> came_with;  // the vertices it had, where it was sealed
     std::uint64_t given_hash = 0;
+    std::shared_ptr<const MeshLook> look;  // null: none
   };
 
-  explicit MeshShelf(CrackSealing sealing) : sealing_(sealing) {}
+  MeshShelf(CrackSealing sealing, LookReading look) : sealing_(sealing), look_(look) {}
 
   // A part of a file, or all of it where no part is named.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
@@ -267,7 +270,9 @@ class MeshShelf {
     if (found == meshes_.end()) {
       const Result<const MeshFile*> file = load(path, object.unit, notes);
       if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
-      Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
+      MeshLook look;
+      if (object.part.empty()) look = (*file)->look;
+      Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part, &look);
       if (!mesh) return fail("line {}: {}: {}", object.part_line, path.string(), mesh.error().what);
       ReadyMesh ready;
       std::vector<Vec3> vertices = mesh->vertices;
@@ -275,6 +280,7 @@ class MeshShelf {
       ready.sealed = seal_for_touch(*mesh, sealing);
       ready.mesh = std::move(*mesh);
       if (ready.sealed.has_sealed()) ready.came_with = std::move(vertices);
+      if (!ready.sealed.has_sealed() && look.says_anything()) ready.look = std::make_shared<const MeshLook>(std::move(look));
       if (ready.sealed.is_worth_a_note()) {
         notes.push_back(
             fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
@@ -289,7 +295,7 @@ class MeshShelf {
     const auto key = std::make_pair(path.string(), unit);
     auto found = files_.find(key);
     if (found == files_.end()) {
-      Result<MeshFile> file = load_mesh_file(path, unit);
+      Result<MeshFile> file = load_mesh_file(path, unit, look_);
       if (!file) return tl::unexpected(file.error());
       for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
       found = files_.emplace(key, std::move(*file)).first;
@@ -298,6 +304,7 @@ class MeshShelf {
   }
 
   CrackSealing sealing_;
+  LookReading look_;
   std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
   std::map<std::tuple<std::string, std::optional<Unit>, std::string, CrackSealing>, ReadyMesh> meshes_;
 };
@@ -308,6 +315,7 @@ struct PosedMesh {
   SealReport sealed;
   Eigen::AlignedBox3d box;       // of the mesh as it came
   std::uint64_t given_hash = 0;  // of that mesh and its pose
+  std::shared_ptr<const MeshLook> look;
 };
 
 void scale_widths(SealReport& sealed, double scale) {
@@ -321,7 +329,8 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   const Result<const MeshShelf::ReadyMesh*> loaded = shelf.load(path, object, notes);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
-  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0};
+  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .look = (*loaded)->look};
+  if (object.has_color) posed.look.reset();
   const Vec3& p_SM = object.p_SM;
   const std::array numbers = {object.scale,    object.q_SM.w(), object.q_SM.x(), object.q_SM.y(),
                               object.q_SM.z(), p_SM.x(),        p_SM.y(),        p_SM.z()};
@@ -362,9 +371,9 @@ Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector
   return {};
 }
 
-Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, CrackSealing sealing) {
+Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
-  MeshShelf shelf(sealing);
+  MeshShelf shelf(loading.sealing, loading.look);
   std::vector<PosedMesh> meshes;
   for (const ObjectSpec& object : spec.objects) {
     Result<PosedMesh> mesh = make_mesh(object, folder, shelf, scene.notes);
@@ -384,13 +393,14 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = object.material.empty() ? Material() : spec.materials.find(object.material)->second,
                              .color = object.color,
-                             .sealed = meshes[i].sealed});
+                             .sealed = meshes[i].sealed,
+                             .look = std::move(meshes[i].look)});
   }
   return scene;
 }
 
 Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneLoading& loading) {
-  Result<TouchMesh> file = load_touch_mesh(path, loading.unit, loading.sealing);
+  Result<TouchMesh> file = load_touch_mesh(path, loading.unit, loading.sealing, loading.look);
   if (!file) return tl::unexpected(file.error());
   Scene scene;
   for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
@@ -405,10 +415,13 @@ Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneL
         fmt::format("{}: is {:.4g} m long, shown {:.4g} times its size in the middle of the workspace; --no-fit leaves it as it is",
                     path.string(), box.sizes().maxCoeff(), fit->scale));
   }
+  std::shared_ptr<const MeshLook> look;
+  if (file->look.says_anything()) look = std::make_shared<const MeshLook>(std::move(file->look));
   scene.objects.push_back({.name = path.stem().string(),
                            .mesh = std::make_shared<const TriangleMesh>(std::move(file->mesh)),
                            .material = {},
-                           .sealed = file->sealed});
+                           .sealed = file->sealed,
+                           .look = std::move(look)});
   return scene;
 }
 
@@ -442,7 +455,7 @@ Result<Scene> load_scene(const std::filesystem::path& path, const SceneLoading& 
   if (!text) return tl::unexpected(text.error());
   const Result<SceneSpec> spec = parse_spec(*text);
   if (!spec) return fail("{}: {}", path.string(), spec.error().what);
-  Result<Scene> scene = make_scene(*spec, path.parent_path(), loading.sealing);
+  Result<Scene> scene = make_scene(*spec, path.parent_path(), loading);
   if (!scene) return fail("{}: {}", path.string(), scene.error().what);
   return scene;
 }

@@ -20,6 +20,7 @@ struct SceneLoading {
   std::optional<Unit> unit = {};  // of a plain mesh file only, what its numbers are in; none: m
   CrackSealing sealing = CrackSealing::on;
   MeshFit fit = MeshFit::off;
+  LookReading look = LookReading::off;  // not recorded: what is felt does not depend on it
   friend bool operator==(const SceneLoading&, const SceneLoading&) = default;
 };
 

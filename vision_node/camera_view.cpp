@@ -30,6 +30,7 @@ void CameraView::zoom_by(double factor) {
 void CameraView::look_at(const Framing& home, const Vec3& p_WO, double radius_m) {
   if (!(radius_m > 0.0) || !p_WO.allFinite()) return;
   pan_m = p_WO - home.p_WC;
+  is_centred = true;
   zoom = std::clamp(home.view_m / (2.0 * kMargin * radius_m), kLeastZoom, kMostZoom);
 }
 
@@ -39,6 +40,7 @@ Framing CameraView::apply(const Framing& home) const {
   seen.yaw_rad += yaw_rad;
   seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepest, kSteepest);
   seen.view_m /= zoom;
+  seen.aside_m = is_centred ? Vec2(0.0, 0.0) : Vec2(home.aside_m / zoom);
   seen.ipd_m /= std::max(1.0, zoom);
   seen.depth_m += pan_m.norm();
   return seen;

@@ -11,6 +11,7 @@ struct CameraView {
   double pitch_rad = 0.0;     // further above
   double zoom = 1.0;          // so many times as large
   Vec3 pan_m = Vec3::Zero();  // of the centre of the picture
+  bool is_centred = false;    // what is looked at is in the middle, however the picture began
 
   void orbit(double yaw_by_rad, double pitch_by_rad);
   // Times the factor, from a tenth to a hundred times. A factor that is not positive and finite is ignored.

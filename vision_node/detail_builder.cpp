@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "runtime/start_thread.h"
@@ -18,6 +19,10 @@ constexpr std::size_t kCoarsest = 2'000;
 constexpr std::size_t kErrorSamples = 4'000;
 // The servo loop and the haptics node may live on the same cores.
 constexpr int kNiceness = 10;
+
+bool has_texture(const DetailLevel& level) {
+  return std::any_of(level.paints.begin(), level.paints.end(), [](const VertexPaint& paint) { return paint.layer > 0; });
+}
 
 }  // namespace
 
@@ -52,6 +57,8 @@ void DetailBuilder::run() {
   (void)setpriority(PRIO_PROCESS, 0, kNiceness);
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
     if (full_[i]->triangles() < kLeastTriangles || full_[i]->triangles() < kLarge) continue;
+    // What is made so fast mixes the places of a texture.
+    if (has_texture(*full_[i])) continue;
     if (auto rough = make_rough_level(*full_[i], kRoughTriangles)) {
       rough->error = measure_level_error(*rough, *full_[i], kErrorSamples);
       divide_into_clusters(*rough);

@@ -7,6 +7,7 @@
 #include <meshoptimizer.h>
 
 #include "core/collision/wide_bvh.h"
+#include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/triangle_distance.h"
 
@@ -24,6 +25,8 @@ constexpr float kConeWeight = 0.8F;
 constexpr double kWorthwhile = 0.8;
 // Squared; no two points of U's cube are so far apart.
 constexpr double kBeyondU = 64.0;
+// Of a triangle whose three corners have one place in the texture, or places in a line, not every other place can be reached.
+constexpr double kRelativeResidual = 1e-6;
 constexpr float kAnyError = std::numeric_limits<float>::max();
 
 const float* floats(const std::vector<Vec3f>& positions) { return positions.data()->data(); }
@@ -36,14 +39,23 @@ DetailCluster whole(const DetailLevel& level) {
 }
 
 // A level of these triangles, with the vertices they use and no others, in the order they are used.
-DetailLevel compact(const std::vector<Vec3f>& positions, std::vector<std::uint32_t> indices) {
+void take_vertices(const DetailLevel& from, DetailLevel& level) {
+  std::vector<unsigned int> remap(from.positions.size());
+  const std::size_t used =
+      meshopt_optimizeVertexFetchRemap(remap.data(), level.indices.data(), level.indices.size(), from.positions.size());
+  std::vector<Vec3f> positions(used);
+  meshopt_remapVertexBuffer(positions.data(), from.positions.data(), from.positions.size(), sizeof(Vec3f), remap.data());
+  std::vector<VertexPaint> paints(from.paints.empty() ? 0 : used);
+  if (!paints.empty()) meshopt_remapVertexBuffer(paints.data(), from.paints.data(), from.paints.size(), sizeof(VertexPaint), remap.data());
+  meshopt_remapIndexBuffer(level.indices.data(), level.indices.data(), level.indices.size(), remap.data());
+  level.positions = std::move(positions);
+  level.paints = std::move(paints);
+}
+
+DetailLevel compact(const DetailLevel& from, std::vector<std::uint32_t> indices) {
   DetailLevel level;
   level.indices = std::move(indices);
-  level.positions.resize(positions.size());
-  const std::size_t used = meshopt_optimizeVertexFetch(level.positions.data(), level.indices.data(), level.indices.size(), positions.data(),
-                                                       positions.size(), sizeof(Vec3f));
-  level.positions.resize(used);
-  level.positions.shrink_to_fit();
+  take_vertices(from, level);
   level.clusters = {whole(level)};
   return level;
 }
@@ -51,7 +63,41 @@ DetailLevel compact(const std::vector<Vec3f>& positions, std::vector<std::uint32
 std::optional<DetailLevel> if_worthwhile(const DetailLevel& from, std::vector<std::uint32_t> indices, std::size_t kept) {
   indices.resize(kept);
   if (kept < 3 || static_cast<double>(kept) > kWorthwhile * static_cast<double>(from.indices.size())) return std::nullopt;
-  return compact(from.positions, std::move(indices));
+  return compact(from, std::move(indices));
+}
+
+double difference(const VertexPaint& paint, const Vec3& tint) {
+  double most = 0.0;
+  for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(paint.tint[static_cast<std::size_t>(k)] - tint[k]) / 255.0);
+  return most;
+}
+
+// How far on the triangle's plane it is from the point of the triangle nearest to p to what looks like the paint.
+double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const DetailLevel& level, std::size_t triangle,
+                    const VertexPaint& wanted) {
+  const auto paint = [&](std::size_t k) -> const VertexPaint& { return level.paints[level.indices[3 * triangle + k]]; };
+  if (paint(0).layer != wanted.layer) return kBeyondU;
+  const Vec3 weights = closest_point(corners[0], corners[1], corners[2], p).barycentric;
+  Vec3 tint = Vec3::Zero();
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double weight = weights[static_cast<int>(k)];
+    for (int c = 0; c < 3; ++c) tint[c] += weight * paint(k).tint[static_cast<std::size_t>(c)];
+    place += weight * paint(k).place.cast<double>();
+    longest = std::max(longest, (corners[(k + 1) % 3] - corners[k]).norm());
+  }
+  double slip = difference(wanted, tint) * longest;
+  const Eigen::Vector2d away = wanted.place.cast<double>() - place;
+  if (wanted.layer == 0 || away.isZero()) return slip;
+  // The texture's places on the triangle: (b - a, c - a) = stretch * (place b - place a, place c - place a).
+  Eigen::Matrix2d places;
+  places << (paint(1).place - paint(0).place).cast<double>(), (paint(2).place - paint(0).place).cast<double>();
+  Eigen::Matrix<double, 3, 2> edges;
+  edges << corners[1] - corners[0], corners[2] - corners[0];
+  const Eigen::Vector2d steps = places.fullPivLu().solve(away);
+  const bool is_there = steps.allFinite() && (places * steps - away).norm() <= kRelativeResidual * away.norm();
+  return slip + (is_there ? (edges * steps).norm() : kBeyondU);
 }
 
 }  // namespace
@@ -106,12 +152,19 @@ double measure_level_error(const DetailLevel& level, const DetailLevel& full, st
     return box;
   });
   const std::size_t step = std::max<std::size_t>(1, full.positions.size() / std::max<std::size_t>(1, samples));
+  const bool is_painted = !level.paints.empty() && full.paints.size() == full.positions.size();
   double farthest = 0.0;
   for (std::size_t i = 0; i < full.positions.size(); i += step) {
     const Vec3 p = full.positions[i].cast<double>();
     double least = kBeyondU;
     tree.visit_nearest(p, least, [&](std::uint32_t t, double) {
-      least = std::min(least, triangle_distance_squared(p, corner(t, 0), corner(t, 1), corner(t, 2)));
+      const std::array<Vec3, 3> corners = {corner(t, 0), corner(t, 1), corner(t, 2)};
+      double distance_squared = triangle_distance_squared(p, corners[0], corners[1], corners[2]);
+      if (is_painted && distance_squared < least) {
+        const double far = std::sqrt(distance_squared) + measure_slip(p, corners, level, t, full.paints[i]);
+        distance_squared = far * far;
+      }
+      least = std::min(least, distance_squared);
       return least;
     });
     farthest = std::max(farthest, least);
@@ -146,11 +199,8 @@ void divide_into_clusters(DetailLevel& level) {
     cluster.cone_cutoff = bounds.cone_cutoff;
     level.clusters.push_back(cluster);
   }
-  const std::vector<Vec3f> positions = std::move(level.positions);
   level.indices = std::move(ordered);
-  level.positions.resize(positions.size());
-  level.positions.resize(meshopt_optimizeVertexFetch(level.positions.data(), level.indices.data(), level.indices.size(), positions.data(),
-                                                     positions.size(), sizeof(Vec3f)));
+  take_vertices(level, level);
 }
 
 }  // namespace hapton

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -31,12 +32,23 @@ struct DetailCluster {
   float cone_cutoff = 1.0F;
 };
 
+// What colour the surface has at a vertex.
+struct VertexPaint {
+  std::array<std::uint8_t, 3> tint = {255, 255, 255};  // sRGB
+  std::uint8_t layer = 0;                              // of the mesh's texture layers, from 1, tinted; 0: none. One for all of a triangle
+  Eigen::Vector2f place = Eigen::Vector2f::Zero();     // in the layer, from its upper left corner
+  friend bool operator==(const VertexPaint& a, const VertexPaint& b) {
+    return a.tint == b.tint && a.layer == b.layer && a.place == b.place;
+  }
+};
+
 // One level of detail of a mesh: what is drawn. Frame U.
 struct DetailLevel {
   std::vector<Vec3f> positions;
+  std::vector<VertexPaint> paints;  // of the positions; empty: the mesh has one colour
   std::vector<std::uint32_t> indices;
   std::vector<DetailCluster> clusters;  // at least one, in the order of the indices, each index in one
-  double error = 0.0;                   // how far vertices of the mesh lie from this level, the largest of a sample; 0: the mesh itself
+  double error = 0.0;                   // of measure_level_error(); 0: the mesh itself
   std::size_t triangles() const { return indices.size() / 3; }
 };
 
@@ -52,7 +64,9 @@ std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t
 // Error not measured.
 std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::size_t triangles);
 
-// The largest distance of up to `samples` of the full level's vertices, evenly taken, from the level's triangles.
+// The largest distance of up to `samples` of the full level's vertices, evenly taken, from the level's triangles. Of a painted level, how
+// far one has to go to find the same paint: the distance to a triangle and on it to the place of the texture that the vertex has; where
+// colours differ, that share of the triangle's longest side. So a level is as good as its texture, and full detail is drawn where none is.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
 // Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many

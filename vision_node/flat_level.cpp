@@ -39,6 +39,7 @@ FlatLevel make_flat(const DetailLevel& level) {
   flat.indices.reserve(level.indices.size());
   flat.vertices.reserve(2 * level.positions.size());
   for (const Vec3f& p : level.positions) flat.vertices.push_back({p, kFree});
+  flat.paints = level.paints;
   for (std::size_t i = 0; i < level.indices.size(); i += 3) {
     std::array<std::uint32_t, 3> corner = {level.indices[i], level.indices[i + 1], level.indices[i + 2]};
     const Vec3f& a = level.positions[corner[0]];
@@ -52,6 +53,7 @@ FlatLevel make_flat(const DetailLevel& level) {
     }
     if (last < 0) {
       flat.vertices.push_back({a, normal});
+      if (!level.paints.empty()) flat.paints.push_back(level.paints[corner[0]]);
       corner[0] = static_cast<std::uint32_t>(flat.vertices.size() - 1);
       last = 0;
     }

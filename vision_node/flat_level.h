@@ -18,6 +18,7 @@ struct FlatVertex {
 // normal of their own, which halves the time of a picture drawn in software.
 struct FlatLevel {
   std::vector<FlatVertex> vertices;
+  std::vector<VertexPaint> paints;  // of the vertices; empty: the mesh has one colour
   std::vector<std::uint32_t> indices;
   std::vector<DetailCluster> clusters;  // those of the level
   double error = 0.0;

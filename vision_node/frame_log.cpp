@@ -14,6 +14,7 @@ constexpr std::int64_t kWindowNs = 500'000'000;
 
 void FrameLog::drew(std::int64_t start_ns, std::int64_t end_ns) {
   draw_time_.record(end_ns - start_ns);
+  if (drawn_ == 0) first_draw_ms_ = static_cast<double>(end_ns - start_ns) * 1e-6;
   const std::int64_t period = end_ns - last_end_ns_;
   if (drawn_ > 0 && period <= std::max(kPauseNs, 2 * (end_ns - start_ns))) {
     moving_ns_ += period;
@@ -34,10 +35,22 @@ double FrameLog::rate_hz() const {
   return moving_ns_ > 0 ? static_cast<double>(moving_frames_) * 1e9 / static_cast<double>(moving_ns_) : 0.0;
 }
 
+std::string FrameLog::describe_motion(std::string_view name) const {
+  if (motion_to_photon_.count() == 0) return {};
+  const double p50_ns = static_cast<double>(motion_to_photon_.quantile_ns(0.5));
+  const double p99_ns = static_cast<double>(motion_to_photon_.quantile_ns(0.99));
+  std::string text = fmt::format("{} p50 {:.1f} ms p99 {:.1f} ms", name, p50_ns * 1e-6, p99_ns * 1e-6);
+  if (rate_hz() > 0.0) text += fmt::format(" ({:.2f}, {:.2f} frames)", p50_ns * 1e-9 * rate_hz(), p99_ns * 1e-9 * rate_hz());
+  return text;
+}
+
 std::string FrameLog::describe() const {
-  return fmt::format(
-      "pictures drawn {}, states that looked the same {}, {:.1f} pictures/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms", drawn_,
-      skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6);
+  std::string text = fmt::format(
+      "pictures drawn {}, states that looked the same {}, {:.1f} pictures/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms, the first "
+      "{:.0f} ms",
+      drawn_, skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6, first_draw_ms_);
+  if (motion_to_photon_.count() > 0) text += ", " + describe_motion("state to photon");
+  return text;
 }
 
 }  // namespace hapton

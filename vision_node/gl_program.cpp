@@ -35,6 +35,8 @@ Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view frag
   GlProgram made(glCreateProgram());
   glBindAttribLocation(made.program_, 0, "position");
   glBindAttribLocation(made.program_, 1, "direction");
+  glBindAttribLocation(made.program_, 2, "tint");
+  glBindAttribLocation(made.program_, 3, "place");
   for (const GLuint shader : {*first, *second}) {
     glAttachShader(made.program_, shader);
     glDeleteShader(shader);  // with the program

@@ -129,6 +129,13 @@ double GlTarget::read_depth(int x, int y) const {
   return depth;
 }
 
+std::vector<float> GlTarget::read_depths() const {
+  std::vector<float> depths(static_cast<std::size_t>(size_.width_px) * static_cast<std::size_t>(size_.height_px));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glReadPixels(0, 0, size_.width_px, size_.height_px, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+  return depths;
+}
+
 void GlTarget::swap(GlTarget& other) noexcept {
   std::swap(size_, other.size_);
   std::swap(format_, other.format_);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <GL/glew.h>
 
 #include "vision_node/stereo_camera.h"
@@ -51,6 +53,8 @@ class GlTarget {
   void copy_to_bound(int x, int y) const;
   // 0 to 1, of one pixel. Pre: within the size, one sample a pixel.
   double read_depth(int x, int y) const;
+  // Of all pixels, by rows from the lower left corner.
+  std::vector<float> read_depths() const;
   void swap(GlTarget& other) noexcept;
   void release();
 

@@ -22,7 +22,7 @@ void set_text(vtkTextActor* actor, std::string_view text) {
 }  // namespace
 
 void HudFigure::add_to(vtkRenderer* renderer) {
-  for (vtkTextActor* text : {facts_.Get(), help_.Get(), scale_label_.Get()}) {
+  for (vtkTextActor* text : {facts_.Get(), help_.Get(), scale_label_.Get(), pointer_label_.Get()}) {
     vtkTextProperty* look = text->GetTextProperty();
     look->SetFontFamilyToArial();
     look->SetColor(0.96, 0.97, 0.98);
@@ -52,6 +52,36 @@ void HudFigure::add_to(vtkRenderer* renderer) {
   scale_->GetProperty()->SetLineWidth(2.0F);
   scale_->VisibilityOff();
   renderer->AddActor2D(scale_);
+  pointer_label_->GetTextProperty()->SetJustificationToCentered();
+  pointer_label_->GetTextProperty()->SetVerticalJustificationToCentered();
+  pointer_corners_->SetNumberOfPoints(3);
+  vtkNew<vtkCellArray> triangle;
+  const vtkIdType corners[3] = {0, 1, 2};
+  triangle->InsertNextCell(3, corners);
+  vtkNew<vtkPolyData> head;
+  head->SetPoints(pointer_corners_);
+  head->SetPolys(triangle);
+  vtkNew<vtkPolyDataMapper2D> head_mapper;
+  head_mapper->SetInputData(head);
+  pointer_->SetMapper(head_mapper);
+  pointer_->GetProperty()->SetColor(1.0, 0.78, 0.10);
+  pointer_->VisibilityOff();
+  renderer->AddActor2D(pointer_);
+}
+
+void HudFigure::set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size) {
+  pointer_->SetVisibility(pointer.has_value());
+  set_text(pointer_label_, pointer ? pointer->label : "");
+  if (!pointer) return;
+  const double length = 0.03 * std::min(size.width_px, size.height_px);
+  const Vec2 along = length * pointer->towards;
+  const Vec2 across(-0.5 * along.y(), 0.5 * along.x());
+  const Vec2 corners[3] = {pointer->at_px + along, pointer->at_px + across, pointer->at_px - across};
+  for (vtkIdType i = 0; i < 3; ++i) pointer_corners_->SetPoint(i, corners[i].x(), corners[i].y(), 0.0);
+  pointer_corners_->Modified();
+  // Farther within the picture, by as much as the text is wide.
+  const Vec2 label = pointer->at_px - 1.5 * along - Vec2(2.5 * length * pointer->towards.x(), 0.0);
+  pointer_label_->SetPosition(label.x(), label.y());
 }
 
 void HudFigure::set_scale_bar(const ScaleBar& bar, PictureSize size) {
@@ -76,6 +106,7 @@ void HudFigure::place(PictureSize size) {
   facts_->GetTextProperty()->SetFontSize(font);
   help_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
   scale_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
+  pointer_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
   facts_->SetPosition(edge, size.height_px - edge);
   help_->SetPosition(edge, edge);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include <vtkActor2D.h>
@@ -9,6 +10,7 @@
 #include <vtkTextActor.h>
 
 #include "vision_node/depth_cues.h"
+#include "vision_node/edge_pointer.h"
 #include "vision_node/stereo_camera.h"
 
 namespace hapton {
@@ -21,6 +23,8 @@ class HudFigure {
   void set(std::string_view facts, std::string_view help);
   // Above the right end of the picture's foot; one without a length is not shown.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
+  // At the picture's edge, in the probe's colour.
+  void set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size);
 
  private:
   vtkNew<vtkTextActor> facts_;
@@ -28,6 +32,9 @@ class HudFigure {
   vtkNew<vtkTextActor> scale_label_;
   vtkNew<vtkActor2D> scale_;
   vtkNew<vtkPoints> scale_corners_;
+  vtkNew<vtkTextActor> pointer_label_;
+  vtkNew<vtkActor2D> pointer_;
+  vtkNew<vtkPoints> pointer_corners_;
 };
 
 }  // namespace hapton

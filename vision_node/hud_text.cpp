@@ -13,6 +13,10 @@ bool is_without_force(ProbeStatus status) {
 
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;
+  // It has joined the hub, and does not answer yet.
+  if ((s.status == ProbeStatus::no_haptics || s.status == ProbeStatus::ok) && facts.preparing_s > 0.0) {
+    return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
+  }
   if (is_without_force(s.status)) return std::string(describe(s.status));
   return fmt::format("force {:4.2f} N   {}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
                      facts.hand_held ? ", hand on the mouse" : "", s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));

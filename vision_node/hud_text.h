@@ -16,6 +16,7 @@ struct HudFacts {
   bool cull = true;
   bool hand_held = false;
   double detail_progress = 1.0;  // of the levels of detail, 0 to 1
+  double preparing_s = 0.0;      // haptics_node is building what it feels with, for so long now; 0: it is not
   bool is_other_scene = false;   // haptics_node feels another scene than the one shown
 };
 

@@ -124,7 +124,7 @@ void Interaction::press_key(char key, const View& view) {
 void Interaction::take_hold(const View& view) {
   if (hand_.active) return;
   hand_.active = true;
-  hand_.p_WH = view.p_WD;
+  set_goal(view.p_WD);
   press_ = kPressShare;
   p_WQ_.reset();
   hand_changed_ = true;
@@ -152,18 +152,31 @@ void Interaction::drag(const WindowEvent& event, const View& view) {
   }
 }
 
-void Interaction::lead(const View& view, const Vec2& moved_px) {
+void Interaction::set_goal(const Vec3& p_WG) {
+  p_WG_ = p_WG;
+  hand_.p_WH = p_WG;
   hand_changed_ = true;
+}
+
+void Interaction::follow(const SurfaceSeen& seen, const LedTip& tip) {
+  if (!hand_.active) return;
+  const Vec3 next = route_hand(seen, tip, p_WG_);
+  if (next == hand_.p_WH) return;
+  hand_.p_WH = next;
+  hand_changed_ = true;
+}
+
+void Interaction::lead(const View& view, const Vec2& moved_px) {
   if (view.p_WQ) {
     p_WQ_ = view.p_WQ;
     const Vec3 p_WE = compute_eye_position(view.screen, Eye::centre);
     const double side_m = std::min(view.screen.width_m, view.screen.height_m);
-    hand_.p_WH = *p_WQ_ + press_ * side_m * (*p_WQ_ - p_WE).normalized();
+    set_goal(*p_WQ_ + press_ * side_m * (*p_WQ_ - p_WE).normalized());
     return;
   }
   p_WQ_.reset();
-  const double z_m = (view.screen.X_WV.inverse(Eigen::Isometry) * hand_.p_WH).z();
-  hand_.p_WH += displace_in_screen_plane(view.screen, view.picture, moved_px, z_m);
+  const double z_m = (view.screen.X_WV.inverse(Eigen::Isometry) * p_WG_).z();
+  set_goal(p_WG_ + displace_in_screen_plane(view.screen, view.picture, moved_px, z_m));
 }
 
 void Interaction::turn_wheel(int notches, const View& view) {
@@ -176,8 +189,7 @@ void Interaction::turn_wheel(int notches, const View& view) {
   press_ = std::clamp(press_ + kWheelShare * notches, kFarthestOff, kDeepest);
   const Vec3 away =
       p_WQ_ ? Vec3((*p_WQ_ - compute_eye_position(view.screen, Eye::centre)).normalized()) : Vec3(-view.screen.X_WV.linear().col(2));
-  hand_.p_WH += (press_ - before) * side_m * away;
-  hand_changed_ = true;
+  set_goal(p_WG_ + (press_ - before) * side_m * away);
 }
 
 UserRequests Interaction::take_requests() { return std::exchange(requests_, {}); }

@@ -5,6 +5,7 @@
 
 #include "link/messages.h"
 #include "vision_node/camera_view.h"
+#include "vision_node/hand_route.h"
 #include "vision_node/knob_box.h"
 #include "vision_node/stereo_camera.h"
 
@@ -37,9 +38,9 @@ struct UserRequests {
 
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn what is felt.
 // Left drag (or any motion while the hand is held with h) leads the hand: over the surface that is seen under the pointer, a little within
-// it, so that it is felt; beside the scene in the screen's plane. The wheel then presses deeper or lifts the hand off. A right drag goes
-// round the scene, with shift, or with the middle button, the picture is moved; the wheel without a hand zooms.
-// RT: no.
+// it, so that it is felt; beside the scene in the screen's plane; never through what is seen (hand_route.h). The wheel then presses deeper
+// or lifts the hand off. A right drag goes round the scene, with shift, or with the middle button, the picture is moved; the wheel without
+// a hand zooms. RT: no.
 class Interaction {
  public:
   struct View {
@@ -50,6 +51,9 @@ class Interaction {
   };
 
   void handle(const WindowEvent& event, const View& view);
+  // The hand goes on towards where the pointer led it, on the side of the scene that is seen. To be called while it is
+  // held.
+  void follow(const SurfaceSeen& seen, const LedTip& tip);
 
   Dials& dials() { return dials_; }
   const Dials& dials() const { return dials_; }
@@ -72,11 +76,13 @@ class Interaction {
   void turn_wheel(int notches, const View& view);
   // The hand to the surface under the pointer; else by so many pixels in the screen's plane.
   void lead(const View& view, const Vec2& moved_px);
+  void set_goal(const Vec3& p_WG);
 
   Dials dials_;
   CameraView camera_;
   UserRequests requests_;
   HandTarget hand_;
+  Vec3 p_WG_ = Vec3::Zero();  // where the pointer leads it; what it is pulled to may be on the way there
   WindowEvent::Button held_ = WindowEvent::Button::none;
   bool latched_ = false;      // h was pressed: the hand follows the mouse without a button
   double press_ = 0.0;        // how far within the surface, as a share of the picture's smaller side

@@ -45,6 +45,7 @@ void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& for
     here.shown.shape(pass.size, format);
     begin(here, here.shown);
     count_ = painter_->paint(pass);
+    here.surface.reset();
     ++drawn_;
     here.is_valid = true;
     here.is_full = painter_->is_full(pass);
@@ -86,6 +87,7 @@ bool SceneLayers::refine() {
   for (Layer& here : layers_) {
     if (!std::exchange(here.is_finer_whole, false)) continue;
     here.shown.swap(here.finer);
+    here.surface.reset();
     here.is_full = true;
   }
   return true;
@@ -102,6 +104,7 @@ void SceneLayers::refine_whole() {
     }
     here.is_full = true;
     here.is_finer_whole = false;
+    here.surface.reset();
   }
 }
 
@@ -109,6 +112,16 @@ void SceneLayers::copy_to_bound(Eye eye, int x, int y) const {
   const GlStateGuard guard;
   glDisable(GL_SCISSOR_TEST);
   layers_[static_cast<std::size_t>(eye)].shown.copy_to_bound(x, y);
+}
+
+std::shared_ptr<const SurfaceSeen> SceneLayers::read_surface(Eye eye) {
+  Layer& here = layer(eye);
+  if (!here.is_valid || here.shown.format().samples > 0) return nullptr;
+  if (here.surface == nullptr) {
+    const GlStateGuard guard;
+    here.surface = std::make_shared<const SurfaceSeen>(here.pass.screen, eye, here.pass.size, here.shown.read_depths());
+  }
+  return here.surface;
 }
 
 std::optional<Vec3> SceneLayers::find_surface(Eye eye, int x, int y) const {

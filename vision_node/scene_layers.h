@@ -8,6 +8,7 @@
 
 #include "vision_node/gl_target.h"
 #include "vision_node/scene_painter.h"
+#include "vision_node/surface_seen.h"
 
 namespace hapton {
 
@@ -35,6 +36,9 @@ class SceneLayers {
   // The place of the scene that is seen at a pixel of the eye's picture, frame W; none where there is only background, or no such pixel.
   std::optional<Vec3> find_surface(Eye eye, int x, int y) const;
 
+  // All of it at once, read from the driver only when the eye's picture has changed. Null as well while its edges are smoothed.
+  std::shared_ptr<const SurfaceSeen> read_surface(Eye eye);
+
   // How much of all levels of detail has been made, 0 to 1.
   double progress() const { return painter_->progress(); }
   // Levels have come that may look better than what is shown.
@@ -56,6 +60,7 @@ class SceneLayers {
     bool is_active = false;  // among the newest passes
     bool is_full = false;
     bool is_finer_whole = false;
+    std::shared_ptr<const SurfaceSeen> surface;  // null: to be read
   };
 
   explicit SceneLayers(std::unique_ptr<ScenePainter> painter) : painter_(std::move(painter)) {}

@@ -6,76 +6,16 @@
 
 #include <GL/glew.h>
 
+#include "runtime/log.h"
 #include "vision_node/depth_cues.h"
 #include "vision_node/detail_choice.h"
+#include "vision_node/scene_shaders.h"
+#include "vision_node/surface_paint.h"
+#include "vision_node/texture_layers.h"
 #include "vision_node/view_culling.h"
 
 namespace hapton {
 namespace {
-
-// One colour for each triangle, from its last corner. The side that is seen is lit. The highlight's power of 18 by products.
-constexpr std::string_view kVertexShader = R"(#version 150
-in vec3 position;
-in vec4 direction;
-uniform mat4 to_clip, to_eye;
-uniform vec3 colour, light;
-uniform float haze_from, haze_to;
-uniform int plain;
-flat out vec3 shade;
-out float far;
-void main() {
-  gl_Position = to_clip * vec4(position, 1.0);
-  vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
-  vec3 normal = normalize(mat3(to_eye) * direction.xyz);
-  normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
-  float towards = dot(normal, light);
-  float mirrored = max(0.0, dot(2.0 * towards * normal - light, normalize(to_viewer)));
-  float p2 = mirrored * mirrored;
-  float p4 = p2 * p2;
-  float p16 = p4 * p4;
-  p16 *= p16;
-  vec3 lit = colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards);
-  shade = plain != 0 ? colour : lit;
-  far = clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 0.45);
-}
-)";
-
-constexpr std::string_view kFragmentShader = R"(#version 150
-flat in vec3 shade;
-in float far;
-uniform vec3 haze;
-out vec4 shown;
-void main() { shown = vec4(mix(shade, haze, far), 1.0); }
-)";
-
-constexpr std::string_view kBackgroundVertexShader = R"(#version 150
-out float height;
-void main() {
-  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-  height = 0.5 * corner.y + 0.5;
-  gl_Position = vec4(corner, 1.0, 1.0);
-}
-)";
-
-constexpr std::string_view kBackgroundFragmentShader = R"(#version 150
-in float height;
-uniform vec3 low, high;
-out vec4 shown;
-void main() { shown = vec4(mix(low, high, height), 1.0); }
-)";
-
-// One colour, wherever the matrix puts it.
-constexpr std::string_view kSingleVertexShader = R"(#version 150
-in vec3 position;
-uniform mat4 to_clip;
-void main() { gl_Position = to_clip * vec4(position, 1.0); }
-)";
-
-constexpr std::string_view kSingleFragmentShader = R"(#version 150
-uniform vec3 colour;
-out vec4 shown;
-void main() { shown = vec4(colour, 1.0); }
-)";
 
 const Vec3 kLow(0.055, 0.07, 0.095);
 const Vec3 kHigh(0.30, 0.36, 0.44);
@@ -87,6 +27,8 @@ const Vec3 kShadow(0.045, 0.05, 0.06);
 constexpr std::size_t kPreviewTriangles = 150'000;
 // A shadow of more triangles costs more than it shows: of a large mesh before its levels are made.
 constexpr std::size_t kShadowTriangles = 20'000;
+// What is larger than the workspace reaches through its ground, and a shadow there says nothing.
+constexpr double kShadowRadii = 1.0;
 constexpr double kAboveGround = 1e-3;
 // From over the viewer's left shoulder.
 const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
@@ -94,6 +36,7 @@ const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
 struct Vertices {
   GLuint array = 0;
   GLuint buffer = 0;
+  GLuint paints = 0;  // 0: of one colour
 };
 
 }  // namespace
@@ -101,8 +44,10 @@ struct Vertices {
 struct ScenePainter::Object {
   DetailFrame frame;
   Vec3 colour;
-  double radius_m = 0.0;               // around frame.centre
-  std::unique_ptr<DetailLevel> whole;  // read by the builder
+  double radius_m = 0.0;                    // around frame.centre
+  std::unique_ptr<DetailLevel> whole;       // read by the builder
+  std::unique_ptr<TextureLayers> textures;  // null: none
+  bool is_painted = false;                  // its vertices have colours of their own
   FlatLevel full;
   Vertices full_vertices;
   std::vector<FlatLevel> coarser;  // from the finest
@@ -124,10 +69,25 @@ namespace {
 void release(Vertices& vertices) {
   if (vertices.array != 0) glDeleteVertexArrays(1, &vertices.array);
   if (vertices.buffer != 0) glDeleteBuffers(1, &vertices.buffer);
+  if (vertices.paints != 0) glDeleteBuffers(1, &vertices.paints);
   vertices = {};
 }
 
-Vertices upload(const std::vector<FlatVertex>& vertices, GLuint index_buffer) {
+// Into the vertex array that is bound.
+GLuint upload_paints(const std::vector<VertexPaint>& paints) {
+  GLuint buffer = 0;
+  glGenBuffers(1, &buffer);
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(paints.size() * sizeof(VertexPaint)), paints.data(), GL_STATIC_DRAW);
+  glEnableVertexAttribArray(2);
+  glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), nullptr);
+  glEnableVertexAttribArray(3);
+  glVertexAttribPointer(3, 2, GL_FLOAT, GL_FALSE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, place)));
+  return buffer;
+}
+
+Vertices upload(const FlatLevel& level, GLuint index_buffer) {
+  const std::vector<FlatVertex>& vertices = level.vertices;
   Vertices made;
   glGenVertexArrays(1, &made.array);
   glGenBuffers(1, &made.buffer);
@@ -139,6 +99,7 @@ Vertices upload(const std::vector<FlatVertex>& vertices, GLuint index_buffer) {
   glEnableVertexAttribArray(1);
   glVertexAttribPointer(1, 4, GL_INT_2_10_10_10_REV, GL_TRUE, sizeof(FlatVertex),
                         reinterpret_cast<const void*>(offsetof(FlatVertex, normal)));
+  if (!level.paints.empty()) made.paints = upload_paints(level.paints);
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
@@ -148,6 +109,18 @@ Vertices upload(const std::vector<FlatVertex>& vertices, GLuint index_buffer) {
 }  // namespace
 
 ScenePainter::ScenePainter() = default;
+
+// With its colours and images where the mesh has some.
+DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& object) {
+  const MeshLook* look = shown.look.get();
+  object.is_painted = look != nullptr && look->triangles.size() == shown.mesh->triangles.size();
+  if (!object.is_painted) return make_full_level(*shown.mesh, object.frame);
+  std::vector<std::string> notes;
+  object.textures = TextureLayers::make(*look, notes);
+  for (const std::string& note : notes) log_warning("{}", note);
+  return make_painted_level(*shown.mesh, object.frame, *look, shown.colour,
+                            object.textures != nullptr ? object.textures->layer_of() : std::vector<std::uint8_t>());
+}
 
 ScenePainter::~ScenePainter() {
   builder_.reset();
@@ -165,11 +138,14 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   std::unique_ptr<ScenePainter> painter(new ScenePainter);
   auto shaded = GlProgram::make(kVertexShader, kFragmentShader);
   if (!shaded) return tl::unexpected(shaded.error());
+  auto painted = GlProgram::make(kPaintedVertexShader, kPaintedFragmentShader);
+  if (!painted) return tl::unexpected(painted.error());
   auto background = GlProgram::make(kBackgroundVertexShader, kBackgroundFragmentShader);
   if (!background) return tl::unexpected(background.error());
   auto single = GlProgram::make(kSingleVertexShader, kSingleFragmentShader);
   if (!single) return tl::unexpected(single.error());
   painter->single_ = std::make_unique<GlProgram>(std::move(*single));
+  painter->painted_ = std::make_unique<GlProgram>(std::move(*painted));
   painter->shaded_ = std::make_unique<GlProgram>(std::move(*shaded));
   painter->background_ = std::make_unique<GlProgram>(std::move(*background));
   glGenBuffers(1, &painter->index_buffer_);
@@ -180,7 +156,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     auto object = std::make_unique<Object>();
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
-    object->whole = std::make_unique<DetailLevel>(make_full_level(*shown.mesh, object->frame));
+    object->whole = std::make_unique<DetailLevel>(make_whole_level(shown, *object));
     object->radius_m = object->whole->clusters.front().radius * object->frame.scale_m;
     levels.push_back(object->whole.get());
     painter->objects_.push_back(std::move(object));
@@ -190,7 +166,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     object->full = make_flat(*object->whole);
     painter->all_triangles_ += object->full.triangles();
     object->list_facts();
-    object->full_vertices = upload(object->full.vertices, painter->index_buffer_);
+    object->full_vertices = upload(object->full, painter->index_buffer_);
   }
   return painter;
 }
@@ -202,7 +178,7 @@ bool ScenePainter::take_levels() {
     if (one.is_full) {
       object.full = std::move(one.level);
       release(object.full_vertices);
-      object.full_vertices = upload(object.full.vertices, index_buffer_);
+      object.full_vertices = upload(object.full, index_buffer_);
       continue;
     }
     if (object.has_rough && !one.is_rough) {
@@ -212,7 +188,7 @@ bool ScenePainter::take_levels() {
     }
     object.has_rough = one.is_rough;
     object.coarser.push_back(std::move(one.level));
-    object.coarser_vertices.push_back(upload(object.coarser.back().vertices, index_buffer_));
+    object.coarser_vertices.push_back(upload(object.coarser.back(), index_buffer_));
     object.list_facts();
   }
   return !made.empty();
@@ -309,7 +285,7 @@ void ScenePainter::paint_shadow(const ScenePass& pass) {
   for (const auto& object : objects_) {
     const std::size_t coarsest = object->facts.size() - 1;
     const FlatLevel& level = object->level(coarsest);
-    if (level.triangles() > kShadowTriangles) continue;
+    if (level.triangles() > kShadowTriangles || object->radius_m > kShadowRadii * workspace_size_m().norm()) continue;
     single_->set("to_clip", Mat4(to_clip * object->frame.matrix()));
     glBindVertexArray(object->vertices(coarsest));
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(level.indices.size() * sizeof(std::uint32_t)), level.indices.data(),
@@ -327,14 +303,16 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
   pass.cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
-  shaded_->use();
-  shaded_->set("light", kLight_V);
-  shaded_->set("plain", pass.plain ? 1 : 0);
-  shaded_->set("haze", kHaze);
   // From where the picture's centre is to the far end of what is drawn, in eyes' distances; beyond every depth where there is none.
   const bool is_hazy = pass.depth_cues && !pass.plain;
-  shaded_->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
-  shaded_->set("haze_to", is_hazy ? 1.0 + 1.0 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
+  for (const GlProgram* program : {painted_.get(), shaded_.get()}) {
+    program->use();
+    program->set("light", kLight_V);
+    program->set("plain", pass.plain ? 1 : 0);
+    program->set("haze", kHaze);
+    program->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
+    program->set("haze_to", is_hazy ? 1.0 + 1.0 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
+  }
 }
 
 std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass,
@@ -361,13 +339,22 @@ std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& 
   // In eyes' distances, so that a scene of any size is in the range of single precision.
   Mat4 to_eye = X_EU;
   to_eye.topRows<3>() /= pass.screen.distance_m;
-  shaded_->set("to_clip", clip);
-  shaded_->set("to_eye", to_eye);
-  shaded_->set("colour", object.colour);
+  const GlProgram& program = object.is_painted ? *painted_ : *shaded_;
+  program.use();
+  program.set("to_clip", clip);
+  program.set("to_eye", to_eye);
+  if (object.is_painted) {
+    program.set("textured", object.textures != nullptr ? 1 : 0);
+    program.set("images", TextureLayers::unit());
+  } else {
+    program.set("colour", object.colour);
+  }
+  if (object.textures != nullptr) object.textures->bind();
   glBindVertexArray(vertices);
   glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(visible_.size() * sizeof(std::uint32_t)), visible_.data(), GL_STREAM_DRAW);
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(visible_.size()), GL_UNSIGNED_INT, nullptr);
   glBindVertexArray(0);
+  if (object.textures != nullptr) TextureLayers::unbind();
   return visible_.size() / 3;
 }
 

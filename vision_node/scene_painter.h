@@ -6,6 +6,7 @@
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_look.h"
 #include "vision_node/detail_builder.h"
 #include "vision_node/gl_program.h"
 #include "vision_node/stereo_camera.h"
@@ -16,6 +17,7 @@ namespace hapton {
 struct ShownObject {
   std::shared_ptr<const TriangleMesh> mesh;
   Vec3 colour = {0.7, 0.7, 0.72};
+  std::shared_ptr<const MeshLook> look = {};  // in place of the colour; null: none
 };
 
 // One eye's picture of the scene, and how it is drawn.
@@ -42,8 +44,9 @@ struct PaintCursor {
   std::size_t cluster = 0;
 };
 
-// Draws the static scene, flat shaded under one light that goes with the viewer, by OpenGL in the window's context, each mesh in a level of
-// detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its context is current, at the end as well.
+// Draws the static scene in its colours and textures, flat shaded under one light that goes with the viewer, by OpenGL in the window's
+// context, each mesh in a level of detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its context is
+// current, at the end as well.
 class ScenePainter {
  public:
   // Triangles of a picture while the scene moves, of all objects together, where no coarser level is as good (frames_bench).
@@ -71,6 +74,7 @@ class ScenePainter {
   struct Object;
   ScenePainter();
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
+  static DetailLevel make_whole_level(const ShownObject& shown, Object& object);
   void upload_lines();
   void paint_lines(const ScenePass& pass) const;
   void paint_shadow(const ScenePass& pass);
@@ -80,7 +84,7 @@ class ScenePainter {
 
   std::vector<std::unique_ptr<Object>> objects_;
   std::size_t all_triangles_ = 0;
-  std::unique_ptr<GlProgram> shaded_, background_, single_;
+  std::unique_ptr<GlProgram> shaded_, painted_, background_, single_;
   std::uint32_t index_buffer_ = 0, empty_vertices_ = 0;
   std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
   int grid_corners_ = 0;

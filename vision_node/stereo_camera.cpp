@@ -38,7 +38,7 @@ StereoScreen compute_screen(const Framing& framing, PictureSize size) {
   StereoScreen screen;
   const Eigen::AngleAxisd yaw(framing.yaw_rad, Vec3::UnitY());
   const Eigen::AngleAxisd pitch(-framing.pitch_rad, Vec3::UnitX());
-  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch;
+  screen.X_WV = Eigen::Translation3d(framing.p_WC) * yaw * pitch * Eigen::Translation3d(framing.aside_m.x(), framing.aside_m.y(), 0.0);
   const double width = std::max(1, size.width_px);
   const double height = std::max(1, size.height_px);
   const double metres_per_pixel = framing.view_m / std::min(width, height);

@@ -32,13 +32,14 @@ struct PictureSize {
 
 // What shall be seen, before it is known how large the window is.
 struct Framing {
-  Vec3 p_WC = Vec3::Zero();  // workspace centre: centre of the screen, on the zero-parallax plane
-  double yaw_rad = 0.0;      // the viewer stands this far to the right ...
-  double pitch_rad = 0.0;    // ... and this far above the centre's z axis
-  double view_m = 0.3;       // the picture's smaller side, on the zero-parallax plane
-  double distance_m = 0.6;   // from the eyes to the zero-parallax plane
-  double ipd_m = 0.063;      // between the eyes: mean of adults (Dodgson 2004)
-  double depth_m = 0.5;      // everything drawn lies within this distance of p_WC
+  Vec3 p_WC = Vec3::Zero();     // workspace centre: on the zero-parallax plane, in the middle of the screen but for aside_m
+  Vec2 aside_m = Vec2::Zero();  // of the screen's centre from there, in the screen's plane: right, up
+  double yaw_rad = 0.0;         // the viewer stands this far to the right ...
+  double pitch_rad = 0.0;       // ... and this far above the centre's z axis
+  double view_m = 0.3;          // the picture's smaller side, on the zero-parallax plane
+  double distance_m = 0.6;      // from the eyes to the zero-parallax plane
+  double ipd_m = 0.063;         // between the eyes: mean of adults (Dodgson 2004)
+  double depth_m = 0.5;         // everything drawn lies within this distance of p_WC
 };
 
 // The framing that shows a sphere of radius_m around p_WC whole. Scenes larger than a desk are seen by a proportionally larger

@@ -21,6 +21,7 @@
 
 #include "runtime/atomic_file.h"
 #include "vision_node/display.h"
+#include "vision_node/edge_pointer.h"
 #include "vision_node/hud_figure.h"
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
@@ -142,6 +143,7 @@ struct StereoView::Window {
   std::unique_ptr<ProbeFigure> probe;
   std::unique_ptr<ProbeFigure> other_probe;
   Pose X_WS = Pose::Identity();
+  std::optional<Vec3> p_WP;  // the tip; none before it was first set
   bool stale = true;
   // Of the frame being drawn.
   bool is_prepared = false;
@@ -244,7 +246,10 @@ void StereoView::Window::begin(EyeView& view) {
   if (pixels.width_px <= 0 || pixels.height_px <= 0) return;
   if (!std::exchange(is_prepared, true)) prepare();
   view.shows_scale = settings.depth_cues && !settings.plain;
-  view.aim(compute_screen(settings.framing, pixels));
+  const StereoScreen screen = compute_screen(settings.framing, pixels);
+  view.aim(screen);
+  const bool points = p_WP && !settings.plain;
+  view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
 }
 
 // The scene of all eyes, then the newest word on what moves over it. VTK's framebuffer is bound.
@@ -326,7 +331,17 @@ std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
   return std::nullopt;
 }
 
-void StereoView::set_probe(const ProbeShown& probe) { window_->probe->set(probe); }
+std::shared_ptr<const SurfaceSeen> StereoView::surface_seen() {
+  if (window_->eyes.empty()) return nullptr;
+  window_->window->MakeCurrent();
+  const EyeView& first = *window_->eyes.front();
+  return window_->layers->read_surface(first.composed ? Eye::left : first.eye);
+}
+
+void StereoView::set_probe(const ProbeShown& probe) {
+  window_->probe->set(probe);
+  window_->p_WP = probe.p_WP;
+}
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 
 void StereoView::set_hud(std::string_view facts, std::string_view help) {

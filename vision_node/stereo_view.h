@@ -15,6 +15,7 @@
 #include "vision_node/scene_painter.h"
 #include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
+#include "vision_node/surface_seen.h"
 
 namespace hapton {
 
@@ -68,6 +69,9 @@ class StereoView {
   // The surface of the scene that is seen at that pixel of the window, from the lower left corner, in the newest picture; none where
   // nothing of the scene is. Frame W. None as well while the window is drawn with smoothed edges.
   std::optional<Vec3> pick(int x_px, int y_px);
+
+  // The scene's surface as the first eye sees it, in the newest picture. Null before the first one, and while edges are smoothed.
+  std::shared_ptr<const SurfaceSeen> surface_seen();
 
   // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: what it sets of the probe and
   // the HUD is in the picture.

@@ -19,7 +19,7 @@ struct VisionOptions {
   std::string bind;       // empty: any address of the hub's family, any port
   std::string key_file;   // empty: the user's own, on loopback
   std::filesystem::path scene = "scenes/car_front.toml";
-  SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace};  // drawn as it came
+  SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
   Vec3 p_SO = Vec3::Zero();  // a sphere around the scene that was opened

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
 
-#include "core/geometry/mesh_measures.h"
 #include "runtime/log.h"
 
 namespace hapton {
@@ -17,8 +17,6 @@ namespace {
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without an answer, before a person is told
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
-// The smallest thing that is framed: a scene of one point still gives a picture.
-constexpr double kMinRadius = 1e-6;
 
 VisionStepSettings make_step_settings(const StereoView& view, const VisionOptions& options) {
   VisionStepSettings settings;
@@ -36,24 +34,6 @@ VisionStepSettings make_step_settings(const StereoView& view, const VisionOption
   return settings;
 }
 
-// A sphere around all objects: round the middle of their box.
-std::pair<Vec3, double> bound_scene(const Scene& scene) {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  for (const SceneObject& object : scene.objects) {
-    const MeshBounds bounds = compute_bounds(*object.mesh);
-    low = low.cwiseMin(bounds.low);
-    high = high.cwiseMax(bounds.high);
-  }
-  if (!(low.array() <= high.array()).all()) return {Vec3::Zero(), 0.0};
-  const Vec3 middle = 0.5 * (low + high);
-  double squared = 0.0;
-  for (const SceneObject& object : scene.objects) {
-    for (const Vec3& p_S : object.mesh->vertices) squared = std::max(squared, (p_S - middle).squaredNorm());
-  }
-  return {middle, std::sqrt(squared)};
-}
-
 // What m goes through: an ordinary screen, two pictures, coloured glasses.
 StereoMode next_stereo(StereoMode mode) {
   switch (mode) {
@@ -68,25 +48,13 @@ StereoMode next_stereo(StereoMode mode) {
 
 }  // namespace
 
-Framing frame_scene(const Scene& scene, const VisionOptions& options) {
-  double squared_radius = kMinRadius * kMinRadius;
-  for (const SceneObject& object : scene.objects) {
-    for (const Vec3& p_S : object.mesh->vertices) squared_radius = std::max(squared_radius, p_S.squaredNorm());
-  }
-  Framing framing = frame_sphere(Vec3::Zero(), std::sqrt(squared_radius), options.ipd_mm * 1e-3);
-  if (options.view_mm > 0.0) framing.view_m = options.view_mm * 1e-3;
-  framing.yaw_rad = options.view_yaw_deg * std::numbers::pi / 180.0;
-  framing.pitch_rad = options.view_pitch_deg * std::numbers::pi / 180.0;
-  return framing;
-}
-
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options) {
   options.view.framing = frame_scene(scene, options);
-  const auto [p_SO, radius_m] = bound_scene(scene);
-  options.p_SO = p_SO;
-  options.scene_radius_m = radius_m;
+  const SceneSphere sphere = bound_scene(scene);
+  options.p_SO = sphere.p_SO;
+  options.scene_radius_m = sphere.radius_m;
   std::vector<ShownObject> objects;
-  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.color.data())});
+  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.color.data()), object.look});
   auto view = StereoView::open(options.view, objects);
   if (!view) return view;
   const std::string renderer = (*view)->renderer_name();
@@ -125,6 +93,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
     refine_scene();
+    lead_hand();
   }
   if (!options_.screenshot.empty() && !moment_.taken()) return take_screenshot(options_.screenshot);
   return {};
@@ -136,7 +105,7 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
     if (const auto* rejected = std::get_if<ViewRejected>(&heard.message)) step_.hear(*rejected);
     if (const auto* setup = std::get_if<HapticsSetup>(&heard.message)) take_setup(*setup);
-    if (const auto* scene = std::get_if<SceneFacts>(&heard.message)) compare_scene(*scene);
+    if (const auto* scene = std::get_if<SceneFacts>(&heard.message)) take_scene(*scene);
     const auto* state = std::get_if<ProbeState>(&heard.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     heard_ns_ = hub_.receive_time_ns();
@@ -173,6 +142,11 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
   }
   joins_ = hub_.counts().joins;
   was_joined_ = joined;
+}
+
+void VisionSession::take_scene(const SceneFacts& felt) {
+  step_.set_preparing(felt.preparing_s);
+  compare_scene(felt);
 }
 
 void VisionSession::compare_scene(const SceneFacts& felt) {
@@ -218,6 +192,11 @@ void VisionSession::change_stereo(const UserRequests& requests) {
   if (!requests.next_stereo) return;
   if (const auto changed = view_.set_stereo(next_stereo(view_.mode())); !changed) log_warning("{}", changed.error().what);
   step_.set_stereo(stereo_mode_name(view_.mode()), view_.mode() == StereoMode::emulate);
+}
+
+// The hand moves on, and what it is pulled to with it.
+void VisionSession::lead_hand() {
+  if (step_.interaction().hand_active()) step_.lead_hand(view_.surface_seen().get());
 }
 
 // A little at a time, so that a probe that begins to move is drawn at once.
@@ -270,6 +249,7 @@ void VisionSession::tell_of_picture(bool is_for_us, std::int64_t begin_ns, std::
   const VisionStep::Screen at = where();
   auto drawn = step_.drew(begin_ns, end_ns, at);
   if (drawn && is_for_us) {
+    step_.record_motion(end_ns - heard_ns_);
     drawn->held_ns = static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - heard_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
     hub_.send(*drawn);
   }
@@ -291,26 +271,61 @@ std::filesystem::path VisionSession::next_screenshot_name() {
 
 VisionStep::Screen VisionSession::where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
 
+namespace {
+
+// A probe of which there is a new sample every millisecond, on a circle.
+class BenchProbe {
+ public:
+  explicit BenchProbe(double radius_m) : radius_m_(radius_m) {}
+
+  // The newest at that time.
+  ProbeShown newest(std::int64_t now_ns) {
+    sample_ns_ = now_ns / kNanosecondsPerMillisecond * kNanosecondsPerMillisecond;
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(sample_ns_ % kRoundNs) / static_cast<double>(kRoundNs);
+    ProbeShown probe;
+    probe.p_WP = probe.p_WD = radius_m_ * Vec3(std::cos(angle), std::sin(angle), 1.0);
+    return probe;
+  }
+  std::int64_t sample_ns() const { return sample_ns_; }
+
+ private:
+  static constexpr std::int64_t kRoundNs = 1000 * kNanosecondsPerMillisecond;
+  double radius_m_;
+  std::int64_t sample_ns_ = 0;
+};
+
+}  // namespace
+
 std::string run_bench(StereoView& view, Clock& clock, int frames) {
+  const std::int64_t first_ns = clock.now_ns();
   view.draw();  // the first picture builds shaders
+  const double first_ms = static_cast<double>(clock.now_ns() - first_ns) * 1e-6;
   Dials dials;
   // Levels of detail are made once; what is asked for is how fast it draws with them.
   while (view.detail_progress() < 1.0) clock.sleep_until_ns(clock.now_ns() + kTurnNs);
   FrameLog log;
-  for (int i = 0; i < frames; ++i) {
+  const auto turn_and_draw = [&](FrameLog& into, const std::function<void()>& before_probe) {
     const std::int64_t start_ns = clock.now_ns();
     dials.turn(1, 3.0);
     dials.turn(0, 1.0);
     view.set_scene_pose(dials.compute_pose(Vec3::Zero()));
     view.poll_events();
-    view.draw();
-    log.drew(start_ns, clock.now_ns());
+    view.draw(before_probe);
+    into.drew(start_ns, clock.now_ns());
+  };
+  for (int i = 0; i < frames; ++i) turn_and_draw(log, {});
+  FrameLog moving;  // with a probe, which takes time itself
+  BenchProbe probe(0.25 * std::min(view.screen().width_m, view.screen().height_m));
+  for (int i = 0; i < frames; ++i) {
+    turn_and_draw(moving, [&] { view.set_probe(probe.newest(clock.now_ns())); });
+    moving.moved(clock.now_ns() - probe.sample_ns());
   }
   const PictureSize size = view.picture_size();
-  return fmt::format("bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, {} triangles an eye, {}",
-                     frames, log.rate_hz(), stereo_mode_name(view.mode()), size.width_px, size.height_px,
-                     log.draw_time().quantile_ns(0.5) * 1e-6, log.draw_time().quantile_ns(0.99) * 1e-6, view.paint_count().triangles,
-                     view.renderer_name());
+  return fmt::format(
+      "bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, first picture {:.0f} ms, {}, {} triangles an "
+      "eye, {}",
+      frames, log.rate_hz(), stereo_mode_name(view.mode()), size.width_px, size.height_px, log.draw_time().quantile_ns(0.5) * 1e-6,
+      log.draw_time().quantile_ns(0.99) * 1e-6, first_ms, moving.describe_motion(), view.paint_count().triangles, view.renderer_name());
 }
 
 }  // namespace hapton

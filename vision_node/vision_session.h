@@ -6,15 +6,13 @@
 #include "runtime/stop_signal.h"
 #include "scene/scene_file.h"
 #include "vision_node/other_hand.h"
+#include "vision_node/scene_framing.h"
 #include "vision_node/space_knobs.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/vision_options.h"
 #include "vision_node/vision_step.h"
 
 namespace hapton {
-
-// The framing that shows the whole scene around the workspace centre (the world's origin), whatever the dials do.
-Framing frame_scene(const Scene& scene, const VisionOptions& options);
 
 // Opens the window on the scene as the options say. Error: see StereoView::open.
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options);
@@ -48,6 +46,8 @@ class VisionSession {
   void handle_events();
   void change_stereo(const UserRequests& requests);
   void refine_scene();
+  void lead_hand();
+  void take_scene(const SceneFacts& felt);
   void compare_scene(const SceneFacts& felt);
   Result<void> attend_window();
   void speak();

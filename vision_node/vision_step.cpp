@@ -53,6 +53,12 @@ void VisionStep::handle(const WindowEvent& event, const Screen& where, const std
   sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
 }
 
+void VisionStep::lead_hand(const SurfaceSeen* seen) {
+  if (seen == nullptr || !state_) return;
+  const LedTip tip{state_->p_WD + state_->visual_offset_m, state_->contact ? state_->visual_offset_m : Vec3(Vec3::Zero())};
+  if (tip.p_WP.allFinite()) interaction_.follow(*seen, tip);
+}
+
 void VisionStep::turn_dials(const Vec3& degrees) {
   if (degrees.isZero()) return;
   for (int axis = 0; axis < 3; ++axis) interaction_.dials().turn(axis, degrees[axis]);
@@ -98,6 +104,7 @@ std::string VisionStep::compose_hud_now() const {
   facts.cull = cull_;
   facts.hand_held = interaction_.hand_active();
   facts.detail_progress = detail_progress_;
+  facts.preparing_s = preparing_s_;
   facts.is_other_scene = is_other_scene_;
   return compose_hud(facts);
 }

@@ -60,9 +60,14 @@ class VisionStep {
   // The hub was joined, for the first time or again.
   void joined();
   // The hub has fallen silent.
-  void lost() { connected_ = false; }
+  void lost() {
+    connected_ = false;
+    preparing_s_ = 0.0;
+  }
   // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
+  // The hand that is held goes on its way to where the pointer is. seen: the picture of the scene; null: it goes straight there.
+  void lead_hand(const SurfaceSeen* seen);
   // Whether handle() would use the surface under the pointer.
   bool wants_surface(const WindowEvent& event) const;
   // The knob box' dials were turned, degrees each.
@@ -73,6 +78,8 @@ class VisionStep {
   UserRequests take_requests();
   // The mode of stereo is another one from now on.
   void set_stereo(std::string_view name, bool always_changing);
+  // haptics_node builds what it feels with, for so long now; 0: it is done.
+  void set_preparing(double seconds) { preparing_s_ = seconds; }
   void set_detail_progress(double progress) { detail_progress_ = progress; }
 
   // What is to be sent now, one message a call until none is left: view transform, hand target.
@@ -89,6 +96,8 @@ class VisionStep {
   bool is_scene_at_rest(std::int64_t now_ns) const;
   // The picture of the last compose() is in the window. Returns what the hub is to be told of it.
   std::optional<Drawn> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
+  // How old the probe of that picture was when it was in the window.
+  void record_motion(std::int64_t motion_to_photon_ns) { frames_.moved(motion_to_photon_ns); }
   // What the hub is to be told of a state that wants_picture() found to look the same; once for each.
   std::optional<Drawn> take_unseen();
 
@@ -122,6 +131,7 @@ class VisionStep {
   CameraView camera_shown_;
   std::int64_t scene_moved_ns_ = 0;
   double detail_progress_ = 1.0;
+  double preparing_s_ = 0.0;
   std::string hud_shown_;
   bool hud_contact_ = false;
   std::int64_t hud_ns_ = 0;

@@ -6,6 +6,7 @@
 #include "scene/gltf/buffers.h"
 #include "scene/gltf/extensions.h"
 #include "scene/gltf/json.h"
+#include "scene/gltf/materials.h"
 #include "scene/gltf/primitive.h"
 #include "scene/gltf/transform.h"
 #include "scene/text_cursor.h"
@@ -71,8 +72,9 @@ bool is_hidden(const Json& node) { return member(extension_of(node, "KHR_node_vi
 
 class SceneReader {
  public:
-  SceneReader(const Document& document, std::size_t max_triangles, RawMesh& raw)
-      : document_(document), max_triangles_(max_triangles), raw_(raw) {}
+  // places: of the materials' textures; empty where no look is wanted.
+  SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_look, RawMesh& raw)
+      : document_(document), max_triangles_(max_triangles), places_(std::move(places)), wants_look_(wants_look), raw_(raw) {}
 
   // Depth first with its own stack, so that a deep chain of nodes cannot exhaust ours. Each node hangs in one place [3.5.2].
   std::optional<Error> read(const std::vector<std::size_t>& roots) {
@@ -141,8 +143,10 @@ class SceneReader {
       if (!primitive) return primitive.error();
       count_flaws(*primitive);
       if (!*primitive || (*primitive)->triangles.empty()) continue;
+      VertexLooks looks;
+      if (wants_look_) looks = read_vertex_looks(document_, primitives[p], (*primitive)->positions.size(), places_, where);
       for (const Eigen::Affine3d& X_NI : *poses) {
-        if (auto error = add_instance(**primitive, where, X_SN * X_NI)) return error;
+        if (auto error = add_instance(**primitive, where, X_SN * X_NI, looks)) return error;
       }
     }
     return std::nullopt;
@@ -154,7 +158,8 @@ class SceneReader {
     bad_normals_ += primitive && primitive->has_bad_normals ? 1 : 0;
   }
 
-  std::optional<Error> add_instance(const Primitive& primitive, const std::string& where, const Eigen::Affine3d& X_SN) {
+  std::optional<Error> add_instance(const Primitive& primitive, const std::string& where, const Eigen::Affine3d& X_SN,
+                                    const VertexLooks& looks) {
     const std::size_t first = raw_.mesh.vertices.size();
     if (first + primitive.positions.size() > 3 * max_triangles_ ||
         raw_.mesh.triangles.size() + primitive.triangles.size() > max_triangles_) {
@@ -165,13 +170,13 @@ class SceneReader {
       if (!p_SV.allFinite()) return Error{fmt::format("{}: its pose takes a vertex beyond all numbers: {}", where, kExportAgain)};
       raw_.mesh.vertices.push_back(p_SV);
     }
-    add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN);
+    add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN, looks);
     return std::nullopt;
   }
 
   // A mirroring transform turns the winding round [3.7.4]. Normals go by the inverse transpose, which keeps them at right angles to the
   // surface.
-  void add_triangles(const Primitive& primitive, std::uint32_t first, const Eigen::Affine3d& X_SN) {
+  void add_triangles(const Primitive& primitive, std::uint32_t first, const Eigen::Affine3d& X_SN, const VertexLooks& looks) {
     const bool is_mirrored = X_SN.linear().determinant() < 0;
     const Eigen::Matrix3d turn = X_SN.linear().inverse().transpose();
     const auto normal_of = [&](std::uint32_t corner) -> Eigen::Vector3f {
@@ -185,11 +190,17 @@ class SceneReader {
       } else {
         raw_.add_triangle(triangle, {normal_of(local[0]), normal_of(local[1]), normal_of(local[2])});
       }
+      if (looks.vertices.empty()) continue;
+      const auto& seen = looks.vertices;
+      raw_.look.resize(raw_.mesh.triangles.size() - 1);
+      raw_.look.triangles.push_back({looks.material, looks.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
     }
   }
 
   const Document& document_;
   std::size_t max_triangles_;
+  std::vector<TexturePlace> places_;
+  bool wants_look_;
   RawMesh& raw_;
   std::size_t not_triangles_ = 0;
   std::size_t hidden_ = 0;
@@ -201,7 +212,7 @@ class SceneReader {
 }  // namespace
 
 Result<RawMesh> read_document(std::string_view json, std::optional<std::string_view> binary, const std::filesystem::path& folder,
-                              std::string_view format, std::size_t max_triangles) {
+                              std::string_view format, std::size_t max_triangles, LookReading look) {
   const Result<Json> root = parse(json);
   if (!root) return tl::unexpected(root.error());
   if (auto error = check_version(*root)) return tl::unexpected(std::move(*error));
@@ -212,7 +223,9 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
   const Document document{*root, buffers};
   RawMesh raw;
   raw.format = format;
-  SceneReader reader(document, max_triangles, raw);
+  const bool wants_look = look == LookReading::on;
+  SceneReader reader(document, max_triangles, wants_look ? read_materials(document, folder, raw) : std::vector<TexturePlace>(), wants_look,
+                     raw);
   if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
   reader.add_notes();
   for (std::string& note : note_unread_extensions(*root)) raw.notes.push_back(std::move(note));
@@ -224,8 +237,8 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
 
 namespace hapton {
 
-Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles) {
-  return gltf::read_document(bytes, std::nullopt, folder, "glTF", max_triangles);
+Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles, LookReading look) {
+  return gltf::read_document(bytes, std::nullopt, folder, "glTF", max_triangles, look);
 }
 
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <optional>
 #include <thread>
@@ -48,6 +49,7 @@ class ReplyLoopTest : public ::testing::Test {
           ++commands_;
         }
         if (const auto* got = std::get_if<HapticsSetup>(&datagram.message)) setups_.push_back(*got);
+        if (const auto* got = std::get_if<SceneFacts>(&datagram.message)) scenes_.push_back(*got);
       }
     }
     return command;
@@ -72,6 +74,7 @@ class ReplyLoopTest : public ::testing::Test {
   MethodBuilder builder_{{.name = "sweep"}, one_sheet()};
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
   std::vector<HapticsSetup> setups_;
+  std::vector<SceneFacts> scenes_;
   std::uint64_t sample_ = 0;
   int commands_ = 0;
 };
@@ -197,6 +200,55 @@ TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   send_state({0.01, 0.01, -0.002});
   loop.turn(clock_.now_ns() + kMs);
   EXPECT_TRUE(hear()->contact);
+}
+
+// Whose slow task takes as long as the test wants.
+class SlowMethod : public ForceMethod {
+ public:
+  SlowMethod(std::unique_ptr<ForceMethod> method, std::atomic<bool>& done) : method_(std::move(method)), done_(done) {}
+  MethodOutput step(const MethodInput& input) noexcept override { return method_->step(input); }
+  void reset(const Vec3& p_SD) noexcept override { method_->reset(p_SD); }
+  std::string describe() const override { return method_->describe(); }
+  bool prepare() override {
+    while (!done_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return false;
+  }
+
+ private:
+  std::unique_ptr<ForceMethod> method_;
+  std::atomic<bool>& done_;
+};
+
+TEST_F(ReplyLoopTest, WhileTheFirstAnswerWaitsVisionIsToldForHowLong) {
+  std::atomic<bool> done{false};
+  HapticsStep step(std::make_unique<TouchStep>(std::make_unique<SlowMethod>(*make_method({}, one_sheet()), done)), 1e-5);
+  MethodBuilder builder({}, one_sheet(), step.touch().share_method());
+  struct Release {
+    ~Release() { done = true; }
+    std::atomic<bool>& done;
+  } const release{done};  // before the builder ends its thread
+  const SceneFacts scene{.given_hash = 9};
+  ReplyLoop loop(client_, clock_, step, builder, {}, true, scene);
+  const auto turn_on = [&](int turns) {
+    for (int i = 0; i < turns; ++i) {
+      send_state({0.01, 0.01, 0.001});
+      loop.turn(clock_.now_ns() + kMs);
+      hear();
+    }
+  };
+  turn_on(1000);
+  ASSERT_FALSE(scenes_.empty());
+  EXPECT_GT(scenes_.back().preparing_s, 0.8F * 2.0F);
+  EXPECT_GE(scenes_.size(), 8U) << "several times a second";
+  EXPECT_EQ(step.counts().answered, 0U);
+  done = true;
+  for (int i = 0; i < 500 && step.counts().answered == 0; ++i) {
+    turn_on(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  turn_on(5);
+  ASSERT_GT(step.counts().answered, 0U);
+  EXPECT_EQ(scenes_.back().preparing_s, 0.0F) << "and at once when it is done";
 }
 
 TEST_F(ReplyLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {

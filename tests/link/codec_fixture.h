@@ -99,6 +99,7 @@ class RandomDatagrams {
     facts.highest_m = point();
     facts.point_count = bits32() % (SceneFacts::kMostPoints + 1);
     for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
+    facts.preparing_s = static_cast<float>(bits32() % 100);
     return facts;
   }
 
@@ -243,6 +244,7 @@ inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
   EXPECT_EQ(a.highest_m, b.highest_m);
   EXPECT_EQ(a.point_count, b.point_count);
   EXPECT_EQ(a.points_m, b.points_m);
+  EXPECT_EQ(a.preparing_s, b.preparing_s);
 }
 
 inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }

@@ -164,6 +164,8 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(endless), DecodeStatus::bad_value);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(round_trip(SceneFacts{.lowest_m = {0, kNan, 0}}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(SceneFacts{.preparing_s = kNan}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(SceneFacts{.preparing_s = -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(SceneFacts{.point_count = 1, .points_m = {{{0, 0, 2e9F}}}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(Drawn{1, 2, -1.0F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);

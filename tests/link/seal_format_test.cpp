@@ -54,7 +54,7 @@ void lengthen(HapticsSetup& m) {
   fill_text(m.rejection);
 }
 void lengthen(SceneFacts& m) {
-  m = {kMost64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMostPoints, {}};
+  m = {kMost64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMostPoints, {}, 1.0F};
   m.points_m.fill({3, 3, 3});
 }
 void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }

@@ -72,6 +72,10 @@ TEST(CameraView, LookAtFillsThePictureWithTheSphere) {
   const double radius_px = pixel_of(camera, p_WO + Vec3(0.02, 0.0, 0.0)).x() - 320.0;
   EXPECT_GT(radius_px, 200.0);
   EXPECT_LT(radius_px, 240.0);
+  Framing moved = kHome;
+  moved.aside_m = Vec2(0.02, -0.01);
+  EXPECT_LT((project_to_pixel(compute_screen(camera.apply(moved), kPicture), Eye::centre, kPicture, p_WO) - Vec2(320.0, 240.0)).norm(),
+            1e-9);
   const CameraView before = camera;
   camera.look_at(kHome, p_WO, 0.0);
   EXPECT_EQ(camera, before) << "a scene of one point has no size to go by";

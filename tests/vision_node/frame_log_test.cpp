@@ -1,5 +1,7 @@
 #include "vision_node/frame_log.h"
 
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 namespace hapton {
@@ -24,6 +26,27 @@ TEST(FrameLog, SlowPicturesAreNoPause) {
   FrameLog log;
   for (std::int64_t i = 0; i < 5; ++i) log.drew(i * 1000 * kMs, i * 1000 * kMs + 900 * kMs);
   EXPECT_NEAR(log.rate_hz(), 1.0, 1e-6);
+}
+
+TEST(FrameLog, SaysHowOldTheProbeIsInMillisecondsAndFramesAndHowLongTheFirstPictureTook) {
+  FrameLog log;
+  EXPECT_EQ(log.describe_motion(), "");
+  log.drew(0, 80 * kMs);
+  for (std::int64_t i = 1; i < 200; ++i) {
+    log.drew(80 * kMs + i * 20 * kMs, 90 * kMs + i * 20 * kMs);
+    log.moved(i < 195 ? 10 * kMs : 26 * kMs);
+  }
+  EXPECT_EQ(log.first_draw_ms(), 80.0);
+  double p50_ms = 0.0, p99_ms = 0.0, p50_frames = 0.0, p99_frames = 0.0;
+  ASSERT_EQ(std::sscanf(log.describe_motion().c_str(), "motion to photon p50 %lf ms p99 %lf ms (%lf, %lf frames)", &p50_ms, &p99_ms,
+                        &p50_frames, &p99_frames),
+            4)
+      << log.describe_motion();
+  EXPECT_NEAR(p50_ms, 10.0, 0.2);
+  EXPECT_NEAR(p99_ms, 26.0, 0.5);
+  EXPECT_NEAR(p50_frames, 0.5, 0.02);
+  EXPECT_NEAR(p99_frames, 1.3, 0.05);
+  EXPECT_NE(log.describe().find("the first 80 ms"), std::string::npos) << log.describe();
 }
 
 TEST(FrameLog, NothingDrawnIsZeroNotRubbish) {

@@ -9,6 +9,20 @@
 namespace hapton {
 namespace {
 
+TEST(Hud, SaysThatHapticsIsPreparingInPlaceOfThatItIsNotThere) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.status = ProbeStatus::no_haptics;
+  EXPECT_NE(compose_hud(facts).find("no haptics_node answers"), std::string::npos);
+  facts.preparing_s = 3.2;
+  EXPECT_NE(compose_hud(facts).find("prepares the scene, 3 s"), std::string::npos) << compose_hud(facts);
+  EXPECT_EQ(compose_hud(facts).find("no haptics_node answers"), std::string::npos);
+  facts.state.status = ProbeStatus::ok;
+  EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos) << "it has only joined";
+  facts.state.status = ProbeStatus::device_away;
+  EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "that is to be put right first";
+}
+
 TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   HudFacts facts;
   facts.connected = true;

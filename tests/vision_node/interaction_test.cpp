@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/vision_node/made_surface.h"
+
 namespace hapton {
 namespace {
 
@@ -127,6 +129,31 @@ TEST_F(InteractionTest, BesideTheSceneTheHandKeepsItsDepth) {
   view_.p_WQ.reset();
   give(mouse(Kind::move, 150, 120));
   EXPECT_NEAR(hands_.take_hand(kMs)->p_WH.z(), depth, 1e-12);
+}
+
+TEST_F(InteractionTest, AWallInBetweenIsPassedInFrontAndTheGoalIsKept) {
+  const SurfaceSeen seen = make_surface(view_.screen, view_.picture, [&](double x, double) {
+    return std::abs(x - 320.0) < 40.0 ? view_.screen.distance_m - 0.08 : view_.screen.distance_m;
+  });
+  view_.p_WQ = seen.find({100.0, 360.0});
+  give(mouse(Kind::press, 100, 360, Button::left));
+  const Vec3 here = hands_.take_hand(0)->p_WH;
+  hands_.follow(seen, {*view_.p_WQ});
+  EXPECT_FALSE(hands_.take_hand(kMs)) << "it is there: nothing new";
+  const Vec3 p_WP = *view_.p_WQ;
+  view_.p_WQ = seen.find({540.0, 360.0});
+  give(mouse(Kind::move, 540, 360));
+  const Vec3 goal = hands_.take_hand(2 * kMs)->p_WH;
+  hands_.follow(seen, {p_WP});
+  auto hand = hands_.take_hand(3 * kMs);
+  ASSERT_TRUE(hand);
+  EXPECT_LT(seen.depth_of(hand->p_WH), view_.screen.distance_m - 0.08) << "towards the viewer first";
+  EXPECT_NEAR(seen.pixel_of(hand->p_WH).x(), 100.0, 1.0);
+  hands_.follow(seen, {seen.place({500.0, 360.0}, view_.screen.distance_m - 0.085)});
+  hand = hands_.take_hand(4 * kMs);
+  ASSERT_TRUE(hand);
+  EXPECT_EQ(hand->p_WH, goal) << "past the wall";
+  EXPECT_NE(goal, here);
 }
 
 TEST_F(InteractionTest, LeftDragTakesTheHandFromWhereTheProbeIsAndMovesItWithTheMouse) {

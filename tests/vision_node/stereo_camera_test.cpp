@@ -151,5 +151,18 @@ TEST(StereoCamera, DisplacementInTheScreenPlaneMovesByThatManyPixels) {
   }
 }
 
+TEST(StereoScreen, MovedAsideShowsThatPlaceInItsMiddleWithoutParallax) {
+  Framing framing = frame_sphere({0.02, -0.03, 0.05}, 0.14, 0.063);
+  framing.yaw_rad = 0.3;
+  framing.pitch_rad = -0.2;
+  const StereoScreen before = compute_screen(framing, {800, 600});
+  const Vec3 p_W = before.X_WV * Vec3(0.01, 0.03, 0.0);
+  framing.aside_m = Vec2(0.01, 0.03);
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    EXPECT_LT((project_to_pixel(compute_screen(framing, {800, 600}), eye, {800, 600}, p_W) - Vec2(400.0, 300.0)).norm(), 1e-9);
+    EXPECT_LT((project_to_pixel(before, eye, {800, 600}, framing.p_WC) - Vec2(400.0, 300.0)).norm(), 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

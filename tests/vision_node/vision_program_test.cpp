@@ -103,6 +103,18 @@ TEST(VisionProgram, BenchSaysItsRate) {
   ASSERT_EQ(std::sscanf(run.output.c_str() + drawing, "drawing p50 %lf ms p99 %lf ms", &p50_ms, &p99_ms), 2) << run.output;
   EXPECT_GT(p50_ms, 0.0);
   EXPECT_GE(p99_ms, p50_ms);
+  const std::size_t motion = run.output.find("first picture ", at);
+  ASSERT_NE(motion, std::string::npos) << run.output;
+  double first_ms = 0.0;
+  double motion_p50_ms = 0.0;
+  double motion_p50_frames = 0.0;
+  ASSERT_EQ(std::sscanf(run.output.c_str() + motion, "first picture %lf ms, motion to photon p50 %lf ms p99 %*f ms (%lf, %*f frames)",
+                        &first_ms, &motion_p50_ms, &motion_p50_frames),
+            3)
+      << run.output;
+  EXPECT_GT(first_ms, 0.0);
+  EXPECT_GT(motion_p50_ms, 0.0);
+  EXPECT_LT(motion_p50_frames, 1.5) << run.output;
   // Frames are drawn one after the other, so the rate and the time of a frame say the same: four intervals are within the five times drawn
   // and what the window takes besides.
   EXPECT_GT(rate_hz, 0.0);

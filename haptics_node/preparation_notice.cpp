@@ -1,0 +1,58 @@
+#include "haptics_node/preparation_notice.h"
+
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "runtime/start_thread.h"
+
+namespace hapton {
+namespace {
+
+// What is built by then is not worth a word.
+constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kTellEveryNs = 200 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kLookNs = 20 * kNanosecondsPerMillisecond;
+
+}  // namespace
+
+void DoneSignal::set() {
+  const std::lock_guard lock(mutex_);
+  is_done_ = true;
+  changed_.notify_all();
+}
+
+bool DoneSignal::wait_ns(std::int64_t longest_ns) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::nanoseconds(longest_ns), [this] { return is_done_; });
+}
+
+void tell_of_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done) {
+  Datagram heard;
+  std::int64_t next_ns = 0;
+  while (!done.wait_ns(0)) {
+    const std::int64_t now_ns = clock.now_ns();
+    if (hub.state() == JoinState::joined && now_ns >= next_ns) {
+      scene.preparing_s = static_cast<float>(static_cast<double>(now_ns - began_ns) * 1e-9);
+      hub.send(scene);
+      next_ns = now_ns + kTellEveryNs;
+    }
+    // The device's states are for the node that comes after.
+    (void)hub.receive(heard, now_ns + kLookNs);
+  }
+}
+
+Result<std::unique_ptr<ForceMethod>> build_and_tell(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
+                                                    const std::function<void(DoneSignal&)>& tell) {
+  std::optional<Result<std::unique_ptr<ForceMethod>>> built;
+  DoneSignal done;
+  std::thread builder = start_thread([&] {
+    built.emplace(build());
+    done.set();
+  });
+  if (!done.wait_ns(kMomentNs)) tell(done);
+  builder.join();
+  return std::move(*built);
+}
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "core/base/result.h"
+#include "core/force/force_method.h"
+#include "link/hub_client.h"
+#include "link/messages.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Whether something that another thread does is done. Threads: any.
+class DoneSignal {
+ public:
+  void set();
+  // True once it is done; false when it is not after so long.
+  bool wait_ns(std::int64_t longest_ns);
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_done_ = false;
+};
+
+// Joins the hub and tells vision nodes, by SceneFacts, that what is felt is still being built and for how long, until it is done. Commands
+// nothing. began_ns: of the clock. RT: no.
+void tell_of_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
+
+// Builds a method in a thread of its own. Where that takes longer than a moment, `tell` is called once meanwhile, and has to return when
+// the signal that it is given is set. RT: set-up only.
+Result<std::unique_ptr<ForceMethod>> build_and_tell(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
+                                                    const std::function<void(DoneSignal&)>& tell);
+
+}  // namespace hapton

@@ -1,0 +1,150 @@
+#include "scene/gltf/materials.h"
+
+#include <cmath>
+
+#include "scene/gltf/uri.h"
+#include "scene/read_mtl.h"
+#include "scene/text_cursor.h"
+
+namespace hapton::gltf {
+namespace {
+
+// A base colour texture [3.9.2] or its image [3.8.3]; a note says why there is none.
+std::optional<std::size_t> read_image(const Document& document, std::size_t index, const std::filesystem::path& folder, RawMesh& raw) {
+  const Json& json = member(document.root, "images")[index];
+  const std::string name = fmt::format("images[{}]", index);
+  const std::string uri = text_of(member(json, "uri"));
+  if (!uri.empty() && !uri.starts_with("data:")) {
+    if (uri.find("://") == std::string::npos) return add_image_file(folder / decode_percent(uri), raw);
+    raw.notes.push_back(fmt::format("a texture is missing: {} is on the network ({})", name, printable(uri)));
+    return std::nullopt;
+  }
+  for (std::size_t i = 0; i < raw.look.images.size(); ++i) {
+    if (raw.look.images[i].name == name) return i;
+  }
+  Result<std::string> bytes = fail("{} has neither a uri nor a buffer view", name);
+  if (!uri.empty()) {
+    const auto comma = uri.find(";base64,");
+    bytes = comma == std::string::npos ? Result<std::string>(fail("{} is inline but not base64", name))
+                                       : decode_base64(std::string_view(uri).substr(comma + 8), name);
+  } else if (!member(json, "bufferView").is_null()) {
+    bytes = document.buffers.view(member(json, "bufferView"), name + ".bufferView").map([](const Buffers::View& view) {
+      return std::string(view.bytes);
+    });
+  }
+  if (!bytes) {
+    raw.notes.push_back(fmt::format("a texture is missing: {}", bytes.error().what));
+    return std::nullopt;
+  }
+  raw.look.images.push_back({name, std::move(*bytes)});
+  return raw.look.images.size() - 1;
+}
+
+std::optional<std::size_t> read_texture(const Document& document, const Json& info, const std::string& where,
+                                        const std::filesystem::path& folder, RawMesh& raw) {
+  const auto texture = index_of(member(info, "index"), member(document.root, "textures"), where);
+  if (!texture) {
+    raw.notes.push_back(fmt::format("a texture is missing: {}", texture.error().what));
+    return std::nullopt;
+  }
+  const auto image =
+      index_of(member(member(document.root, "textures")[*texture], "source"), member(document.root, "images"), where + ".source");
+  if (!image) {
+    raw.notes.push_back(fmt::format("a texture is missing: textures[{}] has no PNG or JPEG image", *texture));
+    return std::nullopt;
+  }
+  return read_image(document, *image, folder, raw);
+}
+
+// offset T, rotation R counter-clockwise in the image, scale S: T R S, by the extension's own matrices.
+TexturePlace read_place(const Json& info, const std::string& where) {
+  TexturePlace place;
+  const Json& transform = extension_of(info, "KHR_texture_transform");
+  const auto set = count_or(member(info, "texCoord"), 0, where + ".texCoord");
+  if (set) place.set = *set;
+  if (!transform.is_object()) return place;
+  const auto moved = count_or(member(transform, "texCoord"), place.set, where + ".texCoord");
+  if (moved) place.set = *moved;
+  const auto offset = numbers_of<2>(member(transform, "offset"), where);
+  const auto scale = numbers_of<2>(member(transform, "scale"), where);
+  const Json& rotation = member(transform, "rotation");
+  Eigen::Affine2d made = Eigen::Affine2d::Identity();
+  if (offset) made.translate(Eigen::Vector2d((*offset)[0], (*offset)[1]));
+  if (rotation.is_number() && std::isfinite(rotation.get<double>())) made.rotate(-rotation.get<double>());
+  if (scale) made.scale(Eigen::Vector2d((*scale)[0], (*scale)[1]));
+  place.place = made.cast<float>();
+  return place;
+}
+
+}  // namespace
+
+std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw) {
+  const Json& materials = member(document.root, "materials");
+  std::vector<TexturePlace> places;
+  for (std::size_t m = 0; m < size_of_array(materials); ++m) {
+    const std::string where = fmt::format("materials[{}].pbrMetallicRoughness", m);
+    const Json& surface = member(materials[m], "pbrMetallicRoughness");
+    LookMaterial material{.name = text_of(member(materials[m], "name")), .colour = {}, .image = {}};
+    const Json& factor = member(surface, "baseColorFactor");
+    if (const auto rgba = numbers_of<4>(factor, where); !factor.is_null() && rgba) {
+      material.colour = Eigen::Vector3f(to_srgb((*rgba)[0]), to_srgb((*rgba)[1]), to_srgb((*rgba)[2]));
+    }
+    const Json& texture = member(surface, "baseColorTexture");
+    places.push_back(read_place(texture, where + ".baseColorTexture"));
+    if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
+    raw.look.materials.push_back(std::move(material));
+  }
+  return places;
+}
+
+namespace {
+
+void read_texcoords(const Document& document, const Json& attributes, const TexturePlace& from, const std::string& where,
+                    VertexLooks& looks) {
+  const std::string name = fmt::format("TEXCOORD_{}", from.set);
+  const Json& index = member(attributes, name.c_str());
+  if (index.is_null()) return;
+  const auto values = read_accessor(document, index, where + ".attributes." + name, "VEC2", 2);
+  if (!values || values->count != looks.vertices.size()) return;
+  for (std::size_t i = 0; i < values->count; ++i) {
+    const Eigen::Vector2f given(static_cast<float>(values->component(i, 0)), static_cast<float>(values->component(i, 1)));
+    const Eigen::Vector2f place = from.place * given;
+    if (place.allFinite()) looks.vertices[i].texcoord = place;
+  }
+}
+
+// Three or four components; the fourth is transparency.
+void read_colours(const Document& document, const Json& attributes, const std::string& where, VertexLooks& looks) {
+  const Json& index = member(attributes, "COLOR_0");
+  if (index.is_null()) return;
+  const std::string name = where + ".attributes.COLOR_0";
+  auto values = read_accessor(document, index, name, "VEC4", 4);
+  if (!values) values = read_accessor(document, index, name, "VEC3", 3);
+  if (!values || values->count != looks.vertices.size()) return;
+  looks.has_colours = true;
+  for (std::size_t i = 0; i < values->count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      looks.vertices[i].colour[k] = static_cast<std::uint8_t>(std::lround(255.0F * to_srgb(values->component(i, k))));
+    }
+  }
+}
+
+}  // namespace
+
+VertexLooks read_vertex_looks(const Document& document, const Json& primitive, std::size_t vertices,
+                              const std::vector<TexturePlace>& places, const std::string& where) {
+  VertexLooks looks;
+  const Json& attributes = member(primitive, "attributes");
+  const auto material = index_of(member(primitive, "material"), member(document.root, "materials"), where + ".material");
+  const bool has_material = !member(primitive, "material").is_null() && material && *material < places.size();
+  if (!has_material && member(attributes, "COLOR_0").is_null()) return looks;
+  looks.vertices.resize(vertices);
+  if (has_material) {
+    looks.material = static_cast<std::uint32_t>(*material);
+    read_texcoords(document, attributes, places[*material], where, looks);
+  }
+  read_colours(document, attributes, where, looks);
+  return looks;
+}
+
+}  // namespace hapton::gltf

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/math/types.h"
+#include "scene/gltf/accessor.h"
+#include "scene/raw_mesh.h"
+
+namespace hapton::gltf {
+
+// Where a material's texture finds its coordinates [3.9.2], with KHR_texture_transform.
+struct TexturePlace {
+  std::size_t set = 0;  // TEXCOORD_set
+  Eigen::Affine2f place = Eigen::Affine2f::Identity();
+};
+
+// The file's materials become those of raw.look: base colour and base colour texture. Returns where each one's texture finds its
+// coordinates. What cannot be read is a note, never an error: the shape is what matters.
+std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, RawMesh& raw);
+
+// How the vertices of a primitive look: their colours (COLOR_0) and their places in the texture. Empty: nothing is said of them.
+struct VertexLooks {
+  std::uint32_t material = TriangleLook::kNoMaterial;
+  bool has_colours = false;
+  std::vector<CornerLook> vertices;
+};
+VertexLooks read_vertex_looks(const Document& document, const Json& primitive, std::size_t vertices,
+                              const std::vector<TexturePlace>& places, const std::string& where);
+
+}  // namespace hapton::gltf

@@ -1,0 +1,22 @@
+#include "scene/mesh_look.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+
+bool MeshLook::says_anything() const {
+  return std::any_of(triangles.begin(), triangles.end(), [&](const TriangleLook& triangle) {
+    if (triangle.has_colours) return true;
+    if (triangle.material >= materials.size()) return false;
+    return materials[triangle.material].colour.has_value() || materials[triangle.material].image.has_value();
+  });
+}
+
+// IEC 61966-2-1.
+float to_srgb(double linear) {
+  const double clamped = std::clamp(std::isfinite(linear) ? linear : 0.0, 0.0, 1.0);
+  return static_cast<float>(clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1.0 / 2.4) - 0.055);
+}
+
+}  // namespace hapton

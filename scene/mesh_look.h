@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// Whether the colours and textures of a mesh file are read. Only a picture needs them.
+enum class LookReading : std::uint8_t { off, on };
+
+// A picture as it stands in a mesh file or beside it, PNG or JPEG, not decoded.
+struct LookImage {
+  std::string name;
+  std::string bytes;
+};
+
+struct LookMaterial {
+  std::string name;
+  std::optional<Eigen::Vector3f> colour;  // sRGB, 0 to 1; multiplies the image. None: the file does not say
+  std::optional<std::size_t> image;       // of MeshLook::images
+};
+
+// One corner of one triangle.
+struct CornerLook {
+  Eigen::Vector2f texcoord = Eigen::Vector2f::Zero();    // from the image's upper left corner, right and down; it repeats beyond 0 to 1
+  std::array<std::uint8_t, 3> colour = {255, 255, 255};  // sRGB; multiplies the material's
+};
+
+struct TriangleLook {
+  static constexpr std::uint32_t kNoMaterial = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t material = kNoMaterial;  // of MeshLook::materials
+  bool has_colours = false;              // the corners' colours are the file's
+  std::array<CornerLook, 3> corners = {};
+};
+
+// How a mesh file says that its triangles look. What it says of light, transparency and finer relief is not read.
+struct MeshLook {
+  std::vector<LookImage> images;
+  std::vector<LookMaterial> materials;
+  std::vector<TriangleLook> triangles;  // as many as the mesh has
+
+  // Whether any triangle has a colour or an image.
+  bool says_anything() const;
+  // Brings the number of triangles to that of the mesh; those that are new have no look.
+  void resize(std::size_t count) { triangles.resize(count); }
+};
+
+// glTF's linear light to sRGB, 0 to 1.
+float to_srgb(double linear);
+
+}  // namespace hapton

@@ -1,0 +1,74 @@
+#include "haptics_node/preparation_notice.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "core/force/touch_scene.h"
+#include "link/hub_peers.h"
+#include "link/udp_endpoint.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+Result<std::unique_ptr<ForceMethod>> make_any() { return make_method({}, {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}}); }
+
+TEST(BuildAndTell, SaysNothingOfWhatIsBuiltInAMoment) {
+  bool told = false;
+  const auto method = build_and_tell(make_any, [&](DoneSignal&) { told = true; });
+  ASSERT_TRUE(method) << method.error().what;
+  EXPECT_NE(*method, nullptr);
+  EXPECT_FALSE(told);
+}
+
+TEST(BuildAndTell, PassesAnErrorOn) {
+  const auto method = build_and_tell([]() -> Result<std::unique_ptr<ForceMethod>> { return fail("no such method"); }, [](DoneSignal&) {});
+  ASSERT_FALSE(method);
+  EXPECT_EQ(method.error().what, "no such method");
+}
+
+TEST(BuildAndTell, TellsVisionNodesHowLongItHasTakenUntilItIsDone) {
+  SteadyClock clock;
+  auto hub_endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
+  HubPeers hub(*hub_endpoint, clock, 7, 1000.0);
+  std::vector<SceneFacts> heard;
+  bool left = false;
+  std::atomic<bool> ends{false};
+  std::thread listens([&] {
+    Datagram datagram;
+    while (!ends) {
+      const auto event = hub.receive(datagram, clock.now_ns() + 10 * kMs);
+      if (event.kind == PeerEvent::Kind::left) left = true;
+      if (event.kind != PeerEvent::Kind::message) continue;
+      if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) heard.push_back(*facts);
+    }
+  });
+  const auto method = build_and_tell(
+      [&] {
+        clock.sleep_until_ns(clock.now_ns() + 1200 * kMs);
+        return make_any();
+      },
+      [&, began_ns = clock.now_ns()](DoneSignal& done) {
+        const auto endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
+        HubClient client(*endpoint, clock, NodeRole::haptics, hub_endpoint->local_address());
+        tell_of_preparation(client, clock, {.given_hash = 5}, began_ns, done);
+      });
+  clock.sleep_until_ns(clock.now_ns() + 50 * kMs);
+  ends = true;
+  listens.join();
+  ASSERT_TRUE(method);
+  ASSERT_GE(heard.size(), 3U);
+  EXPECT_EQ(heard.front().given_hash, 5U);
+  EXPECT_GT(heard.front().preparing_s, 0.25F);
+  for (std::size_t i = 1; i < heard.size(); ++i) EXPECT_GT(heard[i].preparing_s, heard[i - 1].preparing_s);
+  EXPECT_GT(heard.back().preparing_s, 0.7F);
+  EXPECT_TRUE(left) << "the place is free for the node that gives forces";
+}
+
+}  // namespace
+}  // namespace hapton

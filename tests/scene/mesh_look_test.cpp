@@ -1,0 +1,201 @@
+#include "scene/mesh_look.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/mesh_file.h"
+#include "scene/read_mtl.h"
+#include "scene/scene_file.h"
+#include "tests/scene/gltf/gltf_samples.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr std::string_view kPngBytes = "\x89PNG\r\n\x1a\n and no more";
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+class MeshLooks : public ::testing::Test {
+ protected:
+  MeshFile load(const std::string& name, const std::string& bytes, LookReading look = LookReading::on) {
+    auto file = load_mesh_file(folder_.write(name, bytes), Unit::m, look);
+    if (!file) {
+      ADD_FAILURE() << file.error().what;
+      return {};
+    }
+    return std::move(*file);
+  }
+  ScratchFolder folder_;
+};
+
+TEST(MeshLook, TurnsLinearLightIntoSrgb) {
+  EXPECT_EQ(to_srgb(0.0), 0.0F);
+  EXPECT_EQ(to_srgb(1.0), 1.0F);
+  EXPECT_NEAR(to_srgb(0.5), 0.7354, 1e-4);
+  EXPECT_NEAR(to_srgb(0.002), 0.02584, 1e-5);
+  EXPECT_EQ(to_srgb(NAN), 0.0F);
+  EXPECT_EQ(to_srgb(7.0), 1.0F);
+}
+
+const std::string kObj =
+    "mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 0.25\n"
+    "usemtl red\nf 1 2 3\nusemtl wood\nf 1/1 2/2 3/3 4/-1\n";
+
+TEST_F(MeshLooks, OfAnObjFileAreTheMaterialsItsTrianglesNameWithTheirTextures) {
+  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\n# no more\nnewmtl wood\nKd 0 0 0\nmap_Kd -s 1 1 1 pictures\\oak.png\n");
+  std::filesystem::create_directory(folder_.path() / "pictures");
+  folder_.write("pictures/oak.png", std::string(kPngBytes));
+  const MeshFile file = load("a.obj", kObj);
+  EXPECT_THAT(file.notes, IsEmpty());
+  ASSERT_EQ(file.look.triangles.size(), 3U);
+  const LookMaterial& red = file.look.materials.at(file.look.triangles[0].material);
+  ASSERT_TRUE(red.colour);
+  EXPECT_EQ(*red.colour, Eigen::Vector3f(0.8F, 0.1F, 0.0F));
+  EXPECT_FALSE(red.image);
+  const LookMaterial& wood = file.look.materials.at(file.look.triangles[2].material);
+  EXPECT_FALSE(wood.colour) << "what stands beside an image is a default";
+  ASSERT_TRUE(wood.image);
+  EXPECT_EQ(file.look.images.at(*wood.image).bytes, kPngBytes);
+  // Upside down: OBJ counts from below.
+  EXPECT_EQ(file.look.triangles[1].corners[0].texcoord, Eigen::Vector2f(0, 1));
+  EXPECT_EQ(file.look.triangles[1].corners[2].texcoord, Eigen::Vector2f(1, 0));
+  EXPECT_EQ(file.look.triangles[2].corners[2].texcoord, Eigen::Vector2f(0, 0.75F));
+}
+
+TEST_F(MeshLooks, AreNotReadUnlessTheyAreWanted) {
+  const MeshFile file = load("a.obj", kObj, LookReading::off);
+  EXPECT_TRUE(file.look.triangles.empty());
+  EXPECT_THAT(file.notes, IsEmpty()) << "no library is missed";
+}
+
+TEST_F(MeshLooks, WhatIsMissingIsANoteAndNoError) {
+  EXPECT_THAT(load("a.obj", kObj).notes, Contains(HasSubstr("all.mtl")));
+  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nnewmtl wood\nmap_Kd oak.png\n");
+  EXPECT_THAT(load("a.obj", kObj).notes, Contains(HasSubstr("oak.png")));
+}
+
+TEST_F(MeshLooks, OfAnObjFileAreItsVertexColours) {
+  const MeshFile file = load("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 0.5\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
+  ASSERT_EQ(file.look.triangles.size(), 2U);
+  EXPECT_TRUE(file.look.triangles[0].has_colours);
+  EXPECT_EQ(file.look.triangles[0].corners[0].colour, (Rgb{255, 0, 0}));
+  EXPECT_EQ(file.look.triangles[0].corners[2].colour, (Rgb{0, 0, 128}));
+  EXPECT_EQ(file.look.triangles[1].corners[2].colour, (Rgb{255, 255, 255}));
+}
+
+TEST_F(MeshLooks, OfAPlyFileAreColoursAndATexture) {
+  const std::string header =
+      "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const MeshFile coloured = load("c.ply", header + "property uchar red\nproperty uchar green\nproperty uchar blue\n" + faces +
+                                              "0 0 0 10 20 30\n1 0 0 40 50 60\n0 1 0 255 0 255\n3 0 1 2\n");
+  ASSERT_EQ(coloured.look.triangles.size(), 1U);
+  EXPECT_TRUE(coloured.look.triangles[0].has_colours);
+  EXPECT_EQ(coloured.look.triangles[0].corners[0].colour, (Rgb{10, 20, 30}));
+  EXPECT_EQ(coloured.look.triangles[0].corners[2].colour, (Rgb{255, 0, 255}));
+  folder_.write("skin.png", std::string(kPngBytes));
+  const MeshFile textured =
+      load("t.ply", header + "property float s\nproperty float t\n" + faces + "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n");
+  ASSERT_EQ(textured.look.triangles.size(), 1U);
+  EXPECT_EQ(textured.look.materials.at(textured.look.triangles[0].material).image, 0U);
+  EXPECT_EQ(textured.look.triangles[0].corners[2].texcoord, Eigen::Vector2f(0, 0));
+  const MeshFile bright = load("f.ply", header + "property float red\nproperty float green\nproperty float blue\n" + faces +
+                                            "0 0 0 1 0.2 0\n1 0 0 0 0 0\n0 1 0 9 nan 0\n3 0 1 2\n");
+  EXPECT_EQ(bright.look.triangles.at(0).corners[0].colour, (Rgb{255, 51, 0}));
+}
+
+std::string floats(std::initializer_list<float> values) {
+  std::string bytes;
+  for (const float value : values) sample::append(bytes, value);
+  return bytes;
+}
+
+// The tetrahedron with a texture in the file itself.
+std::string textured_glb(const std::string& material, const std::string& attributes = R"(,"TEXCOORD_0":2)") {
+  sample::Pieces pieces;
+  const TriangleMesh mesh = sample::tetrahedron();
+  pieces.add(sample::positions_of(mesh));
+  pieces.add(sample::indices_of(mesh));
+  pieces.add(floats({0, 0, 1, 0, 0, 1, 0.5F, 0.25F}));
+  pieces.add(floats({1, 0, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 1, 1, 1, 0.5F}));
+  pieces.add(std::string(kPngBytes));
+  const std::string accessors = sample::accessors_of(mesh) + R"(,{"bufferView":2,"componentType":5126,"count":4,"type":"VEC2"})"
+                                                             R"(,{"bufferView":3,"componentType":5126,"count":4,"type":"VEC4"})";
+  return pieces.glb(accessors, R"("nodes":[{"mesh":0}],"images":[{"bufferView":4,"mimeType":"image/png"}],"textures":[{"source":0}],)"
+                               R"("materials":[)" +
+                                   material + R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0)" + attributes +
+                                   R"(},"indices":1,"material":0}]}])");
+}
+
+TEST_F(MeshLooks, OfAGlbFileAreBaseColourAndTexture) {
+  const MeshFile file =
+      load("a.glb", textured_glb(R"({"pbrMetallicRoughness":{"baseColorFactor":[0.5,1,0,1],"baseColorTexture":{"index":0}}})"));
+  EXPECT_THAT(file.notes, IsEmpty());
+  ASSERT_EQ(file.look.triangles.size(), 4U);
+  const LookMaterial& material = file.look.materials.at(file.look.triangles[0].material);
+  ASSERT_TRUE(material.image && material.colour);
+  EXPECT_NEAR(material.colour->x(), 0.7354, 1e-4) << "linear light";
+  EXPECT_EQ(file.look.images.at(*material.image).bytes.substr(0, kPngBytes.size()), kPngBytes);
+  // Corners follow the triangles (0, 1, 2), (0, 3, 1) of the sample.
+  EXPECT_EQ(file.look.triangles[0].corners[1].texcoord, Eigen::Vector2f(1, 0));
+  EXPECT_EQ(file.look.triangles[1].corners[1].texcoord, Eigen::Vector2f(0.5F, 0.25F));
+}
+
+TEST_F(MeshLooks, OfAGlbFileAreItsVertexColoursAndItsTextureTransform) {
+  const MeshFile file =
+      load("a.glb", textured_glb(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":)"
+                                 R"({"offset":[0.5,0.25],"scale":[2,4]}}}}})",
+                                 R"(,"TEXCOORD_0":2,"COLOR_0":3)"));
+  ASSERT_EQ(file.look.triangles.size(), 4U);
+  EXPECT_EQ(file.look.triangles[0].corners[1].texcoord, Eigen::Vector2f(2.5F, 0.25F));
+  EXPECT_TRUE(file.look.triangles[0].has_colours);
+  EXPECT_EQ(file.look.triangles[0].corners[0].colour, (Rgb{255, 0, 0}));
+  EXPECT_EQ(file.look.triangles[1].corners[1].colour, (Rgb{255, 255, 255}));
+}
+
+TEST_F(MeshLooks, AGlbFileWhoseTextureIsMissingIsStillRead) {
+  const MeshFile file = load("a.glb", textured_glb(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":7}}})"));
+  EXPECT_EQ(file.mesh.triangles.size(), 4U);
+  EXPECT_THAT(file.notes, Contains(HasSubstr("a texture is missing")));
+  EXPECT_TRUE(file.look.triangles.empty()) << "nothing is said of any colour";
+}
+
+TEST_F(MeshLooks, GoWithThePartsOfAFileAndStayOutOfTheHash) {
+  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nnewmtl wood\nKd 0.3 0.2 0.1\n");
+  folder_.write("a.obj", "mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\no one\nusemtl red\nf 1 2 3\no two\nusemtl wood\nf 1 3 2\n");
+  const auto path = folder_.write("s.toml", "[[object]]\nmesh = 'a.obj'\npart = 'two'\n[[object]]\nmesh = 'a.obj'\ncolor = [1, 0, 0]\n");
+  const auto seen = load_scene(path, {.sealing = CrackSealing::off, .look = LookReading::on});
+  const auto felt = load_scene(path);
+  ASSERT_TRUE(seen && felt);
+  EXPECT_EQ(seen->given_hash, felt->given_hash);
+  ASSERT_TRUE(seen->objects[0].look);
+  ASSERT_EQ(seen->objects[0].look->triangles.size(), 1U);
+  EXPECT_EQ(seen->objects[0].look->materials.at(seen->objects[0].look->triangles[0].material).name, "wood");
+  EXPECT_FALSE(seen->objects[1].look) << "the scene's colour is over the file's";
+  EXPECT_FALSE(felt->objects[0].look);
+}
+
+// Concave polygons are cut the same way with a look and without.
+TEST_F(MeshLooks, ChangeNoTriangle) {
+  const std::string bytes = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1 4/1 5/1\n";
+  const MeshFile with = load("a.obj", bytes);
+  const MeshFile without = load("b.obj", bytes, LookReading::off);
+  EXPECT_EQ(with.mesh.triangles, without.mesh.triangles);
+}
+
+TEST(ReadMtl, FillsOnlyTheMaterialsThatTheMeshNames) {
+  RawMesh raw;
+  raw.look.materials.push_back({.name = "b", .colour = {}, .image = {}});
+  read_mtl("Kd 1 1 1\nnewmtl a\nKd 1 0 0\nnewmtl b\nKd 0.25 2 oops\nKd 0.25 2 0\n", ".", raw);
+  ASSERT_TRUE(raw.look.materials[0].colour);
+  EXPECT_EQ(*raw.look.materials[0].colour, Eigen::Vector3f(0.25F, 1.0F, 0.0F));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "vision_node/surface_seen.h"
+
+namespace hapton {
+
+// A surface that is as far away at each pixel as the function says; infinity: nothing there.
+inline SurfaceSeen make_surface(const StereoScreen& screen, PictureSize size, const std::function<double(double x, double y)>& depth_m) {
+  std::vector<float> depths;
+  for (int y = 0; y < size.height_px; ++y) {
+    for (int x = 0; x < size.width_px; ++x) {
+      const double far = depth_m(x + 0.5, y + 0.5);
+      const double n = screen.near_m;
+      const double f = screen.far_m;
+      const double ndc = (f + n - 2.0 * f * n / far) / (f - n);
+      depths.push_back(std::isfinite(far) ? static_cast<float>(0.5 * ndc + 0.5) : 1.0F);
+    }
+  }
+  return {screen, Eye::centre, size, std::move(depths)};
+}
+
+}  // namespace hapton

@@ -1,0 +1,152 @@
+#include "vision_node/scene_framing.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/vision_node/made_views.h"
+#include "vision_node/depth_cues.h"
+
+namespace hapton {
+namespace {
+
+constexpr PictureSize kWindow{1280, 720};
+
+Scene ball_at(const Vec3& p_SO, double radius_m) {
+  Scene scene;
+  scene.objects.push_back({"ball", make_marker(p_SO, radius_m), {}, {}});
+  return scene;
+}
+
+VisionOptions in_window(PictureSize size = kWindow) {
+  VisionOptions options;
+  options.view.width_px = size.width_px;
+  options.view.height_px = size.height_px;
+  return options;
+}
+
+Vec2 pixel_of(const Framing& framing, const Vec3& p_W, PictureSize size = kWindow) {
+  return project_to_pixel(compute_screen(framing, size), Eye::centre, size, p_W);
+}
+
+bool shows(const Framing& framing, const Vec3& p_W, PictureSize size = kWindow) {
+  const Vec2 p = pixel_of(framing, p_W, size);
+  return p.x() >= 0.0 && p.y() >= 0.0 && p.x() <= size.width_px && p.y() <= size.height_px;
+}
+
+bool shows_workspace(const Framing& framing, PictureSize size = kWindow) {
+  for (const auto& edge : make_workspace_box()) {
+    if (!shows(framing, edge[0], size) || !shows(framing, edge[1], size)) return false;
+  }
+  return true;
+}
+
+// As a share of the picture's smaller side.
+double width_of_ball(const Framing& framing, const Vec3& p_W, double radius_m) {
+  const Vec3 aside = compute_screen(framing, kWindow).X_WV.linear().col(0) * radius_m;
+  return (pixel_of(framing, p_W + aside) - pixel_of(framing, p_W - aside)).norm() / kWindow.height_px;
+}
+
+TEST(SceneFraming, ShowsTheSceneAndTheWholeWorkspace) {
+  for (const double radius_m : {0.02, 0.05, 0.1, 0.14}) {
+    for (const PictureSize size : {kWindow, PictureSize{640, 720}, PictureSize{400, 900}}) {
+      const Framing framing = frame_scene(ball_at(Vec3::Zero(), radius_m), in_window(size));
+      EXPECT_TRUE(shows_workspace(framing, size)) << radius_m << " m in " << size.width_px << "x" << size.height_px;
+    }
+  }
+}
+
+TEST(SceneFraming, HasTheWorkspaceInTheMiddleAndTheSceneInWhateverTheDialsDo) {
+  const Framing framing = frame_scene(ball_at({0.03, 0.0, 0.0}, 0.05), in_window());
+  Vec2 low(kWindow.width_px, kWindow.height_px);
+  Vec2 high = Vec2::Zero();
+  for (const auto& edge : make_workspace_box()) {
+    low = low.cwiseMin(pixel_of(framing, edge[0]));
+    high = high.cwiseMax(pixel_of(framing, edge[0]));
+    low = low.cwiseMin(pixel_of(framing, edge[1]));
+    high = high.cwiseMax(pixel_of(framing, edge[1]));
+  }
+  EXPECT_NEAR(low.y(), kWindow.height_px - high.y(), 3.0);
+  EXPECT_NEAR(low.x(), kWindow.width_px - high.x(), 3.0);
+  for (double angle = 0.0; angle < 6.3; angle += 0.1) {
+    for (const Vec3& axis : {Vec3(0.0, 1.0, 0.0), Vec3(0.6, 0.0, 0.8)}) {
+      EXPECT_TRUE(shows(framing, Eigen::AngleAxisd(angle, axis) * Vec3(0.08, 0.0, 0.0)));
+    }
+  }
+}
+
+TEST(SceneFraming, ShowsTheWorkspaceToBothEyes) {
+  VisionOptions options = in_window();
+  options.view.stereo = StereoMode::side_by_side;
+  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 0.05), options);
+  const PictureSize half{640, 720};
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    for (const auto& edge : make_workspace_box()) {
+      const Vec2 p = project_to_pixel(compute_screen(framing, half), eye, half, edge[0]);
+      EXPECT_TRUE(p.x() >= 0.0 && p.y() >= 0.0 && p.x() <= 640.0 && p.y() <= 720.0);
+    }
+  }
+}
+
+TEST(SceneFraming, LeavesNoMoreRoomThanTheWorkspaceNeeds) {
+  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 0.05), in_window());
+  Framing nearer = framing;
+  nearer.view_m *= 0.93;
+  EXPECT_FALSE(shows_workspace(nearer));
+}
+
+TEST(SceneFraming, GrowsWithASceneThatIsLargerThanTheWorkspace) {
+  const Framing framing = frame_scene(ball_at(Vec3::Zero(), 2.0), in_window());
+  const double width = width_of_ball(framing, Vec3::Zero(), 2.0);
+  EXPECT_GT(width, 0.8);
+  EXPECT_LE(width, 1.0);
+  EXPECT_TRUE(shows_workspace(framing));
+}
+
+TEST(SceneFraming, ASpeckFillsThePictureWhereverItIs) {
+  for (const Vec3& p_W : {Vec3(0.0, 0.0, 0.0), Vec3(0.03, -0.02, 0.05), Vec3(0.0, 0.09, 0.0)}) {
+    const Framing framing = frame_scene(ball_at(p_W, 0.00005), in_window());
+    EXPECT_LT((pixel_of(framing, p_W) - Vec2(640.0, 360.0)).norm(), 1.0);
+    EXPECT_GT(width_of_ball(framing, p_W, 0.00005), 0.5);
+  }
+}
+
+TEST(SceneFraming, ASceneThatLiesApartIsShownWithTheWorkspace) {
+  const Vec3 p_W(1.2, 0.3, -0.4);
+  const Framing framing = frame_scene(ball_at(p_W, 0.3), in_window());
+  EXPECT_TRUE(shows_workspace(framing));
+  EXPECT_TRUE(shows(framing, p_W));
+  EXPECT_GT(width_of_ball(framing, p_W, 0.3), 0.2) << "not lost in a picture of the way there";
+}
+
+TEST(SceneFraming, ASceneInAnotherPlaceAltogetherIsShownAlone) {
+  const Vec3 p_W(4.5e5, 12.0, 5.4e6);
+  const Framing framing = frame_scene(ball_at(p_W, 30.0), in_window());
+  EXPECT_LT((pixel_of(framing, p_W) - Vec2(640.0, 360.0)).norm(), 1.0);
+  EXPECT_GT(width_of_ball(framing, p_W, 30.0), 0.7);
+}
+
+TEST(SceneFraming, GoesByTheDialsAtTheStart) {
+  VisionOptions options = in_window();
+  options.dials_degrees = Vec3(0.0, 90.0, 0.0);
+  const Framing framing = frame_scene(ball_at({0.08, 0.0, 0.0}, 0.0001), options);
+  Dials dials;
+  dials.turn(1, 90.0);
+  EXPECT_LT((pixel_of(framing, dials.compute_pose(Vec3::Zero()) * Vec3(0.08, 0.0, 0.0)) - Vec2(640.0, 360.0)).norm(), 1.0);
+}
+
+TEST(SceneFraming, TakesTheSizeItIsTold) {
+  VisionOptions options = in_window();
+  options.view_mm = 50.0;
+  EXPECT_EQ(frame_scene(ball_at(Vec3::Zero(), 0.05), options).view_m, 0.05);
+}
+
+TEST(SceneSphere, IsRoundTheMiddleOfTheBox) {
+  Scene scene = ball_at({0.1, 0.0, 0.0}, 0.02);
+  scene.objects.push_back({"ball", make_marker({-0.1, 0.0, 0.0}, 0.02), {}, {}});
+  const SceneSphere sphere = bound_scene(scene);
+  EXPECT_LT(sphere.p_SO.norm(), 1e-12);
+  EXPECT_NEAR(sphere.radius_m, 0.12, 1e-6);
+  EXPECT_EQ(bound_scene({}).radius_m, 0.0);
+}
+
+}  // namespace
+}  // namespace hapton

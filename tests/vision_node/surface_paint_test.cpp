@@ -1,0 +1,139 @@
+#include "vision_node/surface_paint.h"
+
+#include <gtest/gtest.h>
+
+#include "vision_node/flat_level.h"
+
+namespace hapton {
+namespace {
+
+// A flat square of so many cells a side, a metre long, its texture laid over it once.
+TriangleMesh make_sheet(std::uint32_t cells) {
+  TriangleMesh mesh;
+  for (std::uint32_t y = 0; y <= cells; ++y) {
+    for (std::uint32_t x = 0; x <= cells; ++x) mesh.vertices.emplace_back(x / double(cells), y / double(cells), 0.0);
+  }
+  for (std::uint32_t y = 0; y < cells; ++y) {
+    for (std::uint32_t x = 0; x < cells; ++x) {
+      const std::uint32_t a = y * (cells + 1) + x;
+      mesh.triangles.push_back({a, a + 1, a + cells + 2});
+      mesh.triangles.push_back({a, a + cells + 2, a + cells + 1});
+    }
+  }
+  return mesh;
+}
+
+// bend: how much faster the texture goes at one end than at the other.
+MeshLook lay_texture(const TriangleMesh& mesh, float bend = 0.0F) {
+  MeshLook look;
+  look.images.push_back({"made", ""});
+  look.materials.push_back({.name = "made", .colour = {}, .image = 0});
+  for (const Triangle& t : mesh.triangles) {
+    TriangleLook& triangle = look.triangles.emplace_back();
+    triangle.material = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector2f p = mesh.vertices[t[k]].head<2>().cast<float>();
+      triangle.corners[k].texcoord = Eigen::Vector2f(p.x() + bend * p.x() * p.x(), p.y());
+    }
+  }
+  return look;
+}
+
+DetailLevel paint(const TriangleMesh& mesh, const MeshLook& look, std::vector<std::uint8_t> layers = {1}) {
+  return make_painted_level(mesh, frame_detail(mesh), look, Vec3(0.2, 0.4, 0.6), layers);
+}
+
+TEST(SurfacePaint, HasAVertexForEachPlaceAndPaint) {
+  const TriangleMesh mesh = make_sheet(2);
+  MeshLook look = lay_texture(mesh);
+  EXPECT_EQ(paint(mesh, look).positions.size(), mesh.vertices.size());
+  // A seam: the last cell's texture is elsewhere.
+  for (std::size_t t = look.triangles.size() - 2; t < look.triangles.size(); ++t) {
+    for (CornerLook& corner : look.triangles[t].corners) corner.texcoord.x() += 3.0F;
+  }
+  const DetailLevel level = paint(mesh, look);
+  EXPECT_EQ(level.positions.size(), mesh.vertices.size() + 3) << "the last cell has four corners, one of them its alone";
+  EXPECT_EQ(level.paints.size(), level.positions.size());
+  EXPECT_EQ(level.paints[level.indices.back()].place, look.triangles.back().corners[2].texcoord);
+}
+
+TEST(SurfacePaint, ComposesTheColoursThatMultiply) {
+  const TriangleMesh mesh = make_sheet(1);
+  MeshLook look;
+  look.materials.push_back({.name = "", .colour = Eigen::Vector3f(1.0F, 0.5F, 0.0F), .image = {}});
+  look.triangles.resize(2);
+  look.triangles[0].material = 0;
+  look.triangles[0].has_colours = true;
+  look.triangles[0].corners[0].colour = {128, 128, 128};
+  const DetailLevel level = paint(mesh, look, {});
+  EXPECT_EQ(level.paints[level.indices[0]].tint, (std::array<std::uint8_t, 3>{128, 64, 0}));
+  EXPECT_EQ(level.paints[level.indices[1]].tint, (std::array<std::uint8_t, 3>{255, 128, 0}));
+  EXPECT_EQ(level.paints[level.indices[3]].tint, (std::array<std::uint8_t, 3>{51, 102, 153})) << "the object's own: the file says nothing";
+  EXPECT_EQ(level.paints[level.indices[3]].layer, 0);
+}
+
+TEST(SurfacePaint, AnImageThatCannotBeReadLeavesTheObjectsColour) {
+  const TriangleMesh mesh = make_sheet(1);
+  const DetailLevel level = paint(mesh, lay_texture(mesh), {0});
+  EXPECT_EQ(level.paints[0].tint, (std::array<std::uint8_t, 3>{51, 102, 153}));
+  EXPECT_EQ(level.paints[0].layer, 0);
+}
+
+// Where the texture goes evenly over a plane, few triangles show it as well as many.
+TEST(SurfacePaint, TextureCoordinatesSurviveSimplification) {
+  const TriangleMesh mesh = make_sheet(40);
+  const DetailLevel full = paint(mesh, lay_texture(mesh));
+  const auto coarser = make_coarser_level(full, 100);
+  ASSERT_TRUE(coarser);
+  ASSERT_LE(coarser->triangles(), 100U);
+  ASSERT_EQ(coarser->paints.size(), coarser->positions.size());
+  for (std::size_t i = 0; i < coarser->positions.size(); ++i) {
+    const Vec3f& p = coarser->positions[i];
+    EXPECT_NEAR(coarser->paints[i].place.x(), 0.5F * (p.x() + 1.0F), 1e-5);
+    EXPECT_NEAR(coarser->paints[i].place.y(), 0.5F * (p.y() + 1.0F), 1e-5);
+  }
+  EXPECT_LT(measure_level_error(*coarser, full, 4000), 1e-4);
+  DetailLevel divided = *coarser;
+  divide_into_clusters(divided);
+  const FlatLevel flat = make_flat(divided);
+  ASSERT_EQ(flat.paints.size(), flat.vertices.size());
+  for (std::size_t i = 0; i < flat.vertices.size(); ++i) {
+    EXPECT_NEAR(flat.paints[i].place.x(), 0.5F * (flat.vertices[i].position.x() + 1.0F), 1e-5);
+  }
+}
+
+// The shape is as good as ever, the texture has slipped: the error says so, and full detail is chosen where it is seen.
+TEST(SurfacePaint, ALevelWhoseTextureHasSlippedHasThatError) {
+  const TriangleMesh mesh = make_sheet(40);
+  const DetailLevel full = paint(mesh, lay_texture(mesh, 1.0F));
+  const auto coarser = make_coarser_level(full, 8);
+  ASSERT_TRUE(coarser);
+  const double slipped = measure_level_error(*coarser, full, 4000);
+  EXPECT_GT(slipped, 0.02);
+  DetailLevel bare = *coarser;
+  bare.paints.clear();
+  EXPECT_LT(measure_level_error(bare, full, 4000), 1e-6) << "without its texture it is the same plane";
+}
+
+TEST(SurfacePaint, ALevelThatHasLostAColourHasAnError) {
+  const TriangleMesh mesh = make_sheet(40);
+  MeshLook look;
+  look.triangles.resize(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    look.triangles[t].has_colours = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 p = mesh.corner(t, static_cast<int>(k));
+      const bool is_spot = (p.head<2>() - Eigen::Vector2d(0.5, 0.5)).norm() < 0.1;
+      look.triangles[t].corners[k].colour = is_spot ? std::array<std::uint8_t, 3>{255, 0, 0} : std::array<std::uint8_t, 3>{255, 255, 255};
+    }
+  }
+  const DetailLevel full = paint(mesh, look, {});
+  EXPECT_EQ(full.positions.size(), mesh.vertices.size());
+  const auto coarser = make_coarser_level(full, 8);
+  ASSERT_TRUE(coarser);
+  EXPECT_GT(measure_level_error(*coarser, full, 4000), 0.05);
+  EXPECT_LT(measure_level_error(full, full, 4000), 1e-6);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,135 @@
+#include "vision_node/decode_image.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <png.h>
+
+#include <vtkImageData.h>
+#include <vtkJPEGReader.h>
+#include <vtkNew.h>
+
+namespace hapton {
+namespace {
+
+constexpr int kMaxSide = 16384;
+
+Error broken(const LookImage& image) { return {fmt::format("texture {}: is broken", image.name)}; }
+Error too_large(const LookImage& image) { return {fmt::format("texture {}: is larger than {} on a side", image.name, kMaxSide)}; }
+
+// By libpng itself: VTK's reader ends the program where a file in memory is cut short.
+Result<Texels> decode_png(const LookImage& image) {
+  png_image png = {};
+  png.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&png, image.bytes.data(), image.bytes.size()) == 0) return tl::unexpected(broken(image));
+  if (png.width > kMaxSide || png.height > kMaxSide) {
+    png_image_free(&png);
+    return tl::unexpected(too_large(image));
+  }
+  png.format = PNG_FORMAT_RGBA;
+  Texels texels{static_cast<int>(png.width), static_cast<int>(png.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
+  const bool is_read = png_image_finish_read(&png, nullptr, texels.rgba.data(), 0, nullptr) != 0;
+  png_image_free(&png);
+  return is_read ? Result<Texels>(std::move(texels)) : tl::unexpected(broken(image));
+}
+
+// VTK writes its own lines about a broken file to stderr.
+class QuietVtk {
+ public:
+  QuietVtk() : was_(vtkObject::GetGlobalWarningDisplay()) { vtkObject::GlobalWarningDisplayOff(); }
+  ~QuietVtk() { vtkObject::SetGlobalWarningDisplay(was_); }
+  QuietVtk(const QuietVtk&) = delete;
+  QuietVtk& operator=(const QuietVtk&) = delete;
+
+ private:
+  int was_;
+};
+
+// Grey or in colours. VTK's first row is the lowest.
+Texels copy_texels(vtkImageData* data) {
+  const int* size = data->GetDimensions();
+  const int components = data->GetNumberOfScalarComponents();
+  Texels texels{size[0], size[1], {}};
+  texels.rgba.reserve(4 * static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]));
+  for (int y = size[1] - 1; y >= 0; --y) {
+    const auto* row = static_cast<const std::uint8_t*>(data->GetScalarPointer(0, y, 0));
+    for (int x = 0; x < size[0]; ++x) {
+      for (int k = 0; k < 3; ++k) texels.rgba.push_back(row[x * components + (components < 3 ? 0 : k)]);
+      texels.rgba.push_back(255);
+    }
+  }
+  return texels;
+}
+
+Result<Texels> decode_jpeg(const LookImage& image) {
+  const QuietVtk quiet;
+  vtkNew<vtkJPEGReader> reader;
+  reader->SetMemoryBuffer(image.bytes.data());
+  reader->SetMemoryBufferLength(static_cast<vtkIdType>(image.bytes.size()));
+  reader->UpdateInformation();
+  const int* extent = reader->GetDataExtent();
+  const int width = extent[1] - extent[0] + 1;
+  const int height = extent[3] - extent[2] + 1;
+  if (reader->GetErrorCode() != 0 || width < 1 || height < 1) return tl::unexpected(broken(image));
+  if (width > kMaxSide || height > kMaxSide) return tl::unexpected(too_large(image));
+  reader->Update();
+  vtkImageData* data = reader->GetOutput();
+  const int* size = data->GetDimensions();
+  const bool is_read = reader->GetErrorCode() == 0 && size[0] == width && size[1] == height && data->GetScalarPointer() != nullptr;
+  if (!is_read || data->GetScalarType() != VTK_UNSIGNED_CHAR) return tl::unexpected(broken(image));
+  return copy_texels(data);
+}
+
+}  // namespace
+
+Result<Texels> decode_image(const LookImage& image) {
+  if (image.bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return tl::unexpected(too_large(image));
+  if (image.bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(image);
+  if (image.bytes.starts_with("\xFF\xD8\xFF")) return decode_jpeg(image);
+  return fail("texture {}: is neither PNG nor JPEG", image.name);
+}
+
+Texels resize_image(const Texels& image, int width, int height) {
+  Texels made{width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  const double across = static_cast<double>(image.width) / width;
+  const double down = static_cast<double>(image.height) / height;
+  const auto at = [&](int x, int y, int k) {
+    const int cx = std::clamp(x, 0, image.width - 1);
+    const int cy = std::clamp(y, 0, image.height - 1);
+    return static_cast<double>(
+        image.rgba[4 * (static_cast<std::size_t>(cy) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(cx)) +
+                   static_cast<std::size_t>(k)]);
+  };
+  // So many samples in a new texel's square, each linear between four texels.
+  const int samples_x = std::max(1, static_cast<int>(std::ceil(across)));
+  const int samples_y = std::max(1, static_cast<int>(std::ceil(down)));
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      std::array<double, 4> sum = {};
+      for (int j = 0; j < samples_y; ++j) {
+        for (int i = 0; i < samples_x; ++i) {
+          const double px = (x + (i + 0.5) / samples_x) * across - 0.5;
+          const double py = (y + (j + 0.5) / samples_y) * down - 0.5;
+          const int left = static_cast<int>(std::floor(px));
+          const int top = static_cast<int>(std::floor(py));
+          const double u = px - left;
+          const double v = py - top;
+          for (int k = 0; k < 4; ++k) {
+            sum[static_cast<std::size_t>(k)] += (1 - v) * ((1 - u) * at(left, top, k) + u * at(left + 1, top, k)) +
+                                                v * ((1 - u) * at(left, top + 1, k) + u * at(left + 1, top + 1, k));
+          }
+        }
+      }
+      for (std::size_t k = 0; k < 4; ++k) {
+        made.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) + k] =
+            static_cast<std::uint8_t>(std::lround(sum[k] / (samples_x * samples_y)));
+      }
+    }
+  }
+  return made;
+}
+
+}  // namespace hapton

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "scene/mesh_look.h"
+
+namespace hapton {
+
+// A decoded image: red, green, blue, transparency by rows from the upper left corner, sRGB.
+struct Texels {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+
+// PNG and JPEG. Error: one line that names the image: neither of them, broken, or larger than 16,384 on a side. RT: set-up only.
+Result<Texels> decode_image(const LookImage& image);
+
+// The same picture in another size: the mean where it shrinks, linear between texels where it grows. Pre: both sizes positive.
+Texels resize_image(const Texels& image, int width, int height);
+
+}  // namespace hapton

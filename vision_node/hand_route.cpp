@@ -1,0 +1,105 @@
+#include "vision_node/hand_route.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace hapton {
+namespace {
+
+// Shares of the picture's smaller side. What stands out by less is slid over, and the tip keeps so far from what it passes.
+constexpr double kClearance = 0.02;
+// Between two places that are looked at on the way, and between the circles on which a way out is looked for.
+constexpr double kStep = 0.01;
+constexpr double kCircle = 0.0025;
+constexpr int kDirections = 24;
+constexpr int kAround = 8;
+// Of the clearance: how far in front of what is seen a way through the air begins; it may end on the surface.
+constexpr double kInFront = 0.5;
+// The hand comes no nearer to the viewer than this share of the way to what is seen, however near that is.
+constexpr double kNearest = 0.25;
+
+struct Way {
+  bool is_clear = true;
+  double nearest_m = std::numeric_limits<double>::infinity();  // of the surface along it
+};
+
+// From a pixel at one depth to another at another. Along a straight line the inverse of the depth grows evenly in the picture. slack: how
+// far within what is seen it may be at its beginning and at its end.
+Way look_along(const SurfaceSeen& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
+               double slack_to_m) {
+  const double side_px = std::min(seen.size().width_px, seen.size().height_px);
+  const int steps = std::clamp(static_cast<int>((to - from).norm() / (kStep * side_px)), 1, 1000);
+  Way way;
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    const double surface_m = seen.depth_m(from + t * (to - from));
+    const double way_m = 1.0 / ((1.0 - t) / from_m + t / to_m);
+    way.is_clear = way.is_clear && way_m <= surface_m + (1.0 - t) * slack_from_m + t * slack_to_m;
+    way.nearest_m = std::min(way.nearest_m, surface_m);
+  }
+  return way;
+}
+
+// Nothing nearer than that depth at the pixel and around it.
+bool is_open(const SurfaceSeen& seen, const Vec2& pixel, double depth_m, double radius_px) {
+  if (seen.depth_m(pixel) < depth_m) return false;
+  for (int i = 0; i < kAround; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kAround;
+    if (seen.depth_m(pixel + radius_px * Vec2(std::cos(angle), std::sin(angle))) < depth_m) return false;
+  }
+  return true;
+}
+
+// The nearest pixel that is open at that depth.
+std::optional<Vec2> find_way_out(const SurfaceSeen& seen, const Vec2& from, double depth_m, double radius_px) {
+  const double side_px = std::min(seen.size().width_px, seen.size().height_px);
+  const double most_px = std::hypot(seen.size().width_px, seen.size().height_px);
+  for (double radius = kCircle * side_px; radius < most_px; radius += kCircle * side_px) {
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kDirections;
+      const Vec2 pixel = from + radius * Vec2(std::cos(angle), std::sin(angle));
+      if (is_open(seen, pixel, depth_m, radius_px)) return pixel;
+    }
+  }
+  return std::nullopt;
+}
+
+// Behind what is seen there, or in touch with its back, which for a thin sheet is as far away as its front.
+bool is_behind(const SurfaceSeen& seen, const LedTip& tip, double tip_m, double surface_m, double clearance_m) {
+  if (tip_m > surface_m + clearance_m) return true;
+  const Vec3 to_viewer = seen.place(seen.pixel_of(tip.p_WP), 0.0) - tip.p_WP;
+  return tip_m > surface_m - clearance_m && tip.offset_m.dot(to_viewer) < 0.0;
+}
+
+}  // namespace
+
+Vec3 route_hand(const SurfaceSeen& seen, const LedTip& led, const Vec3& p_WG) {
+  const double tip_m = seen.depth_of(led.p_WP);
+  const double goal_m = seen.depth_of(p_WG);
+  if (!(tip_m > seen.screen().near_m && goal_m > seen.screen().near_m)) return p_WG;
+  const double clearance_m = kClearance * std::min(seen.screen().width_m, seen.screen().height_m);
+  const double clearance_px = kClearance * std::min(seen.size().width_px, seen.size().height_px);
+  const Vec2 tip = seen.pixel_of(led.p_WP);
+  const Vec2 goal = seen.pixel_of(p_WG);
+  const double under_m = seen.depth_m(tip);  // the surface that is seen where the tip is
+  const bool hidden = is_behind(seen, led, tip_m, under_m, clearance_m);
+  const bool slides = !hidden && tip_m > under_m - clearance_m;
+  if (!hidden) {
+    // To the surface, however deep within it the goal is.
+    const double surface_m = std::min(goal_m, seen.depth_m(goal));
+    const Way way =
+        look_along(seen, tip, tip_m, goal, surface_m, slides ? clearance_m : -kInFront * clearance_m, slides ? clearance_m : 0.0);
+    if (way.is_clear) return p_WG;
+    if (slides || is_open(seen, tip, tip_m, 0.5 * clearance_px)) {
+      const double over_m = std::max(way.nearest_m - clearance_m, kNearest * way.nearest_m);
+      return tip_m > over_m + 0.5 * clearance_m ? seen.place(tip, over_m) : seen.place(goal, over_m);
+    }
+  }
+  const auto out = find_way_out(seen, tip, tip_m, clearance_px);
+  return out ? seen.place(*out, tip_m) : p_WG;
+}
+
+}  // namespace hapton

@@ -1,0 +1,134 @@
+#include "vision_node/scene_framing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "core/geometry/mesh_measures.h"
+#include "vision_node/depth_cues.h"
+#include "vision_node/knob_box.h"
+
+namespace hapton {
+namespace {
+
+// The smallest thing that is framed: a scene of one point still gives a picture.
+constexpr double kMinRadius = 1e-6;
+// Of the workspace's longest side: what is smaller is a speck in it (io_node/scene_reach.cpp).
+constexpr double kSpeck = 0.02;
+// A scene whose middle is farther away than so many times its radius lies apart: a sphere around the workspace's centre would hold mostly
+// nothing. And where it is so many times farther than it and the workspace are large, a picture of both shows neither.
+constexpr double kApart = 2.0;
+constexpr double kFarApart = 10.0;
+// A little air around the workspace.
+constexpr double kMargin = 1.04;
+constexpr int kFitTurns = 8;
+
+double workspace_radius_m() { return 0.5 * workspace_size_m().norm(); }
+
+// Around the workspace's centre.
+Framing frame_in_workspace(const Scene& scene, double ipd_m) {
+  double squared_radius = kMinRadius * kMinRadius;
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& p_S : object.mesh->vertices) squared_radius = std::max(squared_radius, p_S.squaredNorm());
+  }
+  return frame_sphere(Vec3::Zero(), std::sqrt(squared_radius), ipd_m);
+}
+
+Framing frame_with_workspace(const Vec3& p_WO, double radius_m, double ipd_m) {
+  const double apart_m = p_WO.norm();
+  const double from_m = std::min(-workspace_radius_m(), apart_m - radius_m);
+  const double to_m = std::max(workspace_radius_m(), apart_m + radius_m);
+  return frame_sphere(0.5 * (from_m + to_m) * p_WO / apart_m, 0.5 * (to_m - from_m), ipd_m);
+}
+
+// Wide enough that all points are in the picture as well as the disc that it shows now, and the screen moved in its plane so that they are
+// in the middle.
+void fit(Framing& framing, PictureSize size, std::span<const Eye> eyes, const std::vector<Vec3>& points) {
+  const Vec2 disc = Vec2::Constant(0.5 * framing.view_m);
+  const double narrow_px = std::min(size.width_px, size.height_px);
+  const Vec2 sides = Vec2(size.width_px, size.height_px) / narrow_px;
+  // The eye goes with the screen, which moves what is nearer than it: each turn leaves a small part of what was wrong.
+  for (int turn = 0; turn < kFitTurns; ++turn) {
+    Vec2 low = -disc;
+    Vec2 high = disc;
+    const StereoScreen screen = compute_screen(framing, size);
+    for (const Eye eye : eyes) {
+      for (const Vec3& p_W : points) {
+        const Vec2 from_middle = project_to_pixel(screen, eye, size, p_W) - Vec2(0.5 * size.width_px, 0.5 * size.height_px);
+        const Vec2 at_m = framing.aside_m + framing.view_m / narrow_px * from_middle;
+        low = low.cwiseMin(at_m);
+        high = high.cwiseMax(at_m);
+      }
+    }
+    framing.aside_m = 0.5 * (low + high);
+    framing.view_m = (high - low).cwiseQuotient(sides).maxCoeff() * kMargin;
+  }
+}
+
+std::vector<Vec3> workspace_corners() {
+  std::vector<Vec3> corners;
+  for (const auto& edge : make_workspace_box()) corners.insert(corners.end(), edge.begin(), edge.end());
+  return corners;
+}
+
+// auto is for one eye on an ordinary screen; where it is not, little is cut off.
+std::span<const Eye> eyes_of(StereoMode mode) {
+  static constexpr std::array<Eye, 1> kOne = {Eye::centre};
+  static constexpr std::array<Eye, 2> kTwo = {Eye::left, Eye::right};
+  return mode == StereoMode::mono || mode == StereoMode::automatic ? std::span<const Eye>(kOne) : std::span<const Eye>(kTwo);
+}
+
+PictureSize eye_size(const ViewSettings& view) {
+  return {view.stereo == StereoMode::side_by_side ? view.width_px / 2 : view.width_px, view.height_px};
+}
+
+Pose start_pose(const VisionOptions& options) {
+  Dials dials;
+  for (int axis = 0; axis < 3; ++axis) dials.turn(axis, options.dials_degrees[axis]);
+  return dials.compute_pose(Vec3::Zero());
+}
+
+}  // namespace
+
+SceneSphere bound_scene(const Scene& scene) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const SceneObject& object : scene.objects) {
+    const MeshBounds bounds = compute_bounds(*object.mesh);
+    low = low.cwiseMin(bounds.low);
+    high = high.cwiseMax(bounds.high);
+  }
+  if (!(low.array() <= high.array()).all()) return {};
+  SceneSphere sphere{0.5 * (low + high), 0.0};
+  double squared = 0.0;
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& p_S : object.mesh->vertices) squared = std::max(squared, (p_S - sphere.p_SO).squaredNorm());
+  }
+  sphere.radius_m = std::sqrt(squared);
+  return sphere;
+}
+
+Framing frame_scene(const Scene& scene, const VisionOptions& options) {
+  const double ipd_m = options.ipd_mm * 1e-3;
+  const SceneSphere sphere = bound_scene(scene);
+  const double radius_m = std::max(kMinRadius, sphere.radius_m);
+  const Vec3 p_WO = start_pose(options) * sphere.p_SO;
+  const double apart_m = p_WO.norm();
+  const bool is_speck = 2.0 * radius_m < kSpeck * workspace_size_m().maxCoeff();
+  const bool is_apart = apart_m > std::max(workspace_radius_m(), kApart * radius_m);
+  const bool is_far = apart_m > kFarApart * (radius_m + workspace_radius_m());
+  Framing framing = is_speck || is_far ? frame_sphere(p_WO, radius_m, ipd_m)
+                    : is_apart         ? frame_with_workspace(p_WO, radius_m, ipd_m)
+                                       : frame_in_workspace(scene, ipd_m);
+  framing.yaw_rad = options.view_yaw_deg * std::numbers::pi / 180.0;
+  framing.pitch_rad = options.view_pitch_deg * std::numbers::pi / 180.0;
+  if (!is_speck && !is_far) fit(framing, eye_size(options.view), eyes_of(options.view.stereo), workspace_corners());
+  if (options.view_mm > 0.0) framing.view_m = options.view_mm * 1e-3;
+  return framing;
+}
+
+}  // namespace hapton

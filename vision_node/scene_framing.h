@@ -1,0 +1,21 @@
+#pragma once
+
+#include "scene/scene_file.h"
+#include "vision_node/stereo_camera.h"
+#include "vision_node/vision_options.h"
+
+namespace hapton {
+
+// A sphere around all objects: round the middle of their box. Frame S. Radius 0: the scene is one point, or none.
+struct SceneSphere {
+  Vec3 p_SO = Vec3::Zero();
+  double radius_m = 0.0;
+};
+SceneSphere bound_scene(const Scene& scene);
+
+// How the picture begins. A scene in the workspace: the screen's plane goes through the workspace's centre, and the whole scene stays in
+// the picture whatever the dials do, as does the workspace with its ground; both are in the middle. One that lies apart: the scene and the
+// workspace, or, where it is too far away for both, the scene alone. A speck: the scene alone, as large as the picture.
+Framing frame_scene(const Scene& scene, const VisionOptions& options);
+
+}  // namespace hapton

@@ -1,0 +1,67 @@
+#include "vision_node/surface_paint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+namespace hapton {
+namespace {
+
+std::uint8_t to_byte(double channel) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(channel, 0.0, 1.0))); }
+
+VertexPaint compute_paint(const MeshLook& look, const TriangleLook& triangle, const CornerLook& corner, const Vec3& colour,
+                          const std::vector<std::uint8_t>& layer_of) {
+  const bool has_material = triangle.material < look.materials.size();
+  const LookMaterial material = has_material ? look.materials[triangle.material] : LookMaterial();
+  VertexPaint paint;
+  if (material.image && *material.image < layer_of.size()) paint.layer = layer_of[*material.image];
+  Vec3 tint = triangle.has_colours || paint.layer > 0 ? Vec3(Vec3::Ones()) : colour;
+  if (material.colour) tint = material.colour->cast<double>();
+  for (int k = 0; k < 3; ++k)
+    paint.tint[static_cast<std::size_t>(k)] = to_byte(tint[k] * corner.colour[static_cast<std::size_t>(k)] / 255.0);
+  if (paint.layer > 0) paint.place = corner.texcoord;
+  return paint;
+}
+
+struct Key {
+  std::uint32_t vertex;
+  VertexPaint paint;
+  bool operator==(const Key& other) const { return vertex == other.vertex && paint == other.paint; }
+};
+
+struct HashKey {
+  std::size_t operator()(const Key& key) const {
+    std::array<std::uint32_t, 3> words = {};
+    static_assert(sizeof key.paint == sizeof words);
+    std::memcpy(words.data(), &key.paint, sizeof words);
+    std::uint64_t h = key.vertex;
+    for (const std::uint32_t word : words) h = (h ^ word) * 0x9E3779B97F4A7C15ULL ^ (h >> 29);
+    return h ^ (h >> 32);
+  }
+};
+
+}  // namespace
+
+DetailLevel make_painted_level(const TriangleMesh& mesh, const DetailFrame& frame, const MeshLook& look, const Vec3& colour,
+                               const std::vector<std::uint8_t>& layer_of) {
+  const DetailLevel plain = make_full_level(mesh, frame);
+  DetailLevel level;
+  level.clusters = plain.clusters;
+  level.indices.reserve(plain.indices.size());
+  std::unordered_map<Key, std::uint32_t, HashKey> known;
+  known.reserve(2 * plain.positions.size());
+  for (std::size_t i = 0; i < plain.indices.size(); ++i) {
+    const TriangleLook& triangle = look.triangles[i / 3];
+    const Key key = {plain.indices[i], compute_paint(look, triangle, triangle.corners[i % 3], colour, layer_of)};
+    const auto [found, is_new] = known.emplace(key, static_cast<std::uint32_t>(level.positions.size()));
+    if (is_new) {
+      level.positions.push_back(plain.positions[key.vertex]);
+      level.paints.push_back(key.paint);
+    }
+    level.indices.push_back(found->second);
+  }
+  return level;
+}
+
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// The scene's surface as one eye sees it: how far away it is at each pixel. All in front of it is empty. Frames: W, and the eye's depth,
+// the distance from the eye's plane along the way it looks, m.
+class SurfaceSeen {
+ public:
+  // depths: OpenGL's, 0 to 1, by rows from the lower left corner; 1 where there is nothing.
+  SurfaceSeen(const StereoScreen& screen, Eye eye, PictureSize size, std::vector<float> depths);
+
+  // Of the surface at that pixel; infinite where there is nothing, and out of the picture.
+  double depth_m(const Vec2& pixel) const;
+  // None where there is nothing.
+  std::optional<Vec3> find(const Vec2& pixel) const;
+
+  Vec2 pixel_of(const Vec3& p_W) const { return project_to_pixel(screen_, eye_, size_, p_W); }
+  double depth_of(const Vec3& p_W) const { return screen_.distance_m - (screen_.X_WV.inverse(Eigen::Isometry) * p_W).z(); }
+  // The point at that depth that is seen at that pixel.
+  Vec3 place(const Vec2& pixel, double depth_m) const;
+
+  const StereoScreen& screen() const { return screen_; }
+  PictureSize size() const { return size_; }
+
+ private:
+  StereoScreen screen_;
+  Eye eye_;
+  PictureSize size_;
+  std::vector<float> depths_;
+};
+
+}  // namespace hapton

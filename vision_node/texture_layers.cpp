@@ -1,0 +1,89 @@
+#include "vision_node/texture_layers.h"
+
+#include <algorithm>
+
+#include "vision_node/decode_image.h"
+
+namespace hapton {
+namespace {
+
+// The number stands in a byte beside a vertex's colour, and 0 is none.
+constexpr std::size_t kMostLayers = 255;
+// Of all layers of one mesh; more is not seen in a picture of a few megapixels.
+constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+constexpr int kMostSide = 4096;
+
+// The largest image decides, each side for itself, within what all layers together may take.
+std::pair<int, int> choose_size(const std::vector<Texels>& images) {
+  int width = 1;
+  int height = 1;
+  for (const Texels& image : images) {
+    width = std::max(width, image.width);
+    height = std::max(height, image.height);
+  }
+  GLint limit = kMostSide;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
+  width = std::min({width, static_cast<int>(limit), kMostSide});
+  height = std::min({height, static_cast<int>(limit), kMostSide});
+  while (4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * images.size() > kMostBytes) {
+    width = std::max(1, width / 2);
+    height = std::max(1, height / 2);
+  }
+  return {width, height};
+}
+
+}  // namespace
+
+std::unique_ptr<TextureLayers> TextureLayers::make(const MeshLook& look, std::vector<std::string>& notes) {
+  std::vector<bool> is_used(look.images.size(), false);
+  for (const LookMaterial& material : look.materials) {
+    if (material.image && *material.image < is_used.size()) is_used[*material.image] = true;
+  }
+  std::vector<std::uint8_t> layer_of(look.images.size(), 0);
+  std::vector<Texels> images;
+  for (std::size_t i = 0; i < look.images.size(); ++i) {
+    if (!is_used[i] || images.size() >= kMostLayers) continue;
+    auto decoded = decode_image(look.images[i]);
+    if (!decoded) {
+      notes.push_back(decoded.error().what);
+      continue;
+    }
+    images.push_back(std::move(*decoded));
+    layer_of[i] = static_cast<std::uint8_t>(images.size());
+  }
+  if (images.empty()) return nullptr;
+  std::unique_ptr<TextureLayers> layers(new TextureLayers);
+  layers->layer_of_ = std::move(layer_of);
+  const auto [width, height] = choose_size(images);
+  glGenTextures(1, &layers->texture_);
+  layers->bind();
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RGBA8, width, height, static_cast<GLsizei>(images.size()), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const bool fits = images[i].width == width && images[i].height == height;
+    const Texels fitted = fits ? std::move(images[i]) : resize_image(images[i], width, height);
+    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(i), width, height, 1, GL_RGBA, GL_UNSIGNED_BYTE, fitted.rgba.data());
+  }
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_REPEAT);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_REPEAT);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glGenerateMipmap(GL_TEXTURE_2D_ARRAY);
+  unbind();
+  return layers;
+}
+
+TextureLayers::~TextureLayers() {
+  if (texture_ != 0) glDeleteTextures(1, &texture_);
+}
+
+void TextureLayers::bind() const { glBindTexture(GL_TEXTURE_2D_ARRAY, texture_); }
+void TextureLayers::unbind() { glBindTexture(GL_TEXTURE_2D_ARRAY, 0); }
+
+int TextureLayers::unit() {
+  GLint active = GL_TEXTURE0;
+  glGetIntegerv(GL_ACTIVE_TEXTURE, &active);
+  return active - GL_TEXTURE0;
+}
+
+}  // namespace hapton

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <GL/glew.h>
+
+#include "scene/mesh_look.h"
+
+namespace hapton {
+
+// The images of a mesh on the graphics side, one layer each, all of one size, so that a mesh of many images is still drawn at once. An
+// image repeats beyond its edges. Threads: the window's; its context is current, at the end as well.
+class TextureLayers {
+ public:
+  // Of the images that some material of the look uses. Those that cannot be decoded have no layer; notes says why. Null: there are none.
+  static std::unique_ptr<TextureLayers> make(const MeshLook& look, std::vector<std::string>& notes);
+  ~TextureLayers();
+  TextureLayers(const TextureLayers&) = delete;
+  TextureLayers& operator=(const TextureLayers&) = delete;
+
+  // Of each image of the look; from 1, 0: none.
+  const std::vector<std::uint8_t>& layer_of() const { return layer_of_; }
+  // For what is drawn next, in the texture unit that is active. unit(): its number.
+  void bind() const;
+  static void unbind();
+  static int unit();
+
+ private:
+  TextureLayers() = default;
+  GLuint texture_ = 0;
+  std::vector<std::uint8_t> layer_of_;
+};
+
+}  // namespace hapton
