@@ -8,8 +8,9 @@
 namespace hapton {
 namespace {
 
-// From the edge, as a share of the picture's smaller side: room for the pointer and its label.
+// From the edge, as a share of the picture's smaller side: room for the pointer, above and below for the lines of text there.
 constexpr double kInset = 0.05;
+constexpr double kInsetAbove = 0.12;
 
 std::string describe_length(double length_m) {
   if (length_m >= 1.0) return fmt::format("{:.1f} m", length_m);
@@ -29,8 +30,8 @@ std::optional<EdgePointer> find_edge_pointer(const StereoScreen& screen, Eye eye
   if (!(away.norm() > 0.0) || !std::isfinite(away.norm())) return std::nullopt;
   EdgePointer pointer;
   pointer.towards = away.normalized();
-  const double inset = kInset * std::min(size.width_px, size.height_px);
-  const Vec2 room = (middle.array() - inset).max(1.0);
+  const Vec2 inset = std::min(size.width_px, size.height_px) * Vec2(kInset, kInsetAbove);
+  const Vec2 room = (middle - inset).cwiseMax(1.0);
   pointer.at_px = middle + away / away.cwiseAbs().cwiseQuotient(room).maxCoeff();
   pointer.label = "probe " + describe_length(p_V.norm());
   return pointer;

@@ -18,6 +18,8 @@ constexpr int kDirections = 24;
 constexpr int kAround = 8;
 // Of the clearance: how far in front of what is seen a way through the air begins; it may end on the surface.
 constexpr double kInFront = 0.5;
+// Of the clearance: how far a tip in the air may be behind the picture of a surface that it is in front of, because the picture is coarse.
+constexpr double kNoise = 0.1;
 // The hand comes no nearer to the viewer than this share of the way to what is seen, however near that is.
 constexpr double kNearest = 0.25;
 
@@ -67,11 +69,22 @@ std::optional<Vec2> find_way_out(const SurfaceSeen& seen, const Vec2& from, doub
   return std::nullopt;
 }
 
-// Behind what is seen there, or in touch with its back, which for a thin sheet is as far away as its front.
-bool is_behind(const SurfaceSeen& seen, const LedTip& tip, double tip_m, double surface_m, double clearance_m) {
-  if (tip_m > surface_m + clearance_m) return true;
-  const Vec3 to_viewer = seen.place(seen.pixel_of(tip.p_WP), 0.0) - tip.p_WP;
-  return tip_m > surface_m - clearance_m && tip.offset_m.dot(to_viewer) < 0.0;
+// A pixel and those around it, the farthest: on a steep surface a pixel's depth says little of the place beside its middle.
+double find_farthest_m(const SurfaceSeen& seen, const Vec2& pixel) {
+  double farthest_m = 0.0;
+  for (const double x : {-1.0, 0.0, 1.0}) {
+    for (const double y : {-1.0, 0.0, 1.0}) farthest_m = std::max(farthest_m, seen.depth_m(pixel + Vec2(x, y)));
+  }
+  return farthest_m;
+}
+
+// Behind what is seen there. A tip in touch says by where it is kept out to which side it touches: the back of a thin sheet is as far away
+// as its front.
+bool is_behind(const SurfaceSeen& seen, const LedTip& tip, const Vec2& pixel, double tip_m, double clearance_m) {
+  if (tip.offset_m.isZero()) return tip_m > find_farthest_m(seen, pixel) + kNoise * clearance_m;
+  const double surface_m = seen.depth_m(pixel);
+  const Vec3 to_viewer = seen.place(pixel, 0.0) - tip.p_WP;
+  return tip_m > surface_m + clearance_m || (tip_m > surface_m - clearance_m && tip.offset_m.dot(to_viewer) < 0.0);
 }
 
 }  // namespace
@@ -85,8 +98,9 @@ Vec3 route_hand(const SurfaceSeen& seen, const LedTip& led, const Vec3& p_WG) {
   const Vec2 tip = seen.pixel_of(led.p_WP);
   const Vec2 goal = seen.pixel_of(p_WG);
   const double under_m = seen.depth_m(tip);  // the surface that is seen where the tip is
-  const bool hidden = is_behind(seen, led, tip_m, under_m, clearance_m);
-  const bool slides = !hidden && tip_m > under_m - clearance_m;
+  const bool hidden = is_behind(seen, led, tip, tip_m, clearance_m);
+  const bool touches_front = !led.offset_m.isZero() || tip_m <= under_m + kNoise * clearance_m;
+  const bool slides = !hidden && touches_front && tip_m > under_m - clearance_m;
   if (!hidden) {
     // To the surface, however deep within it the goal is.
     const double surface_m = std::min(goal_m, seen.depth_m(goal));

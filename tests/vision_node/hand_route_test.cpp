@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "core/force/force_method.h"
 #include "tests/vision_node/made_surface.h"
 
 namespace hapton {
@@ -19,25 +23,29 @@ class HandRoute : public testing::Test {
     side_m_ = std::min(screen_.width_m, screen_.height_m);
   }
 
-  // Pulled by a millimetre a turn. How deep within or behind what is seen it comes on the way, once it has been in front of it.
+  // Pulled by a millimetre a turn; what is seen keeps the tip out where the hand comes to it from the front. How far the hand was within or
+  // behind what is seen, once it had been in front of it.
   struct Walk {
-    Vec3 p_W;
+    Vec3 p_WD;  // the device
     double deepest_m = 0.0;
     int steps = 0;
     double distance_m = 0.0;
   };
-  Walk walk(const SurfaceSeen& seen, const Vec3& p_WP, const Vec3& p_WG) const {
+  Walk walk(const SurfaceSeen& seen, const Vec3& from, const Vec3& p_WG) const {
     constexpr double kPace = 0.001;
-    Walk walk{p_WP};
-    bool was_in_front = false;
-    for (; walk.steps < 4000 && (walk.p_W - p_WG).norm() > kPace; ++walk.steps) {
-      const Vec3 way = route_hand(seen, {walk.p_W}, p_WG) - walk.p_W;
+    Walk walk{from};
+    bool is_in_front = false;
+    for (; walk.steps < 4000 && (walk.p_WD - p_WG).norm() > kPace; ++walk.steps) {
+      const Vec2 pixel = seen.pixel_of(walk.p_WD);
+      const double within_m = seen.depth_of(walk.p_WD) - seen.depth_m(pixel);
+      is_in_front = is_in_front || within_m <= 0.0;
+      const bool touches = is_in_front && within_m > 0.0;
+      if (touches) walk.deepest_m = std::max(walk.deepest_m, within_m);
+      const Vec3 p_WP = touches ? seen.place(pixel, seen.depth_m(pixel)) : walk.p_WD;
+      const Vec3 way = route_hand(seen, {p_WP, p_WP - walk.p_WD}, p_WG) - walk.p_WD;
       const Vec3 step = way.norm() > kPace ? Vec3(kPace * way.normalized()) : way;
-      walk.p_W += step;
+      walk.p_WD += step;
       walk.distance_m += step.norm();
-      const double within_m = seen.depth_of(walk.p_W) - seen.depth_m(seen.pixel_of(walk.p_W));
-      was_in_front = was_in_front || within_m <= 0.0;
-      if (was_in_front) walk.deepest_m = std::max(walk.deepest_m, within_m);
     }
     return walk;
   }
@@ -59,7 +67,7 @@ TEST_F(HandRoute, OverAWallAndDownOnItsOtherSide) {
   const Vec3 from = seen.place({100.0, 200.0}, screen_.distance_m);
   const Vec3 goal = seen.place({300.0, 180.0}, screen_.distance_m + 0.003);
   const Walk walked = walk(seen, from, goal);
-  EXPECT_LT((walked.p_W - goal).norm(), 0.0011) << "it comes there";
+  EXPECT_LT((walked.p_WD - goal).norm(), 0.0011) << "it comes there";
   EXPECT_LT(walked.deepest_m, 0.021 * side_m_) << "without going through";
   EXPECT_LT(walked.distance_m, 2.5 * ((goal - from).norm() + 0.06)) << "and without long detours";
 }
@@ -77,20 +85,9 @@ TEST_F(HandRoute, FromBehindAnObjectOutBesideItAndToItsFront) {
   const Vec3 from = seen.place({190.0, 205.0}, screen_.distance_m + 0.04);
   const Vec3 goal = seen.place({200.0, 200.0}, screen_.distance_m + 0.003);
   const Walk walked = walk(seen, from, goal);
-  EXPECT_LT((walked.p_W - goal).norm(), 0.0011);
-  // Where it passes the plate's depth it is beside it, not in it.
-  Vec3 p_W = from;
-  bool crossed_beside = false;
-  for (int i = 0; i < 4000 && (p_W - goal).norm() > 0.001; ++i) {
-    const double before_m = seen.depth_of(p_W);
-    p_W += 0.001 * (route_hand(seen, {p_W}, goal) - p_W).normalized();
-    if (before_m > screen_.distance_m && seen.depth_of(p_W) <= screen_.distance_m) {
-      const Vec2 at = seen.pixel_of(p_W);
-      EXPECT_GT(std::hypot(at.x() - 200.0, at.y() - 200.0), 80.0);
-      crossed_beside = true;
-    }
-  }
-  EXPECT_TRUE(crossed_beside);
+  EXPECT_LT((walked.p_WD - goal).norm(), 0.0011);
+  EXPECT_GT(walked.distance_m, 0.1) << "round the rim: straight it would be 40 mm";
+  EXPECT_LT(walked.deepest_m, 0.0041) << "no deeper than the goal is, and a step";
 }
 
 // As far away as its front: which side it touches is said by where it is kept out to.
@@ -102,6 +99,65 @@ TEST_F(HandRoute, FromTheBackOfAThinSheetOutBesideItAndOnItsFrontStraight) {
   EXPECT_EQ(route_hand(seen, {p_WP, Vec3(0.0, 0.0, 0.003)}, goal), goal);
   const Vec2 out = seen.pixel_of(route_hand(seen, {p_WP, Vec3(0.0, 0.0, -0.003)}, goal));
   EXPECT_GT(std::hypot(out.x() - 200.0, out.y() - 200.0), 80.0);
+}
+
+// What is felt decides where the tip is: the hand pulls the device, the method keeps the tip on the side where it touched first.
+class LedThroughAMethod : public HandRoute {
+ protected:
+  static constexpr double kHalf = 0.05;
+
+  // A sheet without thickness through the middle of the picture.
+  LedThroughAMethod() {
+    TriangleMesh sheet{.vertices = {{-kHalf, -kHalf, 0}, {kHalf, -kHalf, 0}, {kHalf, kHalf, 0}, {-kHalf, kHalf, 0}},
+                       .triangles = {{0, 1, 2}, {0, 2, 3}}};
+    scene_.objects.push_back({std::make_shared<const TriangleMesh>(std::move(sheet)), {}});
+  }
+
+  SurfaceSeen see_sheet() const {
+    const Vec2 corner = project_to_pixel(screen_, Eye::centre, kPicture, {kHalf, kHalf, 0.0});
+    return make_surface(screen_, kPicture, [&](double x, double y) {
+      return std::abs(x - 200.0) < corner.x() - 200.0 && std::abs(y - 200.0) < corner.y() - 200.0 ? screen_.distance_m : kNothing;
+    });
+  }
+
+  // Three seconds of a hand that goes 0.3 m/s, told where to every 4 ms.
+  MethodOutput lead(const Vec3& from, const Vec3& goal, bool by_route) const {
+    const auto method = make_method({}, scene_);
+    if (!method) throw std::runtime_error(method.error().what);
+    const SurfaceSeen seen = see_sheet();
+    Vec3 p_WD = from;
+    Vec3 target = goal;
+    (*method)->reset(p_WD);
+    MethodOutput felt{.p_SP = p_WD};
+    for (int ms = 0; ms < 3000; ++ms) {
+      if (by_route && ms % 4 == 0) target = route_hand(seen, {felt.p_SP, felt.contact ? Vec3(felt.p_SP - p_WD) : Vec3(Vec3::Zero())}, goal);
+      const Vec3 way = target - p_WD;
+      p_WD += way.norm() > 0.0003 ? Vec3(0.0003 * way.normalized()) : way;
+      felt = (*method)->step({.p_SD = p_WD});
+    }
+    return felt;
+  }
+
+  TouchScene scene_;
+};
+
+TEST_F(LedThroughAMethod, FromBehindItComesToTheFrontAndPressesThere) {
+  for (const Vec3& from : {Vec3(0.005, 0.002, -0.03), Vec3(-0.03, 0.04, -0.002), Vec3(0.0, 0.0, -0.08)}) {
+    const Vec3 goal(0.01, 0.0, -0.003);
+    const MethodOutput pushed = lead(from, goal, false);
+    ASSERT_LE(pushed.force_n.z(), 0.0) << "straight it stays behind";
+    const MethodOutput led = lead(from, goal, true);
+    EXPECT_TRUE(led.contact);
+    EXPECT_GT(led.force_n.z(), 0.0) << "pressed from the side that is seen";
+    EXPECT_NEAR(led.p_SP.z(), 0.0, 1e-4);
+    EXPECT_LT((led.p_SP - Vec3(0.01, 0.0, 0.0)).norm(), 0.001);
+  }
+}
+
+TEST_F(LedThroughAMethod, InTouchWithTheBackItComesToTheFront) {
+  // Pressed against the back from behind: the device is in front of the sheet already.
+  const MethodOutput led = lead({0.0, 0.01, -0.0005}, {0.01, 0.0, -0.003}, true);
+  EXPECT_GT(led.force_n.z(), 0.0);
 }
 
 TEST_F(HandRoute, TakesTheNearestWayOut) {
