@@ -9,6 +9,7 @@
 #include "scene/file_bytes.h"
 #include "scene/raw_mesh.h"
 #include "scene/read_mtl.h"
+#include "scene/text_cursor.h"
 #include "scene/weld.h"
 
 namespace hapton {
@@ -32,7 +33,7 @@ RawMesh with_materials(RawMesh raw, const std::filesystem::path& folder) {
     if (library) {
       read_mtl(*library, (folder / name).parent_path(), raw);
     } else {
-      raw.notes.push_back(fmt::format("a material library is missing: {}", library.error().what));
+      raw.notes.push_back(fmt::format("a material library is missing: '{}' cannot be read", printable(name)));
     }
   }
   return raw;

@@ -13,6 +13,12 @@ bool MeshLook::says_anything() const {
   });
 }
 
+Eigen::Vector2f texcoord_of(double right, double up) {
+  constexpr double kFarthest = 1e6;
+  if (!(std::abs(right) <= kFarthest && std::abs(up) <= kFarthest)) return Eigen::Vector2f::Zero();
+  return Eigen::Vector2d(right, 1.0 - up).cast<float>();
+}
+
 // IEC 61966-2-1.
 float to_srgb(double linear) {
   const double clamped = std::clamp(std::isfinite(linear) ? linear : 0.0, 0.0, 1.0);

@@ -52,6 +52,10 @@ struct MeshLook {
   void resize(std::size_t count) { triangles.resize(count); }
 };
 
+// A place in a texture that a file counts from the lower left corner. What is not finite, or so far outside that nothing of it would be
+// left in single precision, is the origin.
+Eigen::Vector2f texcoord_of(double right, double up);
+
 // glTF's linear light to sRGB, 0 to 1.
 float to_srgb(double linear);
 

@@ -47,7 +47,7 @@ std::optional<std::size_t> add_image_file(const std::filesystem::path& file, Raw
   if (known != images.end()) return static_cast<std::size_t>(known - images.begin());
   Result<std::string> bytes = read_file_bytes(file, kMaxImageBytes);
   if (!bytes) {
-    raw.notes.push_back(fmt::format("a texture is missing: {}", bytes.error().what));
+    raw.notes.push_back(fmt::format("a texture is missing: '{}' cannot be read", printable(file.filename().string())));
     return std::nullopt;
   }
   images.push_back({name, std::move(*bytes)});

@@ -114,8 +114,7 @@ class ObjReader {
       double u = 0.0;
       double v = 0.0;
       const bool is_read = parse_number(cursor_.word_in_line(), u) && parse_number(cursor_.word_in_line(), v);
-      const bool is_good = is_read && std::isfinite(u) && std::isfinite(v);
-      texcoords_.push_back(is_good ? Eigen::Vector2f(static_cast<float>(u), static_cast<float>(1.0 - v)) : Eigen::Vector2f(0.0F, 0.0F));
+      texcoords_.push_back(is_read ? texcoord_of(u, v) : Eigen::Vector2f(0.0F, 0.0F));
       return;
     }
     const std::string name(cursor_.rest_of_line());

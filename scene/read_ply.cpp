@@ -351,8 +351,7 @@ class BodyReader {
       const double channel = values[kColourPlace + k] * colour_scale_;
       look.colour[k] = static_cast<std::uint8_t>(std::lround(std::isfinite(channel) ? std::clamp(channel, 0.0, 255.0) : 255.0));
     }
-    const Eigen::Vector2f place = Eigen::Vector2d(values[kTexcoordPlace], 1.0 - values[kTexcoordPlace + 1]).cast<float>();
-    if (has_texcoords_ && place.allFinite()) look.texcoord = place;
+    if (has_texcoords_) look.texcoord = texcoord_of(values[kTexcoordPlace], values[kTexcoordPlace + 1]);
     return look;
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -12,13 +13,17 @@
 #include <vtkJPEGReader.h>
 #include <vtkNew.h>
 
+#include "scene/text_cursor.h"
+
 namespace hapton {
 namespace {
 
-constexpr int kMaxSide = 16384;
+constexpr int kMaxSide = 8192;
 
-Error broken(const LookImage& image) { return {fmt::format("texture {}: is broken", image.name)}; }
-Error too_large(const LookImage& image) { return {fmt::format("texture {}: is larger than {} on a side", image.name, kMaxSide)}; }
+std::string name_of(const LookImage& image) { return printable(std::filesystem::path(image.name).filename().string()); }
+
+Error broken(const LookImage& image) { return {fmt::format("texture {}: is broken", name_of(image))}; }
+Error too_large(const LookImage& image) { return {fmt::format("texture {}: is larger than {} on a side", name_of(image), kMaxSide)}; }
 
 // By libpng itself: VTK's reader ends the program where a file in memory is cut short.
 Result<Texels> decode_png(const LookImage& image) {
@@ -89,7 +94,7 @@ Result<Texels> decode_image(const LookImage& image) {
   if (image.bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return tl::unexpected(too_large(image));
   if (image.bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(image);
   if (image.bytes.starts_with("\xFF\xD8\xFF")) return decode_jpeg(image);
-  return fail("texture {}: is neither PNG nor JPEG", image.name);
+  return fail("texture {}: is neither PNG nor JPEG", name_of(image));
 }
 
 Texels resize_image(const Texels& image, int width, int height) {

@@ -16,7 +16,7 @@ struct Texels {
   std::vector<std::uint8_t> rgba;
 };
 
-// PNG and JPEG. Error: one line that names the image: neither of them, broken, or larger than 16,384 on a side. RT: set-up only.
+// PNG and JPEG. Error: one line that names the image: neither of them, broken, or larger than 8,192 on a side. RT: set-up only.
 Result<Texels> decode_image(const LookImage& image);
 
 // The same picture in another size: the mean where it shrinks, linear between texels where it grows. Pre: both sizes positive.

@@ -97,8 +97,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--screenshot-when", when, "contact, exit or SECONDS after the start; at the exit at the latest")
       ->check(accepts(ScreenshotMoment::parse))
       ->capture_default_str();
-  app.add_option("--bench-frames", options.bench_frames,
-                 "Draw so many pictures as fast as possible with turning dials, print the rate, end")
+  app.add_option(
+         "--bench-frames", options.bench_frames,
+         "Draw so many pictures as fast as possible with turning dials, print the rate, the first picture's time and motion to photon, end")
       ->check(between(0, 1'000'000));
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;

@@ -29,6 +29,19 @@ inline void require_touchable(const TriangleMesh& mesh) {
   require(report.describe().find('\n') == std::string::npos);
 }
 
+// As many looks as triangles, if any; every index in range and every place in a texture finite.
+inline void require_sound(const MeshLook& look, std::size_t triangles) {
+  require(look.triangles.empty() || look.triangles.size() == triangles);
+  for (const LookMaterial& material : look.materials) {
+    require(!material.image || *material.image < look.images.size());
+    require(!material.colour || (material.colour->array() >= 0.0F && material.colour->array() <= 1.0F).all());
+  }
+  for (const TriangleLook& triangle : look.triangles) {
+    require(triangle.material == TriangleLook::kNoMaterial || triangle.material < look.materials.size());
+    for (const CornerLook& corner : triangle.corners) require(corner.texcoord.allFinite());
+  }
+}
+
 // What every reader promises: one line that says what is wrong, or a mesh with every coordinate finite and every index in range.
 inline void require_sound(Result<RawMesh> raw) {
   if (!raw) {
@@ -37,6 +50,8 @@ inline void require_sound(Result<RawMesh> raw) {
     return;
   }
   require_sound(raw->mesh);
+  raw->end_look();
+  require_sound(raw->look, raw->mesh.triangles.size());
   std::size_t next = 0;
   for (const MeshPart& part : raw->parts) {
     require(part.first_triangle == next);

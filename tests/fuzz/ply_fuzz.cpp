@@ -1,4 +1,6 @@
 // Any bytes as a PLY file.
 #include "tests/fuzz/mesh_target.h"
 
-FUZZ_TARGET(ply) { hapton::fuzz::require_sound(hapton::read_ply(hapton::fuzz::text_of(bytes))); }
+FUZZ_TARGET(ply) {
+  hapton::fuzz::require_sound(hapton::read_ply(hapton::fuzz::text_of(bytes), hapton::fuzz::kNoFolder, hapton::LookReading::on));
+}

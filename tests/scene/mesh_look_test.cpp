@@ -34,6 +34,13 @@ class MeshLooks : public ::testing::Test {
   ScratchFolder folder_;
 };
 
+TEST(MeshLook, TurnsPlacesInATextureUpsideDown) {
+  EXPECT_EQ(texcoord_of(0.25, 0.75), Eigen::Vector2f(0.25F, 0.25F));
+  EXPECT_EQ(texcoord_of(-3.0, 2.0), Eigen::Vector2f(-3.0F, -1.0F));
+  EXPECT_EQ(texcoord_of(NAN, 0.5), Eigen::Vector2f(0.0F, 0.0F));
+  EXPECT_EQ(texcoord_of(0.5, 1e300), Eigen::Vector2f(0.0F, 0.0F));
+}
+
 TEST(MeshLook, TurnsLinearLightIntoSrgb) {
   EXPECT_EQ(to_srgb(0.0), 0.0F);
   EXPECT_EQ(to_srgb(1.0), 1.0F);

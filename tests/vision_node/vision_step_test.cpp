@@ -53,6 +53,21 @@ class VisionStepTest : public testing::Test {
   VisionStep::Screen where_;
 };
 
+TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
+  VisionStep step(settings());
+  step.joined();
+  ProbeState state = state_at(0.0, 1);
+  state.status = ProbeStatus::no_haptics;
+  step.hear(state);
+  step.set_preparing(2.0);
+  EXPECT_NE(step.compose(0).hud.find("prepares the scene, 2 s"), std::string::npos);
+  step.lost();
+  step.joined();
+  step.hear(state);
+  step.spoil();
+  EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
+}
+
 TEST_F(VisionStepTest, ATurnedKnobIsDrawnAndSentAndAStillOneIsNot) {
   VisionStep step(settings());
   step.joined();
