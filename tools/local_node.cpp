@@ -82,22 +82,12 @@ std::string LocalNode::last_line() const {
 
 Result<void> LocalNode::failed(int code) const { return fail("{} ended with {}: {}", name_, code, last_line()); }
 
-Result<void> LocalVision::start(const std::filesystem::path& folder, std::vector<std::string> arguments) {
-  if (std::getenv("DISPLAY") == nullptr) {
-    if (const auto shown = start_display(folder); !shown) {
-      return shown;
-    }
-  }
-  arguments.push_back("--offscreen");
-  auto started = LocalNode::start(folder, "vision_node", find_own_folder() / "vision_node", std::move(arguments));
-  if (!started) {
-    return tl::unexpected(started.error());
-  }
-  node_.emplace(std::move(*started));
-  return {};
+LocalDisplay::~LocalDisplay() {
+  if (server_) ::unsetenv("DISPLAY");
 }
 
-Result<void> LocalVision::start_display(const std::filesystem::path& folder) {
+Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {
+  if (std::getenv("DISPLAY") != nullptr) return {};
   auto started =
       LocalNode::start(folder, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
   if (!started) {
@@ -107,7 +97,20 @@ Result<void> LocalVision::start_display(const std::filesystem::path& folder) {
     return ready;
   }
   ::setenv("DISPLAY", (":" + started->last_line()).c_str(), 1);
-  display_.emplace(std::move(*started));
+  server_.emplace(std::move(*started));
+  return {};
+}
+
+Result<void> LocalVision::start(const std::filesystem::path& folder, std::vector<std::string> arguments) {
+  if (const auto shown = display_.start_if_none(folder); !shown) {
+    return shown;
+  }
+  arguments.push_back("--offscreen");
+  auto started = LocalNode::start(folder, "vision_node", find_own_folder() / "vision_node", std::move(arguments));
+  if (!started) {
+    return tl::unexpected(started.error());
+  }
+  node_.emplace(std::move(*started));
   return {};
 }
 

@@ -34,6 +34,9 @@ class LocalNode {
 
   Result<void> stop();
 
+  // Ends it at once, as a crash would.
+  void kill() { process_.kill(); }
+
   const std::string& name() const { return name_; }
   pid_t pid() const { return process_.pid(); }
   std::string last_line() const;
@@ -48,6 +51,22 @@ class LocalNode {
   ChildProcess process_;
 };
 
+// A virtual display, for what draws unseen where there is no other. While it lives, DISPLAY names it.
+// RT: set-up only. Error: as LocalNode. Threads: one.
+class LocalDisplay {
+ public:
+  LocalDisplay() = default;
+  ~LocalDisplay();
+  LocalDisplay(const LocalDisplay&) = delete;
+  LocalDisplay& operator=(const LocalDisplay&) = delete;
+
+  // Nothing is started where there is a display.
+  Result<void> start_if_none(const std::filesystem::path& folder);
+
+ private:
+  std::optional<LocalNode> server_;
+};
+
 // A vision node that draws unseen, and the virtual display that it draws on where there is no other.
 // RT: set-up only. Error: as LocalNode. Threads: one.
 class LocalVision {
@@ -59,9 +78,7 @@ class LocalVision {
   LocalNode& node() { return *node_; }
 
  private:
-  Result<void> start_display(const std::filesystem::path& folder);
-
-  std::optional<LocalNode> display_;
+  LocalDisplay display_;
   std::optional<LocalNode> node_;
 };
 
