@@ -42,11 +42,12 @@ Result<LocalNode> LocalNode::start(const std::filesystem::path& folder, const st
   return LocalNode(name, log, std::move(*process));
 }
 
-Result<void> LocalNode::wait_for(const std::string& text) {
+template <class Holds>
+Result<void> LocalNode::wait_until(Holds&& holds_of_log) {
   constexpr double kLookSeconds = 0.05;
   for (double waited = 0.0; waited < kLoadSeconds; waited += kLookSeconds) {
     const auto code = process_.wait(kLookSeconds);
-    if (read_text(log_).find(text) != std::string::npos) {
+    if (holds_of_log(read_text(log_))) {
       return {};
     }
     if (code) {
@@ -54,6 +55,23 @@ Result<void> LocalNode::wait_for(const std::string& text) {
     }
   }
   return fail("{} was not ready after {} s; see {}", name_, kLoadSeconds, log_.string());
+}
+
+Result<void> LocalNode::wait_for(const std::string& text) {
+  return wait_until([&](const std::string& log) { return log.find(text) != std::string::npos; });
+}
+
+Result<std::string> LocalNode::wait_for_number() {
+  std::string number;
+  const auto found = wait_until([&](const std::string& log) {
+    std::istringstream lines(log);
+    // A line that is not at its end yet has no end of line.
+    while (std::getline(lines, number) && !lines.eof()) {
+      if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return true;
+    }
+    return false;
+  });
+  return found ? Result<std::string>(number) : tl::unexpected(found.error());
 }
 
 Result<void> LocalNode::wait_for_end(double seconds) {
@@ -93,10 +111,12 @@ Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {
   if (!started) {
     return tl::unexpected(started.error());
   }
-  if (const auto ready = started->wait_for("\n"); !ready) {
-    return ready;
+  // Amid what else it says.
+  const auto number = started->wait_for_number();
+  if (!number) {
+    return tl::unexpected(number.error());
   }
-  ::setenv("DISPLAY", (":" + started->last_line()).c_str(), 1);
+  ::setenv("DISPLAY", (":" + *number).c_str(), 1);
   server_.emplace(std::move(*started));
   return {};
 }

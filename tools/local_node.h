@@ -26,6 +26,9 @@ class LocalNode {
   // Until the text stands in its log.
   Result<void> wait_for(const std::string& text);
 
+  // Until its log has a line that is a whole number and nothing else; gives that line.
+  Result<std::string> wait_for_number();
+
   // To its end, which is due after that time.
   Result<void> wait_for_end(double seconds);
 
@@ -44,6 +47,8 @@ class LocalNode {
  private:
   LocalNode(std::string name, std::filesystem::path log, ChildProcess process);
 
+  template <class Holds>
+  Result<void> wait_until(Holds&& holds_of_log);
   Result<void> failed(int code) const;
 
   std::string name_;

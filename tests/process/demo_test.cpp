@@ -37,7 +37,7 @@ TEST(Demo, RefusesWhatItCannotDoInALine) {
                         {{"--only", "0"}, 2, "--only"},
                         {{"--only", "2", "--seconds", "0.1"}, 2, "--seconds"},
                         {{"--headles"}, 2, "did you mean '--headless'?"},
-                        {{"--headless", "--out", "/proc/nothing/there"}, 2, "--out"},
+                        {{"--headless", "--out", "/dev/null/there"}, 2, "--out"},
                         {{"1"}, 2, "1"},
                         {{}, 1, "--headless"}}) {
     std::vector<std::string> words = {"demo"};
@@ -59,8 +59,8 @@ class DemoStep : public ::testing::TestWithParam<std::pair<std::string, std::str
 TEST_P(DemoStep, ShowsWhatItPromisesAndLeavesAPictureAndALine) {
   const TestFolder folder;
   const auto& [number, name] = GetParam();
-  const auto ended =
-      run("hapton", {"demo", "--headless", "--only", number, "--seconds", "4", "--out", "tour"}, folder.path(), 4 * kPatience);
+  const auto ended = run("hapton", {"demo", "--headless", "--only", number, "--seconds", "4", "--out", (folder.path() / "tour").string()},
+                         folder.path(), 4 * kPatience);
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
   EXPECT_THAT(ended->out, AllOf(HasSubstr(number + " "), HasSubstr(": shown; in contact ")));
@@ -75,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(Tour, DemoStep,
 
 TEST(Demo, StoppedByASignalEndsItsNodesAndSaysSo) {
   const TestFolder folder;
-  Program tour("hapton", {"demo", "--headless", "--only", "2", "--seconds", "300", "--out", "tour"}, folder.path());
+  Program tour("hapton", {"demo", "--headless", "--only", "2", "--seconds", "300", "--out", (folder.path() / "tour").string()},
+               folder.path());
   const auto has_hub = [&] {
     return read_text(folder.path() / "tour/2-slide-in-a-groove/io_node.log").find("hub on ") != std::string::npos;
   };

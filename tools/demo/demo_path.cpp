@@ -1,6 +1,6 @@
 #include "tools/demo/demo_path.h"
 
-#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -63,26 +63,30 @@ Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
 HandPath make_groove_path() {
   constexpr double kReachM = 0.075;
   constexpr double kThereS = 4.0;
-  const double bottom_m = -demo_groove::kDepthM - 1.25 * kPressM;
+  const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
   HandPath path;
-  add(path, 0.0, Vec3(0.0, 0.0, kFrontM));
+  add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kFrontM));
   add(path, kComeS, Vec3(0.0, 0.0, bottom_m));
   for (double t = kRowS; t < 4.0 * kThereS; t += kRowS) {
     add(path, kRowS, Vec3(kReachM * std::sin(kTurn * t / (2.0 * kThereS)), 0.0, bottom_m));
   }
-  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, kFrontM));
+  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, demo_groove::kFrontM + kFrontM));
   return path;
 }
 
 HandPath make_tap_path() {
-  constexpr double kTapHz = 2.0;
+  constexpr double kTapS = 0.5;
+  constexpr double kHoldS = 0.7;
+  constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
+  constexpr int kRounds = 4;
   constexpr double kMiddleM = 0.0275;
   constexpr double kSwingM = 0.0425;  // 15 mm behind the wall: 4 N
-  constexpr int kTaps = 16;
   HandPath path;
-  for (double t = 0.0; t < kTaps / kTapHz; t += kRowS) {
-    const double across = kTurn * t * kTapHz / kTaps;
-    add(path, kRowS, Vec3(0.03 * std::sin(across), 0.02 * std::sin(2.0 * across), kMiddleM + kSwingM * std::cos(kTurn * kTapHz * t)));
+  for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
+    const double in_round = std::fmod(t, kRoundS);
+    const double of_tap = in_round - std::clamp(in_round - 3.5 * kTapS, 0.0, kHoldS);
+    const double across = kTurn * t / (kRounds * kRoundS);
+    add(path, kRowS, Vec3(0.03 * std::sin(across), 0.02 * std::sin(2.0 * across), kMiddleM + kSwingM * std::cos(kTurn * of_tap / kTapS)));
   }
   return path;
 }
@@ -94,8 +98,8 @@ HandPath make_arc_path(double radius_m) {
   add(path, 0.0, Vec3(0.0, 0.0, radius_m + kFrontM));
   add(path, kComeS, Vec3(0.0, 0.0, inside_m));
   for (double t = kRowS; t < 2.0 * kArcS; t += kRowS) {
-    const double yaw = 0.7 * std::sin(kTurn * t / kArcS);
-    const double pitch = 0.4 * std::sin(2.0 * kTurn * t / kArcS);
+    const double yaw = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTurn * t / kArcS);
+    const double pitch = 0.3 * std::sin(2.0 * kTurn * t / kArcS);
     add(path, kRowS, inside_m * Vec3(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)));
   }
   add(path, 0.5 * kComeS, Vec3(0.0, 0.0, radius_m + kFrontM));

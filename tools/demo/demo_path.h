@@ -22,7 +22,8 @@ Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
 // Presses into the groove and goes straight to and fro along the middle of its bends.
 HandPath make_groove_path();
 
-// Taps at the wall, in front of it to behind it, farther between two samples of 1 kHz than it is thick.
+// Taps at the wall, from in front of it to behind it, farther between two samples of 1 kHz than it is thick; each fourth tap stays behind
+// it.
 HandPath make_tap_path();
 
 // Presses and draws arcs over the front of a ball around the origin.

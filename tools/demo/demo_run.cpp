@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kPictureS = 120.0;  // for the largest mesh on a machine with other work to do
 constexpr double kKillShare = 0.6;   // of a step by script: the hand has come to rest by then
+constexpr double kSilentS = 1.0;     // after that the picture is taken
 constexpr double kKillAfterS = 5.0;  // in a window, again and again
 constexpr double kRestartAfterS = 8.0;
 constexpr double kKillEveryS = 12.0;
@@ -75,19 +76,20 @@ Result<void> wait_for_picture(DemoSystem& system, const StopSignal& stop, const 
 }
 
 // The picture is of the contact.
-Result<void> play(DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
-  if (const auto started = system.start_vision(); !started) return started;
+Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
+  if (const auto started = system.start_vision(step); !started) return started;
   if (const auto waited = wait_for(system, stop, seconds); !waited) return waited;
   return wait_for_picture(system, stop, picture);
 }
 
-// The picture is of what one sees without the haptics node.
-Result<void> play_death(DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture,
-                        DemoEvidence& evidence) {
+// The picture is of what one sees without the haptics node. The vision node is there before: a new one may have turned the scene, and then
+// the contact is not resumed.
+Result<void> play_death(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds,
+                        const std::filesystem::path& picture, DemoEvidence& evidence) {
+  if (const auto started = system.start_vision(step); !started) return started;
   if (const auto waited = wait_for(system, stop, kKillShare * seconds); !waited) return waited;
   evidence.killed_ns = Stopwatch::now_ns();
   system.kill_haptics();
-  if (const auto started = system.start_vision(); !started) return started;
   if (const auto waited = wait_for_picture(system, stop, picture); !waited) return waited;
   evidence.restarted_ns = Stopwatch::now_ns();
   if (const auto started = system.start_haptics(); !started) return started;
@@ -111,16 +113,18 @@ Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settin
   std::error_code error;
   std::filesystem::remove(outcome.picture, error);
   const bool dies = step.event == DemoStep::Event::haptics_dies;
+  const double seconds = settings.seconds.value_or(kDemoSeconds);
+  const std::string moment = dies ? fmt::format("{}", kKillShare * seconds + kSilentS) : step.picture_at;
   DemoSystem system({.out = *out,
                      .scratch = scratch->path(),
                      .cpu = settings.cpu,
                      .records = true,
-                     .vision = {"--offscreen", "--size", "960x540", "--no-keys-help", "--screenshot", outcome.picture.string(),
-                                "--screenshot-when", dies ? "1" : "contact"}});
+                     .vision = {"--offscreen", "--size", "848x480", "--no-keys-help", "--screenshot", outcome.picture.string(),
+                                "--screenshot-when", moment}});
   if (const auto started = system.start(step); !started) return tl::unexpected(started.error());
   DemoEvidence evidence;
-  const double seconds = settings.seconds.value_or(kDemoSeconds);
-  const auto played = dies ? play_death(system, stop, seconds, outcome.picture, evidence) : play(system, stop, seconds, outcome.picture);
+  const auto played =
+      dies ? play_death(step, system, stop, seconds, outcome.picture, evidence) : play(step, system, stop, seconds, outcome.picture);
   if (!played) return tl::unexpected(played.error());
   if (const auto ended = system.stop(); !ended) return tl::unexpected(ended.error());
   auto motion = read_demo_motion(system.recording());
@@ -146,7 +150,7 @@ Result<DemoWish> watch_demo_step(std::size_t number, const DemoSettings& setting
   if (!scratch) return tl::unexpected(scratch.error());
   DemoSystem system({.out = scratch->path(), .scratch = scratch->path(), .cpu = settings.cpu, .records = false, .vision = {}});
   if (const auto started = system.start(step); !started) return tl::unexpected(started.error());
-  if (const auto started = system.start_vision(); !started) return tl::unexpected(started.error());
+  if (const auto started = system.start_vision(step); !started) return tl::unexpected(started.error());
   std::optional<DemoWish> wish;
   Stopwatch since_event;
   bool is_dead = false;

@@ -15,9 +15,11 @@ struct DemoStep {
   enum class Event : std::uint8_t { none, haptics_dies };
 
   std::string_view name;
-  std::string_view look;                // one or two lines: what to look at
-  std::string_view scene;               // empty: a mesh made for it
-  std::vector<std::string> relay = {};  // flags of `hapton relay` between the hub and the haptics node; empty: none
+  std::string_view look;                 // one or two lines: what to look at
+  std::string_view scene;                // empty: a mesh made for it
+  std::vector<std::string> relay = {};   // flags of `hapton relay` between the hub and the haptics node; empty: none
+  std::vector<std::string> vision = {};  // flags of its vision node
+  std::string picture_at = "contact";    // when the picture of a run by script is taken, as vision_node --screenshot-when
   Event event = Event::none;
   Result<HandPath> (*make_path)(const Scene& scene) = nullptr;
   DemoVerdict (*judge)(const DemoEvidence& evidence) = nullptr;

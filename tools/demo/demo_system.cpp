@@ -16,7 +16,7 @@ constexpr const char* kRateHz = "1000";
 
 // The mesh that is too large to be shipped, with a scene file around it.
 Result<std::filesystem::path> write_heavy_scene(const std::filesystem::path& folder) {
-  const auto mesh = make_bumpy_sphere(demo_heavy::kRadiusM, demo_heavy::kRelativeHeight, demo_heavy::kTriangles, 1);
+  const auto mesh = make_rough_sphere(demo_heavy::kRadiusM, demo_heavy::kCurvatureM, demo_heavy::kWaveM, demo_heavy::kTriangles, 1);
   if (const auto written = write_ply(folder / "heavy.ply", mesh); !written) return tl::unexpected(written.error());
   const auto scene = folder / "heavy.toml";
   const auto written =
@@ -82,8 +82,9 @@ Result<void> DemoSystem::start_relay(const DemoStep& step) {
 }
 
 Result<void> DemoSystem::start_haptics() {
-  auto haptics = LocalNode::start(settings_.out, "haptics_node", find_own_folder() / "haptics_node",
-                                  {"--hub", nodes_hub_, "--scene", scene_.string(), "--cpu", fmt::format("{}", settings_.cpu)});
+  auto haptics =
+      LocalNode::start(settings_.out, "haptics_node", find_own_folder() / "haptics_node",
+                       {"--hub", nodes_hub_, "--scene", scene_.string(), "--build-at-once", "--cpu", fmt::format("{}", settings_.cpu)});
   if (!haptics) return tl::unexpected(haptics.error());
   haptics_.emplace(std::move(*haptics));
   return haptics_->wait_for("ready");
@@ -91,13 +92,15 @@ Result<void> DemoSystem::start_haptics() {
 
 Result<void> DemoSystem::start(const DemoStep& step) {
   if (const auto prepared = prepare(step); !prepared) return prepared;
-  if (const auto started = start_hub(); !started) return started;
   if (const auto started = step.relay.empty() ? Result<void>() : start_relay(step); !started) return started;
-  return start_haptics();
+  // The hand sets out when there is somebody to hold it back.
+  if (const auto started = start_haptics(); !started) return started;
+  return start_hub();
 }
 
-Result<void> DemoSystem::start_vision() {
+Result<void> DemoSystem::start_vision(const DemoStep& step) {
   std::vector<std::string> words = {"--hub", hub_, "--scene", scene_.string()};
+  words.insert(words.end(), step.vision.begin(), step.vision.end());
   words.insert(words.end(), settings_.vision.begin(), settings_.vision.end());
   auto vision = LocalNode::start(settings_.out, "vision_node", find_own_folder() / "vision_node", std::move(words));
   if (!vision) return tl::unexpected(vision.error());

@@ -27,9 +27,9 @@ class DemoSystem {
 
   explicit DemoSystem(Settings settings) : settings_(std::move(settings)) {}
 
-  // All but the vision node, as soon as the haptics node is ready.
+  // All but the vision node; the hub last, when the haptics node is ready.
   Result<void> start(const DemoStep& step);
-  Result<void> start_vision();
+  Result<void> start_vision(const DemoStep& step);
 
   // As a crash would.
   void kill_haptics();

@@ -101,10 +101,11 @@ DemoVerdict judge_wall(const DemoEvidence& evidence) {
   for (const DemoStepSeen& step : evidence.motion.steps) {
     const bool is_over = step.p_WD.head<2>().cwiseAbs().maxCoeff() < kHalfSideM;
     if (is_over) {
-      behind = std::max(behind, -step.p_WD.z());
-      probe_behind = std::max(probe_behind, -step.p_WP.z());
+      behind = std::max(behind, kFrontM - step.p_WD.z());
+      probe_behind = std::max(probe_behind, kFrontM - step.p_WP.z());
       // The step that took it through the wall, or near it.
-      if (last != nullptr && last->p_WD.z() >= 0.0 && step.p_WD.z() < 0.0) longest = std::max(longest, last->p_WD.z() - step.p_WD.z());
+      if (last != nullptr && last->p_WD.z() >= kFrontM && step.p_WD.z() < kFrontM)
+        longest = std::max(longest, last->p_WD.z() - step.p_WD.z());
     }
     last = &step;
   }
@@ -129,8 +130,8 @@ DemoVerdict judge_network(const DemoEvidence& evidence, double least_round_trip_
   const double round_trip_ms = 1e-3 * hop_us(evidence.report, "round_trip", "p50_us");
   const double faults = number(evidence.report, "counters", "faults_latched");
   return make_verdict(contact, contact.is_mostly() && round_trip_ms >= least_round_trip_ms && faults == 0.0,
-                      fmt::format("; round trip {:.1f} ms (p50), {:.0f} forces lost, {:.0f} faults", round_trip_ms,
-                                  number(evidence.report, "counters", "lost"), faults));
+                      fmt::format("; round trip {:.1f} ms (p50), {:.0f} cycles damped, {:.0f} faults", round_trip_ms,
+                                  number(evidence.report, "counters", "energy_damped"), faults));
 }
 
 DemoVerdict judge_death(const DemoEvidence& evidence) {

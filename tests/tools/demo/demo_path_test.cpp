@@ -23,7 +23,7 @@ TEST(DemoShapes, AreThoseOfTheMeshes) {
   for (const Vec3& v : groove.vertices) {
     const double aside = std::abs(v.y() - centre_m(v.x()));
     if (aside < 1e-9) {
-      EXPECT_NEAR(v.z(), -kDepthM, 1e-9);
+      EXPECT_NEAR(v.z(), kFrontM - kDepthM, 1e-9);
       ++in_groove;
     } else {
       EXPECT_GT(aside, kHalfWidthM - 1e-9) << "only the bottom line lies between the rims";
@@ -33,15 +33,15 @@ TEST(DemoShapes, AreThoseOfTheMeshes) {
   const TriangleMesh wall = *scene_of("thin_wall").objects.at(0).mesh;
   for (const Vec3& v : wall.vertices) {
     EXPECT_NEAR(v.head<2>().cwiseAbs().minCoeff(), demo_wall::kHalfSideM, 1e-12);
-    EXPECT_NEAR(std::min(std::abs(v.z()), std::abs(v.z() + demo_wall::kThicknessM)), 0.0, 1e-12);
+    EXPECT_NEAR(std::abs(v.z()), demo_wall::kFrontM, 1e-12);
   }
 }
 
 TEST(DemoPath, FindsTheForemostPoint) {
   const auto in_groove = find_front(scene_of("groove"), 0.0, 0.0);
   ASSERT_TRUE(in_groove);
-  EXPECT_NEAR(in_groove->z(), -demo_groove::kDepthM, 1e-9);
-  EXPECT_NEAR(find_front(scene_of("groove"), 0.01, 0.05)->z(), 0.0, 1e-12);
+  EXPECT_NEAR(in_groove->z(), demo_groove::kFrontM - demo_groove::kDepthM, 1e-9);
+  EXPECT_NEAR(find_front(scene_of("groove"), 0.01, 0.05)->z(), demo_groove::kFrontM, 1e-12);
   EXPECT_FALSE(find_front(scene_of("groove"), 0.5, 0.0));
   EXPECT_FALSE(make_rest_path(scene_of("groove"), 0.5, 0.0, 1.0)) << "nothing is there";
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
 #include "scene/find_scene.h"
@@ -22,7 +23,8 @@ TEST(DemoStep, SaysInALineOrTwoWhatToLookAt) {
     EXPECT_EQ(demo_file_name(number).find(' '), std::string::npos);
     EXPECT_NE(step.make_path, nullptr);
     EXPECT_NE(step.judge, nullptr);
-    if (!step.scene.empty()) EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(HAPTON_SOURCE_DIR) / step.scene)) << step.scene;
+    // A mesh made for the step has no file.
+    EXPECT_TRUE(step.scene.empty() || std::filesystem::exists(std::filesystem::path(HAPTON_SOURCE_DIR) / step.scene)) << step.scene;
   }
 }
 

@@ -53,8 +53,9 @@ TEST(DemoVerdict, TheGrooveLeadsTheProbeAlongItsBends) {
 
 DemoEvidence tap(double step_m, double probe_behind_m) {
   std::vector<DemoStepSeen> steps;
-  for (double z = 2.5 * step_m; z > 0.0; z -= step_m) steps.push_back(free_step(Vec3(0, 0, z)));
-  for (int i = 0; i < 20; ++i) steps.push_back(touch(Vec3(0, 0, -probe_behind_m), 0.003));
+  for (double before_m = 2.5 * step_m; before_m > 0.0; before_m -= step_m)
+    steps.push_back(free_step(Vec3(0, 0, demo_wall::kFrontM + before_m)));
+  for (int i = 0; i < 20; ++i) steps.push_back(touch(Vec3(0, 0, demo_wall::kFrontM - probe_behind_m), 0.003));
   return evidence_of(steps);
 }
 
@@ -63,7 +64,7 @@ TEST(DemoVerdict, TheProbeNeverComesBehindTheWall) {
   EXPECT_FALSE(judge_wall(tap(0.0004, demo_wall::kThicknessM)).held) << "fallen through";
   DemoEvidence slow = tap(0.00005, 0.0);
   for (DemoStepSeen& step : slow.motion.steps) {
-    if (step.contact) step.p_WD.z() = -0.00001;
+    if (step.contact) step.p_WD.z() = demo_wall::kFrontM - 0.00001;
   }
   EXPECT_FALSE(judge_wall(slow).held) << "no step longer than the wall is thick";
 }
