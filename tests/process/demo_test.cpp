@@ -73,6 +73,17 @@ INSTANTIATE_TEST_SUITE_P(Tour, DemoStep,
                          ::testing::Values(std::pair("2", "slide-in-a-groove"), std::pair("3", "a-wall-thinner-than-a-step"),
                                            std::pair("6", "a-node-dies")));
 
+// Without a terminal to press keys in, by the clock.
+TEST(Demo, RunsInAWindowByTheClock) {
+  const TestFolder folder;
+  const VirtualDisplay display;
+  Program tour("hapton", {"demo", "--only", "3", "--seconds", "4"}, folder.path(), display.name());
+  const auto ended = tour.wait(4 * kPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->err;
+  EXPECT_THAT(ended->out, HasSubstr("3  a wall thinner than a step\nThe wall is 0.1 mm thick"));
+}
+
 TEST(Demo, StoppedByASignalEndsItsNodesAndSaysSo) {
   const TestFolder folder;
   Program tour("hapton", {"demo", "--headless", "--only", "2", "--seconds", "300", "--out", (folder.path() / "tour").string()},

@@ -22,9 +22,9 @@ Result<HandPath> over_the_ball(const Scene&) { return make_arc_path(demo_heavy::
 std::span<const DemoStep> demo_steps() {
   static const std::vector<DemoStep> kSteps = {
       {.name = "rest on the car",
-       .look = "The hand presses into the sheet metal, and the probe (the ball) stays on it: the small cross behind it is where the device "
-               "is.\n"
-               "The arrow is the force. Lead the hand yourself with the left mouse button; right drag looks round.",
+       .look =
+           "The hand presses into the sheet metal, and the tip stays on it: the red dot is the device. A ring of the arrow is a newton.\n"
+           "Lead the hand yourself with the left mouse button; the wheel presses, right drag looks round.",
        .scene = "scenes/car_front.toml",
        .make_path = rest_on_the_bonnet,
        .judge = judge_rest},
