@@ -84,22 +84,26 @@ TEST(Demo, RunsInAWindowByTheClock) {
   EXPECT_THAT(ended->out, HasSubstr("3  a wall thinner than a step\nThe wall is 0.1 mm thick"));
 }
 
-TEST(Demo, StoppedByASignalEndsItsNodesAndSaysSo) {
+// Ctrl-C, an end by a service, a terminal that is closed.
+class DemoStop : public ::testing::TestWithParam<int> {};
+
+TEST_P(DemoStop, EndsItsNodesAndSaysSo) {
   const TestFolder folder;
+  const std::filesystem::path out = folder.path() / "tour" / "2-slide-in-a-groove";
   Program tour("hapton", {"demo", "--headless", "--only", "2", "--seconds", "300", "--out", (folder.path() / "tour").string()},
                folder.path());
-  const auto has_hub = [&] {
-    return read_text(folder.path() / "tour/2-slide-in-a-groove/io_node.log").find("hub on ") != std::string::npos;
-  };
+  const auto has_hub = [&] { return read_text(out / "io_node.log").find("hub on ") != std::string::npos; };
   for (int i = 0; i < 600 && !has_hub() && tour.is_running(); ++i) (void)tour.wait(Seconds(0.05));
-  ASSERT_TRUE(has_hub()) << tour.err();
-  tour.send_signal(SIGTERM);
+  EXPECT_TRUE(has_hub()) << tour.err();
+  tour.send_signal(GetParam());
   const auto ended = tour.wait(2 * kPatience);
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_EQ(ended->exit_code, 1);
   EXPECT_THAT(ended->err, HasSubstr("stopped"));
-  EXPECT_FALSE(read_text(folder.path() / "tour/2-slide-in-a-groove/report.json").empty()) << "io_node ended in order";
+  EXPECT_FALSE(read_text(out / "report.json").empty()) << "io_node ended in order";
 }
+
+INSTANTIATE_TEST_SUITE_P(Signals, DemoStop, ::testing::Values(SIGINT, SIGTERM, SIGHUP));
 
 #endif
 

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -99,11 +100,17 @@ Result<bool> run_in_window(const DemoOptions& options, const DemoSettings& setti
   return true;
 }
 
+// The terminal of a menu entry is closed: that is a request to stop, as Ctrl-C is, so that nothing stays behind.
+void stop_at_hangup() {
+  std::signal(SIGHUP, [](int) { std::raise(SIGTERM); });
+}
+
 int run(const DemoOptions& options) {
   if (options.list) {
     list_steps();
     return 0;
   }
+  stop_at_hangup();
   const DemoSettings settings{.out = options.out, .seconds = options.seconds, .cpu = find_shared_cpu()};
   Result<bool> shown = false;
   if (const auto there = check_programs(); !there) {
