@@ -40,6 +40,7 @@ std::string to_text(const MeshFlaws& flaws) {
   for (const auto& [count, name] : counts) {
     if (count > 0) text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", name, count);
   }
+  if (flaws.borders.has_given_up) text += ", not all cracks looked for";
   return (t.is_closed() ? "closed" : "not closed") + text;
 }
 

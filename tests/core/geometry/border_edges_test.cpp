@@ -124,7 +124,7 @@ TEST(BorderEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
   EXPECT_LT(some.work, 21 * 3 * soup.triangles.size());
   EXPECT_EQ(some.open + some.cracks, all.open + all.cracks) << "what was not looked at counts as open";
   EXPECT_LE(some.cracks, all.cracks);
-  EXPECT_FALSE(count_border_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMostBorderWork / 4).has_given_up)
+  EXPECT_FALSE(count_border_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMostBorderWork / 2).has_given_up)
       << "of a surface, far from it";
 }
 
