@@ -73,6 +73,31 @@ INSTANTIATE_TEST_SUITE_P(Tour, DemoStep,
                          ::testing::Values(std::pair("2", "slide-in-a-groove"), std::pair("3", "a-wall-thinner-than-a-step"),
                                            std::pair("6", "a-node-dies")));
 
+// A haptics node that says it is ready and answers nothing.
+TEST(Demo, StepThatDoesNotShowWhatItPromisesIsToldAndCounts) {
+  const TestFolder folder;
+  const std::filesystem::path bin = folder.path() / "bin";
+  std::filesystem::create_directories(bin);
+  // A copy: it looks for the others beside itself.
+  std::filesystem::copy(HAPTON_BIN_DIR "/hapton", bin / "hapton");
+  for (const char* name : {"io_node", "vision_node", "hapton_watchdog"}) {
+    std::filesystem::create_symlink(std::filesystem::path(HAPTON_BIN_DIR) / name, bin / name);
+  }
+  std::ofstream(bin / "haptics_node") << "#!/bin/sh\ntrap 'exit 0' TERM\necho ready\nwhile :; do sleep 0.1; done\n";
+  std::filesystem::permissions(bin / "haptics_node", std::filesystem::perms::owner_all);
+  std::filesystem::create_directories(folder.path() / "share" / "hapton");
+  for (const char* name : {"scenes", "meshes"}) {
+    std::filesystem::create_directory_symlink(std::filesystem::path(HAPTON_SOURCE_DIR) / name, folder.path() / "share" / "hapton" / name);
+  }
+  const std::filesystem::path out = folder.path() / "tour";
+  const auto ended = run((bin / "hapton").string(), {"demo", "--headless", "--only", "2", "--seconds", "4", "--out", out.string()},
+                         folder.path(), 4 * kPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 1) << ended->out << ended->err;
+  EXPECT_THAT(ended->out, HasSubstr("2 slide in a groove: NOT SHOWN; touched nothing"));
+  EXPECT_TRUE(is_png(out / "2-slide-in-a-groove.png")) << "of what there is";
+}
+
 // Without a terminal to press keys in, by the clock.
 TEST(Demo, RunsInAWindowByTheClock) {
   const TestFolder folder;

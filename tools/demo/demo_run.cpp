@@ -12,7 +12,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kPictureS = 120.0;  // for the largest mesh on a machine with other work to do
+// Of its seconds, that a step by script waits for its picture: a large mesh, a machine with other work to do.
+constexpr double kPictureShare = 5.0;
 constexpr double kKillShare = 0.6;   // of a step by script: the hand has come to rest by then
 constexpr double kSilentS = 1.0;     // after that the picture is taken
 constexpr double kKillAfterS = 5.0;  // in a window, again and again
@@ -50,36 +51,36 @@ class Stopwatch {
   std::int64_t start_ns_ = now_ns();
 };
 
-// Until it holds. Error: a node has ended, a stop was asked for, the time is over.
+// Until it holds; false: the time was over before. Error: a node has ended, a stop was asked for.
 template <class Condition>
-Result<void> wait_until(DemoSystem& system, const StopSignal& stop, double at_most_s, Condition&& holds) {
+Result<bool> wait_until(DemoSystem& system, const StopSignal& stop, double at_most_s, Condition&& holds) {
   SteadyClock clock;
   for (const Stopwatch watch; !holds();) {
     if (stop.stop_requested()) return fail("stopped");
-    if (const auto running = system.check_running(); !running) return running;
-    if (watch.seconds() > at_most_s) return fail("no picture after {} s; see the logs", at_most_s);
+    if (const auto running = system.check_running(); !running) return tl::unexpected(running.error());
+    if (watch.seconds() > at_most_s) return false;
     clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);
   }
-  return {};
+  return true;
 }
 
-Result<void> wait_for(DemoSystem& system, const StopSignal& stop, double seconds) {
-  const Stopwatch watch;
-  return wait_until(system, stop, 2.0 * seconds + kPictureS, [&] { return watch.seconds() >= seconds; });
+Result<bool> wait_for(DemoSystem& system, const StopSignal& stop, double seconds) {
+  return wait_until(system, stop, seconds, [] { return false; });
 }
 
-Result<void> wait_for_picture(DemoSystem& system, const StopSignal& stop, const std::filesystem::path& picture) {
-  return wait_until(system, stop, kPictureS, [&] {
+Result<bool> wait_for_picture(DemoSystem& system, const StopSignal& stop, double at_most_s, const std::filesystem::path& picture) {
+  return wait_until(system, stop, at_most_s, [&] {
     std::error_code error;
     return std::filesystem::exists(picture, error);
   });
 }
 
-// The picture is of the contact.
+// The picture is of the contact; where none comes, of what there is at the end.
 Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
   if (const auto started = system.start_vision(step); !started) return started;
-  if (const auto waited = wait_for(system, stop, seconds); !waited) return waited;
-  return wait_for_picture(system, stop, picture);
+  if (const auto waited = wait_for(system, stop, seconds); !waited) return tl::unexpected(waited.error());
+  const auto taken = wait_for_picture(system, stop, kPictureShare * seconds, picture);
+  return taken ? Result<void>() : tl::unexpected(taken.error());
 }
 
 // The picture is of what one sees without the haptics node. The vision node is there before: a new one may have turned the scene, and then
@@ -87,13 +88,14 @@ Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& st
 Result<void> play_death(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds,
                         const std::filesystem::path& picture, DemoEvidence& evidence) {
   if (const auto started = system.start_vision(step); !started) return started;
-  if (const auto waited = wait_for(system, stop, kKillShare * seconds); !waited) return waited;
+  if (const auto waited = wait_for(system, stop, kKillShare * seconds); !waited) return tl::unexpected(waited.error());
   evidence.killed_ns = Stopwatch::now_ns();
   system.kill_haptics();
-  if (const auto waited = wait_for_picture(system, stop, picture); !waited) return waited;
+  if (const auto taken = wait_for_picture(system, stop, kPictureShare * seconds, picture); !taken) return tl::unexpected(taken.error());
   evidence.restarted_ns = Stopwatch::now_ns();
   if (const auto started = system.start_haptics(); !started) return started;
-  return wait_for(system, stop, (1.0 - kKillShare) * seconds);
+  const auto waited = wait_for(system, stop, (1.0 - kKillShare) * seconds);
+  return waited ? Result<void>() : tl::unexpected(waited.error());
 }
 
 Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
@@ -127,6 +129,7 @@ Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settin
       dies ? play_death(step, system, stop, seconds, outcome.picture, evidence) : play(step, system, stop, seconds, outcome.picture);
   if (!played) return tl::unexpected(played.error());
   if (const auto ended = system.stop(); !ended) return tl::unexpected(ended.error());
+  if (!std::filesystem::exists(outcome.picture, error)) return fail("no picture was taken; see {}", (*out / "vision_node.log").string());
   auto motion = read_demo_motion(system.recording());
   auto report = read_report_json(system.report());
   if (!motion || !report) return tl::unexpected(motion ? report.error() : motion.error());

@@ -27,7 +27,7 @@ struct DemoOutcome {
 inline constexpr double kDemoSeconds = 6.0;
 inline constexpr double kLeastDemoSeconds = 4.0;
 
-// One step by script: for so many seconds and until its picture is taken. Pre: there is a display (local_node.h).
+// One step by script: for so many seconds, and some more where its picture is not taken yet. Pre: there is a display (local_node.h).
 // Error: one line: a node that did not start or did not end well, a stop that was asked for. RT: set-up only.
 Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop);
 
