@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-# --- programs, with a manual page each, made of their --help ---
+# --- programs, with a manual page and a bash completion each, made of their --help ---
 
 function(hapton_install_program program component)
   if(NOT TARGET ${program})
@@ -14,6 +14,15 @@ function(hapton_install_program program component)
     execute_process(
       COMMAND \"${CMAKE_SOURCE_DIR}/deploy/man-page\" \"$<TARGET_FILE:${program}>\" ${program} ${PROJECT_VERSION}
               \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\"
+      COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
+  # io_node alone starts it: nobody types its name.
+  if(program STREQUAL hapton_watchdog)
+    return()
+  endif()
+  install(CODE "
+    execute_process(
+      COMMAND \"${CMAKE_SOURCE_DIR}/deploy/completion\" \"$<TARGET_FILE:${program}>\" ${program}
+              \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/bash-completion/completions\"
       COMMAND_ERROR_IS_FATAL ANY)" COMPONENT ${component})
 endfunction()
 hapton_install_program(io_node hapton)
@@ -34,6 +43,9 @@ install(FILES README.md LICENSE NOTICE-third-party.md DESTINATION ${CMAKE_INSTAL
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT hapton)
 install(FILES deploy/etc/io.toml deploy/etc/haptics.toml deploy/etc/devices.toml DESTINATION ${hapton_etc}/hapton COMPONENT hapton)
 install(FILES deploy/etc/vision.toml DESTINATION ${hapton_etc}/hapton COMPONENT vision)
+# The menu's entry shows a window.
+install(FILES deploy/desktop/hapton.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT vision)
+install(FILES deploy/desktop/hapton.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT vision)
 install(FILES deploy/systemd/hapton-io.service deploy/systemd/hapton-haptics.service DESTINATION lib/systemd/system COMPONENT hapton)
 install(FILES deploy/systemd/hapton-vision.service DESTINATION lib/systemd/user COMPONENT vision)
 install(FILES deploy/systemd/hapton.sysusers DESTINATION lib/sysusers.d RENAME hapton.conf COMPONENT hapton)
@@ -88,7 +100,7 @@ set(CPACK_DEBIAN_HAPTON_PACKAGE_SUGGESTS "gnuplot-nox")
 set(CPACK_DEBIAN_HAPTON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_SOURCE_DIR}/deploy/debian/conffiles;${CMAKE_SOURCE_DIR}/deploy/debian/postinst;${CMAKE_SOURCE_DIR}/deploy/debian/prerm;${CMAKE_SOURCE_DIR}/deploy/debian/postrm")
 set(CPACK_DEBIAN_VISION_PACKAGE_NAME hapton-vision)
-set(CPACK_COMPONENT_VISION_DESCRIPTION "vision_node: the scene and the probe in stereo.")
+set(CPACK_COMPONENT_VISION_DESCRIPTION "vision_node: the scene and the probe in stereo; a menu entry that starts the tour.")
 set(CPACK_DEBIAN_VISION_PACKAGE_DEPENDS "hapton (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_VISION_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/vision/conffiles")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libhapton-dev)

@@ -22,7 +22,14 @@ namespace {
 using Made = Result<std::unique_ptr<Device>>;
 
 Made make_simulated(const DeviceSettings& settings) {
-  return std::make_unique<SimulatedPhantom>(SimulatedPhantom::Options{.seed = settings.seed, .stylus = {}});
+  SimulatedPhantom::Options options{.seed = settings.seed, .stylus = {}, .path = {}, .repeat_path = settings.loop};
+  if (settings.trajectory.empty() && settings.loop) return fail("--loop repeats a --trajectory; give one or leave --loop out");
+  if (!settings.trajectory.empty()) {
+    auto rows = read_trajectory_csv(settings.trajectory);
+    if (!rows) return tl::unexpected(rows.error());
+    options.path = std::move(*rows);
+  }
+  return std::make_unique<SimulatedPhantom>(options);
 }
 
 Made make_replay(const DeviceSettings& settings) {
@@ -36,7 +43,7 @@ Made make_openhaptics(const DeviceSettings& settings) { return make_open_haptics
 Made make_forcedimension(const DeviceSettings& settings) { return make_force_dimension(settings); }
 
 constexpr std::array kMakers = {
-    DeviceMaker{.name = "simulated", .about = "a PHANToM Model A with a scripted hand", .make = make_simulated},
+    DeviceMaker{.name = "simulated", .about = "a PHANToM Model A with a scripted hand", .takes_trajectory = true, .make = make_simulated},
     DeviceMaker{.name = "replay", .about = "a recorded trajectory", .takes_trajectory = true, .make = make_replay},
     DeviceMaker{
         .name = "wooden-haptics", .about = "WoodenHaptics by USB", .takes_id = true, .takes_file = true, .make = make_wooden_haptics},

@@ -15,8 +15,8 @@ struct DeviceSettings {
   std::string name = "simulated";  // one of device_makers()
   std::string id;                  // which of several: serial number, path, index or the vendor's name for it; empty: the first found
   std::string file;                // TOML with the device's own parameters; empty: those of its maker
-  std::string trajectory;          // CSV of the replay
-  bool loop = false;               // the replay begins again
+  std::string trajectory;          // CSV of the replay, or the path of the simulated hand
+  bool loop = false;               // it begins again
   std::uint64_t seed = 1;          // of the simulated hand's script
   // Tighter than the device's own limit; 0: no force at all; infinite: the device's own.
   double max_force_n = std::numeric_limits<double>::infinity();

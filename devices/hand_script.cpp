@@ -24,7 +24,7 @@ constexpr double kLeadSpeed = 0.6;
 }  // namespace
 
 HandScript::HandScript(const Options& options) : options_(options), random_(options.seed), hand_m_(options.start_m) {
-  enter(Phase::travel);
+  enter(first_phase());
 }
 
 // The generator's bits, not a distribution's: the same on every standard library.
@@ -37,7 +37,7 @@ void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
     lead_m_ = within_workspace(*p_WH);
   } else if (lead_m_) {
     lead_m_.reset();
-    enter(Phase::leave);
+    enter(options_.path.empty() ? Phase::leave : Phase::path);
   }
 }
 
@@ -122,6 +122,10 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     case Phase::led:
       break;
+    case Phase::path:
+      path_s_ = -1.0;
+      path_row_ = 0;
+      break;
   }
 }
 
@@ -135,6 +139,31 @@ bool HandScript::move_towards(const Vec3& goal, double speed_m_per_s) noexcept {
   }
   hand_m_ += way * (step_m / left_m);
   return false;
+}
+
+// Where the path is at path_s_, from its first row on. Pre: the time has not gone back but to zero.
+Vec3 HandScript::point_of_path() noexcept {
+  const std::vector<TrajectoryRow>& rows = options_.path;
+  const double t_s = rows.front().t_s + path_s_;
+  while (path_row_ + 1 < rows.size() && rows[path_row_ + 1].t_s <= t_s) ++path_row_;
+  const TrajectoryRow& from = rows[path_row_];
+  if (path_row_ + 1 == rows.size()) return from.p_WD;
+  const TrajectoryRow& to = rows[path_row_ + 1];
+  return from.p_WD + (to.p_WD - from.p_WD) * ((t_s - from.t_s) / (to.t_s - from.t_s));
+}
+
+void HandScript::follow_path() noexcept {
+  if (path_s_ < 0.0) {
+    if (move_towards(within_workspace(options_.path.front().p_WD), kTravelSpeed)) path_s_ = 0.0;
+    return;
+  }
+  path_s_ += kStepS;
+  const double length_s = options_.path.back().t_s - options_.path.front().t_s;
+  if (options_.repeat_path && path_s_ > length_s) {
+    path_s_ = 0.0;
+    path_row_ = 0;
+  }
+  move_towards(within_workspace(point_of_path()), kMostPathSpeed);
 }
 
 void HandScript::turn_tangent(double angle_rad) noexcept {
@@ -215,6 +244,9 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
       return;
     case Phase::led:
       if (lead_m_) move_towards(*lead_m_, kLeadSpeed);
+      return;
+    case Phase::path:
+      follow_path();
       return;
   }
 }

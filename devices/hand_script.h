@@ -7,8 +7,10 @@
 #include <random>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/math/types.h"
+#include "runtime/trajectory_csv.h"
 
 namespace hapton {
 
@@ -23,20 +25,25 @@ struct HandIntention {
 // direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene there is; where it
 // met nothing, it looks nearer to the middle next, then farther out. Told where the surface is (aim), it goes there instead: a scene may be
 // a small thing, or lie aside.
-// A lead (the mouse in the vision window) takes the hand over; when it ends, the script starts again from there.
+// Given a path, it follows that instead of a script of its own: to its first row, then row by row, straight in between; what is in the way
+// holds the stylus, not the hand, which pulls at it. Rows beyond the workspace are taken at its border, jumps at kMostPathSpeed.
+// A lead (the mouse in the vision window) takes the hand over; when it ends, the script (or the path) starts again from there.
 // Every number it draws comes from the seed; when it is told of a surface, it sets out anew. RT: step, lead and aim yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
   static constexpr std::size_t kMostAims = 16;
+  static constexpr double kMostPathSpeed = 1.5;  // m/s; an arm in earnest
 
   struct Options {
     std::uint64_t seed = 1;
     Vec3 workspace_min_m = Vec3::Zero();
     Vec3 workspace_max_m = Vec3::Zero();
     Vec3 start_m = Vec3::Zero();
+    std::vector<TrajectoryRow> path = {};  // times rising; of its rows only times and positions are used. Empty: none
+    bool repeat_path = false;              // else the hand stays at its end
   };
-  enum class Phase : std::uint8_t { travel, approach, press, slide, tap, circle, leave, led };
+  enum class Phase : std::uint8_t { travel, approach, press, slide, tap, circle, leave, led, path };
 
   explicit HandScript(const Options& options);
 
@@ -52,6 +59,9 @@ class HandScript {
   void feel(const Vec3& p_WD, const Vec3& force_n) noexcept;
   void enter(Phase phase) noexcept;
   Vec3 within_workspace(const Vec3& p_W) const noexcept;
+  Phase first_phase() const noexcept { return options_.path.empty() ? Phase::travel : Phase::path; }
+  Vec3 point_of_path() noexcept;
+  void follow_path() noexcept;
   void choose_aim() noexcept;
   bool move_towards(const Vec3& goal, double speed_m_per_s) noexcept;
   void rub(const Vec3& p_WD, double turn_rad_per_s) noexcept;
@@ -78,8 +88,10 @@ class HandScript {
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;
-  double lost_s_ = 0.0;   // since something was felt
-  double reach_m_ = 0.3;  // how far from the middle it looks, share of the workspace
+  double lost_s_ = 0.0;       // since something was felt
+  double reach_m_ = 0.3;      // how far from the middle it looks, share of the workspace
+  double path_s_ = 0.0;       // along the path; below 0: on the way to its first row
+  std::size_t path_row_ = 0;  // the last row that has been reached
   int taps_left_ = 0;
   bool striking_ = false;
   bool touched_ = false;  // anything in this round

@@ -13,8 +13,8 @@ constexpr double kGimbalStepRad = 2.0 * std::numbers::pi / model_a::kGimbalCount
 
 Vec3 start_of(const DeviceLimits& limits) { return {0.0, 0.0, 0.9 * limits.workspace_max_m.z()}; }
 
-HandScript::Options script_options(const DeviceLimits& limits, std::uint64_t seed) {
-  return {seed, limits.workspace_min_m, limits.workspace_max_m, start_of(limits)};
+HandScript::Options script_options(const DeviceLimits& limits, const SimulatedPhantom::Options& options) {
+  return {options.seed, limits.workspace_min_m, limits.workspace_max_m, start_of(limits), options.path, options.repeat_path};
 }
 
 double to_grid(double value, double step) { return std::round(value / step) * step; }
@@ -22,7 +22,7 @@ double to_grid(double value, double step) { return std::round(value / step) * st
 }  // namespace
 
 SimulatedPhantom::SimulatedPhantom(const Options& options)
-    : limits_(model_a::limits()), dynamics_(options.stylus), script_(script_options(limits_, options.seed)), hand_m_(start_of(limits_)) {
+    : limits_(model_a::limits()), dynamics_(options.stylus), script_(script_options(limits_, options)), hand_m_(start_of(limits_)) {
   for (int axis = 0; axis < 3; ++axis) axes_[axis] = {hand_m_[axis], 0.0, hand_m_[axis], 0.0};
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <vector>
 
 #include "devices/device.h"
 #include "devices/hand_script.h"
@@ -11,7 +12,7 @@ namespace hapton {
 
 // A PHANToM Model A (model_a.h) with a hand on it: 6 DOF in and 3 DOF out, force passed on up to 30 Hz. The three axes are alike and
 // independent (stylus_dynamics.h); gimbals carry no motor, so the stylus tilts as the hand wants. The hand follows a seeded script
-// (hand_script.h) or is led.
+// (hand_script.h), takes a path or is led.
 // Time: the first read or write sets the device's zero; the trajectory depends on the forces and the times they were written,
 // not on how often the device is read. A pause of more than kLongestPauseNs is cut to it (a stopped process is no long flight).
 // RT: all but making one: bounded, about 2 us for each simulated millisecond.
@@ -22,6 +23,8 @@ class SimulatedPhantom final : public Device {
   struct Options {
     std::uint64_t seed = 1;
     StylusModel stylus;
+    std::vector<TrajectoryRow> path = {};  // that the hand takes instead of its script (hand_script.h)
+    bool repeat_path = false;
   };
 
   explicit SimulatedPhantom(const Options& options);

@@ -41,8 +41,10 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--device-id", options.device.id,
                  "Serial number, path, index or the vendor's name for it (needed if several are plugged in; see hapton doctor)");
   app.add_option("--device-file", options.device.file, "TOML with the device's own parameters (docs/devices.md)");
-  app.add_option("--trajectory", options.device.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
-  app.add_flag("--loop", options.device.loop, "Repeat the replay; without it the program ends with the trajectory");
+  app.add_option("--trajectory", options.device.trajectory,
+                 "CSV of what the device plays (replay), or of the path its hand takes (simulated): t_s,x_m,y_m,z_m[,qw,qx,qy,qz]");
+  app.add_flag("--loop", options.device.loop,
+               "Repeat the trajectory; without it a replay ends the program, and the simulated hand stays at its last row");
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(between(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
                  "Probe positions a second to each vision node, at most; it gets no more than it draws; 0: none")

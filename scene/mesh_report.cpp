@@ -40,6 +40,7 @@ std::string to_text(const MeshFlaws& flaws) {
   for (const auto& [count, name] : counts) {
     if (count > 0) text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", name, count);
   }
+  if (flaws.borders.has_given_up) text += ", not all cracks looked for";
   return (t.is_closed() ? "closed" : "not closed") + text;
 }
 
@@ -82,6 +83,9 @@ std::string to_text(const MeshReport& report) {
   line("closed", "{}", t.is_closed() ? "yes" : "no");
   line("boundary edges", "{} ({} open, {} of cracks up to {:g} of the longest side wide)", t.boundary_edges, report.flaws.borders.open,
        report.flaws.borders.cracks, kCrackShare);
+  if (report.flaws.borders.has_given_up) {
+    line("", "not all cracks were looked for: its boundary edges lie across one another; these triangles are no surface");
+  }
   line("non-manifold edges", "{}", t.nonmanifold_edges);
   line("inconsistent edges", "{}", t.inconsistent_edges);
   line("non-manifold vertices", "{}", t.nonmanifold_vertices);
@@ -129,6 +133,7 @@ std::string to_json(const MeshReport& report) {
                      {"boundary_edges", t.boundary_edges},
                      {"open_border_edges", report.flaws.borders.open},
                      {"crack_edges", report.flaws.borders.cracks},
+                     {"crack_edges_all_counted", !report.flaws.borders.has_given_up},
                      {"nonmanifold_edges", t.nonmanifold_edges},
                      {"inconsistent_edges", t.inconsistent_edges},
                      {"nonmanifold_vertices", t.nonmanifold_vertices},

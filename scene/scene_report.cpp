@@ -65,6 +65,7 @@ std::string to_json(const SceneReport& report) {
                          {"boundary_edges_left", object.sealed.boundary_edges_left}}},
                        {"open_border_edges", report.flaws[i].borders.open},
                        {"crack_edges", report.flaws[i].borders.cracks},
+                       {"crack_edges_all_counted", !report.flaws[i].borders.has_given_up},
                        {"closed_bodies", report.flaws[i].bodies.count},
                        {"bodies_inside_out", report.flaws[i].bodies.inside_out},
                        {"nonmanifold_edges", t.nonmanifold_edges},

@@ -90,13 +90,16 @@ std::optional<int> ChildProcess::wait(double seconds) {
   return exit_code_;
 }
 
+void ChildProcess::kill() {
+  if (exit_code_) return;
+  ::kill(pid_, SIGKILL);
+  wait(5.0);
+}
+
 int ChildProcess::stop(double seconds) {
   if (!exit_code_) {
     ::kill(pid_, SIGTERM);
-    if (!wait(seconds)) {
-      ::kill(pid_, SIGKILL);
-      wait(seconds);
-    }
+    if (!wait(seconds)) kill();
   }
   return exit_code_.value_or(128 + SIGKILL);
 }

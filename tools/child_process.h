@@ -39,6 +39,9 @@ class ChildProcess {
   // Asks it to end and waits; kills it when it does not within the time.
   int stop(double seconds = 5.0);
 
+  // Ends it at once, as a crash would.
+  void kill();
+
  private:
   explicit ChildProcess(pid_t pid) : pid_(pid) {}
 

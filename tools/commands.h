@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "tools/command_line.h"
 
 namespace hapton {
@@ -9,6 +11,10 @@ namespace hapton {
 
 // hapton bench [numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
+
+// hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour of what there is to feel and see, without hardware. Headless:
+// exit code 0 only when every step showed what it promises.
+void add_demo_command(CommandLine app, int& exit_code);
 
 // hapton doctor: problems of this machine for haptics, each with the command that fixes it. Exit code 0: none, 1: problems.
 void add_doctor_command(CommandLine app, int& exit_code);
@@ -85,5 +91,35 @@ void add_bench_papers_command(CommandLine bench, int& exit_code);
 
 // hapton bench pareto: run time against force error of every method and structure, with a plot.
 void add_bench_pareto_command(CommandLine bench, int& exit_code);
+
+// One command of `hapton`, and the heading of --help that it stands under: what people want to do.
+struct ListedCommand {
+  std::string_view group;
+  void (*add)(CommandLine app, int& exit_code);
+};
+
+// All of them, in the order of --help.
+inline constexpr ListedCommand kCommands[] = {
+    {"Touch and watch", add_demo_command},
+    {"Touch and watch", add_info_command},
+    {"Touch and watch", add_set_command},
+    {"Touch and watch", add_top_command},
+    {"Set up", add_doctor_command},
+    {"Set up", add_keygen_command},
+    {"Record and replay", add_session_command},
+    {"Record and replay", add_trajectory_command},
+    {"Record and replay", add_replay_command},
+    {"Measure", add_latency_command},
+    {"Measure", add_summary_command},
+    {"Measure", add_plot_command},
+    {"Measure", add_soak_command},
+    {"Measure", add_echo_command},
+    {"Compare", add_bench_command},
+    {"Compare", add_evaluate_command},
+    {"Check", add_stress_command},
+    {"Check", add_governor_command},
+    {"Check", add_relay_command},
+    {"Develop", add_figures_command},
+};
 
 }  // namespace hapton

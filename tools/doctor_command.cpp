@@ -67,9 +67,8 @@ std::string describe_checks() {
 
 void add_doctor_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  const CommandLine command = app.add_subcommand(
-      "doctor",
-      "Check devices, libraries, rights, timing, ports, keys and display, and print how to fix each problem; exit code 1: problems found");
+  const CommandLine command =
+      app.add_subcommand("doctor", "Check devices, rights, timing, network and display, and print how to fix what is wrong");
   command.add_option("--only", options->only, describe_checks()).one_of(check_names()).again_for_more();
   command.add_flag("--json", options->json, "For programs: schema hapton.doctor/1");
   command.add_option("--port", options->port, "The hub's UDP port").between(1, 65535).shows_default();

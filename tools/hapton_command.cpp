@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,22 +19,52 @@ namespace hapton {
 namespace {
 
 constexpr int kBadCommandLine = 2;
+constexpr std::size_t kNameWidth = 14;
 
-// True when the first word is meant as a command but is none; says so, with what may have been meant.
-bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
-  if (argc < 2 || argv[1][0] == '-') {
-    return false;
-  }
+// The commands below one, old names too, without the groups of flags that CLI11 keeps among them.
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_name().empty(); });
+}
+
+// "; did you mean 'x'?" of the commands that --help lists.
+std::string hint_command(const std::string& word, const std::vector<const CLI::App*>& commands) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) {
-    names.push_back(command->get_name());
+  for (const CLI::App* command : commands) {
+    if (!command->get_group().empty()) names.push_back(command->get_name());
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
-  if (std::find(known.begin(), known.end(), argv[1]) != known.end()) {
-    return false;
+  return near_miss_hint(word, known);
+}
+
+// True when a word is meant as a command, or as a command's own, and is none; says so, with what may have been meant.
+bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
+  const CLI::App* above = &app;
+  std::string so_far = app.get_name();
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    const std::string word = argv[i];
+    const std::vector<const CLI::App*> commands = commands_of(*above);
+    if (commands.empty()) return false;
+    const auto below = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* command) { return command->get_name() == word; });
+    if (below == commands.end()) {
+      fmt::print(stderr, "{}: unknown command '{}'{}\n", so_far, word, hint_command(word, commands));
+      return true;
+    }
+    above = *below;
+    so_far += " " + word;
   }
-  fmt::print(stderr, "hapton: unknown command '{}'{}\n", argv[1], near_miss_hint(argv[1], known));
-  return true;
+  return false;
+}
+
+// Each command under the heading of its group; one that --help leaves out stays out.
+void add_commands(CLI::App& app, int& exit_code) {
+  std::size_t named = 0;
+  for (const ListedCommand& listed : kCommands) {
+    listed.add(CommandLine(app), exit_code);
+    const std::vector<CLI::App*> all = app.get_subcommands([](CLI::App*) { return true; });
+    for (; named < all.size(); ++named) {
+      if (!all[named]->get_group().empty()) all[named]->group(std::string(listed.group));
+    }
+  }
 }
 
 // "hapton latency run": the commands that were understood before the trouble began.
@@ -52,29 +83,14 @@ std::string words_so_far(const CLI::App& app) {
 
 int run_hapton_command(int argc, const char* const* argv) {
   int exit_code = 0;
-  CLI::App app{"Hapton: replay, measure and change a haptic system from the command line.", "hapton"};
+  CLI::App app{"Touch a scene without a device, look into meshes and recordings, measure, compare and check.", "hapton"};
   app.set_version_flag("--version", "hapton " HAPTON_VERSION);
   app.require_subcommand(1);
-  const CommandLine commands(app);
-  add_bench_command(commands, exit_code);
-  add_doctor_command(commands, exit_code);
-  add_echo_command(commands, exit_code);
-  add_evaluate_command(commands, exit_code);
-  add_figures_command(commands, exit_code);
-  add_governor_command(commands, exit_code);
-  add_info_command(commands, exit_code);
-  add_keygen_command(commands, exit_code);
-  add_latency_command(commands, exit_code);
-  add_plot_command(commands, exit_code);
-  add_relay_command(commands, exit_code);
-  add_replay_command(commands, exit_code);
-  add_session_command(commands, exit_code);
-  add_set_command(commands, exit_code);
-  add_soak_command(commands, exit_code);
-  add_stress_command(commands, exit_code);
-  add_summary_command(commands, exit_code);
-  add_top_command(commands, exit_code);
-  add_trajectory_command(commands, exit_code);
+  add_commands(app, exit_code);
+  // Names of commands are short; made after them, so that their flags keep the room they need.
+  const auto narrow = std::make_shared<CLI::Formatter>();
+  narrow->column_width(kNameWidth);
+  app.formatter(narrow);
   if (argc < 2) {
     fmt::print("{}", app.help());
     return kBadCommandLine;

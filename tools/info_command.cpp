@@ -47,8 +47,7 @@ int run(const InfoOptions& options) {
 
 void add_info_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
-  const CommandLine info = app.add_subcommand(
-      "info", "Print the size, counts and flaws of a mesh and what would be repaired, or the objects of a scene and their flaws");
+  const CommandLine info = app.add_subcommand("info", "Show a mesh's size, counts, flaws and repairs, or a scene's objects");
   info.add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)").required();
   info.add_option("--unit", options->unit, "Unit of the file: m (default), cm, mm or in; glTF is always m");
   info.add_flag("--json", options->json, "As JSON");

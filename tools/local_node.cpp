@@ -42,11 +42,12 @@ Result<LocalNode> LocalNode::start(const std::filesystem::path& folder, const st
   return LocalNode(name, log, std::move(*process));
 }
 
-Result<void> LocalNode::wait_for(const std::string& text) {
+template <class Holds>
+Result<void> LocalNode::wait_until(Holds&& holds_of_log) {
   constexpr double kLookSeconds = 0.05;
   for (double waited = 0.0; waited < kLoadSeconds; waited += kLookSeconds) {
     const auto code = process_.wait(kLookSeconds);
-    if (read_text(log_).find(text) != std::string::npos) {
+    if (holds_of_log(read_text(log_))) {
       return {};
     }
     if (code) {
@@ -54,6 +55,23 @@ Result<void> LocalNode::wait_for(const std::string& text) {
     }
   }
   return fail("{} was not ready after {} s; see {}", name_, kLoadSeconds, log_.string());
+}
+
+Result<void> LocalNode::wait_for(const std::string& text) {
+  return wait_until([&](const std::string& log) { return log.find(text) != std::string::npos; });
+}
+
+Result<std::string> LocalNode::wait_for_number() {
+  std::string number;
+  const auto found = wait_until([&](const std::string& log) {
+    std::istringstream lines(log);
+    // A line that is not at its end yet has no end of line.
+    while (std::getline(lines, number) && !lines.eof()) {
+      if (!number.empty() && number.find_first_not_of("0123456789") == std::string::npos) return true;
+    }
+    return false;
+  });
+  return found ? Result<std::string>(number) : tl::unexpected(found.error());
 }
 
 Result<void> LocalNode::wait_for_end(double seconds) {
@@ -82,11 +100,30 @@ std::string LocalNode::last_line() const {
 
 Result<void> LocalNode::failed(int code) const { return fail("{} ended with {}: {}", name_, code, last_line()); }
 
+LocalDisplay::~LocalDisplay() {
+  if (server_) ::unsetenv("DISPLAY");
+}
+
+Result<void> LocalDisplay::start_if_none(const std::filesystem::path& folder) {
+  if (std::getenv("DISPLAY") != nullptr) return {};
+  auto started =
+      LocalNode::start(folder, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
+  if (!started) {
+    return tl::unexpected(started.error());
+  }
+  // Amid what else it says.
+  const auto number = started->wait_for_number();
+  if (!number) {
+    return tl::unexpected(number.error());
+  }
+  ::setenv("DISPLAY", (":" + *number).c_str(), 1);
+  server_.emplace(std::move(*started));
+  return {};
+}
+
 Result<void> LocalVision::start(const std::filesystem::path& folder, std::vector<std::string> arguments) {
-  if (std::getenv("DISPLAY") == nullptr) {
-    if (const auto shown = start_display(folder); !shown) {
-      return shown;
-    }
+  if (const auto shown = display_.start_if_none(folder); !shown) {
+    return shown;
   }
   arguments.push_back("--offscreen");
   auto started = LocalNode::start(folder, "vision_node", find_own_folder() / "vision_node", std::move(arguments));
@@ -94,20 +131,6 @@ Result<void> LocalVision::start(const std::filesystem::path& folder, std::vector
     return tl::unexpected(started.error());
   }
   node_.emplace(std::move(*started));
-  return {};
-}
-
-Result<void> LocalVision::start_display(const std::filesystem::path& folder) {
-  auto started =
-      LocalNode::start(folder, "Xvfb", "Xvfb", {"-displayfd", "1", "-screen", "0", "1280x720x24", "-nolisten", "tcp", "-noreset"});
-  if (!started) {
-    return tl::unexpected(started.error());
-  }
-  if (const auto ready = started->wait_for("\n"); !ready) {
-    return ready;
-  }
-  ::setenv("DISPLAY", (":" + started->last_line()).c_str(), 1);
-  display_.emplace(std::move(*started));
   return {};
 }
 

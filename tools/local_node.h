@@ -26,6 +26,9 @@ class LocalNode {
   // Until the text stands in its log.
   Result<void> wait_for(const std::string& text);
 
+  // Until its log has a line that is a whole number and nothing else; gives that line.
+  Result<std::string> wait_for_number();
+
   // To its end, which is due after that time.
   Result<void> wait_for_end(double seconds);
 
@@ -34,6 +37,9 @@ class LocalNode {
 
   Result<void> stop();
 
+  // Ends it at once, as a crash would.
+  void kill() { process_.kill(); }
+
   const std::string& name() const { return name_; }
   pid_t pid() const { return process_.pid(); }
   std::string last_line() const;
@@ -41,11 +47,29 @@ class LocalNode {
  private:
   LocalNode(std::string name, std::filesystem::path log, ChildProcess process);
 
+  template <class Holds>
+  Result<void> wait_until(Holds&& holds_of_log);
   Result<void> failed(int code) const;
 
   std::string name_;
   std::filesystem::path log_;
   ChildProcess process_;
+};
+
+// A virtual display, for what draws unseen where there is no other. While it lives, DISPLAY names it.
+// RT: set-up only. Error: as LocalNode. Threads: one.
+class LocalDisplay {
+ public:
+  LocalDisplay() = default;
+  ~LocalDisplay();
+  LocalDisplay(const LocalDisplay&) = delete;
+  LocalDisplay& operator=(const LocalDisplay&) = delete;
+
+  // Nothing is started where there is a display.
+  Result<void> start_if_none(const std::filesystem::path& folder);
+
+ private:
+  std::optional<LocalNode> server_;
 };
 
 // A vision node that draws unseen, and the virtual display that it draws on where there is no other.
@@ -59,9 +83,7 @@ class LocalVision {
   LocalNode& node() { return *node_; }
 
  private:
-  Result<void> start_display(const std::filesystem::path& folder);
-
-  std::optional<LocalNode> display_;
+  LocalDisplay display_;
   std::optional<LocalNode> node_;
 };
 

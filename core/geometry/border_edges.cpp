@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/closest_point.h"
 #include "core/geometry/segment_slabs.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kShareOfEdge = 0.05;
+constexpr std::size_t kFewEdges = 64;  // a small mesh is looked at to its end
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -47,7 +47,11 @@ class WaitingPoints {
     if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
   }
 
-  void pass(std::uint32_t edge, const Vec3& a, const Vec3& b) { visit(0, {edge, a, b, SegmentSlabs(a, b)}); }
+  void pass(std::uint32_t edge, const Vec3& a, const Vec3& b) {
+    const Vec3 along = b - a;
+    const double squared = along.squaredNorm();
+    visit(0, {edge, a, along, squared > 0.0 ? 1.0 / squared : 0.0, SegmentSlabs(a, b)});
+  }
 
   const std::vector<Point>& points() const { return points_; }
   std::size_t work() const { return work_; }
@@ -66,8 +70,14 @@ class WaitingPoints {
   };
   struct Passing {
     std::uint32_t edge = 0;
-    Vec3 a, b;
+    Vec3 a, along;
+    double inverse_squared = 0.0;  // of its length; 0: it is a point
     SegmentSlabs slabs;
+
+    double squared_distance(const Vec3& p) const {
+      const Vec3 to_p = p - a;
+      return (to_p - std::clamp(along.dot(to_p) * inverse_squared, 0.0, 1.0) * along).squaredNorm();
+    }
   };
 
   std::uint32_t build(std::uint32_t first, std::uint32_t last) {
@@ -112,7 +122,7 @@ class WaitingPoints {
   bool try_point(Point& point, const Passing& passing) {
     if (point.is_found || point.misses == kMostMisses || point.edge == passing.edge) return false;
     ++work_;
-    point.is_found = closest_point(passing.a, passing.b, passing.b, point.at).distance <= point.reach;
+    point.is_found = passing.squared_distance(point.at) <= point.reach * point.reach;
     return point.is_found || ++point.misses == kMostMisses;
   }
 
@@ -136,7 +146,7 @@ std::vector<WaitingPoints::Point> points_along(const TriangleMesh& mesh, const s
 
 }  // namespace
 
-BorderEdges count_border_edges(const TriangleMesh& mesh, double width) {
+BorderEdges count_border_edges(const TriangleMesh& mesh, double width, std::size_t most_work) {
   const std::vector<Edge> borders = find_borders(mesh);
   std::vector<std::uint32_t> cracks(borders.size());
   std::iota(cracks.begin(), cracks.end(), 0U);
@@ -145,7 +155,10 @@ BorderEdges count_border_edges(const TriangleMesh& mesh, double width) {
   for (const std::vector<double>& shares : {std::vector{0.5}, std::vector{0.25, 0.75}}) {
     WaitingPoints waiting(points_along(mesh, borders, cracks, shares, width));
     if (cracks.empty()) break;
-    for (std::uint32_t e = 0; e < borders.size(); ++e) waiting.pass(e, mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]);
+    for (std::uint32_t e = 0; e < borders.size() && !count.has_given_up; ++e) {
+      waiting.pass(e, mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]);
+      count.has_given_up = count.work + waiting.work() > most_work * (borders.size() + kFewEdges);
+    }
     std::vector<std::uint8_t> found(borders.size(), 0);
     for (const WaitingPoints::Point& point : waiting.points()) {
       if (point.is_found) ++found[point.edge];

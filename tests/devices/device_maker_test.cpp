@@ -28,6 +28,16 @@ TEST(DeviceMaker, MakesWhatIsNamed) {
   EXPECT_EQ((*make_device(settings))->name(), "replay");
 }
 
+TEST(DeviceMaker, GivesTheSimulatedHandItsPath) {
+  const ScratchFolder scratch;
+  DeviceSettings settings;
+  settings.trajectory = (scratch.path() / "t.csv").string();
+  std::ofstream(settings.trajectory) << "t_s,x_m,y_m,z_m\n0,0.05,-0.04,0.03\n1,0.05,-0.04,0.03\n";
+  const auto device = std::move(*make_device(settings));
+  for (std::int64_t t = 0; t < 4000; ++t) device->read(t * 1'000'000);
+  EXPECT_LT((device->read(4'000'000'000).p_WD - Vec3(0.05, -0.04, 0.03)).norm(), 0.002);
+}
+
 TEST(DeviceMaker, PutsTheDeviceWhereItStands) {
   DeviceSettings settings;
   const Vec3 here = (*make_device(settings))->read(0).p_WD;
@@ -38,7 +48,10 @@ TEST(DeviceMaker, PutsTheDeviceWhereItStands) {
 TEST(DeviceMaker, SaysWhatIsMissing) {
   DeviceSettings settings;
   settings.trajectory = "t.csv";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device replay"));
+  settings.name = "spacemouse";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device simulated or replay"));
+  settings.name = "simulated";
+  EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
   settings.name = "replay";
   EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
   settings.trajectory = "";

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -46,6 +47,56 @@ TEST(HandScript, FollowsALeadAndReturnsToItsScript) {
   for (int step = 0; step < 2000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
   EXPECT_NE(script.phase(), HandScript::Phase::led);
   EXPECT_GT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-3);
+}
+
+HandScript::Options path_over(bool repeats) {
+  HandScript::Options options = box(3);
+  options.path = {{10.0, Vec3(0.05, 0, 0), Quat::Identity()},
+                  {11.0, Vec3(0.05, 0.02, 0), Quat::Identity()},
+                  {12.0, Vec3(-0.03, 0.02, 0), Quat::Identity()}};
+  options.repeat_path = repeats;
+  return options;
+}
+
+// The hand so many steps after it has come to the path's first row.
+Vec3 hand_on_path(HandScript& script, int steps) {
+  Vec3 hand = box(3).start_m;
+  for (int step = 0; step < 5000 && (hand - Vec3(0.05, 0, 0)).norm() > 1e-12; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
+  EXPECT_LT((hand - Vec3(0.05, 0, 0)).norm(), 1e-12) << "goes to the first row first";
+  for (int step = 0; step < steps; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
+  return hand;
+}
+
+TEST(HandScript, FollowsAPathRowByRowAndStaysAtItsEnd) {
+  for (const auto& [steps, there] : {std::pair(500, Vec3(0.05, 0.01, 0)), {1500, Vec3(0.01, 0.02, 0)}, {9000, Vec3(-0.03, 0.02, 0)}}) {
+    HandScript script(path_over(false));
+    EXPECT_LT((hand_on_path(script, steps) - there).norm(), 1e-9) << steps;
+    EXPECT_EQ(script.phase(), HandScript::Phase::path);
+  }
+}
+
+TEST(HandScript, BeginsAPathAgainAtTheSpeedOfAnArm) {
+  HandScript script(path_over(true));
+  Vec3 last = hand_on_path(script, 1999);
+  for (int step = 0; step < 1000; ++step) {
+    const Vec3 next = script.step(last, Vec3::Zero()).p_WH;
+    ASSERT_LE((next - last).norm(), 1e-3 * HandScript::kMostPathSpeed + 1e-12) << "the way back is a jump";
+    last = next;
+  }
+  EXPECT_LT((last - Vec3(0.05, 0.02, 0)).norm(), 1e-3);
+}
+
+TEST(HandScript, TakesAPathNoFartherThanTheWorkspaceAndYieldsToALead) {
+  HandScript::Options options = path_over(false);
+  options.path.push_back({13.0, Vec3(0.0, 5.0, -5.0), Quat::Identity()});
+  HandScript script(options);
+  EXPECT_EQ(hand_on_path(script, 9000), Vec3(0.0, 0.1, -0.2));
+  script.lead(Vec3(0.02, 0.03, 0.1));
+  Vec3 hand = Vec3::Zero();
+  for (int step = 0; step < 2000; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
+  EXPECT_EQ(hand, Vec3(0.02, 0.03, 0.1));
+  script.lead(std::nullopt);
+  EXPECT_LT((hand_on_path(script, 500) - Vec3(0.05, 0.01, 0)).norm(), 1e-9) << "from its beginning";
 }
 
 TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {

@@ -138,6 +138,17 @@ TEST(MeshReport, TellsCracksFromBorders) {
   EXPECT_EQ(to_text(report->flaws), "not closed: open border edges 6, crack edges 2");
 }
 
+TEST(MeshReport, SaysThatNotAllCracksWereLookedFor) {
+  auto report = make_mesh_report(HAPTON_SOURCE_DIR "/meshes/featuretype.stl", std::nullopt);
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), Not(HasSubstr("not all cracks")));
+  EXPECT_TRUE(nlohmann::json::parse(to_json(*report)).at("crack_edges_all_counted").get<bool>());
+  report->flaws.borders.has_given_up = true;
+  EXPECT_THAT(to_text(*report), HasSubstr("not all cracks were looked for: its boundary edges lie across one another"));
+  EXPECT_THAT(to_text(report->flaws), HasSubstr(", not all cracks looked for"));
+  EXPECT_FALSE(nlohmann::json::parse(to_json(*report)).at("crack_edges_all_counted").get<bool>());
+}
+
 TEST(MeshReport, WritesValidJsonWhateverAPartIsCalled) {
   const ScratchFolder folder;
   const auto report = make_mesh_report(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no \"q\xff\\\nf 1 2 3\n"), std::nullopt);

@@ -6,11 +6,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
 #include <vector>
 
 #include "link/link_key.h"
+#include "tools/commands.h"
 
 namespace hapton {
 namespace {
@@ -74,6 +79,32 @@ TEST_F(HaptonCommandTest, HelpAndVersion) {
   EXPECT_THAT(version.out, HasSubstr("hapton 0."));
 }
 
+// The line that lists a command, and the heading above it.
+TEST_F(HaptonCommandTest, HelpListsEachCommandInALineUnderWhatPeopleWantToDo) {
+  std::map<std::string, std::string> group_of;
+  std::istringstream help(run({"--help"}).out);
+  std::string group;
+  for (std::string line; std::getline(help, line);) {
+    EXPECT_LE(line.size(), 100U) << line;
+    if (line.ends_with(':') && !line.starts_with(' ')) group = line;
+    if (line.starts_with("  ") && std::isalpha(static_cast<unsigned char>(line[2])) != 0) {
+      const std::string name = line.substr(2, line.find(' ', 2) - 2);
+      EXPECT_TRUE(group_of.emplace(name, group).second) << name << " is listed twice";
+      EXPECT_GT(line.size(), name.size() + 10) << name << " says nothing in its line";
+    }
+  }
+  EXPECT_EQ(group_of["demo"], "Touch and watch:");
+  EXPECT_EQ(group_of["doctor"], "Set up:");
+  EXPECT_EQ(group_of["replay"], "Record and replay:");
+  EXPECT_EQ(group_of["latency"], "Measure:");
+  EXPECT_EQ(group_of["bench"], "Compare:");
+  EXPECT_EQ(group_of["stress"], "Check:");
+  EXPECT_EQ(group_of["figures"], "Develop:");
+  EXPECT_EQ(group_of.size(), std::size(kCommands));
+  EXPECT_FALSE(group_of.contains("judge")) << "an old name";
+  EXPECT_THAT(run({"bench", "--help"}).out, HasSubstr("\nSubcommands:\n  haptons")) << "groups are of the commands, not of theirs";
+}
+
 TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
   const Seen made = run({"keygen", path("key")});
   EXPECT_EQ(made.code, 0) << made.err;
@@ -115,6 +146,9 @@ TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
   const Seen seen = run({"replya"});
   EXPECT_EQ(seen.code, 2);
   EXPECT_EQ(seen.err, "hapton: unknown command 'replya'; did you mean 'replay'?\n");
+  EXPECT_EQ(run({"bench", "numbres"}).err, "hapton bench: unknown command 'numbres'; did you mean 'numbers'?\n");
+  EXPECT_THAT(run({"session", "xyzzy", "file"}).err, HasSubstr("unknown command 'xyzzy'; known are info, export, replay"));
+  EXPECT_EQ(run({"session", "xyzzy"}).code, 2);
   EXPECT_EQ(run({}).code, 2);
   EXPECT_EQ(run({"--no-such-flag"}).code, 2);
 }

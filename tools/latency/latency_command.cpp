@@ -82,7 +82,7 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
 void add_latency_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<LatencyRunOptions>();
   options->cpu = find_shared_cpu();
-  const CommandLine command = app.add_subcommand("latency", "Measure the force round trip, beside a bare UDP echo; compare runs");
+  const CommandLine command = app.add_subcommand("latency", "Measure the force round trip beside a bare UDP echo; compare runs");
   command.require_subcommands(0, 1);
   add_run_options(command, *options);
   const CommandLine run_command = command.add_subcommand("run", "As `hapton latency`; exit code 0: the rate was held");

@@ -184,7 +184,7 @@ int run(const SetOptions& options) {
 
 void add_set_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SetOptions>();
-  const CommandLine command = app.add_subcommand("set", "Change a running system");
+  const CommandLine command = app.add_subcommand("set", "Change a running system: rate, method, report, faults");
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz);

@@ -116,8 +116,7 @@ int run(const RelayOptions& options) {
 
 void add_relay_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<RelayOptions>();
-  const CommandLine command =
-      app.add_subcommand("relay", "Simulate a bad network between the nodes and their hub: delay, loss, reorder, partition ...");
+  const CommandLine command = app.add_subcommand("relay", "Simulate a bad network between the nodes and their hub");
   command.add_option("--listen", options->listen, "Address for the nodes to use as hub; port 0: any free one").shows_default();
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--seed", options->seed, "Seed; the same seed affects the same datagrams (default: the script's, else random)");

@@ -178,7 +178,7 @@ int report(const Result<void>& done, const char* command) {
 
 void add_session_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SessionOptions>();
-  const CommandLine session = app.add_subcommand("session", "Inspect a recorded session (io_node --record or a flight record)");
+  const CommandLine session = app.add_subcommand("session", "Inspect, export or replay a recorded session (io_node --record)");
   session.require_subcommands(1, 1);
 
   const CommandLine info = session.add_subcommand("info", "Show what is in it: nodes, datagrams, rates, latencies, faults");

@@ -113,6 +113,21 @@ TEST(BorderEdges, AreTheOnesThatBruteForceFinds) {
   }
 }
 
+// Triangles as large as the mesh: the work of an edge grows with their number until it is cut off, and then says so.
+TEST(BorderEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
+  const TriangleMesh soup = made::soup(5, 2000, 1.0, 1.0);
+  const BorderEdges all = count_border_edges(soup, 1e-3);
+  EXPECT_FALSE(all.has_given_up);
+  EXPECT_GT(all.work, 20 * 3 * soup.triangles.size()) << "else the bound below says nothing";
+  const BorderEdges some = count_border_edges(soup, 1e-3, 20);
+  EXPECT_TRUE(some.has_given_up);
+  EXPECT_LT(some.work, 21 * 3 * soup.triangles.size());
+  EXPECT_EQ(some.open + some.cracks, all.open + all.cracks) << "what was not looked at counts as open";
+  EXPECT_LE(some.cracks, all.cracks);
+  EXPECT_FALSE(count_border_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMostBorderWork / 2).has_given_up)
+      << "of a surface, far from it";
+}
+
 // Counted, not timed: the boxes and points that are looked at, by border edge, for triangles as large as the space that they are in, for
 // ones that all lie in one spot, and for a torn surface.
 TEST(BorderEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
@@ -128,7 +143,7 @@ TEST(BorderEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
        {Case{"large", 1.0, 1.0, 2.7, 300.0}, Case{"in one spot", 1e-5, 1e-4, 2.7, 1000.0}, Case{"small", 1.0, 0.01, 2.0, 80.0}}) {
     const auto work = [&](int triangles) {
       const TriangleMesh soup = made::soup(5, triangles, c.space, c.size);
-      return static_cast<double>(count_border_edges(soup, kWidth).work) / static_cast<double>(3 * triangles);
+      return static_cast<double>(count_border_edges(soup, kWidth, 1'000'000).work) / static_cast<double>(3 * triangles);
     };
     const double few = work(1000);
     const double many = work(16000);

@@ -1,0 +1,113 @@
+#include "tools/demo/demo_verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+
+#include "tools/demo/demo_shapes.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A step in contact, the probe here and the device so far behind it (or in front, below 0).
+DemoStepSeen touch(const Vec3& p_WP, double behind_m) {
+  return {.time_ns = 0, .p_WD = p_WP - Vec3(0, 0, behind_m), .p_WP = p_WP, .force_n = Vec3(0, 0, 1e3 * behind_m), .contact = true};
+}
+DemoStepSeen free_step(const Vec3& p_W) { return {.time_ns = 0, .p_WD = p_W, .p_WP = p_W, .force_n = Vec3::Zero(), .contact = false}; }
+
+DemoEvidence evidence_of(std::vector<DemoStepSeen> steps) {
+  DemoEvidence evidence;
+  evidence.motion.steps = std::move(steps);
+  return evidence;
+}
+
+TEST(DemoVerdict, RestIsContactThatLastsWithTheDeviceInside) {
+  std::vector<DemoStepSeen> steps(100, touch(Vec3::Zero(), 0.002));
+  const DemoVerdict held = judge_rest(evidence_of(steps));
+  EXPECT_TRUE(held.touched && held.held) << held.text;
+  EXPECT_THAT(held.text, HasSubstr("up to 2.0 mm behind the probe"));
+  steps.insert(steps.end(), 150, free_step(Vec3::Zero()));
+  EXPECT_FALSE(judge_rest(evidence_of(steps)).held) << "lost again";
+  EXPECT_FALSE(judge_rest(evidence_of(std::vector<DemoStepSeen>(100, touch(Vec3::Zero(), 0.0001)))).held) << "brushed";
+  const DemoVerdict never = judge_rest(evidence_of(std::vector<DemoStepSeen>(100, free_step(Vec3::Zero()))));
+  EXPECT_FALSE(never.touched || never.held);
+  EXPECT_THAT(never.text, HasSubstr("touched nothing"));
+}
+
+// A probe at so much of the groove's swing, over all of its length.
+DemoEvidence slide(double share) {
+  std::vector<DemoStepSeen> steps;
+  for (double x = -0.07; x < 0.07; x += 0.0005) steps.push_back(touch(Vec3(x, share * demo_groove::centre_m(x), -0.006), 0.002));
+  return evidence_of(steps);
+}
+
+TEST(DemoVerdict, TheGrooveLeadsTheProbeAlongItsBends) {
+  EXPECT_TRUE(judge_groove(slide(1.0)).held) << judge_groove(slide(1.0)).text;
+  EXPECT_FALSE(judge_groove(slide(0.0)).held) << "straight on, through the walls";
+  EXPECT_FALSE(judge_groove(slide(-1.0)).held) << "beside the groove";
+}
+
+DemoEvidence tap(double step_m, double probe_behind_m) {
+  std::vector<DemoStepSeen> steps;
+  for (double before_m = 2.5 * step_m; before_m > 0.0; before_m -= step_m)
+    steps.push_back(free_step(Vec3(0, 0, demo_wall::kFrontM + before_m)));
+  for (int i = 0; i < 20; ++i) steps.push_back(touch(Vec3(0, 0, demo_wall::kFrontM - probe_behind_m), 0.003));
+  return evidence_of(steps);
+}
+
+TEST(DemoVerdict, TheProbeNeverComesBehindTheWall) {
+  EXPECT_TRUE(judge_wall(tap(0.0004, 0.0)).held) << judge_wall(tap(0.0004, 0.0)).text;
+  EXPECT_FALSE(judge_wall(tap(0.0004, demo_wall::kThicknessM)).held) << "fallen through";
+  DemoEvidence slow = tap(0.00005, 0.0);
+  for (DemoStepSeen& step : slow.motion.steps) {
+    if (step.contact) step.p_WD.z() = demo_wall::kFrontM - 0.00001;
+  }
+  EXPECT_FALSE(judge_wall(slow).held) << "no step longer than the wall is thick";
+}
+
+DemoEvidence with_hop(const char* hop, double p50_us) {
+  DemoEvidence evidence = evidence_of(std::vector<DemoStepSeen>(100, touch(Vec3::Zero(), 0.002)));
+  evidence.report = {{"hops", {{hop, {{"p50_us", p50_us}, {"p99_us", 2.0 * p50_us}}}}}, {"counters", {{"lost", 3}, {"faults_latched", 0}}}};
+  return evidence;
+}
+
+TEST(DemoVerdict, TheHeavyMeshAnswersWithinAPeriod) {
+  EXPECT_TRUE(judge_heavy(with_hop("haptics_compute", 5.0)).held);
+  EXPECT_THAT(judge_heavy(with_hop("haptics_compute", 5.0)).text, HasSubstr("5.0 us (p50), 10.0 us (p99)"));
+  EXPECT_FALSE(judge_heavy(with_hop("haptics_compute", 1500.0)).held);
+  EXPECT_FALSE(judge_heavy(with_hop("round_trip", 5.0)).held) << "not measured";
+}
+
+TEST(DemoVerdict, TheNetworkIsSlowAndTheContactStays) {
+  EXPECT_TRUE(judge_network(with_hop("round_trip", 9000.0), 8.0).held);
+  EXPECT_FALSE(judge_network(with_hop("round_trip", 100.0), 8.0).held) << "the network was not slow at all";
+  DemoEvidence faulty = with_hop("round_trip", 9000.0);
+  faulty.report["counters"]["faults_latched"] = 1;
+  EXPECT_FALSE(judge_network(faulty, 8.0).held);
+}
+
+// Forces every millisecond but between these times, ms; killed at 1000, restarted at 2000.
+DemoEvidence death(int last_ms, int first_again_ms) {
+  DemoEvidence evidence = evidence_of(std::vector<DemoStepSeen>(100, touch(Vec3::Zero(), 0.002)));
+  for (int ms = 0; ms < 3000; ++ms) {
+    evidence.motion.written.push_back({std::int64_t{1'000'000} * ms, ms <= last_ms || ms >= first_again_ms ? 1.0 : 0.0});
+  }
+  evidence.killed_ns = 1'000'000'000;
+  evidence.restarted_ns = 2'000'000'000;
+  return evidence;
+}
+
+TEST(DemoVerdict, ADeathLetsTheMotorsGoAndTheForceComesBack) {
+  EXPECT_TRUE(judge_death(death(1018, 2150)).held);
+  EXPECT_THAT(judge_death(death(1018, 2150)).text, HasSubstr("no force 18 ms after the node is killed, felt again 150 ms after"));
+  EXPECT_FALSE(judge_death(death(1300, 2150)).held) << "held on to the force";
+  EXPECT_FALSE(judge_death(death(1018, 5000)).held) << "never felt again";
+  EXPECT_FALSE(judge_death(death(-1, 2150)).held) << "not felt before it was killed";
+}
+
+}  // namespace
+}  // namespace hapton

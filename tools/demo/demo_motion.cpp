@@ -1,0 +1,53 @@
+#include "tools/demo/demo_motion.h"
+
+#include <unordered_map>
+#include <variant>
+
+#include "link/codec.h"
+#include "link/session_reader.h"
+
+namespace hapton {
+namespace {
+
+// Joins the forces with the samples that they answer.
+class MotionReader {
+ public:
+  void add(const SessionEntry& entry) {
+    if (entry.kind == SessionEntry::Kind::cycle) motion_.written.push_back({entry.time_ns, entry.cycle.written_n.norm()});
+    Datagram datagram;
+    if (entry.datagram.empty() || codec_.decode(entry.datagram, datagram) != DecodeStatus::ok) return;
+    if (const auto* state = std::get_if<DeviceState>(&datagram.message); state != nullptr && entry.kind == SessionEntry::Kind::sent) {
+      devices_[state->sample] = {state->sample_time_ns, state->p_WD};
+    }
+    const auto* force = std::get_if<ForceCommand>(&datagram.message);
+    if (force == nullptr || entry.kind != SessionEntry::Kind::received) return;
+    if (const auto device = devices_.find(force->echo_sample); device != devices_.end()) {
+      const auto& [time_ns, p_WD] = device->second;
+      motion_.steps.push_back({time_ns, p_WD, p_WD + force->visual_offset_m, force->force_n, force->contact});
+    }
+  }
+  DemoMotion take() { return std::move(motion_); }
+
+ private:
+  struct Sampled {
+    std::int64_t time_ns;
+    Vec3 p_WD;
+  };
+  Codec codec_;
+  std::unordered_map<std::uint64_t, Sampled> devices_;
+  DemoMotion motion_;
+};
+
+}  // namespace
+
+Result<DemoMotion> read_demo_motion(const std::filesystem::path& recording) {
+  auto reader = SessionReader::open(recording);
+  if (!reader) return tl::unexpected(reader.error());
+  MotionReader motion;
+  SessionEntry entry;
+  while (reader->next(entry)) motion.add(entry);
+  if (!reader->problem().empty()) return fail("{}", reader->problem());
+  return motion.take();
+}
+
+}  // namespace hapton

@@ -1,0 +1,115 @@
+#include "tools/demo/demo_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tools/demo/demo_shapes.h"
+
+namespace hapton {
+namespace {
+
+// The hand is a spring of 400 N/m, a hard surface one of 1,000: 8 mm behind the surface is 2.3 N, pressed firmly.
+constexpr double kPressM = 0.008;
+constexpr double kFrontM = 0.035;  // in front of what is touched next
+constexpr double kComeS = 0.8;
+constexpr double kRowS = 0.01;
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+void add(HandPath& path, double after_s, const Vec3& p_WD) {
+  path.push_back({path.empty() ? 0.0 : path.back().t_s + after_s, p_WD, Quat::Identity()});
+}
+
+}  // namespace
+
+std::optional<Vec3> find_front(const Scene& scene, double x_m, double y_m) {
+  double front = -std::numeric_limits<double>::infinity();
+  for (const SceneObject& object : scene.objects) {
+    for (const Triangle& triangle : object.mesh->triangles) {
+      const Vec3& a = object.mesh->vertices[triangle[0]];
+      const Vec3 ab = object.mesh->vertices[triangle[1]] - a;
+      const Vec3 ac = object.mesh->vertices[triangle[2]] - a;
+      const double area = ab.x() * ac.y() - ab.y() * ac.x();
+      if (area == 0.0) continue;  // seen edge-on: its neighbours are in front
+      const double u = ((x_m - a.x()) * ac.y() - (y_m - a.y()) * ac.x()) / area;
+      const double v = (ab.x() * (y_m - a.y()) - ab.y() * (x_m - a.x())) / area;
+      if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) front = std::max(front, a.z() + u * ab.z() + v * ac.z());
+    }
+  }
+  return std::isfinite(front) ? std::optional(Vec3(x_m, y_m, front)) : std::nullopt;
+}
+
+Result<HandPath> make_rest_path(const Scene& scene, double x_m, double y_m, double hold_s) {
+  constexpr double kCircleM = 0.004;
+  constexpr double kCircleS = 3.0;
+  const auto middle = find_front(scene, x_m, y_m);
+  if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
+  HandPath path;
+  add(path, 0.0, *middle + Vec3(0.0, 0.0, kFrontM));
+  add(path, kComeS, *middle - Vec3(0.0, 0.0, kPressM));
+  for (double t = 0.0; t < hold_s; t += 5.0 * kRowS) {
+    const double turn = kTurn * t / kCircleS;
+    const double radius = kCircleM * std::min(1.0, t);
+    const auto front = find_front(scene, x_m + radius * std::sin(turn), y_m + radius * (1.0 - std::cos(turn)));
+    // Over an edge the hand keeps the depth that it has.
+    const Vec3 next = front ? Vec3(*front - Vec3(0.0, 0.0, kPressM)) : path.back().p_WD;
+    add(path, 5.0 * kRowS, next);
+  }
+  add(path, 0.5 * kComeS, *middle + Vec3(0.0, 0.0, kFrontM));
+  return path;
+}
+
+HandPath make_groove_path() {
+  constexpr double kReachM = 0.075;
+  constexpr double kThereS = 4.0;
+  const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
+  HandPath path;
+  add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kFrontM));
+  add(path, kComeS, Vec3(0.0, 0.0, bottom_m));
+  for (double t = kRowS; t < 4.0 * kThereS; t += kRowS) {
+    add(path, kRowS, Vec3(kReachM * std::sin(kTurn * t / (2.0 * kThereS)), 0.0, bottom_m));
+  }
+  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, demo_groove::kFrontM + kFrontM));
+  return path;
+}
+
+HandPath make_tap_path() {
+  constexpr double kTapS = 0.5;
+  constexpr double kHoldS = 0.7;
+  constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
+  constexpr int kRounds = 4;
+  constexpr double kMiddleM = 0.0275;
+  constexpr double kSwingM = 0.0425;  // 15 mm behind the wall: 4 N
+  HandPath path;
+  for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
+    const double in_round = std::fmod(t, kRoundS);
+    const double of_tap = in_round - std::clamp(in_round - 3.5 * kTapS, 0.0, kHoldS);
+    const double across = kTurn * t / (kRounds * kRoundS);
+    add(path, kRowS, Vec3(0.03 * std::sin(across), 0.02 * std::sin(2.0 * across), kMiddleM + kSwingM * std::cos(kTurn * of_tap / kTapS)));
+  }
+  return path;
+}
+
+HandPath make_arc_path(double radius_m) {
+  constexpr double kArcS = 6.0;
+  const double inside_m = radius_m - kPressM;
+  HandPath path;
+  add(path, 0.0, Vec3(0.0, 0.0, radius_m + kFrontM));
+  add(path, kComeS, Vec3(0.0, 0.0, inside_m));
+  for (double t = kRowS; t < 2.0 * kArcS; t += kRowS) {
+    const double yaw = 0.3 * std::min(1.0, t) + 0.4 * std::sin(kTurn * t / kArcS);
+    const double pitch = 0.3 * std::sin(2.0 * kTurn * t / kArcS);
+    add(path, kRowS, inside_m * Vec3(std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)));
+  }
+  add(path, 0.5 * kComeS, Vec3(0.0, 0.0, radius_m + kFrontM));
+  return path;
+}
+
+std::string to_csv(const HandPath& path) {
+  std::string text = "t_s,x_m,y_m,z_m\n";
+  for (const TrajectoryRow& row : path) text += fmt::format("{},{},{},{}\n", row.t_s, row.p_WD.x(), row.p_WD.y(), row.p_WD.z());
+  return text;
+}
+
+}  // namespace hapton

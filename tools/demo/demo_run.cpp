@@ -1,0 +1,180 @@
+#include "tools/demo/demo_run.h"
+
+#include <unistd.h>
+
+#include <system_error>
+#include <utility>
+
+#include "runtime/clock.h"
+#include "tools/demo/demo_system.h"
+#include "tools/latency/latency_compare.h"
+
+namespace hapton {
+namespace {
+
+// Of its seconds, that a step by script waits for its picture: a large mesh, a machine with other work to do.
+constexpr double kPictureShare = 5.0;
+constexpr double kKillShare = 0.6;   // of a step by script: the hand has come to rest by then
+constexpr double kSilentS = 1.0;     // after that the picture is taken
+constexpr double kKillAfterS = 5.0;  // in a window, again and again
+constexpr double kRestartAfterS = 8.0;
+constexpr double kKillEveryS = 12.0;
+
+// A folder of our own for what nobody keeps, as long as it lives.
+class ScratchFolder {
+ public:
+  static Result<ScratchFolder> make() {
+    std::error_code error;
+    std::string name = (std::filesystem::temp_directory_path(error) / "hapton-demo.XXXXXX").string();
+    if (error || ::mkdtemp(name.data()) == nullptr) return fail("{}: no temporary folder can be made there; set TMPDIR", name);
+    return ScratchFolder(name);
+  }
+  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  ~ScratchFolder() {
+    std::error_code error;
+    if (!path_.empty()) std::filesystem::remove_all(path_, error);
+  }
+  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ScratchFolder& operator=(ScratchFolder&&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+class Stopwatch {
+ public:
+  double seconds() const { return 1e-9 * static_cast<double>(now_ns() - start_ns_); }
+  static std::int64_t now_ns() { return SteadyClock().now_ns(); }
+
+ private:
+  std::int64_t start_ns_ = now_ns();
+};
+
+// Until it holds; false: the time was over before. Error: a node has ended, a stop was asked for.
+template <class Condition>
+Result<bool> wait_until(DemoSystem& system, const StopSignal& stop, double at_most_s, Condition&& holds) {
+  SteadyClock clock;
+  for (const Stopwatch watch; !holds();) {
+    if (stop.stop_requested()) return fail("stopped");
+    if (const auto running = system.check_running(); !running) return tl::unexpected(running.error());
+    if (watch.seconds() > at_most_s) return false;
+    clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);
+  }
+  return true;
+}
+
+Result<bool> wait_for(DemoSystem& system, const StopSignal& stop, double seconds) {
+  return wait_until(system, stop, seconds, [] { return false; });
+}
+
+Result<bool> wait_for_picture(DemoSystem& system, const StopSignal& stop, double at_most_s, const std::filesystem::path& picture) {
+  return wait_until(system, stop, at_most_s, [&] {
+    std::error_code error;
+    return std::filesystem::exists(picture, error);
+  });
+}
+
+// The picture is of the contact; where none comes, of what there is at the end.
+Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
+  if (const auto started = system.start_vision(step); !started) return started;
+  if (const auto waited = wait_for(system, stop, seconds); !waited) return tl::unexpected(waited.error());
+  const auto taken = wait_for_picture(system, stop, kPictureShare * seconds, picture);
+  return taken ? Result<void>() : tl::unexpected(taken.error());
+}
+
+// The picture is of what one sees without the haptics node. The vision node is there before: a new one may have turned the scene, and then
+// the contact is not resumed.
+Result<void> play_death(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds,
+                        const std::filesystem::path& picture, DemoEvidence& evidence) {
+  if (const auto started = system.start_vision(step); !started) return started;
+  if (const auto waited = wait_for(system, stop, kKillShare * seconds); !waited) return tl::unexpected(waited.error());
+  evidence.killed_ns = Stopwatch::now_ns();
+  system.kill_haptics();
+  if (const auto taken = wait_for_picture(system, stop, kPictureShare * seconds, picture); !taken) return tl::unexpected(taken.error());
+  evidence.restarted_ns = Stopwatch::now_ns();
+  if (const auto started = system.start_haptics(); !started) return started;
+  const auto waited = wait_for(system, stop, (1.0 - kKillShare) * seconds);
+  return waited ? Result<void>() : tl::unexpected(waited.error());
+}
+
+Result<std::filesystem::path> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  return error ? fail("{}: cannot be made: {}", folder.string(), error.message()) : Result<std::filesystem::path>(folder);
+}
+
+}  // namespace
+
+Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop) {
+  const DemoStep& step = demo_steps()[number - 1];
+  const auto out = make_folder(settings.out / demo_file_name(number));
+  const auto scratch = ScratchFolder::make();
+  if (!out || !scratch) return tl::unexpected(out ? scratch.error() : out.error());
+  DemoOutcome outcome{.verdict = {}, .picture = settings.out / (demo_file_name(number) + ".png")};
+  std::error_code error;
+  std::filesystem::remove(outcome.picture, error);
+  const bool dies = step.event == DemoStep::Event::haptics_dies;
+  const double seconds = settings.seconds.value_or(kDemoSeconds);
+  const std::string moment = dies ? fmt::format("{}", kKillShare * seconds + kSilentS) : step.picture_at;
+  DemoSystem system({.out = *out,
+                     .scratch = scratch->path(),
+                     .cpu = settings.cpu,
+                     .records = true,
+                     .vision = {"--offscreen", "--size", "848x480", "--no-keys-help", "--screenshot", outcome.picture.string(),
+                                "--screenshot-when", moment}});
+  if (const auto started = system.start(step); !started) return tl::unexpected(started.error());
+  DemoEvidence evidence;
+  const auto played =
+      dies ? play_death(step, system, stop, seconds, outcome.picture, evidence) : play(step, system, stop, seconds, outcome.picture);
+  if (!played) return tl::unexpected(played.error());
+  if (const auto ended = system.stop(); !ended) return tl::unexpected(ended.error());
+  if (!std::filesystem::exists(outcome.picture, error)) return fail("no picture was taken; see {}", (*out / "vision_node.log").string());
+  auto motion = read_demo_motion(system.recording());
+  auto report = read_report_json(system.report());
+  if (!motion || !report) return tl::unexpected(motion ? report.error() : motion.error());
+  evidence.motion = std::move(*motion);
+  evidence.report = std::move(*report);
+  outcome.verdict = step.judge(evidence);
+  return outcome;
+}
+
+std::optional<DemoWish> find_demo_wish(char key) {
+  if (key == 'q' || key == 'Q') return DemoWish{DemoChoice::quit, 0};
+  if (key == 'n' || key == 'N' || key == ' ' || key == '\n') return DemoWish{DemoChoice::next, 0};
+  const auto number = static_cast<std::size_t>(key - '0');
+  if (key >= '1' && number <= demo_steps().size()) return DemoWish{DemoChoice::go_to, number};
+  return std::nullopt;
+}
+
+Result<DemoWish> watch_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop, KeyReader& keys) {
+  const DemoStep& step = demo_steps()[number - 1];
+  const auto scratch = ScratchFolder::make();
+  if (!scratch) return tl::unexpected(scratch.error());
+  DemoSystem system({.out = scratch->path(), .scratch = scratch->path(), .cpu = settings.cpu, .records = false, .vision = {}});
+  if (const auto started = system.start(step); !started) return tl::unexpected(started.error());
+  if (const auto started = system.start_vision(step); !started) return tl::unexpected(started.error());
+  std::optional<DemoWish> wish;
+  Stopwatch since_event;
+  bool is_dead = false;
+  for (const Stopwatch watch; !wish;) {
+    if (const auto key = keys.read_key()) wish = find_demo_wish(*key);
+    if (stop.stop_requested() || !system.is_vision_open()) wish = DemoWish{DemoChoice::quit, 0};
+    if (!wish && settings.seconds && watch.seconds() >= *settings.seconds) wish = DemoWish{DemoChoice::next, 0};
+    if (step.event == DemoStep::Event::none || wish) continue;
+    if (!is_dead && since_event.seconds() > kKillAfterS && since_event.seconds() < kRestartAfterS) {
+      system.kill_haptics();
+      is_dead = true;
+    } else if (is_dead && since_event.seconds() > kRestartAfterS) {
+      if (const auto started = system.start_haptics(); !started) return tl::unexpected(started.error());
+      is_dead = false;
+    } else if (since_event.seconds() > kKillEveryS) {
+      since_event = Stopwatch();
+    }
+  }
+  if (wish->choice == DemoChoice::quit) return *wish;
+  const auto ended = system.stop();
+  return ended ? Result<DemoWish>(*wish) : tl::unexpected(ended.error());
+}
+
+}  // namespace hapton

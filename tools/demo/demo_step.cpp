@@ -1,0 +1,75 @@
+#include "tools/demo/demo_step.h"
+
+#include <fmt/core.h>
+
+#include "tools/demo/demo_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kRoundS = 8.0;
+constexpr double kLongS = 60.0;  // no coming and going while something else is to be seen
+constexpr double kDelayMs = 4.0;
+
+Result<HandPath> rest_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kRoundS); }
+Result<HandPath> stay_on_the_bonnet(const Scene& scene) { return make_rest_path(scene, 0.03, 0.03, kLongS); }
+Result<HandPath> along_the_groove(const Scene&) { return make_groove_path(); }
+Result<HandPath> against_the_wall(const Scene&) { return make_tap_path(); }
+Result<HandPath> over_the_ball(const Scene&) { return make_arc_path(demo_heavy::kRadiusM); }
+
+}  // namespace
+
+std::span<const DemoStep> demo_steps() {
+  static const std::vector<DemoStep> kSteps = {
+      {.name = "rest on the car",
+       .look =
+           "The hand presses into the sheet metal, and the tip stays on it: the red dot is the device. A ring of the arrow is a newton.\n"
+           "Lead the hand yourself with the left mouse button; the wheel presses, right drag looks round.",
+       .scene = "scenes/car_front.toml",
+       .make_path = rest_on_the_bonnet,
+       .judge = judge_rest},
+      {.name = "slide in a groove",
+       .look = "The hand goes straight to and fro. The walls of the groove lead the probe along its bends.",
+       .scene = "scenes/groove.toml",
+       .picture_at = "3",
+       .make_path = along_the_groove,
+       .judge = judge_groove},
+      {.name = "a wall thinner than a step",
+       .look = "The wall is 0.1 mm thick, and between two samples the hand moves several times that.\n"
+               "The device goes through it, and the probe never does: it stays on the side that it came from.",
+       .scene = "scenes/thin_wall.toml",
+       .vision = {"--view-yaw-deg", "-52"},
+       .make_path = against_the_wall,
+       .judge = judge_wall},
+      {.name = "a heavy mesh",
+       .look = "1,310,720 triangles, touched with all of them and drawn at the level of detail that a frame has time for.\n"
+               "Turn it with x, y and z: what is felt turns with it.",
+       .scene = "",
+       .picture_at = "5",
+       .make_path = over_the_ball,
+       .judge = judge_heavy},
+      {.name = "a slow network",
+       .look = "Between the device and the forces lie 4 ms each way, 2 ms of jitter and 2 % of loss.\n"
+               "The force comes late: a hard surface may shiver. The safety governor damps that, and nothing runs away.",
+       .scene = "scenes/car_front.toml",
+       .relay = {"--delay-ms", fmt::format("{}", kDelayMs), "--jitter-ms", "2", "--loss", "0.02"},
+       .make_path = rest_on_the_bonnet,
+       .judge = [](const DemoEvidence& evidence) { return judge_network(evidence, 2.0 * kDelayMs); }},
+      {.name = "a node dies",
+       .look = "The haptics node is killed while the hand presses, and started again.\n"
+               "The motors are let go within 20 ms, the picture says why there is no force, and the contact goes on where it was.",
+       .scene = "scenes/car_front.toml",
+       .event = DemoStep::Event::haptics_dies,
+       .make_path = stay_on_the_bonnet,
+       .judge = judge_death},
+  };
+  return kSteps;
+}
+
+std::string demo_file_name(std::size_t number) {
+  std::string name = fmt::format("{}-{}", number, demo_steps()[number - 1].name);
+  for (char& c : name) c = c == ' ' ? '-' : c;
+  return name;
+}
+
+}  // namespace hapton

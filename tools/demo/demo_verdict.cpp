@@ -1,0 +1,159 @@
+#include "tools/demo/demo_verdict.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/demo/demo_shapes.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMostShare = 0.5;     // "most of the time" since the first contact
+constexpr double kBehindM = 0.0005;    // pressed, not brushed
+constexpr double kReleasedMs = 100.0;  // the bound is 20 ms and a cycle; a machine with other work to do may be late with the cycle
+constexpr double kPeriodUs = 1000.0;
+
+struct Contact {
+  std::size_t steps = 0;  // since the first contact
+  std::size_t contacts = 0;
+  double deepest_m = 0.0;  // the device behind the probe
+  double most_n = 0.0;
+  double share() const { return steps == 0 ? 0.0 : static_cast<double>(contacts) / static_cast<double>(steps); }
+  bool is_mostly() const { return share() >= kMostShare; }
+};
+
+Contact count_contact(const DemoMotion& motion) {
+  Contact contact;
+  for (const DemoStepSeen& step : motion.steps) {
+    if (contact.contacts == 0 && !step.contact) continue;
+    ++contact.steps;
+    if (!step.contact) continue;
+    ++contact.contacts;
+    contact.deepest_m = std::max(contact.deepest_m, (step.p_WD - step.p_WP).norm());
+    contact.most_n = std::max(contact.most_n, step.force_n.norm());
+  }
+  return contact;
+}
+
+std::string contact_text(const Contact& contact) {
+  if (contact.contacts == 0) return "touched nothing";
+  return fmt::format("in contact {:.0f} % of {} steps, up to {:.1f} N", 100.0 * contact.share(), contact.steps, contact.most_n);
+}
+
+DemoVerdict make_verdict(const Contact& contact, bool held, const std::string& more) {
+  return {contact.contacts > 0, contact.contacts > 0 && held, contact_text(contact) + more};
+}
+
+double number(const Json& report, const char* section, const char* key) {
+  const auto found = report.find(section);
+  if (found == report.end() || !found->is_object()) return 0.0;
+  const auto value = found->find(key);
+  return value != found->end() && value->is_number() ? value->get<double>() : 0.0;
+}
+
+double hop_us(const Json& report, const char* hop, const char* quantile) {
+  const auto hops = report.find("hops");
+  return hops == report.end() || !hops->is_object() ? 0.0 : number(*hops, hop, quantile);
+}
+
+double between_ms(std::int64_t from_ns, std::int64_t to_ns) { return 1e-6 * static_cast<double>(to_ns - from_ns); }
+
+}  // namespace
+
+DemoVerdict judge_rest(const DemoEvidence& evidence) {
+  const Contact contact = count_contact(evidence.motion);
+  return make_verdict(contact, contact.is_mostly() && contact.deepest_m >= kBehindM,
+                      fmt::format("; the hand's device up to {:.1f} mm behind the probe", 1e3 * contact.deepest_m));
+}
+
+DemoVerdict judge_groove(const DemoEvidence& evidence) {
+  using namespace demo_groove;
+  const Contact contact = count_contact(evidence.motion);
+  double lowest = 0.0;
+  double highest = 0.0;
+  double astray = 0.0;
+  for (const DemoStepSeen& step : evidence.motion.steps) {
+    if (!step.contact || std::abs(step.p_WP.x()) > kHalfLengthM) continue;
+    lowest = std::min(lowest, step.p_WP.y());
+    highest = std::max(highest, step.p_WP.y());
+    astray = std::max(astray, std::abs(step.p_WP.y() - centre_m(step.p_WP.x())));
+  }
+  const bool is_led = highest - lowest >= kSwingM && astray <= kHalfWidthM;
+  return make_verdict(contact, contact.is_mostly() && is_led,
+                      fmt::format("; led {:.1f} mm to and fro by the walls, at most {:.1f} mm beside the middle of a groove {:.0f} mm wide",
+                                  1e3 * (highest - lowest), 1e3 * astray, 2e3 * kHalfWidthM));
+}
+
+DemoVerdict judge_wall(const DemoEvidence& evidence) {
+  using namespace demo_wall;
+  const Contact contact = count_contact(evidence.motion);
+  double longest = 0.0;
+  double behind = 0.0;
+  double probe_behind = 0.0;
+  const DemoStepSeen* last = nullptr;
+  for (const DemoStepSeen& step : evidence.motion.steps) {
+    const bool is_over = step.p_WD.head<2>().cwiseAbs().maxCoeff() < kHalfSideM;
+    if (is_over) {
+      behind = std::max(behind, kFrontM - step.p_WD.z());
+      probe_behind = std::max(probe_behind, kFrontM - step.p_WP.z());
+      // The step that took it through the wall, or near it.
+      if (last != nullptr && last->p_WD.z() >= kFrontM && step.p_WD.z() < kFrontM)
+        longest = std::max(longest, last->p_WD.z() - step.p_WD.z());
+    }
+    last = &step;
+  }
+  // On the front, which the wire gives to a ten-thousandth of a millimetre.
+  const bool is_held_back = behind > kThicknessM && probe_behind <= 0.5 * kThicknessM;
+  return make_verdict(
+      contact, longest > kThicknessM && is_held_back,
+      fmt::format("; a step of {:.2f} mm through a wall of {:.1f} mm, the device up to {:.1f} mm behind its front, the probe {:.1f} mm",
+                  1e3 * longest, 1e3 * kThicknessM, 1e3 * behind, 1e3 * probe_behind));
+}
+
+DemoVerdict judge_heavy(const DemoEvidence& evidence) {
+  const Contact contact = count_contact(evidence.motion);
+  const double typical_us = hop_us(evidence.report, "haptics_compute", "p50_us");
+  return make_verdict(
+      contact, contact.is_mostly() && typical_us > 0.0 && typical_us < kPeriodUs,
+      fmt::format("; a force takes {:.1f} us (p50), {:.1f} us (p99)", typical_us, hop_us(evidence.report, "haptics_compute", "p99_us")));
+}
+
+DemoVerdict judge_network(const DemoEvidence& evidence, double least_round_trip_ms) {
+  const Contact contact = count_contact(evidence.motion);
+  const double round_trip_ms = 1e-3 * hop_us(evidence.report, "round_trip", "p50_us");
+  const double faults = number(evidence.report, "counters", "faults_latched");
+  return make_verdict(contact, contact.is_mostly() && round_trip_ms >= least_round_trip_ms && faults == 0.0,
+                      fmt::format("; round trip {:.1f} ms (p50), {:.0f} cycles damped, {:.0f} faults", round_trip_ms,
+                                  number(evidence.report, "counters", "energy_damped"), faults));
+}
+
+DemoVerdict judge_death(const DemoEvidence& evidence) {
+  const Contact contact = count_contact(evidence.motion);
+  bool was_felt = false;
+  std::int64_t released_ns = evidence.killed_ns;
+  std::optional<std::int64_t> felt_again_ns;
+  for (const DemoForceWritten& force : evidence.motion.written) {
+    if (!(force.newtons > 0.0)) continue;
+    if (force.time_ns < evidence.killed_ns)
+      was_felt = true;
+    else if (force.time_ns < evidence.restarted_ns)
+      released_ns = force.time_ns;
+    else if (!felt_again_ns)
+      felt_again_ns = force.time_ns;
+  }
+  const double released_ms = between_ms(evidence.killed_ns, released_ns);
+  const std::string again =
+      felt_again_ns ? fmt::format("felt again {:.0f} ms after it is started again", between_ms(evidence.restarted_ns, *felt_again_ns))
+                    : std::string("not felt again");
+  return make_verdict(contact, was_felt && felt_again_ns && released_ms <= kReleasedMs,
+                      fmt::format("; no force {:.0f} ms after the node is killed, {}", released_ms, again));
+}
+
+}  // namespace hapton

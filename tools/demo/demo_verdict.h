@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/demo/demo_motion.h"
+
+namespace hapton {
+
+// What a step of the tour left behind, to be judged.
+struct DemoEvidence {
+  DemoMotion motion;
+  nlohmann::ordered_json report;  // the hub's report.json, schema hapton.report/2
+  std::int64_t killed_ns = 0;     // when the haptics node was killed and started again, this machine's clock; 0: it was not
+  std::int64_t restarted_ns = 0;
+};
+
+// Whether the step showed what it promises, and one line of numbers.
+struct DemoVerdict {
+  bool touched = false;  // some step was in contact
+  bool held = false;     // never without touched
+  std::string text;
+};
+
+// RT: no.
+
+// The probe stays on the surface while the hand presses: in contact most of the time, the device behind the surface.
+DemoVerdict judge_rest(const DemoEvidence& evidence);
+// The probe goes along the groove's bends (demo_shapes.h) while the device is pulled straight on.
+DemoVerdict judge_groove(const DemoEvidence& evidence);
+// Some step is longer than the wall is thick, the device comes to stand behind it, and the probe never does.
+DemoVerdict judge_wall(const DemoEvidence& evidence);
+// In contact most of the time, and the typical force takes less than a period of 1 kHz.
+DemoVerdict judge_heavy(const DemoEvidence& evidence);
+// In contact most of the time though the typical round trip is as slow as the network makes it; no fault was latched.
+DemoVerdict judge_network(const DemoEvidence& evidence, double least_round_trip_ms);
+// The motors are let go soon after the haptics node was killed, and the force is felt again after it was started again.
+DemoVerdict judge_death(const DemoEvidence& evidence);
+
+}  // namespace hapton

@@ -1,0 +1,31 @@
+#include "tools/demo/key_reader.h"
+
+#include <unistd.h>
+
+#include "runtime/clock.h"
+
+namespace hapton {
+
+KeyReader::KeyReader() {
+  termios now = {};
+  if (::isatty(STDIN_FILENO) != 1 || ::tcgetattr(STDIN_FILENO, &now) != 0) return;
+  before_ = now;
+  now.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  now.c_cc[VMIN] = 0;
+  now.c_cc[VTIME] = 1;  // tenths of a second
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &now);
+}
+
+KeyReader::~KeyReader() {
+  if (before_) ::tcsetattr(STDIN_FILENO, TCSANOW, &*before_);
+}
+
+std::optional<char> KeyReader::read_key() {
+  char key = 0;
+  if (is_terminal()) return ::read(STDIN_FILENO, &key, 1) == 1 ? std::optional(key) : std::nullopt;
+  SteadyClock clock;
+  clock.sleep_until_ns(clock.now_ns() + 100 * kNanosecondsPerMillisecond);
+  return std::nullopt;
+}
+
+}  // namespace hapton
