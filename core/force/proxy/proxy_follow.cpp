@@ -192,6 +192,7 @@ void ProxyMethod::clear_start() noexcept {
 // The surface holds the proxy at the end of a step.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   proxy_ = surface_.at().lifted(hover_);
+  off_ = hover_;
   free_ = false;
   sliding_ = surface_.slides();
   std::array<SurfacePoint::Contact, 3> contacts;
@@ -210,6 +211,8 @@ void ProxyMethod::lift_off_surface() noexcept {
   const SurfacePoint::Inside from = surface_.at().inside(kBeside * hover_);
   surface_.leave();
   proxy_ = from.point + clearance_.rest * from.normal;
+  off_ = hover_;
+  if (sphere_ != nullptr) sphere_->leave();
   free_ = false;
   sliding_ = surface_.slides();
   Touch& touch = touching_[0];

@@ -197,6 +197,7 @@ class ProxyMethod final : public ForceMethod {
   Clearance clearance_;
   double shading_ = 0.0;
   double hover_ = 0.0;
+  double off_ = 0.0;  // of what holds the proxy: the force leaves it out
   bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;

@@ -8,6 +8,12 @@
 #include "core/force/contact_qp.h"
 #include "core/math/straight_motion.h"
 
+#include <cstdio>
+#include <cstdlib>
+namespace {
+struct Unclear { unsigned long n[40]={}; ~Unclear(){ if(!getenv("UNCLEAR")) return; for(int i=0;i<40;++i) if(n[i]) fprintf(stderr,"unclear %d: %lu\n",i,n[i]); } } g_unclear;
+void note_unclear(int i) { ++g_unclear.n[i]; }
+}
 namespace hapton {
 namespace {
 
@@ -86,10 +92,12 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
   work_ = 0;
   idle_ = 0;
+  ++step_;
+  exit_work_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
-  if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
+  if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return (note_unclear(0), Outcome::unclear);
   Next next = Next::again;
   int most = kLeastWork;
   bool has_touched = false;
@@ -111,6 +119,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
       next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
+    if (next == Next::settled && leave_rest(to, to - from)) next = Next::again;
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
@@ -119,11 +128,13 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     count_ = 0;
     touching_ = 0;
     time = began;
-    return Outcome::unclear;
+    return (note_unclear(1), Outcome::unclear);
   }
-  if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
+  if (idle_ > kMostIdle) note_unclear(39);
+  if (next == Next::unclear || idle_ > kMostIdle) return (note_unclear(2), Outcome::unclear);
   note_multipliers(to);
-  if (next == Next::settled) return !(has_friction_ && rubs()) && is_shallow(to) ? Outcome::unclear : Outcome::settled;
+  Vec3 over;
+  if (next == Next::settled) return !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, over) ? (note_unclear(3), Outcome::unclear) : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
 }
@@ -180,10 +191,10 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = geometry_.corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return Next::unclear;
+  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return (note_unclear(4), Next::unclear);
   hint_ = motion;
   is_descending_ = true;
-  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::unclear;
+  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : (note_unclear(5), Next::unclear);
 }
 
 bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
@@ -249,7 +260,7 @@ bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 pull = device - centre_;
   Vec3 way;
-  if (!find_active(pull, motion, way)) return Next::unclear;
+  if (!find_active(pull, motion, way)) return (note_unclear(6), Next::unclear);
   if (count_ == 0) {
     touching_ = 0;
     ++idle_;
@@ -274,27 +285,27 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return Next::unclear;
+    if (!is_unstable) return (note_unclear(7), Next::unclear);
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
     return Next::wait;
   }
   Event event;
-  if (!find_event(path, event)) return Next::unclear;
+  if (!find_event(path, event)) return (note_unclear(8), Next::unclear);
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(path, event, [&](double share) {
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return Next::unclear;
+  if (!is_restored) return (note_unclear(9), Next::unclear);
   note_move(before);
   note_gain(device, false);
   // Over a face it comes to rest at the end.
   const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
-  return take_event(event, path) ? Next::again : Next::unclear;
+  return take_event(event, path) ? Next::again : (note_unclear(10), Next::unclear);
 }
 
 // With the device moving: until the end of its motion, or the next event.
@@ -311,7 +322,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   Event event;
-  if (!find_event(leg.path, event)) return Next::unclear;
+  if (!find_event(leg.path, event)) return (note_unclear(11), Next::unclear);
   const Vec3 before = centre_;
   const double was = time;
   const bool is_whole = event.time >= 1.0;
@@ -323,7 +334,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return Next::unclear;
+  if (!is_restored) return (note_unclear(12), Next::unclear);
   note_move(before);
   if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
@@ -333,7 +344,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
 // After a leg: what its event, or the contact that is released at its end, leads to. None: the leg went on to its end.
 std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
                                                             const Vec3& device) noexcept {
-  if (!take_event(event, path)) return Next::unclear;
+  if (!take_event(event, path)) return (note_unclear(13), Next::unclear);
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
   ++idle_;
@@ -419,7 +430,7 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
 // Held by three: multipliers are affine in time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
-  if (!find_frame(centre_, frame)) return Next::unclear;
+  if (!find_frame(centre_, frame)) return (note_unclear(14), Next::unclear);
   const Vec3 now = centre_ - on_way(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;
@@ -432,6 +443,13 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     if (released >= 0 && share >= soonest) continue;
     released = i;
     soonest = share;
+  }
+  const double opens = time_to_corner_way(from, to, time);
+  if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
+    time = opens;
+    // Else it is not tried again in this step.
+    leave_rest(on_way(from, to, time), to - from);
+    return Next::again;
   }
   if (released < 0) {
     time = 1.0;
@@ -448,7 +466,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
 
 // Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
 // contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
-bool SphereFollower::is_shallow(const Vec3& device) const noexcept {
+bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
   constexpr double kShallow = 0x1p-30;
   ContactFrame all;
   if (touching_ < 2 || !find_frame(centre_, all)) return false;
@@ -462,7 +480,7 @@ bool SphereFollower::is_shallow(const Vec3& device) const noexcept {
     }
     if (!others.prepare()) continue;
     const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
-    Vec3 way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
+    way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
     if (!(way.norm() > 0.0)) continue;
     way.normalize();
     const double slope = std::max(0.0, way.dot(centre_ - device));

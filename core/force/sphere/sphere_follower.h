@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -50,14 +51,18 @@ class SphereFollower {
   };
 
   // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
-  SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset)
-      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {
+  // `is_point`: it stands for a point, which no corner holds that only its radius closes.
+  SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
+      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance}, is_point_(is_point) {
     for (const Material& material : materials) has_friction_ |= material.friction_static > 0.0;
   }
 
   // Whether it holds the centre, or the centre was last moved by others.
   bool holds() const { return holds_; }
-  void leave() { holds_ = false; }
+  void leave() {
+    holds_ = false;
+    corner_ways_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  }
   bool slides() const { return rub_.slides; }  // the dynamic coefficient is in force
   // What was gathered no longer is all there is.
   void forget_near() { near_.clear(); }
@@ -69,6 +74,7 @@ class SphereFollower {
   // The device goes straight from `from` to `to`. Pre: holds.
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
+  double offset() const { return keep_.offset; }
   const Vec3& centre() const { return centre_; }
   bool is_free() const { return touching_ == 0; }
   // What holds the centre; multipliers sum up to centre - device when it has settled.
@@ -211,6 +217,26 @@ class SphereFollower {
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
+  // An edge or face that begins at a vertex near.
+  struct CornerWay {
+    Vec3 corner = Vec3::Zero();
+    Vec3 direction = Vec3::Zero();  // of an edge: unit
+    Vec3 normal = Vec3::Zero();     // of a face; zero: an edge
+    std::array<Vec3, 3> inward{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+    std::uint64_t tried_in = 0;  // which step
+    bool is_closed = false;      // leads nowhere from here
+  };
+  static constexpr int kMostCornerWays = 96;
+  static constexpr int kMostWays = 6;
+  static constexpr int kMostExitWork = 16384;
+  void find_corner_ways() noexcept;
+  Vec3 find_corner_way(const CornerWay& way, const Vec3& device) const noexcept;
+  double least_corner_way(const Vec3& device) const noexcept;
+  double time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept;
+  bool leave_rest(const Vec3& device, const Vec3& motion) noexcept;
+  bool leave_along(const Vec3& device, const Vec3& motion, const Vec3& way, double height, bool& is_closed) noexcept;
+  Vec3 find_lift(double height) noexcept;
+  bool go_straight(const Vec3& motion, double share) noexcept;
   int find_level(const OffsetContact& contact, const Exit& exit) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
@@ -221,12 +247,13 @@ class SphereFollower {
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
   bool is_clear_here(double short_by) noexcept;
-  bool is_shallow(const Vec3& device) const noexcept;
+  bool is_shallow(const Vec3& device, Vec3& way) const noexcept;
   void note_multipliers(const Vec3& device) noexcept;
 
   const TouchGeometry& geometry_;
   std::span<const Material> materials_;
   CentrePath::Keep keep_;
+  bool is_point_;
   bool has_friction_ = false;
   Rubbing rub_;
   bool holds_ = false;
@@ -243,6 +270,12 @@ class SphereFollower {
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer
   double least_distance_ = 0.0;  // to the device where it is
+  std::array<CornerWay, kMostCornerWays> corner_ways_;
+  int corner_way_count_ = 0;
+  Vec3 corner_ways_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  std::uint64_t step_ = 1;
+  int exit_work_ = 0;  // in this step, on ways off a rest
+  std::uint64_t tried_shallow_in_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
 

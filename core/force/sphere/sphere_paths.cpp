@@ -318,8 +318,8 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostTries = 24;
   constexpr int kFew = 24;
   constexpr double kWidest = 0.25;
-  const double least = 0x1p-6 * keep_.offset;
-  if (!(reach_ > 0.0)) reach_ = 0.5 * keep_.offset;
+  const double least = (is_point_ ? 64.0 : 0x1p-6) * keep_.offset;
+  if (!(reach_ > 0.0)) reach_ = std::max(least, 0.5 * keep_.offset);
   const double length = towards.norm();
   for (int i = 0; i < kMostTries; ++i, reach_ *= 0.5) {
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * reach_ / length)) : Vec3::Zero();
