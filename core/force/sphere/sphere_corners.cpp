@@ -1,7 +1,10 @@
-// Where a point that a small sphere stands for leaves a rest that only the sphere's radius makes one: from a corner along its edges and
-// faces, and over a barrier lower than the sphere.
+// Where a point that a small sphere stands for leaves a rest that only the sphere's radius makes one: out of a corner along its faces, and
+// over a barrier lower than the sphere.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
 
 #include "core/force/contact_qp.h"
 #include "core/force/sphere/sphere_follower.h"
@@ -9,102 +12,79 @@
 namespace hapton {
 namespace {
 
-constexpr double kAround = 32.0;      // offsets: a vertex as near is the point's own
-constexpr double kLeastBetter = 8.0;  // offsets: nearer by less is no way out
-constexpr std::size_t kMostPlanes = 6;
-constexpr double kFlat = 0x1p-20;           // slopes below this are level
-constexpr double kHeights[] = {8.0, 32.0};  // offsets: of a lift
+constexpr double kAround = 32.0;          // offsets: a corner as near is the point's own
+constexpr double kThrough = 0.0625;       // offsets: a triangle as near to the corner ends or passes there
+constexpr double kLeastBetter = 2.0;      // offsets: nearer by less is no way out
+constexpr double kAbove = 1.25;           // offsets, over the faces that it passes
+constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets: how far from the corner it goes round it
+constexpr double kHeights[] = {8.0, 32.0};         // offsets: of a lift
+constexpr int kMostTries = 2;             // in a step
 
 }  // namespace
 
-// All edges and faces that begin here. A point that can get any nearer to the device can do so along one of them.
-void SphereFollower::find_corner_ways() noexcept {
-  if ((centre_ - corner_ways_from_).norm() <= 4.0 * keep_.offset) return;
-  corner_ways_from_ = centre_;
-  corner_way_count_ = 0;
-  const double near = kAround * keep_.offset;
-  if (!near_.covers(centre_, near) && (!gather(Vec3::Zero()) || !near_.covers(centre_, near))) return;
-  const auto add = [&](const CornerWay& way) {
-    for (int i = 0; i < corner_way_count_; ++i) {
-      const CornerWay& known = corner_ways_[i];
-      if (known.corner == way.corner && known.direction == way.direction && known.normal == way.normal) return;
-    }
-    if (corner_way_count_ < kMostCornerWays) corner_ways_[corner_way_count_++] = way;
-  };
-  std::array<const ContactTriangle*, kMostPlanes> planes{};
-  std::size_t plane_count = 0;
-  const auto add_line = [&](const Vec3& direction, bool ahead, bool behind) {
-    CornerWay way;
-    way.corner = centre_;
-    way.direction = direction;
-    if (ahead) add(way);
-    way.direction = -direction;
-    if (behind) add(way);
-  };
-  near_.visit_near(centre_, centre_, near, [&](int slot) {
-    const ContactTriangle& shape = near_.shape(slot);
-    if (!(shape.separation(centre_).distance <= near)) return;
-    CornerWay face;
-    face.corner = centre_;
-    face.normal = shape.normal();
-    int borders = 0;
+// The vertex that the centre is near, or the place where three faces that hold it meet.
+bool SphereFollower::find_apex(Vec3& apex) const noexcept {
+  double nearest = kAround * keep_.offset;
+  bool any = false;
+  for (int i = 0; i < touching_; ++i) {
     for (int k = 0; k < 3; ++k) {
-      if (!(shape.length(k) > 0.0)) continue;
-      const double along = shape.along(k, centre_) * shape.length(k);
-      const Vec3 direction = shape.edge(k) / shape.length(k);
-      const Vec3 on_edge = shape.corner(k) + std::clamp(along, 0.0, shape.length(k)) * direction;
-      if ((on_edge - centre_).norm() > near) continue;
-      add_line(direction, shape.length(k) - along > near, along > near);
-      if (borders < 3 && !face.normal.isZero(0.0)) face.inward[static_cast<std::size_t>(borders++)] = face.normal.cross(direction);
+      const Vec3& corner = contacts_[i].shape.corner(k);
+      const double distance = (corner - centre_).norm();
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      apex = corner;
+      any = true;
     }
-    if (face.normal.isZero(0.0)) return;
-    add(face);
-    for (std::size_t i = 0; i < plane_count; ++i) {
-      if (std::fabs(planes[i]->normal().dot(face.normal)) > 1.0 - kFlat) return;
-    }
-    if (plane_count < kMostPlanes) planes[plane_count++] = &shape;
+  }
+  if (any) return true;
+  ContactFrame frame;
+  if (count_ != 3 || !find_frame(centre_, frame)) return false;
+  apex = centre_;
+  for (int i = 0; i < 3; ++i) {
+    if (contacts_[i].part != OffsetContact::Part::face) return false;
+    apex -= keep_.offset * frame.dual[i];
+  }
+  return (apex - centre_).norm() <= kAround * keep_.offset;
+}
+
+// The directions in which the point could leave the corner that it is in. False: there is no corner, or its border is not found.
+bool SphereFollower::find_cone() noexcept {
+  if ((centre_ - cone_from_).norm() <= 4.0 * keep_.offset) return has_cone_;
+  cone_from_ = centre_;
+  has_cone_ = false;
+  Vec3 apex;
+  if (!find_apex(apex)) return false;
+  const double near = kThrough * keep_.offset;
+  const double reach = near + (apex - centre_).norm();
+  if (!near_.covers(centre_, reach) && (!gather(Vec3::Zero()) || !near_.covers(centre_, reach))) return false;
+  cone_.begin(apex);
+  bool fits = true;
+  near_.visit_near(apex, apex, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    fits = fits && cone_.add(shape, near);
+    ++work_;
   });
-  // Where faces meet that share no edge.
-  const auto share_edge = [](const ContactTriangle& a, const ContactTriangle& b) {
-    int shared = 0;
-    for (int i = 0; i < 9; ++i) shared += a.corner(i / 3) == b.corner(i % 3);
-    return shared >= 2;
-  };
-  for (std::size_t i = 0; i < plane_count; ++i) {
-    for (std::size_t j = i + 1; j < plane_count; ++j) {
-      if (share_edge(*planes[i], *planes[j])) continue;
-      add_line(planes[i]->normal().cross(planes[j]->normal()).normalized(), true, true);
-    }
-  }
+  has_cone_ = fits && cone_.find_border((centre_ - apex).normalized());
+  return has_cone_;
 }
 
-// Where the way leads with the device there: to the projection onto the edge or face; zero where that lies beyond its ends.
-Vec3 SphereFollower::find_corner_way(const CornerWay& way, const Vec3& device) const noexcept {
-  const Vec3 pull = device - way.corner;
-  if (way.normal.isZero(0.0)) return std::max(0.0, way.direction.dot(pull)) * way.direction;
-  const Vec3 along = pull - way.normal.dot(pull) * way.normal;
-  for (const Vec3& inward : way.inward) {
-    if (inward.dot(along) < 0.0) return Vec3::Zero();
-  }
-  return along;
+// How far along an edge of the corner the place nearest to the device must be: so far that the point comes nearer by some offsets.
+double SphereFollower::least_corner_way(const Vec3& pull) const noexcept {
+  return std::sqrt(8.0 * kLeastBetter * keep_.offset * pull.norm());
 }
 
-double SphereFollower::least_corner_way(const Vec3& device) const noexcept {
-  return kFlat * (device - centre_).norm() + kLeastBetter * keep_.offset;
-}
-
-// When the first of the corner's edges leads nearer to the device, in time: 2 if none does.
+// When the first edge of the corner leads nearer to the device, in time: 2 if none does.
 double SphereFollower::time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept {
-  if (!is_point_) return 2.0;
-  find_corner_ways();
-  const double least = 1.0625 * std::max(least_corner_way(from), least_corner_way(to));
+  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone()) return 2.0;
+  const Vec3 pull = from - cone_.apex();
+  const Vec3 pull_then = to - cone_.apex();
+  const double least = 1.0625 * std::max(least_corner_way(pull), least_corner_way(pull_then));
   double soonest = 2.0;
-  for (int i = 0; i < corner_way_count_; ++i) {
-    const CornerWay& way = corner_ways_[i];
-    if (way.is_closed || way.tried_in == step_ || !way.normal.isZero(0.0)) continue;
-    const double there = way.direction.dot(to - way.corner) - least;
+  for (const TangentCone::Piece& piece : cone_.border()) {
+    const double there = piece.to.dot(pull_then) - least;
     if (!(there > 0.0)) continue;
-    const double here = std::min(way.direction.dot(from - way.corner) - least, 0.0);
+    const double here = std::min(piece.to.dot(pull) - least, 0.0);
     soonest = std::min(soonest, std::max(time, here / (here - there)));
   }
   return soonest;
@@ -113,39 +93,92 @@ double SphereFollower::time_to_corner_way(const Vec3& from, const Vec3& to, doub
 // Off the rest by the steepest way that leads to a nearer one. False, and nothing changed, where none does.
 bool SphereFollower::leave_rest(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || touching_ == 0) return false;
+  const bool fc = find_cone(); if (getenv("TRACE")) { const auto st = cone_.find_steepest(device - cone_.apex()); fprintf(stderr, "   leave_rest cone %d pieces %zu tries %d slope %g least %g dir %.4f %.4f %.4f piece %d\n", fc, cone_.border().size(), corner_tries_, st.slope, least_corner_way(device-cone_.apex()), st.direction.x(), st.direction.y(), st.direction.z(), st.piece); if (getenv("TRACE_NEAR")) for (const auto& p : cone_.border()) fprintf(stderr, "     piece %.4f %.4f %.4f -> %.4f %.4f %.4f n %.4f %.4f %.4f opening %.4f\n", p.from.x(), p.from.y(), p.from.z(), p.to.x(), p.to.y(), p.to.z(), p.normal.x(), p.normal.y(), p.normal.z(), p.opening); }
+  if (fc) {
+    const Vec3 pull = device - cone_.apex();
+    const TangentCone::Steepest steepest = cone_.find_steepest(pull);
+    if (steepest.slope > least_corner_way(pull)) {
+      for (const double wide : kWide) {
+        const double way = wide * keep_.offset;
+        for (const bool ahead : {true, false}) {
+          if (try_way(device, motion, [&] { return go_round(steepest, way, ahead); })) return true;
+        }
+      }
+    }
+  }
   Vec3 over;
   if (tried_shallow_in_ != step_ && is_shallow(device, over)) {
     tried_shallow_in_ = step_;
-    bool is_closed = false;
     for (const double height : kHeights) {
-      if (leave_along(device, motion, 32.0 * height * keep_.offset * over, height * keep_.offset, is_closed)) return true;
-    }
-  }
-  find_corner_ways();
-  const double least = least_corner_way(device);
-  for (int tries = 0; tries < kMostWays; ++tries) {
-    CornerWay* best = nullptr;
-    Vec3 steepest = Vec3::Zero();
-    for (int i = 0; i < corner_way_count_; ++i) {
-      CornerWay& way = corner_ways_[i];
-      if (way.is_closed || way.tried_in == step_) continue;
-      const Vec3 leads = find_corner_way(way, device);
-      if (leads.norm() <= std::max(least, steepest.norm())) continue;
-      best = &way;
-      steepest = leads;
-    }
-    if (best == nullptr) return false;
-    best->tried_in = step_;
-    for (const double height : kHeights) {
-      if (leave_along(device, motion, steepest, height * keep_.offset, best->is_closed)) return true;
+      if (try_way(device, motion, [&] { return go_over(32.0 * height * keep_.offset * over, height * keep_.offset); })) return true;
     }
   }
   return false;
 }
 
-// Lifted over all that is near and sent along, it goes on from there with the device held. False, and it is put back, where that ends no
-// nearer.
-bool SphereFollower::leave_along(const Vec3& device, const Vec3& motion, const Vec3& way, double height, bool& is_closed) noexcept {
+// Round the corner, a little above the faces of its border, to the direction that leads on.
+bool SphereFollower::go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept {
+  constexpr double kQuarter = 0.5 * std::numbers::pi;
+  const std::span<const TangentCone::Piece> border = cone_.border();
+  const int count = static_cast<int>(border.size());
+  const double above = kAbove * keep_.offset;
+  const auto go = [&](const Vec3& to_apex) {
+    return go_straight(cone_.apex() + to_apex - centre_, 1.0);
+  };
+  // The corner at the end of a piece: about its edge, by less than a quarter at a time.
+  const auto go_about = [&](const TangentCone::Piece& piece, bool forward) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(piece.opening / kQuarter - 0x1p-20)));
+    const double each = piece.opening / steps;
+    const double off = above / std::sin(std::min(0.5 * each, 0.5 * kQuarter));
+    if (!(off < 0.25 * wide)) return false;
+    for (int i = 0; i < steps; ++i) {
+      const double angle = each * ((forward ? i : steps - 1 - i) + 0.5);
+      if (!go(wide * piece.to + off * (std::cos(angle) * piece.back + std::sin(angle) * piece.normal))) return false;
+    }
+    return true;
+  };
+  // Over a piece, so that the way does not cut across the corner.
+  const auto go_over_piece = [&](const TangentCone::Piece& piece, const Vec3& from, const Vec3& end) {
+    const double angle = std::acos(std::clamp(from.dot(end), -1.0, 1.0));
+    const int steps = static_cast<int>(angle / (0.5 * kQuarter));
+    for (int i = 1; i <= steps; ++i) {
+      const double share = static_cast<double>(i) / (steps + 1);
+      if (!go(wide * ((1.0 - share) * from + share * end).normalized() + above * piece.normal)) return false;
+    }
+    return true;
+  };
+  const TangentCone::Piece& last = border[static_cast<std::size_t>(to.piece)];
+  const bool is_edge = to.direction == last.to;
+  if (!go(wide * border[0].from + above * border[0].normal)) return false;
+  if (ahead) {
+    for (int i = 0; i < to.piece; ++i) {
+      if (!go_over_piece(border[static_cast<std::size_t>(i)], border[static_cast<std::size_t>(i)].from, border[static_cast<std::size_t>(i)].to) ||
+          !go_about(border[static_cast<std::size_t>(i)], true))
+        return false;
+    }
+    if (!go_over_piece(last, last.from, to.direction)) return false;
+  } else {
+    for (int i = count - 1; i > to.piece; --i) {
+      const TangentCone::Piece& piece = border[static_cast<std::size_t>(i)];
+      if (!go_over_piece(piece, piece.to, piece.from) || !go_about(border[static_cast<std::size_t>(i - 1)], false)) return false;
+    }
+    if (!go_over_piece(last, last.to, to.direction)) return false;
+  }
+  return is_edge ? !ahead || go_about(last, true) : go(wide * to.direction + above * last.normal);
+}
+
+// Over all that is near, and along from there.
+bool SphereFollower::go_over(const Vec3& way, double height) noexcept {
+  const Vec3 from = centre_;
+  const Vec3 up = find_lift(height);
+  if (up.isZero(0.0) || !go_straight(up, 1.0)) return false;
+  go_straight(way, 0.0);
+  return (centre_ - from).norm() >= 4.0 * height;
+}
+
+// Through the air by `go`, and on from there with the device held. False, and it is put back, where that ends no nearer.
+template <class Go>
+bool SphereFollower::try_way(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMostEvents = 256;
   if (exit_work_ > kMostExitWork) return false;
   const int work_before = work_;
@@ -154,35 +187,25 @@ bool SphereFollower::leave_along(const Vec3& device, const Vec3& motion, const V
   const int count = count_;
   const int touching = touching_;
   const double distance = (device - centre_).norm();
-  const auto note_work = [&] {
+  const auto end = [&](bool is_better) {
     exit_work_ += work_ - work_before;
     work_ = work_before;
-  };
-  const auto put_back = [&] {
-    note_work();
+    idle_ = 0;
+    if (is_better) return true;
     centre_ = centre;
     contacts_ = contacts;
     count_ = count;
     touching_ = touching;
     is_descending_ = false;
     has_lost_minimum_ = false;
-    idle_ = 0;
     least_distance_ = std::numeric_limits<double>::infinity();
     return false;
   };
-  const Vec3 up = find_lift(height);
   count_ = 0;
   touching_ = 0;
   idle_ = 0;
-  is_closed = true;
-  if (up.isZero(0.0) || !go_straight(up, 1.0)) return put_back();
-  const double length = way.norm();
-  // As far as it takes to come nearer in spite of the lift.
-  const double share = std::min(1.0, std::max(8.0, 4.0 * distance / length) * height / length);
-  go_straight(share * way, 0.0);
-  if ((centre_ - centre).norm() < 4.0 * height) return put_back();
-  is_closed = false;
-  hint_ = way;
+  if (!go()) return end(false);
+  hint_ = centre_ - centre;
   is_descending_ = true;
   least_distance_ = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMostEvents && idle_ <= kMostIdle; ++i) {
@@ -191,13 +214,10 @@ bool SphereFollower::leave_along(const Vec3& device, const Vec3& motion, const V
     if (touching_ != 0 && !is_descending_) break;
     const Next next = touching_ == 0 ? fly_to(device, until) : descend(device, motion);
     if (next == Next::settled) break;
-    if (next != Next::again) return put_back();
+    if (next != Next::again) return end(false);
   }
   const bool is_done = touching_ == 0 ? centre_ == device : !is_descending_;
-  if (!is_done || !((device - centre_).norm() < distance - kLeastBetter * keep_.offset)) return put_back();
-  note_work();
-  idle_ = 0;
-  return true;
+  return end(is_done && (device - centre_).norm() < distance - kLeastBetter * keep_.offset);
 }
 
 // The least motion that is `height` over all that is near.

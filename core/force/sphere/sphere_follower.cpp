@@ -12,7 +12,8 @@
 #include <cstdlib>
 namespace {
 struct Unclear { unsigned long n[40]={}; ~Unclear(){ if(!getenv("UNCLEAR")) return; for(int i=0;i<40;++i) if(n[i]) fprintf(stderr,"unclear %d: %lu\n",i,n[i]); } } g_unclear;
-void note_unclear(int i) { ++g_unclear.n[i]; }
+const bool g_trace = getenv("TRACE") != nullptr;
+void note_unclear(int i) { ++g_unclear.n[i]; if (g_trace) fprintf(stderr, "  UNCLEAR %d\n", i); }
 }
 namespace hapton {
 namespace {
@@ -88,16 +89,58 @@ void SphereFollower::take_free(const Vec3& centre) noexcept {
   holds_ = true;
 }
 
+// Where the straight way is within a ball round the scene, in time. Empty: end < begin.
+SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to) {
+  const Vec3 way = to - from;
+  const double length = way.norm();
+  if (!(from.squaredNorm() > kFar * kFar) && !(to.squaredNorm() > kFar * kFar)) return {0.0, 1.0};
+  const Vec3 direction = length > 0.0 ? Vec3(way / length) : Vec3::Zero();
+  const double foot = -from.dot(direction);
+  const double miss = (from + foot * direction).norm();
+  if (!(miss < kFar) || !(length > 0.0)) return {1.0, 0.0};
+  const double half = std::sqrt((kFar - miss) * (kFar + miss));
+  return {std::max(0.0, (foot - half) / length), std::min(1.0, (foot + half) / length)};
+}
+
+// While the device is farther out than the digits reach, only where it is counts, as seen from the centre.
 SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
-  constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
   work_ = 0;
   idle_ = 0;
   ++step_;
   exit_work_ = 0;
+  corner_tries_ = 0;
+  const Span span = find_span(from, to);
+  Outcome outcome = Outcome::settled;
+  if (span.begin <= span.end && time <= span.end) {
+    const Vec3 first = on_way(from, to, span.begin);
+    const Vec3 last = on_way(from, to, span.end);
+    const double length = span.end - span.begin;
+    double part = length > 0.0 ? std::max(0.0, (time - span.begin) / length) : 0.0;
+    if (span.begin > time) {
+      if (touching_ == 0 && centre_ == from) centre_ = first;
+      is_descending_ = touching_ != 0;
+    }
+    outcome = follow_near(first, last, part);
+    time = span.end >= 1.0 && part >= 1.0 ? 1.0 : span.begin + part * length;
+    if (outcome != Outcome::settled || span.end >= 1.0) return outcome;
+  }
+  if (touching_ == 0) {
+    centre_ = to;
+    time = 1.0;
+    return Outcome::settled;
+  }
+  const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm());
+  is_descending_ = true;
+  double part = 0.0;
+  outcome = follow_near(seen, seen, part);
+  if (outcome == Outcome::settled) time = 1.0;
+  return outcome;
+}
+
+SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3& to, double& time) noexcept {
   least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
-  if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return (note_unclear(0), Outcome::unclear);
   Next next = Next::again;
   int most = kLeastWork;
   bool has_touched = false;
@@ -117,6 +160,23 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
                             : stay_rubbing(from, to, time);
     } else {
       next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
+    }
+    if (g_trace) {
+      fprintf(stderr, "  ev t=%.6f next=%d desc=%d lost=%d idle=%d count=%d touch=%d c=%.12f %.12f %.12f d=%.12f:", time, static_cast<int>(next), is_descending_, has_lost_minimum_, idle_, count_, touching_, centre_.x(), centre_.y(), centre_.z(), (on_way(from,to,time)-centre_).norm());
+      for (int i = 0; i < touching_; ++i) { const auto st = contacts_[i].stand(centre_); fprintf(stderr, " [%u %c%d n=%.4f %.4f %.4f off %.2g]", contacts_[i].triangle, "FEV"[static_cast<int>(contacts_[i].part)], contacts_[i].index, st.normal.x(), st.normal.y(), st.normal.z(), st.distance - keep_.offset); }
+      fprintf(stderr, "\n");
+      if (getenv("TRACE_NEAR") && (next == Next::settled || next == Next::unclear)) {
+        const double r = keep_.offset;
+        const Vec3 pull = (on_way(from,to,time)-centre_).normalized();
+        fprintf(stderr, "   pull %.4f %.4f %.4f\n", pull.x(), pull.y(), pull.z());
+        if (near_.covers(centre_, 256*r) || gather(Vec3::Zero())) near_.visit_near(centre_, centre_, 256*r, [&](int slot) {
+          const ContactTriangle& sh = near_.shape(slot); const Separation at = sh.separation(centre_);
+          if (at.distance > 256*r) return;
+          fprintf(stderr, "   near %u dist %.4g r feat %d n %.4f %.4f %.4f inside(r):", near_.triangle(slot), at.distance/r, static_cast<int>(at.feature), sh.normal().x(), sh.normal().y(), sh.normal().z());
+          for (int k=0;k<3;++k) fprintf(stderr, " %.4g (dir %.4f %.4f %.4f len %.3g)", sh.inside(k, centre_)/sh.length(k)/r, sh.edge(k).x()/sh.length(k), sh.edge(k).y()/sh.length(k), sh.edge(k).z()/sh.length(k), sh.length(k));
+          fprintf(stderr, "\n");
+        });
+      }
     }
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::settled && leave_rest(to, to - from)) next = Next::again;
@@ -448,6 +508,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
     time = opens;
     // Else it is not tried again in this step.
+    ++corner_tries_;
     leave_rest(on_way(from, to, time), to - from);
     return Next::again;
   }

@@ -13,6 +13,7 @@
 #include "core/force/sphere/contact_frame.h"
 #include "core/force/sphere/offset_drag.h"
 #include "core/force/sphere/offset_surface.h"
+#include "core/force/sphere/tangent_cone.h"
 #include "core/force/touch_scene.h"
 
 namespace hapton {
@@ -61,7 +62,7 @@ class SphereFollower {
   bool holds() const { return holds_; }
   void leave() {
     holds_ = false;
-    corner_ways_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+    cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   bool slides() const { return rub_.slides; }  // the dynamic coefficient is in force
   // What was gathered no longer is all there is.
@@ -101,6 +102,7 @@ class SphereFollower {
   static constexpr double kLeastRise = 0x1p-45;       // rad: faces of less are one plane, as far as borders can tell
   static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
   static constexpr double kLeastGain = 0x1p-44;
+  static constexpr double kFar = 32.0;  // local units: farther out, positions are coarser than the tolerance
   static constexpr int kMostIdle = 24;  // events that lead no nearer
   static constexpr int kMostExits = 128;
 
@@ -182,6 +184,11 @@ class SphereFollower {
   Held find_held(const Vec3& pull) const noexcept;
   Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
 
+  struct Span {
+    double begin = 0.0, end = 1.0;
+  };
+  static Span find_span(const Vec3& from, const Vec3& to);
+  Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
@@ -217,24 +224,16 @@ class SphereFollower {
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
-  // An edge or face that begins at a vertex near.
-  struct CornerWay {
-    Vec3 corner = Vec3::Zero();
-    Vec3 direction = Vec3::Zero();  // of an edge: unit
-    Vec3 normal = Vec3::Zero();     // of a face; zero: an edge
-    std::array<Vec3, 3> inward{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-    std::uint64_t tried_in = 0;  // which step
-    bool is_closed = false;      // leads nowhere from here
-  };
-  static constexpr int kMostCornerWays = 96;
-  static constexpr int kMostWays = 6;
   static constexpr int kMostExitWork = 16384;
-  void find_corner_ways() noexcept;
-  Vec3 find_corner_way(const CornerWay& way, const Vec3& device) const noexcept;
-  double least_corner_way(const Vec3& device) const noexcept;
+  bool find_apex(Vec3& apex) const noexcept;
+  bool find_cone() noexcept;
+  double least_corner_way(const Vec3& pull) const noexcept;
   double time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept;
   bool leave_rest(const Vec3& device, const Vec3& motion) noexcept;
-  bool leave_along(const Vec3& device, const Vec3& motion, const Vec3& way, double height, bool& is_closed) noexcept;
+  bool go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
+  bool go_over(const Vec3& way, double height) noexcept;
+  template <class Go>
+  bool try_way(const Vec3& device, const Vec3& motion, Go&& go) noexcept;
   Vec3 find_lift(double height) noexcept;
   bool go_straight(const Vec3& motion, double share) noexcept;
   int find_level(const OffsetContact& contact, const Exit& exit) noexcept;
@@ -270,9 +269,10 @@ class SphereFollower {
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer
   double least_distance_ = 0.0;  // to the device where it is
-  std::array<CornerWay, kMostCornerWays> corner_ways_;
-  int corner_way_count_ = 0;
-  Vec3 corner_ways_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  TangentCone cone_;  // of the corner that the centre was last at rest in
+  bool has_cone_ = false;
+  Vec3 cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  int corner_tries_ = 0;  // in this step
   std::uint64_t step_ = 1;
   int exit_work_ = 0;  // in this step, on ways off a rest
   std::uint64_t tried_shallow_in_ = 0;
