@@ -109,6 +109,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   ++step_;
   exit_work_ = 0;
   corner_tries_ = 0;
+  passes_ = 0;
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
   if (span.begin <= span.end && time <= span.end) {
@@ -151,7 +152,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
       has_touched = true;
       most = most_work(from, to);
     }
-    if (idle_ > kMostIdle) break;
+    if (idle_ > kMostIdle && !pass_by(from, to, time)) break;
     if (touching_ == 0) {
       next = fly(from, to, time);
     } else if (has_friction_ && rubs()) {
@@ -191,12 +192,24 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     return (note_unclear(1), Outcome::unclear);
   }
   if (idle_ > kMostIdle) note_unclear(39);
-  if (next == Next::unclear || idle_ > kMostIdle) return (note_unclear(2), Outcome::unclear);
+  if (next == Next::unclear) return (note_unclear(2), Outcome::unclear);
   note_multipliers(to);
   Vec3 over;
   if (next == Next::settled) return !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, over) ? (note_unclear(3), Outcome::unclear) : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
+}
+
+// What leads no nearer, event after event, is a place that rounding cannot tell from a minimum: a little later it is told, or the device has
+// arrived.
+bool SphereFollower::pass_by(const Vec3& from, const Vec3& to, double& time) noexcept {
+  const double length = (to - from).norm();
+  if (time >= 1.0 || !(length > 0.0) || passes_ > kMostPasses) return false;
+  time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, passes_) / length);
+  ++passes_;
+  idle_ = 0;
+  is_descending_ = touching_ != 0;
+  return true;
 }
 
 int SphereFollower::most_work(const Vec3& from, const Vec3& to) const noexcept {
@@ -382,7 +395,9 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   Event event;
+  if (g_trace) fprintf(stderr,"   leg until %.9f turn(rate) %g rate %g\n", leg.time, find_turn(find_rate(centre_, on_way(from,to,time), to-from)), find_rate(centre_, on_way(from,to,time), to-from).norm());
   if (!find_event(leg.path, event)) return (note_unclear(11), Next::unclear);
+  if (g_trace) fprintf(stderr,"   event at %g contact %d slot %d reach %g near %d\n", event.time, event.contact, event.slot, reach_, near_.count());
   const Vec3 before = centre_;
   const double was = time;
   const bool is_whole = event.time >= 1.0;

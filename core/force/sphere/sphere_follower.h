@@ -104,6 +104,7 @@ class SphereFollower {
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;  // local units: farther out, positions are coarser than the tolerance
   static constexpr int kMostIdle = 24;  // events that lead no nearer
+  static constexpr int kMostPasses = 16;
   static constexpr int kMostExits = 128;
 
   enum class Next : std::uint8_t { again, wait, settled, unclear };
@@ -189,6 +190,7 @@ class SphereFollower {
   };
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool pass_by(const Vec3& from, const Vec3& to, double& time) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
@@ -272,7 +274,8 @@ class SphereFollower {
   TangentCone cone_;  // of the corner that the centre was last at rest in
   bool has_cone_ = false;
   Vec3 cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
-  int corner_tries_ = 0;  // in this step
+  int corner_tries_ = 0;  // in this step,
+  int passes_ = 0;        // and places passed by
   std::uint64_t step_ = 1;
   int exit_work_ = 0;  // in this step, on ways off a rest
   std::uint64_t tried_shallow_in_ = 0;
