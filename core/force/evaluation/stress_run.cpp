@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -218,7 +216,6 @@ struct StressRun::Inside {
     if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device) ||
         !gains_from_beside(p, device) || is_held_closely(p, device))
       return;
-    if (getenv("TRACE") != nullptr) fprintf(stderr, "LAG gain %g ends %.9f %.9f %.9f\n", gain / extent, end.x(), end.y(), end.z());
     note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
   }
 
@@ -318,8 +315,6 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     const Vec3& device = in.places[i];
     const MethodOutput felt = in.method->step({.p_SD = device});
     ++count.steps;
-    static const bool tr = getenv("TRACE") != nullptr;
-    if (tr) fprintf(stderr, "STEP %zu contact %d device %.9f %.9f %.9f proxy %.9f %.9f %.9f\n", i, felt.contact, device.x(), device.y(), device.z(), felt.p_SP.x(), felt.p_SP.y(), felt.p_SP.z());
     count.contact_steps += felt.contact;
     const auto note = [&](StressFault fault, double size) { in.note(count, fault, episode.motion(), number, i, size / extent); };
     if (!felt.force_n.allFinite() || !felt.p_SP.allFinite()) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -68,7 +67,7 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   constexpr double kLeastRadius = 0x1p-20;
   if (clearance_.rest - kHover >= kLeastRadius) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
   // For what a point cannot walk on: as small as the reference's, so that it goes wherever that goes.
-  if (is_point_ && getenv("NOSPH") == nullptr) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, 0.5 * kHover, true);
+  if (is_point_) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, 0.5 * kHover, true);
   off_ = hover_;
 }
 

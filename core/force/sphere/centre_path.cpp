@@ -47,7 +47,8 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   const double turn = slope_from.cross(slope_to).norm() / (slope_from.norm() * slope_to.norm());
   path.bend_along_ = std::max(std::fabs(along.dot(first)), std::fabs(along.dot(last)));
   // Where the curve turns, what it is gone along unevenly shows across, too.
-  const double across = std::max((first - along.dot(first) * along).norm(), (last - along.dot(last) * along).norm()) + turn * path.bend_along_;
+  const double across =
+      std::max((first - along.dot(first) * along).norm(), (last - along.dot(last) * along).norm()) + turn * path.bend_along_;
   if (!(across < path.bend_)) {
     path.bend_along_ = 0.0;
     return path;

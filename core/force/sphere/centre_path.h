@@ -77,11 +77,11 @@ class CentrePath {
 
   Vec3 start_ = Vec3::Zero();
   Vec3 end_ = Vec3::Zero();
-  std::array<Vec3, 3> rate_;  // start + rate 0 t + rate 1 t^2 + rate 2 t^3
-  double bend_ = 0.0;            // the most of the second derivative,
-  Vec3 chord_ = Vec3::Zero();    // unit
-  double bend_along_ = 0.0;      // of its part along the chord: how unevenly it is gone along,
-  double bend_across_ = 0.0;     // and of the rest
+  std::array<Vec3, 3> rate_;   // start + rate 0 t + rate 1 t^2 + rate 2 t^3
+  double bend_ = 0.0;          // the most of the second derivative,
+  Vec3 chord_ = Vec3::Zero();  // unit
+  double bend_along_ = 0.0;    // of its part along the chord: how unevenly it is gone along,
+  double bend_across_ = 0.0;   // and of the rest
   double bulge_ = 0.0;
   std::array<Guide, 2> guides_;
   int guide_count_ = 0;

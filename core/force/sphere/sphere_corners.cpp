@@ -2,8 +2,6 @@
 // over a barrier lower than the sphere.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numbers>
 
 #include "core/force/contact_qp.h"
@@ -12,13 +10,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kAround = 32.0;          // offsets: a corner as near is the point's own
-constexpr double kThrough = 0.0625;       // offsets: a triangle as near to the corner ends or passes there
-constexpr double kLeastBetter = 2.0;      // offsets: nearer by less is no way out
-constexpr double kAbove = 1.25;           // offsets, over the faces that it passes
+constexpr double kAround = 32.0;                   // offsets: a corner as near is the point's own
+constexpr double kThrough = 0.0625;                // offsets: a triangle as near to the corner ends or passes there
+constexpr double kLeastBetter = 2.0;               // offsets: nearer by less is no way out
+constexpr double kAbove = 1.25;                    // offsets, over the faces that it passes
 constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets: how far from the corner it goes round it
 constexpr double kHeights[] = {8.0, 32.0};         // offsets: of a lift
-constexpr int kMostTries = 2;             // in a step
+constexpr int kMostTries = 2;                      // in a step
 
 }  // namespace
 
@@ -93,8 +91,7 @@ double SphereFollower::time_to_corner_way(const Vec3& from, const Vec3& to, doub
 // Off the rest by the steepest way that leads to a nearer one. False, and nothing changed, where none does.
 bool SphereFollower::leave_rest(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || touching_ == 0) return false;
-  const bool fc = find_cone(); if (getenv("TRACE")) { const auto st = cone_.find_steepest(device - cone_.apex()); fprintf(stderr, "   leave_rest cone %d pieces %zu tries %d slope %g least %g dir %.4f %.4f %.4f piece %d\n", fc, cone_.border().size(), corner_tries_, st.slope, least_corner_way(device-cone_.apex()), st.direction.x(), st.direction.y(), st.direction.z(), st.piece); if (getenv("TRACE_NEAR")) for (const auto& p : cone_.border()) fprintf(stderr, "     piece %.4f %.4f %.4f -> %.4f %.4f %.4f n %.4f %.4f %.4f opening %.4f\n", p.from.x(), p.from.y(), p.from.z(), p.to.x(), p.to.y(), p.to.z(), p.normal.x(), p.normal.y(), p.normal.z(), p.opening); }
-  if (fc) {
+  if (find_cone()) {
     const Vec3 pull = device - cone_.apex();
     const TangentCone::Steepest steepest = cone_.find_steepest(pull);
     if (steepest.slope > least_corner_way(pull)) {
@@ -122,9 +119,7 @@ bool SphereFollower::go_round(const TangentCone::Steepest& to, double wide, bool
   const std::span<const TangentCone::Piece> border = cone_.border();
   const int count = static_cast<int>(border.size());
   const double above = kAbove * keep_.offset;
-  const auto go = [&](const Vec3& to_apex) {
-    return go_straight(cone_.apex() + to_apex - centre_, 1.0);
-  };
+  const auto go = [&](const Vec3& to_apex) { return go_straight(cone_.apex() + to_apex - centre_, 1.0); };
   // The corner at the end of a piece: about its edge, by less than a quarter at a time.
   const auto go_about = [&](const TangentCone::Piece& piece, bool forward) {
     const int steps = std::max(1, static_cast<int>(std::ceil(piece.opening / kQuarter - 0x1p-20)));
@@ -152,7 +147,8 @@ bool SphereFollower::go_round(const TangentCone::Steepest& to, double wide, bool
   if (!go(wide * border[0].from + above * border[0].normal)) return false;
   if (ahead) {
     for (int i = 0; i < to.piece; ++i) {
-      if (!go_over_piece(border[static_cast<std::size_t>(i)], border[static_cast<std::size_t>(i)].from, border[static_cast<std::size_t>(i)].to) ||
+      if (!go_over_piece(border[static_cast<std::size_t>(i)], border[static_cast<std::size_t>(i)].from,
+                         border[static_cast<std::size_t>(i)].to) ||
           !go_about(border[static_cast<std::size_t>(i)], true))
         return false;
     }

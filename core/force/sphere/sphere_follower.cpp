@@ -8,13 +8,6 @@
 #include "core/force/contact_qp.h"
 #include "core/math/straight_motion.h"
 
-#include <cstdio>
-#include <cstdlib>
-namespace {
-struct Unclear { unsigned long n[40]={}; ~Unclear(){ if(!getenv("UNCLEAR")) return; for(int i=0;i<40;++i) if(n[i]) fprintf(stderr,"unclear %d: %lu\n",i,n[i]); } } g_unclear;
-const bool g_trace = getenv("TRACE") != nullptr;
-void note_unclear(int i) { ++g_unclear.n[i]; if (g_trace) fprintf(stderr, "  UNCLEAR %d\n", i); }
-}
 namespace hapton {
 namespace {
 
@@ -162,25 +155,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     } else {
       next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     }
-    if (g_trace) {
-      fprintf(stderr, "  ev t=%.6f next=%d desc=%d lost=%d idle=%d count=%d touch=%d c=%.12f %.12f %.12f d=%.12f:", time, static_cast<int>(next), is_descending_, has_lost_minimum_, idle_, count_, touching_, centre_.x(), centre_.y(), centre_.z(), (on_way(from,to,time)-centre_).norm());
-      for (int i = 0; i < touching_; ++i) { const auto st = contacts_[i].stand(centre_); fprintf(stderr, " [%u %c%d n=%.4f %.4f %.4f off %.2g]", contacts_[i].triangle, "FEV"[static_cast<int>(contacts_[i].part)], contacts_[i].index, st.normal.x(), st.normal.y(), st.normal.z(), st.distance - keep_.offset); }
-      fprintf(stderr, "\n");
-      if (getenv("TRACE_NEAR") && (next == Next::settled || next == Next::unclear)) {
-        const double r = keep_.offset;
-        const Vec3 pull = (on_way(from,to,time)-centre_).normalized();
-        fprintf(stderr, "   pull %.4f %.4f %.4f\n", pull.x(), pull.y(), pull.z());
-        if (near_.covers(centre_, 256*r) || gather(Vec3::Zero())) near_.visit_near(centre_, centre_, 256*r, [&](int slot) {
-          const ContactTriangle& sh = near_.shape(slot); const Separation at = sh.separation(centre_);
-          if (at.distance > 256*r) return;
-          fprintf(stderr, "   near %u dist %.4g r feat %d n %.4f %.4f %.4f inside(r):", near_.triangle(slot), at.distance/r, static_cast<int>(at.feature), sh.normal().x(), sh.normal().y(), sh.normal().z());
-          for (int k=0;k<3;++k) fprintf(stderr, " %.4g (dir %.4f %.4f %.4f len %.3g)", sh.inside(k, centre_)/sh.length(k)/r, sh.edge(k).x()/sh.length(k), sh.edge(k).y()/sh.length(k), sh.edge(k).z()/sh.length(k), sh.length(k));
-          fprintf(stderr, "\n");
-        });
-      }
-    }
     if (next == Next::wait) next = wait(from, to, time);
-    if (next == Next::settled && leave_rest(to, to - from)) next = Next::again;
+    if (next == Next::settled && !(has_friction_ && rubs()) && leave_rest(to, to - from)) next = Next::again;
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
@@ -189,19 +165,19 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     count_ = 0;
     touching_ = 0;
     time = began;
-    return (note_unclear(1), Outcome::unclear);
+    return Outcome::unclear;
   }
-  if (idle_ > kMostIdle) note_unclear(39);
-  if (next == Next::unclear) return (note_unclear(2), Outcome::unclear);
+  if (next == Next::unclear || (idle_ > kMostIdle && !is_point_)) return Outcome::unclear;
   note_multipliers(to);
-  Vec3 over;
-  if (next == Next::settled) return !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, over) ? (note_unclear(3), Outcome::unclear) : Outcome::settled;
+  Vec3 way;
+  const bool leaves = next == Next::settled && !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, way);
+  if (next == Next::settled) return leaves ? Outcome::unclear : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
 }
 
-// What leads no nearer, event after event, is a place that rounding cannot tell from a minimum: a little later it is told, or the device has
-// arrived.
+// What leads no nearer, event after event, is a place that rounding cannot tell from a minimum: a little later it is told, or the device
+// has arrived.
 bool SphereFollower::pass_by(const Vec3& from, const Vec3& to, double& time) noexcept {
   const double length = (to - from).norm();
   if (time >= 1.0 || !(length > 0.0) || passes_ > kMostPasses) return false;
@@ -264,10 +240,10 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = geometry_.corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return (note_unclear(4), Next::unclear);
+  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return Next::unclear;
   hint_ = motion;
   is_descending_ = true;
-  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : (note_unclear(5), Next::unclear);
+  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::unclear;
 }
 
 bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
@@ -333,7 +309,7 @@ bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 pull = device - centre_;
   Vec3 way;
-  if (!find_active(pull, motion, way)) return (note_unclear(6), Next::unclear);
+  if (!find_active(pull, motion, way)) return Next::unclear;
   if (count_ == 0) {
     touching_ = 0;
     ++idle_;
@@ -358,27 +334,27 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return (note_unclear(7), Next::unclear);
+    if (!is_unstable) return Next::unclear;
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
     return Next::wait;
   }
   Event event;
-  if (!find_event(path, event)) return (note_unclear(8), Next::unclear);
+  if (!find_event(path, event)) return Next::unclear;
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(path, event, [&](double share) {
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return (note_unclear(9), Next::unclear);
+  if (!is_restored) return Next::unclear;
   note_move(before);
   note_gain(device, false);
   // Over a face it comes to rest at the end.
   const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
-  return take_event(event, path) ? Next::again : (note_unclear(10), Next::unclear);
+  return take_event(event, path) ? Next::again : Next::unclear;
 }
 
 // With the device moving: until the end of its motion, or the next event.
@@ -395,9 +371,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   Event event;
-  if (g_trace) fprintf(stderr,"   leg until %.9f turn(rate) %g rate %g\n", leg.time, find_turn(find_rate(centre_, on_way(from,to,time), to-from)), find_rate(centre_, on_way(from,to,time), to-from).norm());
-  if (!find_event(leg.path, event)) return (note_unclear(11), Next::unclear);
-  if (g_trace) fprintf(stderr,"   event at %g contact %d slot %d reach %g near %d\n", event.time, event.contact, event.slot, reach_, near_.count());
+  if (!find_event(leg.path, event)) return Next::unclear;
   const Vec3 before = centre_;
   const double was = time;
   const bool is_whole = event.time >= 1.0;
@@ -409,7 +383,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return (note_unclear(12), Next::unclear);
+  if (!is_restored) return Next::unclear;
   note_move(before);
   if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
@@ -419,7 +393,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
 // After a leg: what its event, or the contact that is released at its end, leads to. None: the leg went on to its end.
 std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
                                                             const Vec3& device) noexcept {
-  if (!take_event(event, path)) return (note_unclear(13), Next::unclear);
+  if (!take_event(event, path)) return Next::unclear;
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
   ++idle_;
@@ -505,7 +479,7 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
 // Held by three: multipliers are affine in time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
-  if (!find_frame(centre_, frame)) return (note_unclear(14), Next::unclear);
+  if (!find_frame(centre_, frame)) return Next::unclear;
   const Vec3 now = centre_ - on_way(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;

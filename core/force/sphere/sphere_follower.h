@@ -271,7 +271,7 @@ class SphereFollower {
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer
   double least_distance_ = 0.0;  // to the device where it is
-  TangentCone cone_;  // of the corner that the centre was last at rest in
+  TangentCone cone_;             // of the corner that the centre was last at rest in
   bool has_cone_ = false;
   Vec3 cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   int corner_tries_ = 0;  // in this step,
