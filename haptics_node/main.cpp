@@ -2,10 +2,10 @@
 
 #include <cstdio>
 
+#include "haptic_step/haptics_setup.h"
 #include "haptics_node/answer_loop.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
-#include "haptics_node/haptics_setup.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"

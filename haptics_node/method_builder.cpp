@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
+#include "haptic_step/haptics_setup.h"
 #include "haptic_step/method_text.h"
 #include "haptics_node/haptics_report.h"
-#include "haptics_node/haptics_setup.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 

@@ -32,7 +32,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"watchdog", {"core/base", "runtime"}},
     {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog"}},
     {"safety", {"core/math", "devices/device.h", "link/key_role.h"}},
-    {"haptic_step", {"core", "link"}},
+    {"haptic_step", {"core", "link", "runtime", "scene"}},
     {"io_node", {"core/base", "core/math", "runtime", "link", "hid", "watchdog", "devices", "safety"}},
     {"haptics_node", {"core", "runtime", "link", "scene", "haptic_step"}},
     {"vision_node", {"core", "runtime", "link", "hid", "scene"}},

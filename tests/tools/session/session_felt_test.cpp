@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "haptic_step/haptics_setup.h"
 #include "haptic_step/method_text.h"
-#include "haptics_node/haptics_setup.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {

@@ -1,4 +1,4 @@
-#include "haptics_node/haptics_setup.h"
+#include "haptic_step/haptics_setup.h"
 
 #include <algorithm>
 
