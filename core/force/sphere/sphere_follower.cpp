@@ -103,22 +103,25 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   exit_work_ = 0;
   corner_tries_ = 0;
   passes_ = 0;
+  if (!from.allFinite() || !to.allFinite()) return Outcome::unclear;
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
+  bool is_with_device = touching_ == 0 && centre_ == on_way(from, to, time);
   if (span.begin <= span.end && time <= span.end) {
     const Vec3 first = on_way(from, to, span.begin);
     const Vec3 last = on_way(from, to, span.end);
     const double length = span.end - span.begin;
     double part = length > 0.0 ? std::max(0.0, (time - span.begin) / length) : 0.0;
     if (span.begin > time) {
-      if (touching_ == 0 && centre_ == from) centre_ = first;
+      if (is_with_device) centre_ = first;
       is_descending_ = touching_ != 0;
     }
     outcome = follow_near(first, last, part);
     time = span.end >= 1.0 && part >= 1.0 ? 1.0 : span.begin + part * length;
     if (outcome != Outcome::settled || span.end >= 1.0) return outcome;
+    is_with_device = touching_ == 0;
   }
-  if (touching_ == 0) {
+  if (is_with_device) {  // there is nothing to meet out there
     centre_ = to;
     time = 1.0;
     return Outcome::settled;
@@ -127,7 +130,9 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   is_descending_ = true;
   double part = 0.0;
   outcome = follow_near(seen, seen, part);
-  if (outcome == Outcome::settled) time = 1.0;
+  if (outcome != Outcome::settled) return outcome;
+  time = 1.0;
+  if (touching_ == 0) centre_ = to;
   return outcome;
 }
 

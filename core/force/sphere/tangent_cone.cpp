@@ -99,56 +99,70 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
   return first;
 }
 
-// The arc whose own nearest place is nearest: nothing lies between.
-bool TangentCone::find_start(const Vec3& inside, int& arc, Vec3& direction) const {
-  double nearest = -1.0;
-  arc = -1;
+// The place on any arc that is nearest to `inside`: nothing lies between. At an end of arcs, the piece that is met first from there.
+bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
+  double nearest = -2.0;
+  bool is_end = false;
   for (int j = 0; j < arc_count_; ++j) {
-    const Arc& other = arcs_[static_cast<std::size_t>(j)];
-    const Vec3 below = inside - other.normal.dot(inside) * other.normal;
+    const Arc& arc = arcs_[static_cast<std::size_t>(j)];
+    const Vec3 below = inside - arc.normal.dot(inside) * arc.normal;
     const double length = below.norm();
-    if (!(length > nearest) || !is_on(other, below / length)) continue;
-    nearest = length;
-    direction = below / length;
-    arc = j;
+    if (length > nearest && is_on(arc, below / length)) {
+      nearest = length;
+      is_end = false;
+      start = {j, true, arc.normal.dot(inside) > 0.0, below / length};
+    }
+    for (const Vec3& end : {arc.a, arc.b}) {
+      if (!(end.dot(inside) > nearest)) continue;
+      nearest = end.dot(inside);
+      is_end = true;
+      start.from = end;
+    }
   }
-  return arc >= 0;
+  if (!is_end) return nearest > -2.0;
+  const Vec3 back = inside - start.from.dot(inside) * start.from;
+  const double length = back.norm();
+  if (!(length > kSame)) return false;
+  start = turn(start.from, back / length, start.from.cross(back / length)).walk;
+  return start.arc >= 0;
+}
+
+// Round `at`, from a piece to the next.
+TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
+  const Turn turn = find_turn(at, back, up);
+  if (turn.arc < 0) return {};
+  const Vec3 to_free = std::sin(turn.opening) * back - std::cos(turn.opening) * up;
+  return {{turn.arc, turn.ahead, arcs_[static_cast<std::size_t>(turn.arc)].normal.dot(to_free) > 0.0, at}, turn.opening};
 }
 
 bool TangentCone::find_border(const Vec3& inside) {
   piece_count_ = 0;
-  int arc = -1;
-  Vec3 start;
-  if (!find_start(inside, arc, start)) return false;
-  const int first = arc;
-  const bool first_side = arcs_[static_cast<std::size_t>(arc)].normal.dot(inside) > 0.0;
-  bool ahead = true;
-  bool on_normal = first_side;
-  Vec3 from = start;
+  Walk start;
+  if (!find_start(inside, start)) return false;
+  Walk here = start;
   while (piece_count_ < kMostPieces) {
-    const Arc& own = arcs_[static_cast<std::size_t>(arc)];
+    const Arc& own = arcs_[static_cast<std::size_t>(here.arc)];
     Piece& piece = pieces_[static_cast<std::size_t>(piece_count_++)];
-    piece.from = from;
-    piece.to = find_stop(arc, ahead, from);
-    piece.normal = on_normal ? own.normal : Vec3(-own.normal);
-    piece.back = tangent(own.normal, piece.to, !ahead);
-    if (piece_count_ > 1 && arc == first && ahead && on_normal == first_side) {
-      const Vec3 forward = tangent(own.normal, from, true);
-      if (start.dot(forward) > -kSame && start.dot(from) >= piece.to.dot(from)) {  // it has come round
-        piece.to = start;
-        piece.back = tangent(own.normal, start, false);
-        piece.opening = std::numbers::pi;
-        return true;
-      }
+    piece.from = here.from;
+    piece.to = find_stop(here.arc, here.ahead, here.from);
+    piece.normal = here.on_normal ? own.normal : Vec3(-own.normal);
+    const bool is_again = piece_count_ > 1 && here.arc == start.arc && here.ahead == start.ahead && here.on_normal == start.on_normal;
+    if (is_again && (here.from - start.from).norm() <= 2.0 * kSame) {  // it has come round
+      --piece_count_;
+      return true;
     }
-    const Turn turn = find_turn(piece.to, piece.back, piece.normal);
-    if (turn.arc < 0) return false;
-    piece.opening = turn.opening;
-    const Vec3 to_free = std::sin(turn.opening) * piece.back - std::cos(turn.opening) * piece.normal;
-    from = piece.to;
-    arc = turn.arc;
-    ahead = turn.ahead;
-    on_normal = arcs_[static_cast<std::size_t>(arc)].normal.dot(to_free) > 0.0;
+    if (is_again && start.from.dot(tangent(own.normal, here.from, here.ahead)) > 0.0 &&
+        start.from.dot(here.from) >= piece.to.dot(here.from)) {
+      piece.to = start.from;
+      piece.back = tangent(own.normal, start.from, !here.ahead);
+      piece.opening = std::numbers::pi;
+      return true;
+    }
+    piece.back = tangent(own.normal, piece.to, !here.ahead);
+    const Turned turned = turn(piece.to, piece.back, piece.normal);
+    if (turned.walk.arc < 0) return false;
+    piece.opening = turned.opening;
+    here = turned.walk;
   }
   return false;
 }

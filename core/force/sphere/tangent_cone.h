@@ -54,12 +54,25 @@ class TangentCone {
     double opening = 0.0;
   };
 
+  // Along an arc, from a direction on it, with the free side on that of its normal or the other.
+  struct Walk {
+    int arc = -1;
+    bool ahead = true;
+    bool on_normal = true;
+    Vec3 from = Vec3::Zero();
+  };
+  struct Turned {
+    Walk walk;
+    double opening = 0.0;
+  };
+
   bool add_arc(const Vec3& a, const Vec3& b);
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
   Vec3 find_stop(int arc, bool ahead, const Vec3& from) const;
   Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
-  bool find_start(const Vec3& inside, int& arc, Vec3& direction) const;
+  Turned turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
+  bool find_start(const Vec3& inside, Walk& start) const;
 
   Vec3 apex_ = Vec3::Zero();
   std::array<Arc, kMostArcs> arcs_;
