@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 constexpr double kAround = 32.0;                   // offsets: a corner as near is the point's own
-constexpr double kThrough = 0.0625;                // offsets: a triangle as near to the corner ends or passes there
+constexpr double kThrough = 4.0;  // offsets: a triangle as near to the corner ends or passes there; a crack as narrow does not count
 constexpr double kLeastBetter = 2.0;               // offsets: nearer by less is no way out
 constexpr double kAbove = 1.25;                    // offsets, over the faces that it passes
 constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets: how far from the corner it goes round it
@@ -103,12 +103,23 @@ bool SphereFollower::leave_rest(const Vec3& device, const Vec3& motion) noexcept
       }
     }
   }
+  if (tried_over_in_ == step_) return false;
+  tried_over_in_ = step_;
+  const auto leads_over = [&](const Vec3& way) {
+    return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
+      return try_way(device, motion, [&] { return go_over(32.0 * height * keep_.offset * way, height * keep_.offset); });
+    });
+  };
   Vec3 over;
-  if (tried_shallow_in_ != step_ && is_shallow(device, over)) {
-    tried_shallow_in_ = step_;
-    for (const double height : kHeights) {
-      if (try_way(device, motion, [&] { return go_over(32.0 * height * keep_.offset * over, height * keep_.offset); })) return true;
-    }
+  if (is_shallow(device, over) && leads_over(over)) return true;
+  // Along a face that it touches, over the border of a crack as narrow as the sphere.
+  const int touching = touching_;
+  for (int i = 0; i < touching; ++i) {
+    const Vec3& normal = contacts_[i].shape.normal();
+    const Vec3 pull = device - centre_;
+    const Vec3 along = pull - normal.dot(pull) * normal;
+    const double length = along.norm();
+    if (!normal.isZero(0.0) && length > least_corner_way(pull) && leads_over(along / length)) return true;
   }
   return false;
 }

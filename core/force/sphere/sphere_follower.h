@@ -278,7 +278,7 @@ class SphereFollower {
   int passes_ = 0;        // and places passed by
   std::uint64_t step_ = 1;
   int exit_work_ = 0;  // in this step, on ways off a rest
-  std::uint64_t tried_shallow_in_ = 0;
+  std::uint64_t tried_over_in_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
 

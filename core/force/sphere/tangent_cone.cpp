@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kSame = 0x1p-30;  // rad: directions nearer to each other are one
+constexpr double kSame = 0x1p-20;  // rad: directions nearer to each other are one
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 

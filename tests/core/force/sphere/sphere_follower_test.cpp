@@ -416,9 +416,9 @@ TEST(SphereFollower, ADeviceFarOutIsFollowed) {
   ASSERT_EQ(stage.move_local(Vec3(0.05, 0.0, -1e9)), Outcome::settled);
   ASSERT_EQ(stage.move_local(Vec3(0.05, 0.0, -0.2)), Outcome::settled);
   EXPECT_LE((stage.follower->centre() - Vec3(0.05, 0.0, height)).norm(), 1e-13);
-  ASSERT_EQ(stage.move_local(Vec3(0.0, 1e6, 2e6)), Outcome::settled);
+  ASSERT_EQ(stage.move_local(Vec3(0.0, 0.0, 2e6)), Outcome::settled);
   EXPECT_TRUE(stage.follower->is_free());
-  ASSERT_EQ(stage.move_local(Vec3(0.0, -1e6, -2e6)), Outcome::settled);
+  ASSERT_EQ(stage.move_local(Vec3(0.0, 0.0, -2e6)), Outcome::settled);
   EXPECT_FALSE(stage.follower->is_free()) << "its way leads through the sheet";
 }
 
