@@ -10,20 +10,20 @@
 
 namespace hapton {
 
-// Where the servo and the thread that a vendor's library or service asks for (the driver) meet: the newest sample goes one way, the newest
-// wrench the other, and neither ever waits. The driver is told zero while the servo is silent, so that motors do not go on pushing when
-// the servo has died; the servo sees a device that was ready as away while the driver is silent.
-// Units: ns of CLOCK_MONOTONIC on both sides. RT: all yes, wait-free. Threads: one servo, one driver.
+// Exchange between the servo and the thread that a vendor's library or service requires (the driver): the newest sample in one direction,
+// the newest wrench in the other, and neither side ever waits. When the servo times out the driver gets zero, so that the motors stop; when
+// the driver times out the servo sees a ready device as away. Units: ns of CLOCK_MONOTONIC on both sides. RT: all yes, wait-free. Threads:
+// one servo, one driver.
 class DeviceExchange {
  public:
-  // The servo reads once a cycle, every 4 ms at the slowest; as long as the guard bears silence.
+  // The servo reads once a cycle, every 4 ms at the slowest; this is the command timeout.
   static constexpr std::int64_t kServoSilenceNs = 20 * kNanosecondsPerMillisecond;
-  // Drivers tick a thousand times a second; a hundred missed are more than a busy machine.
+  // Drivers tick a thousand times a second; a hundred missed ticks are more than load explains.
   static constexpr std::int64_t kDriverSilenceNs = 100 * kNanosecondsPerMillisecond;
-  // A device that has become ready gets its force back over this time.
+  // Duration of the ramp up for a device that has become ready.
   static constexpr std::int64_t kRampNs = 200 * kNanosecondsPerMillisecond;
 
-  // What the driver says of the device. The sample's time is the driver's.
+  // What the driver reports about the device. The sample's time is the driver's.
   struct Reading {
     DeviceSample sample;
     DeviceStatus status = DeviceStatus::calibrating;
@@ -31,24 +31,24 @@ class DeviceExchange {
     bool is_calibrated = false;
   };
 
-  // Servo: the newest sample, as of now_ns; the last one again while nothing new is there.
+  // Servo: the newest sample, as of now_ns; the last one again if there is no newer one.
   DeviceSample read(std::int64_t now_ns) noexcept {
     readings_.take();
     now_ns_ = now_ns;
-    wish_.time_ns = now_ns;
-    wishes_.publish(wish_);
+    command_.time_ns = now_ns;
+    commands_.publish(command_);
     DeviceSample sample = readings_.value().sample;
     sample.time_ns = now_ns;
     return sample;
   }
 
-  // Servo: what the motors are to do from now on.
+  // Servo: the wrench from now on.
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept {
-    wish_ = {wrench, now_ns};
-    wishes_.publish(wish_);
+    command_ = {wrench, now_ns};
+    commands_.publish(command_);
   }
 
-  // Any thread: the driver is told zero until restore, and then a ramp.
+  // Any thread: the driver gets zero until restore, then a ramp.
   void cut() noexcept { is_cut_.store(true, std::memory_order_release); }
   void restore() noexcept { is_cut_.store(false, std::memory_order_release); }
 
@@ -60,7 +60,7 @@ class DeviceExchange {
     return is_silent && newest.status == DeviceStatus::ready ? DeviceStatus::away : newest.status;
   }
 
-  // Driver: what the device says. Its status decides what wrench() gives.
+  // Driver: the newest sample. Its status determines what wrench() returns.
   void publish(const Reading& reading) noexcept {
     const bool is_ready = reading.status == DeviceStatus::ready;
     if (!is_ready) ready_since_ns_ = -1;
@@ -68,36 +68,36 @@ class DeviceExchange {
     readings_.publish(reading);
   }
 
-  // Driver: lets the force go, and back in over the ramp, although the device stays ready.
+  // Driver: releases the force and ramps it up again, although the device stays ready.
   void restart_ramp(std::int64_t now_ns) noexcept {
     if (ready_since_ns_ >= 0) ready_since_ns_ = now_ns;
   }
 
-  // Driver: what the motors are to do now: the servo's newest wish; zero while the device is not ready or the servo silent.
+  // Driver: the wrench to apply now: the servo's newest; zero while the device is not ready or the servo has timed out.
   Wrench wrench(std::int64_t now_ns) noexcept {
-    wishes_.take();
-    const Wish& wish = wishes_.value();
+    commands_.take();
+    const Command& command = commands_.value();
     if (ready_since_ns_ < 0) return {};
-    if (now_ns - wish.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
+    if (now_ns - command.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
       ready_since_ns_ = now_ns;
       return {};
     }
     const double share = std::clamp(static_cast<double>(now_ns - ready_since_ns_) / static_cast<double>(kRampNs), 0.0, 1.0);
-    return {share * wish.wrench.force_n, share * wish.wrench.torque_nm};
+    return {share * command.wrench.force_n, share * command.wrench.torque_nm};
   }
 
   // Driver: until the first read nobody has asked for anything.
-  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - wishes_.value().time_ns <= kServoSilenceNs; }
+  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoSilenceNs; }
 
  private:
-  struct Wish {
+  struct Command {
     Wrench wrench;
     std::int64_t time_ns = -kNanosecondsPerSecond;
   };
 
   Mailbox<Reading> readings_;
-  Mailbox<Wish> wishes_;
-  Wish wish_;                         // the servo's
+  Mailbox<Command> commands_;
+  Command command_;                   // the servo's
   std::int64_t now_ns_ = 0;           // the servo's
   std::int64_t ready_since_ns_ = -1;  // the driver's
   std::atomic<bool> is_cut_{false};

@@ -41,7 +41,7 @@ constexpr std::array kMakers = {
     DeviceMaker{
         .name = "wooden-haptics", .about = "WoodenHaptics by USB", .takes_id = true, .takes_file = true, .make = make_wooden_haptics},
     DeviceMaker{.name = "hapton-hid", .about = "any device that speaks Hapton HID", .takes_id = true, .make = make_hapton_hid},
-    DeviceMaker{.name = "spacemouse", .about = "a SpaceMouse moves the hand, without force", .takes_id = true, .make = make_space_mouse},
+    DeviceMaker{.name = "spacemouse", .about = "a SpaceMouse moves the hand; no force", .takes_id = true, .make = make_space_mouse},
     DeviceMaker{.name = "openhaptics", .about = "PHANToM, Omni, Touch by libHD", .takes_id = true, .make = make_openhaptics},
     DeviceMaker{
         .name = "forcedimension", .about = "omega, delta, sigma, lambda, Falcon by libdrd", .takes_id = true, .make = make_forcedimension},
@@ -61,8 +61,8 @@ Result<void> check_settings(const DeviceMaker& maker, const DeviceSettings& sett
   const auto check = [&](bool is_given, bool DeviceMaker::*takes, std::string_view flag) -> Result<void> {
     if (!is_given || maker.*takes) return {};
     const std::string takers = names_that_take(takes);
-    if (takers.empty()) return fail("{} goes with no device that this program was built with; leave it out", flag);
-    return fail("{} goes with --device {}, not with {}; add that or leave {} out", flag, takers, maker.name, flag);
+    if (takers.empty()) return fail("{} applies to no device of this build; leave it out", flag);
+    return fail("{} applies to --device {}, not to {}; change one or leave {} out", flag, takers, maker.name, flag);
   };
   if (auto checked = check(!settings.trajectory.empty(), &DeviceMaker::takes_trajectory, "--trajectory"); !checked) return checked;
   if (auto checked = check(settings.loop, &DeviceMaker::takes_trajectory, "--loop"); !checked) return checked;
@@ -88,7 +88,7 @@ std::string describe_devices() {
 
 Result<std::unique_ptr<Device>> make_device(const DeviceSettings& settings) {
   const auto maker = std::find_if(kMakers.begin(), kMakers.end(), [&](const DeviceMaker& m) { return m.name == settings.name; });
-  if (maker == kMakers.end()) return fail("there is no device '{}'; take {}", settings.name, fmt::join(device_names(), ", "));
+  if (maker == kMakers.end()) return fail("unknown device '{}'; choose one of {}", settings.name, fmt::join(device_names(), ", "));
   if (const auto checked = check_settings(*maker, settings); !checked) return tl::unexpected(checked.error());
   auto made = maker->make(settings);
   if (!made || settings.X_WB.matrix() == Pose::Identity().matrix()) return made;

@@ -19,7 +19,7 @@ struct DeviceMaker {
   bool takes_id = false;   // there may be several, DeviceSettings::id tells them apart
   bool takes_file = false;
   bool takes_trajectory = false;  // and loop
-  // Settings the kind does not take are empty. Error: one line: what is missing and how to mend it.
+  // Settings the kind does not take are empty. Error: one line: what is missing and how to fix it.
   Result<std::unique_ptr<Device>> (*make)(const DeviceSettings& settings) = nullptr;
 };
 

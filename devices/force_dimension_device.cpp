@@ -9,8 +9,8 @@
 #include <thread>
 #include <utility>
 
-#include "devices/device_exchange.h"
 #include "devices/dhd_library.h"
+#include "devices/vendor_device.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
@@ -32,7 +32,7 @@ constexpr double kMaxSpeedMPerS = 5.0;
 Vec3 to_w(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
 Vec3 from_w(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
 
-class ForceDimensionDevice final : public Device {
+class ForceDimensionDevice final : public VendorDevice {
  public:
   ForceDimensionDevice(dhd::Library library, int index, std::optional<RealtimeSettings> realtime, const ForceDimensionOptions& options)
       : dhd_(std::move(library)), index_(index), realtime_(realtime), options_(options) {}
@@ -45,19 +45,9 @@ class ForceDimensionDevice final : public Device {
 
   std::string_view name() const noexcept override { return "forcedimension"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
-  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
-  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
-  bool cut() noexcept override {
-    exchange_.cut();
-    return true;
-  }
-  void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
-  DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override {
     return {model_, serial_, {}, exchange_.reading().is_calibrated, exchange_.reading().motor_temperature};
   }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   std::string last_error() const;
@@ -70,7 +60,7 @@ class ForceDimensionDevice final : public Device {
   bool wait_warning();
   bool tick(std::int64_t now_ns);
   void look_at_status(std::int64_t now_ns);
-  void tell_away(std::int64_t now_ns, const std::string& why);
+  void log_away(std::int64_t now_ns, const std::string& why);
   void try_to_reopen(std::int64_t now_ns);
   void publish(DeviceStatus status, std::int64_t now_ns);
 
@@ -83,7 +73,6 @@ class ForceDimensionDevice final : public Device {
   int type_ = 0;
   SteadyClock clock_;
 
-  DeviceExchange exchange_;
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
@@ -114,9 +103,8 @@ std::string ForceDimensionDevice::last_error() const {
 Result<void> ForceDimensionDevice::open() {
   const int count = dhd_.get_device_count();
   if (count <= index_) {
-    return fail(
-        "the Force Dimension SDK sees {} devices, and --device-id asks for number {}; check power, cable and udev rule (hapton doctor)",
-        std::max(count, 0), index_);
+    return fail("the Force Dimension SDK finds {} devices, and --device-id is number {}; check power, cable and udev rule (hapton doctor)",
+                std::max(count, 0), index_);
   }
   const auto index = static_cast<dhd::Id>(index_);
   const int id = dhd_.drd_open_id != nullptr ? dhd_.drd_open_id(index) : dhd_.open_id(index);
@@ -127,7 +115,7 @@ Result<void> ForceDimensionDevice::open() {
   if (!model_.empty() && type != type_) {
     dhd_.close(id_);
     is_open_ = false;
-    return fail("another device is there than before");
+    return fail("another device is connected than before");
   }
   type_ = type;
   const dhd::System& system = dhd::find_system(type);
@@ -146,8 +134,7 @@ Result<void> ForceDimensionDevice::open() {
                .continuous_force_n = system.continuous_force_n,
                .peak_s = kPeakS,
                .max_speed_m_per_s = kMaxSpeedMPerS};
-    if (system.name.empty())
-      log_warning("{} (type {}) is a device we have no figures of: at most {:.0f} N", model_, type, system.max_force_n);
+    if (system.name.empty()) log_warning("{} (type {}) is unknown: force limited to {:.0f} N", model_, type, system.max_force_n);
   }
   dhd_.set_gravity_compensation(1, id_);
   dhd_.set_watchdog(dhd::kWatchdogUnits, id_);
@@ -164,7 +151,7 @@ void ForceDimensionDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void ForceDimensionDevice::run() {
-  // What is refused here the servo's thread was refused as well, and says so.
+  // Rights that are missing here are missing for the servo's thread as well, which logs it.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   calibrate();
@@ -178,14 +165,14 @@ void ForceDimensionDevice::run() {
     } else if (tick(now_ns)) {
       failures_ = 0;
     } else if (++failures_ >= kMostFailuresInARow) {
-      tell_away(now_ns, last_error());
+      log_away(now_ns, last_error());
     }
   }
 }
 
 // The arm moves by itself: whoever holds it must know before.
 bool ForceDimensionDevice::wait_warning() {
-  log_warning("{} is going to move by itself to calibrate: let go of it and keep clear", model_);
+  log_warning("{} will move by itself to calibrate: release it and keep clear", model_);
   const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.warning_before_moving_s);
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     publish(DeviceStatus::calibrating, now_ns);
@@ -206,7 +193,7 @@ void ForceDimensionDevice::calibrate() {
     }
     if (!wait_warning()) return;
     if (dhd_.drd_auto_init(id_) < 0) {
-      log_error("{} could not calibrate: {}; free its way and start again", model_, last_error());
+      log_error("{} could not calibrate: {}; remove obstacles and start again", model_, last_error());
       return;
     }
     reading_.is_calibrated = is_initialized();
@@ -263,22 +250,22 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
 void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
   dhd::Status status = {};
   if (dhd_.get_status(status.data(), id_) < 0) return;
-  if (status[dhd::kStatusConnected] == 0) return tell_away(now_ns, "it says that it is not connected");
+  if (status[dhd::kStatusConnected] == 0) return log_away(now_ns, "it reports that it is not connected");
   if (!reading_.is_calibrated) return;
   const bool was_off = std::exchange(is_force_off_, status[dhd::kStatusForce] == 0);
   if (!is_force_off_) return;
   exchange_.restart_ramp(now_ns);
   if (!was_off && now_ns >= next_line_ns_) {
     next_line_ns_ = now_ns + kSayEveryNs;
-    log_warning("{} has let its force go: {}; it comes back by itself, or by the device's force button", model_,
+    log_warning("{} has released its force: {}; it returns by itself, or with the device's force button", model_,
                 status[dhd::kStatusPower] == 0 ? "its power is off" : dhd::name_of_force_off_cause(status[dhd::kStatusForceOffCause]));
   }
   // The velocity threshold and the watchdog latch in the firmware; the button is the person's.
   if (status[dhd::kStatusForceOffCause] == 2 || status[dhd::kStatusForceOffCause] == 3) dhd_.enable_force(1, id_);
 }
 
-void ForceDimensionDevice::tell_away(std::int64_t now_ns, const std::string& why) {
-  log_warning("{} is gone ({}); looking for it", model_, why);
+void ForceDimensionDevice::log_away(std::int64_t now_ns, const std::string& why) {
+  log_warning("{} is disconnected ({}); trying to reconnect", model_, why);
   dhd_.close(id_);
   is_open_ = false;
   next_reopen_ns_ = now_ns + kReopenEveryNs / 4;

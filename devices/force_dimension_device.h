@@ -18,7 +18,7 @@ struct ForceDimensionOptions {
 // a second, makes every call; the servo meets it in a DeviceExchange. The firmware's own watchdog is set as well, and its velocity
 // threshold is left as it is. settings.id: which of several, 0 for the first.
 // W: x right, y up, z towards the user (the device says y, z, x); the origin is the device's own.
-// RT: set-up only; the device as Device says. Error: one line: library or device missing, and how to mend it.
+// RT: set-up only; the device as Device says. Error: one line: library or device missing, and how to fix it.
 Result<std::unique_ptr<Device>> make_force_dimension(const DeviceSettings& settings, const ForceDimensionOptions& options = {});
 
 }  // namespace hapton

@@ -34,11 +34,25 @@ void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
   if (p_WH && !p_WH->allFinite()) return;
   if (p_WH) {
     if (!lead_m_) phase_ = Phase::led;
-    lead_m_ = p_WH->cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
+    lead_m_ = within_workspace(*p_WH);
   } else if (lead_m_) {
     lead_m_.reset();
     enter(Phase::leave);
   }
+}
+
+void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
+  std::array<Vec3, kMostAims> taken;
+  std::size_t count = 0;
+  for (const Vec3& p : p_WA) {
+    const bool is_within = (p - options_.workspace_min_m).minCoeff() >= 0.0 && (options_.workspace_max_m - p).minCoeff() >= 0.0;
+    if (is_within && count < taken.size()) taken[count++] = p;
+  }
+  if (count == aim_count_ && std::equal(taken.begin(), taken.begin() + count, aims_m_.begin())) return;
+  aims_m_ = taken;
+  aim_count_ = count;
+  // On its way to where nothing may be.
+  if (phase_ == Phase::travel || (phase_ == Phase::approach && !touched_)) enter(Phase::travel);
 }
 
 void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
@@ -52,13 +66,23 @@ void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
   lost_s_ = felt < kLostN ? lost_s_ + kStepS : 0.0;
 }
 
-// A point of the front plane within reach_m_ of the middle.
+// In front of a point of the surface; not told of any, a point of the front plane within reach_m_ of the middle.
 void HandScript::choose_aim() noexcept {
   const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
   const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
+  const double front = middle.z() + 0.9 * half.z();
+  if (aim_count_ > 0) {
+    const Vec3& at = aims_m_[static_cast<std::size_t>(uniform(0.0, static_cast<double>(aim_count_)))];
+    aim_m_ = Vec3(at.x(), at.y(), std::max(front, at.z()));
+    return;
+  }
   const double radius = reach_m_ * std::sqrt(uniform(0.0, 1.0));
   const double angle = uniform(0.0, 2.0 * std::numbers::pi);
   aim_m_ = middle + half.cwiseProduct(Vec3(radius * std::cos(angle), radius * std::sin(angle), 0.9));
+}
+
+Vec3 HandScript::within_workspace(const Vec3& p_W) const noexcept {
+  return p_W.cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
 }
 
 void HandScript::enter(Phase phase) noexcept {
@@ -83,7 +107,7 @@ void HandScript::enter(Phase phase) noexcept {
     case Phase::tap:
       taps_left_ = static_cast<int>(uniform(3.0, 6.0));
       striking_ = false;
-      aim_m_ = contact_m_ + kLiftM * normal_;
+      aim_m_ = within_workspace(contact_m_ + kLiftM * normal_);
       phase_end_s_ = 4.0;  // something may press from all sides, so that no lift ever frees it
       break;
     case Phase::circle: {
@@ -94,7 +118,7 @@ void HandScript::enter(Phase phase) noexcept {
       break;
     }
     case Phase::leave:
-      aim_m_ = hand_m_ + 0.03 * normal_;
+      aim_m_ = within_workspace(hand_m_ + 0.03 * normal_);  // what is out of reach is never arrived at
       break;
     case Phase::led:
       break;
@@ -141,9 +165,9 @@ void HandScript::tap(const Vec3& p_WD) noexcept {
     if (move_towards(aim_m_, kStrikeSpeed) && felt_n_.norm() < kLostN) striking_ = true;
     return;
   }
-  const bool missed = move_towards(aim_m_ - (kLiftM + kStrikeDepthM) * normal_, kStrikeSpeed);
+  const bool missed = move_towards(within_workspace(aim_m_ - (kLiftM + kStrikeDepthM) * normal_), kStrikeSpeed);
   if (felt_n_.norm() > kTouchN) {
-    aim_m_ = p_WD + kLiftM * normal_;
+    aim_m_ = within_workspace(p_WD + kLiftM * normal_);
     striking_ = false;
     --taps_left_;
   } else if (missed) {
@@ -196,14 +220,14 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
 }
 
 HandIntention HandScript::intention() noexcept {
-  hand_m_ = hand_m_.cwiseMax(options_.workspace_min_m).cwiseMin(options_.workspace_max_m);
-  const double turn = 2.0 * std::numbers::pi * total_s_;
+  hand_m_ = within_workspace(hand_m_);
+  const double turn = 2.0 * std::numbers::pi * tilted_s_;
   return {hand_m_, Vec3(0.35 * std::sin(0.23 * turn), 0.25 * std::sin(0.31 * turn), 0.6 * std::sin(0.17 * turn))};
 }
 
 HandIntention HandScript::step(const Vec3& p_WD, const Vec3& force_n) noexcept {
   phase_s_ += kStepS;
-  total_s_ += kStepS;
+  if (phase_ != Phase::led) tilted_s_ += kStepS;
   feel(p_WD, force_n);
   advance_phase(p_WD);
   return intention();

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <random>
+#include <span>
 #include <string_view>
 
 #include "core/math/types.h"
@@ -18,12 +21,14 @@ struct HandIntention {
 // A blind person's exploration: travel in front of the scene, approach along -z until something pushes back, press, slide, tap,
 // circle, leave, and again elsewhere. It knows no surface: contact is the force it feels, the surface normal is that force's
 // direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene there is; where it
-// met nothing, it looks nearer to the middle next, then farther out.
-// A lead (the mouse in the vision window) takes the hand over; let go of, the script begins again from there.
-// Every number it draws comes from the seed. RT: step and lead yes.
+// met nothing, it looks nearer to the middle next, then farther out. Told where the surface is (aim), it goes there instead: a scene may be
+// a small thing, or lie aside.
+// A lead (the mouse in the vision window) takes the hand over; when it ends, the script starts again from there.
+// Every number it draws comes from the seed; when it is told of a surface, it sets out anew. RT: step, lead and aim yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
+  static constexpr std::size_t kMostAims = 16;
 
   struct Options {
     std::uint64_t seed = 1;
@@ -38,12 +43,15 @@ class HandScript {
   // One step of kStepNs: what the hand feels now (device point, force on it, both in W) to where it wants to be at the step's end.
   HandIntention step(const Vec3& p_WD, const Vec3& force_n) noexcept;
   void lead(const std::optional<Vec3>& p_WH) noexcept;
+  // Points of the surface, W; those that are not finite or out of the workspace are left out. The same ones again change nothing.
+  void aim(std::span<const Vec3> p_WA) noexcept;
   Phase phase() const noexcept { return phase_; }
 
  private:
   double uniform(double low, double high) noexcept;
   void feel(const Vec3& p_WD, const Vec3& force_n) noexcept;
   void enter(Phase phase) noexcept;
+  Vec3 within_workspace(const Vec3& p_W) const noexcept;
   void choose_aim() noexcept;
   bool move_towards(const Vec3& goal, double speed_m_per_s) noexcept;
   void rub(const Vec3& p_WD, double turn_rad_per_s) noexcept;
@@ -57,7 +65,7 @@ class HandScript {
   Phase phase_ = Phase::travel;
   double phase_s_ = 0.0;
   double phase_end_s_ = 0.0;
-  double total_s_ = 0.0;
+  double tilted_s_ = 0.0;        // of the script, without the time it was led: a led hand holds the stylus still
   Vec3 hand_m_;                  // the intention, moved on step by step
   Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
   Vec3 normal_ = Vec3::UnitZ();  // of the surface felt last
@@ -65,6 +73,8 @@ class HandScript {
   Vec3 felt_n_ = Vec3::Zero();     // force, low-passed as a hand does
   Vec3 contact_m_ = Vec3::Zero();  // device point when last in contact
   std::optional<Vec3> lead_m_;
+  std::array<Vec3, kMostAims> aims_m_;
+  std::size_t aim_count_ = 0;
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;

@@ -6,8 +6,8 @@
 #include <thread>
 #include <utility>
 
-#include "devices/device_exchange.h"
 #include "devices/haply_messages.h"
+#include "devices/vendor_device.h"
 #include "link/udp_endpoint.h"
 #include "link/websocket_endpoint.h"
 #include "runtime/clock.h"
@@ -40,7 +40,7 @@ DeviceLimits careful_limits() {
   return limits;
 }
 
-class HaplyDevice final : public Device {
+class HaplyDevice final : public VendorDevice {
  public:
   HaplyDevice(const Address& service, std::string id, std::optional<RealtimeSettings> realtime)
       : service_(service), realtime_(realtime), id_(std::move(id)) {}
@@ -57,17 +57,7 @@ class HaplyDevice final : public Device {
 
   std::string_view name() const noexcept override { return "haply"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
-  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
-  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
-  bool cut() noexcept override {
-    exchange_.cut();
-    return true;
-  }
-  void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
-  DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override { return {model_, id_, firmware_, exchange_.reading().is_calibrated, -1.0}; }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   void run();
@@ -81,7 +71,6 @@ class HaplyDevice final : public Device {
   const DeviceLimits limits_ = careful_limits();
   std::string id_, model_, firmware_;
   SteadyClock clock_;
-  DeviceExchange exchange_;
   std::thread thread_;
   std::atomic<bool> ends_{false};
 
@@ -90,7 +79,7 @@ class HaplyDevice final : public Device {
   DeviceExchange::Reading reading_;
   std::string said_;
   int absences_ = 0;
-  bool is_calibration_told_ = false;
+  bool is_calibration_logged_ = false;
   std::int64_t next_try_ns_ = 0;
 };
 
@@ -98,14 +87,14 @@ Result<void> HaplyDevice::open() {
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
   if (!socket) return fail("the Haply Inverse Service does not answer at {}; {}", socket.error().what, kRemedy);
   if (!(*socket)->receive(said_, kConnectPatienceNs)) {
-    return fail("the Haply Inverse Service at {} says nothing: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
+    return fail("the Haply Inverse Service at {} sends no data: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
   }
   const auto inventory = haply::read_state(said_);
   if (!inventory) return tl::unexpected(inventory.error());
   const auto arm =
       std::find_if(inventory->arms.begin(), inventory->arms.end(), [&](const haply::Arm& each) { return id_.empty() || each.id == id_; });
   if (arm == inventory->arms.end()) {
-    return fail("the Haply Inverse Service sees {}; check its cable and power, and the Haply Hub",
+    return fail("the Haply Inverse Service finds {}; check its cable and power, and the Haply Hub",
                 inventory->arms.empty() ? "no Inverse3" : "no Inverse3 of that --device-id");
   }
   if (model_.empty()) {
@@ -126,7 +115,7 @@ void HaplyDevice::publish(DeviceStatus status, std::int64_t now_ns) {
 }
 
 void HaplyDevice::run() {
-  // What is refused here the servo's thread was refused as well, and says so.
+  // Rights that are missing here are missing for the servo's thread as well, which logs it.
   if (realtime_) (void)enter_realtime(*realtime_);
   std::int64_t tick_ns = clock_.now_ns();
   while (!ends_.load(std::memory_order_relaxed)) {
@@ -135,7 +124,7 @@ void HaplyDevice::run() {
     if (socket_ == nullptr) {
       look_for_service(tick_ns);
     } else if (!tick()) {
-      log_warning("the Haply Inverse Service is gone ({}); looking for it", socket_->reason());
+      log_warning("the Haply Inverse Service is disconnected ({}); trying to reconnect", socket_->reason());
       socket_.reset();
       next_try_ns_ = clock_.now_ns() + kRetryEveryNs / 4;
       publish(DeviceStatus::away, clock_.now_ns());
@@ -152,10 +141,10 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
   publish(DeviceStatus::away, now_ns);
   if (now_ns < next_try_ns_) return;
   next_try_ns_ = now_ns + kRetryEveryNs;
-  if (open()) log_info("the Haply Inverse Service is back, with {}", id_);
+  if (open()) log_info("reconnected to the Haply Inverse Service, device {}", id_);
 }
 
-// The answer to what was said last, then what is to be said next. False: the connection is over.
+// Receives the reply to the last message, then sends the next. False: the connection is closed.
 bool HaplyDevice::tick() {
   if (!socket_->receive(said_, kAnswerPatienceNs)) return false;
   const std::int64_t now_ns = clock_.now_ns();
@@ -167,7 +156,7 @@ bool HaplyDevice::tick() {
 void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
   const auto arm = std::find_if(state.arms.begin(), state.arms.end(), [&](const haply::Arm& each) { return each.id == id_; });
   if (arm == state.arms.end()) {
-    if (++absences_ == kMostAbsences) log_warning("{} {} is gone; looking for it", model_, id_);
+    if (++absences_ == kMostAbsences) log_warning("{} {} is disconnected; trying to reconnect", model_, id_);
     if (absences_ >= kMostAbsences) publish(DeviceStatus::away, now_ns);
     return;
   }
@@ -178,7 +167,7 @@ void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
     reading_.sample.q_WT = state.grip->q_WT;
     reading_.sample.buttons = state.grip->buttons;
   }
-  if (!arm->is_calibrated && !std::exchange(is_calibration_told_, true)) {
+  if (!arm->is_calibrated && !std::exchange(is_calibration_logged_, true)) {
     log_warning("{} {}: calibrate: leave the arm on its rest, or put the grip into the inkwell, until its light stays on", model_, id_);
   }
   publish(arm->is_calibrated ? DeviceStatus::ready : DeviceStatus::calibrating, now_ns);

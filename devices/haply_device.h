@@ -13,7 +13,7 @@ namespace hapton {
 // comes; the servo meets it in a DeviceExchange. A service or device that goes away is looked for.
 // settings.id: the device's id ("049D"; empty: the first), and after an '@' where the service is ("049D@127.0.0.1:10001").
 // W: x right, y up, z towards the user, from where the cursor is at home.
-// RT: set-up only; the device as Device says. Error: one line: no service, no device, and how to mend it.
+// RT: set-up only; the device as Device says. Error: one line: no service, no device, and how to fix it.
 Result<std::unique_ptr<Device>> make_haply(const DeviceSettings& settings);
 
 }  // namespace hapton

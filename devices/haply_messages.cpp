@@ -97,7 +97,7 @@ Quat to_w(const Quat& q) { return {q.w(), q.x(), q.z(), -q.y()}; }
 
 Result<State> read_state(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) return fail("the Haply Inverse Service said something that is no JSON object");
+  if (!json.is_object()) return fail("the Haply Inverse Service sent something that is not a JSON object");
   State state;
   if (const Json* arms = find(json, "inverse3"); arms != nullptr && arms->is_array()) {
     for (const Json& each : *arms) {

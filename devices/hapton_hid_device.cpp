@@ -44,7 +44,7 @@ Result<void> HaptonHidBackend::begin(HidTransport& transport) {
   const auto names = hapton_hid::decode_names(std::span(report).first(std::min(*names_size, report.size())));
   if (!names) return fail("{}: {}", path, names.error().what);
   if (limits_ && (*limits != *limits_ || names->serial != names_.serial)) {
-    return fail("{}: {} {} is not the device that was there before, or its limits are others; start again to use it", path, names->model,
+    return fail("{}: {} {} is not the same device as before, or its limits differ; restart io_node to use it", path, names->model,
                 names->serial);
   }
   newest_state_.reset();

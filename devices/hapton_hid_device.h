@@ -17,7 +17,7 @@ class HaptonHidBackend final : public HidBackend {
   Result<void> begin(HidTransport& transport) override;
   bool decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept override;
   std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept override;
-  std::string_view advice() const noexcept override { return "it asks to be calibrated, as its maker says how"; }
+  std::string_view advice() const noexcept override { return "it requests calibration; follow its manual"; }
   std::string_view name() const noexcept override { return "Hapton HID"; }
   const DeviceLimits& limits() const noexcept override { return device_limits_; }
   DeviceCondition condition() const noexcept override {

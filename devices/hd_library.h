@@ -51,7 +51,7 @@ std::string name_of_error(Enum code);
 // What a person can do about it, in one line; empty when nothing is known.
 std::string_view remedy_for_error(Enum code);
 
-// An error after which the motors are let go for a moment, and the device goes on: 0x200 .. 0x2FF.
+// An error after which the force is released for a moment, and the device goes on: 0x200 .. 0x2FF.
 constexpr bool is_force_error(Enum code) { return (code & ~0xFFU) == 0x200; }
 // An error after which the device has to be opened anew: 0x300 .. 0x3FF, or a handle that is no longer good.
 constexpr bool is_device_error(Enum code) { return (code & ~0xFFU) == 0x300 || code == kBadHandle; }

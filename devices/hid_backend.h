@@ -23,11 +23,12 @@ class HidBackend {
   // A report, an id in front if the device numbers them; false: it says nothing, or it is damaged, and `reading` is as it was.
   virtual bool decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept = 0;
 
-  // The next report to the device, an id (or 0) in front: its size, or 0 for none. is_live: the device may push; else it must let go.
+  // The next report to the device, an id (or 0) in front: its size, or 0 for none. is_live: the device may exert a force; else it must
+  // release it.
   virtual std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept = 0;
 
   // What a person is to do while the device is calibrating.
-  virtual std::string_view advice() const noexcept { return "wait until it has calibrated itself"; }
+  virtual std::string_view advice() const noexcept { return "wait until it has finished calibrating"; }
 
   // As of the first begin.
   virtual std::string_view name() const noexcept = 0;

@@ -17,7 +17,7 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
   const auto transport = device->port_.transport();
   const std::string path = transport ? transport->description().path : "gone";
   if (!device->await_first_report()) {
-    return fail("{} at {}: it sends no reports that make sense; see that its firmware runs, then plug it in again", device->name(), path);
+    return fail("{} at {}: its reports are invalid; check that its firmware runs, then plug it in again", device->name(), path);
   }
   const DeviceCondition condition = device->backend_->condition();
   log_info("{}: {} {} at {}", device->name(), condition.model, condition.serial, path);
@@ -26,15 +26,15 @@ Result<std::unique_ptr<HidDevice>> HidDevice::open(std::unique_ptr<HidBackend> b
 
 HidDevice::HidDevice(std::unique_ptr<HidBackend> backend, HidOpener opener, std::optional<RealtimeSettings> realtime)
     : backend_(std::move(backend)), realtime_(realtime), port_(std::move(opener), *this, std::string(backend_->name()), realtime) {
-  ::sem_init(&wishes_, 0, 0);
+  ::sem_init(&commands_, 0, 0);
 }
 
 HidDevice::~HidDevice() {
   ends_.store(true, std::memory_order_release);
-  ::sem_post(&wishes_);
+  ::sem_post(&commands_);
   if (writer_.joinable()) writer_.join();
   port_.close();
-  ::sem_destroy(&wishes_);
+  ::sem_destroy(&commands_);
 }
 
 bool HidDevice::await_first_report() noexcept {
@@ -48,7 +48,7 @@ bool HidDevice::await_first_report() noexcept {
 
 void HidDevice::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   exchange_.write(wrench, now_ns);
-  ::sem_post(&wishes_);
+  ::sem_post(&commands_);
 }
 
 DeviceCondition HidDevice::condition() const noexcept {
@@ -84,18 +84,18 @@ void HidDevice::on_drained(std::int64_t) noexcept {
     exchange_.publish(reading_);
   }
   has_heard_.store(true, std::memory_order_release);
-  tell_status();
+  log_status();
 }
 
-void HidDevice::tell_status() noexcept {
-  const DeviceStatus was = std::exchange(told_, reading_.status);
-  if (was == told_) return;
-  if (told_ == DeviceStatus::calibrating) log_warning("{}: its position is not known yet: {}", name(), backend_->advice());
-  if (told_ == DeviceStatus::ready && was == DeviceStatus::calibrating) log_info("{}: calibrated", name());
-  if (told_ == DeviceStatus::fault) log_error("{}: it reports a fault of its own; switch it off and on", name());
+void HidDevice::log_status() noexcept {
+  const DeviceStatus was = std::exchange(logged_status_, reading_.status);
+  if (was == logged_status_) return;
+  if (logged_status_ == DeviceStatus::calibrating) log_warning("{}: not calibrated yet: {}", name(), backend_->advice());
+  if (logged_status_ == DeviceStatus::ready && was == DeviceStatus::calibrating) log_info("{}: calibrated", name());
+  if (logged_status_ == DeviceStatus::fault) log_error("{}: it reports a device fault; switch it off and on", name());
 }
 
-void HidDevice::use_guard(GuardPage& page) noexcept {
+void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
   const auto transport = port_.transport();
   const std::lock_guard lock(driver_mutex_);
   guard_ = &page;
@@ -120,25 +120,25 @@ void HidDevice::on_gone() noexcept {
 void HidDevice::run_writer() noexcept {
   if (realtime_) (void)enter_realtime(*realtime_);
   while (!ends_.load(std::memory_order_acquire)) {
-    await_wish();
+    await_command();
     write_newest();
   }
-  let_go();
+  release_force();
 }
 
-// Several wishes that came meanwhile are one.
-void HidDevice::await_wish() noexcept {
+// Commands that have piled up count as one.
+void HidDevice::await_command() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + kRepeatNs;
   const timespec until{until_ns / kNanosecondsPerSecond, until_ns % kNanosecondsPerSecond};
-  if (::sem_clockwait(&wishes_, CLOCK_MONOTONIC, &until) != 0) return;
-  while (::sem_trywait(&wishes_) == 0) {
+  if (::sem_clockwait(&commands_, CLOCK_MONOTONIC, &until) != 0) return;
+  while (::sem_trywait(&commands_) == 0) {
   }
 }
 
 void HidDevice::write_newest() noexcept {
   const auto transport = port_.transport();
   if (!transport) {
-    refused_ = 0;
+    rejected_ = 0;
     return;
   }
   std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
@@ -151,14 +151,14 @@ void HidDevice::write_newest() noexcept {
     size = backend_->encode(wrench, is_live, now_ns, report);
   }
   if (size == 0) return;
-  refused_ = transport->write(std::span(report).first(size)) ? 0 : refused_ + 1;
-  if (refused_ >= kMostRefused) {
-    refused_ = 0;
+  rejected_ = transport->write(std::span(report).first(size)) ? 0 : rejected_ + 1;
+  if (rejected_ >= kMostRejected) {
+    rejected_ = 0;
     port_.suspect();
   }
 }
 
-void HidDevice::let_go() noexcept {
+void HidDevice::release_force() noexcept {
   const auto transport = port_.transport();
   if (!transport) return;
   std::array<std::uint8_t, HidTransport::kMostBytes> report = {};

@@ -17,15 +17,15 @@ namespace hapton {
 // A force-feedback device that speaks HID. Two threads of its own talk to it, because a write may wait for the bus: one reads and drains
 // (HidPort), one writes the newest wrench as soon as there is one, and every kRepeatNs what then holds, so that a watchdog in the device
 // is content. The servo only exchanges newest values with them. Unplugged, the device is away and looked for; when it is back, its force
-// begins at zero and ramps in. The device is told to let go while the servo is silent.
+// begins at zero and ramps in. While the servo is silent the device is commanded to release the force.
 // RT and Threads: as Device says.
 class HidDevice final : public Device, private HidListener {
  public:
   static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
   // A device that is opened must have reported by then.
   static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
-  // So many refused reports in a row, and the device is opened anew.
-  static constexpr int kMostRefused = 100;
+  // After so many rejected reports in a row the device is reopened.
+  static constexpr int kMostRejected = 100;
 
   // Opens it and waits until it has said where it is. Error: it is not there, cannot be driven or says nothing, one line.
   static Result<std::unique_ptr<HidDevice>> open(std::unique_ptr<HidBackend> backend, HidOpener opener,
@@ -38,14 +38,14 @@ class HidDevice final : public Device, private HidListener {
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   bool cut() noexcept override {
     exchange_.cut();
-    ::sem_post(&wishes_);
+    ::sem_post(&commands_);
     return true;
   }
   void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override;
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override;
   DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   HidDevice(std::unique_ptr<HidBackend> backend, HidOpener opener, std::optional<RealtimeSettings> realtime);
@@ -54,13 +54,13 @@ class HidDevice final : public Device, private HidListener {
   void on_report(std::span<const std::uint8_t> report, std::int64_t now_ns) noexcept override;
   void on_drained(std::int64_t now_ns) noexcept override;
   void on_gone() noexcept override;
-  void tell_status() noexcept;
+  void log_status() noexcept;
 
   bool await_first_report() noexcept;
   void run_writer() noexcept;
-  void await_wish() noexcept;
+  void await_command() noexcept;
   void write_newest() noexcept;
-  void let_go() noexcept;
+  void release_force() noexcept;
   void show_guard(const std::string& path) noexcept;
 
   std::unique_ptr<HidBackend> backend_;
@@ -71,10 +71,10 @@ class HidDevice final : public Device, private HidListener {
   std::mutex driver_mutex_;
   DeviceExchange::Reading reading_;
   bool has_news_ = false;
-  DeviceStatus told_ = DeviceStatus::ready;  // to people
-  GuardPage* guard_ = nullptr;
-  int refused_ = 0;  // of the writer
-  sem_t wishes_;     // posted by the servo: a wrench is there
+  DeviceStatus logged_status_ = DeviceStatus::ready;  // the last one logged
+  HeartbeatPage* guard_ = nullptr;
+  int rejected_ = 0;  // of the writer
+  sem_t commands_;    // posted by the servo: a wrench is there
   std::atomic<bool> has_heard_{false};
   std::atomic<bool> ends_{false};
   HidPort port_;

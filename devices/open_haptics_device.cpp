@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "devices/device_exchange.h"
 #include "devices/hd_session.h"
+#include "devices/vendor_device.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
@@ -28,7 +28,7 @@ constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                
 // The library's scheduler calls a thousand times a second: after so long it has stopped, or the device with it.
 constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
-constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // the motors are let go for, after a force error
+constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // no force for so long after a force error
 constexpr int kMostErrorsATick = 8;
 // Not to be had from the library, so ours: careful figures, see docs/vendor-devices.md.
 constexpr double kRiseS = 0.004;  // from nothing to the greatest force, as for the PHANToM Model A
@@ -52,14 +52,14 @@ std::string_view instruction_for(Calibration calibration) {
       return "calibrate: hold the arm in its neutral pose, all links at right angles, and press the stylus button (where there is none, "
              "calibrate with the vendor's own program first)";
     case Calibration::in_inkwell:
-      return "calibrate: put the stylus into its inkwell and leave it there until this says that it is done";
+      return "calibrate: put the stylus into its inkwell and leave it there until calibration is reported done";
     case Calibration::by_moving:
       return "calibrate: move the stylus slowly through its whole workspace";
   }
   return "";
 }
 
-class OpenHapticsDevice final : public Device {
+class OpenHapticsDevice final : public VendorDevice {
  public:
   OpenHapticsDevice(std::shared_ptr<hd::Session> session, std::string device_name)
       : session_(std::move(session)), hd_(session_->hd()), device_name_(std::move(device_name)) {}
@@ -72,17 +72,7 @@ class OpenHapticsDevice final : public Device {
 
   std::string_view name() const noexcept override { return "openhaptics"; }
   const DeviceLimits& limits() const noexcept override { return limits_; }
-  DeviceSample read(std::int64_t now_ns) noexcept override { return exchange_.read(now_ns); }
-  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { exchange_.write(wrench, now_ns); }
-  bool cut() noexcept override {
-    exchange_.cut();
-    return true;
-  }
-  void restore() noexcept override { exchange_.restore(); }
-  void use_guard(GuardPage& page) noexcept override { page.set_means(CutMeans::kill); }
-  DeviceStatus status() const noexcept override { return exchange_.status(); }
   DeviceCondition condition() const noexcept override;
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   // Set-up, on the keeper's thread but for the first time.
@@ -102,8 +92,8 @@ class OpenHapticsDevice final : public Device {
 
   // The keeper's thread: what may take long, and lines for people.
   void keep();
-  void tell_calibration();
-  void tell_errors(std::int64_t now_ns);
+  void log_calibration();
+  void log_errors(std::int64_t now_ns);
   bool is_lost(std::int64_t now_ns) const;
   void reopen(std::int64_t now_ns);
 
@@ -117,7 +107,6 @@ class OpenHapticsDevice final : public Device {
   bool has_torque_ = false;
   SteadyClock clock_;
 
-  DeviceExchange exchange_;
   hd::Handle device_ = hd::kInvalidHandle;  // set before the first tick
   hd::Session::Attached attached_;
 
@@ -135,7 +124,7 @@ class OpenHapticsDevice final : public Device {
   std::thread keeper_;
   std::atomic<bool> ends_{false};
   bool is_open_ = false;  // the keeper's
-  Calibration told_calibration_ = Calibration::unknown;
+  Calibration logged_calibration_ = Calibration::unknown;
   std::int64_t next_reopen_ns_ = 0;
   std::int64_t next_error_line_ns_ = 0;
 };
@@ -176,7 +165,7 @@ Result<void> OpenHapticsDevice::read_limits() {
   const bool is_box_sane = low_m.allFinite() && high_m.allFinite() && ((high_m - low_m).array() > 0.01).all();
   if (!is_box_sane || max_n <= 0.0 || max_n > 100.0) {
     return fail(
-        "OpenHaptics says that {} has a workspace of {:g} x {:g} x {:g} m and {:g} N, which cannot be; set it up again (Touch_Setup)",
+        "OpenHaptics reports an impossible workspace or force for {}: {:g} x {:g} x {:g} m and {:g} N; set it up again (Touch_Setup)",
         model_, high_m.x() - low_m.x(), high_m.y() - low_m.y(), high_m.z() - low_m.z(), max_n);
   }
   middle_m_ = 0.5 * (low_m + high_m);
@@ -214,7 +203,7 @@ Result<void> OpenHapticsDevice::set_up() {
   ticks_to_look_ = 0;
   pause_until_ns_ = 0;
   device_error_ = hd::kSuccess;
-  calibration_ = told_calibration_ = Calibration::unknown;
+  calibration_ = logged_calibration_ = Calibration::unknown;
   ticked_ns_ = clock_.now_ns();
   return {};
 }
@@ -339,16 +328,16 @@ void OpenHapticsDevice::keep() {
   while (!ends_.load(std::memory_order_relaxed)) {
     std::this_thread::sleep_for(kLookEvery);
     const std::int64_t now_ns = clock_.now_ns();
-    tell_calibration();
-    tell_errors(now_ns);
+    log_calibration();
+    log_errors(now_ns);
     if (is_lost(now_ns)) reopen(now_ns);
   }
 }
 
-void OpenHapticsDevice::tell_calibration() {
+void OpenHapticsDevice::log_calibration() {
   const Calibration calibration = calibration_.load(std::memory_order_relaxed);
-  if (!is_open_ || calibration == told_calibration_) return;
-  told_calibration_ = calibration;
+  if (!is_open_ || calibration == logged_calibration_) return;
+  logged_calibration_ = calibration;
   if (calibration == Calibration::good) {
     log_info("{} is calibrated", model_);
   } else {
@@ -356,13 +345,13 @@ void OpenHapticsDevice::tell_calibration() {
   }
 }
 
-void OpenHapticsDevice::tell_errors(std::int64_t now_ns) {
+void OpenHapticsDevice::log_errors(std::int64_t now_ns) {
   if (now_ns < next_error_line_ns_) return;
   const hd::Enum error = force_error_.exchange(hd::kSuccess, std::memory_order_relaxed);
   if (error == hd::kSuccess) return;
   next_error_line_ns_ = now_ns + kSayEveryNs;
   const std::string_view remedy = hd::remedy_for_error(error);
-  log_warning("{} reports {} and its force was let go{}{}", model_, hd::name_of_error(error), remedy.empty() ? "" : "; ", remedy);
+  log_warning("{} reports {}; its force was released{}{}", model_, hd::name_of_error(error), remedy.empty() ? "" : "; ", remedy);
 }
 
 bool OpenHapticsDevice::is_lost(std::int64_t now_ns) const {
@@ -374,7 +363,8 @@ bool OpenHapticsDevice::is_lost(std::int64_t now_ns) const {
 void OpenHapticsDevice::reopen(std::int64_t now_ns) {
   if (is_open_) {
     const hd::Enum error = device_error_.load(std::memory_order_relaxed);
-    log_warning("{} is gone ({}); looking for it", model_, error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler stands still");
+    log_warning("{} is disconnected ({}); trying to reconnect", model_,
+                error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler has stopped");
     session_->detach(attached_);
     is_open_ = false;
     // Nobody ticks now: the last word until it is back.

@@ -15,7 +15,7 @@ namespace hapton {
 // settings.id: the name it was given in the vendor's set-up; empty: "Default Device", "Default PHANToM", or whichever the library takes for
 // the default. library_file: instead of libHD by its usual names.
 // W: the device's own axes (x right, y up, z towards the user), the origin moved into the middle of its usable workspace.
-// RT: set-up only; the device as Device says. Error: one line: library, device or licence missing, and how to mend it.
+// RT: set-up only; the device as Device says. Error: one line: library, device or licence missing, and how to fix it.
 Result<std::unique_ptr<Device>> make_open_haptics(const DeviceSettings& settings, const std::string& library_file = "");
 
 }  // namespace hapton

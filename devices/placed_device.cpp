@@ -1,5 +1,7 @@
 #include "devices/placed_device.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace hapton {
@@ -33,8 +35,15 @@ void PlacedDevice::write(const Wrench& wrench, std::int64_t now_ns) noexcept {
   device_->write({.force_n = X_BW_.linear() * wrench.force_n, .torque_nm = X_BW_.linear() * wrench.torque_nm}, now_ns);
 }
 
-bool PlacedDevice::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
-  return device_->lead_hand(p_WH ? std::optional<Vec3>(X_BW_ * *p_WH) : std::nullopt);
+bool PlacedDevice::set_hand_target(const std::optional<Vec3>& p_WH) noexcept {
+  return device_->set_hand_target(p_WH ? std::optional<Vec3>(X_BW_ * *p_WH) : std::nullopt);
+}
+
+bool PlacedDevice::aim_hand(std::span<const Vec3> p_WA) noexcept {
+  std::array<Vec3, kMostAims> p_BA;
+  const std::size_t count = std::min(p_WA.size(), p_BA.size());
+  for (std::size_t i = 0; i < count; ++i) p_BA[i] = X_BW_ * p_WA[i];
+  return device_->aim_hand(std::span(p_BA).first(count));
 }
 
 }  // namespace hapton

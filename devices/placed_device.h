@@ -19,10 +19,11 @@ class PlacedDevice final : public Device {
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   bool cut() noexcept override { return device_->cut(); }
   void restore() noexcept override { device_->restore(); }
-  void use_guard(GuardPage& page) noexcept override { device_->use_guard(page); }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { device_->use_heartbeat_page(page); }
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
-  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+  bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
  private:
   std::unique_ptr<Device> device_;

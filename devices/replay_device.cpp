@@ -61,6 +61,6 @@ DeviceSample ReplayDevice::read(std::int64_t now_ns) noexcept {
 
 void ReplayDevice::write(const Wrench&, std::int64_t) noexcept {}
 
-bool ReplayDevice::lead_hand(const std::optional<Vec3>&) noexcept { return false; }
+bool ReplayDevice::set_hand_target(const std::optional<Vec3>&) noexcept { return false; }
 
 }  // namespace hapton

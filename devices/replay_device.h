@@ -33,7 +33,7 @@ class ReplayDevice final : public Device {
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   DeviceStatus status() const noexcept override { return status_; }
-  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+  bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
 
   double length_s() const noexcept { return rows_.back().t_s - rows_.front().t_s; }
 

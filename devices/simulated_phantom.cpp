@@ -28,8 +28,13 @@ SimulatedPhantom::SimulatedPhantom(const Options& options)
 
 Vec3 SimulatedPhantom::exact_position_m() const noexcept { return {axes_[0].device_m, axes_[1].device_m, axes_[2].device_m}; }
 
-bool SimulatedPhantom::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
+bool SimulatedPhantom::set_hand_target(const std::optional<Vec3>& p_WH) noexcept {
   script_.lead(p_WH);
+  return true;
+}
+
+bool SimulatedPhantom::aim_hand(std::span<const Vec3> p_WA) noexcept {
+  script_.aim(p_WA);
   return true;
 }
 

@@ -39,12 +39,13 @@ class SimulatedPhantom final : public Device {
     is_cut_.store(false, std::memory_order_release);
     if (guard_ != nullptr) guard_->is_cut_within.store(0, std::memory_order_release);
   }
-  void use_guard(GuardPage& page) noexcept override {
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override {
     page.set_means(CutMeans::simulated);
     guard_ = &page;
   }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
-  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override;
+  bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
   // What no program sees on a real device: for tests and plots.
   Vec3 exact_position_m() const noexcept;
@@ -61,8 +62,8 @@ class SimulatedPhantom final : public Device {
   Vec3 written_n_ = Vec3::Zero();
   Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
   std::atomic<bool> is_cut_{false};
-  GuardPage* guard_ = nullptr;  // where its motors are seen, and cut, from outside
-  Vec3 hand_m_;                 // intention at device_ns_
+  HeartbeatPage* guard_ = nullptr;  // where its motors are seen, and cut, from outside
+  Vec3 hand_m_;                     // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
   std::int64_t zero_ns_ = 0;     // host time of device time 0

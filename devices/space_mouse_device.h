@@ -29,7 +29,7 @@ class SpaceMouseDevice final : public Device {
   void write(const Wrench& wrench, std::int64_t) noexcept override { force_n_ = wrench.force_n; }
   DeviceStatus status() const noexcept override { return reader_->is_there() ? DeviceStatus::ready : DeviceStatus::away; }
   DeviceCondition condition() const noexcept override;
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
  private:
   std::unique_ptr<SpaceMouseReader> reader_;

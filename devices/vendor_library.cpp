@@ -75,11 +75,11 @@ std::string hint_for_load_error(std::string_view file, std::string_view error) {
     return fmt::format("{} is there, but needs {}, which is not: {}", last_name(file), missing, remedy_for_dependency(missing));
   }
   if (has(error, "wrong ELF class") || has(error, "invalid ELF header") || has(error, "file too short"))
-    return "it is no library for this machine; get the 64-bit one for Linux";
+    return "it is not a library for this machine; get the 64-bit one for Linux";
   if (has(error, "version `")) return "it was built for a newer system than this; get the one for this release, or a newer system";
   if (has(error, "undefined symbol")) return "it and the libraries it needs are of different releases; install all from one";
   if (has(error, "executable stack")) return "the kernel forbids it an executable stack; clear the mark with: execstack -c FILE";
-  if (has(error, "Permission denied")) return "it may not be read; chmod a+r the file";
+  if (has(error, "Permission denied")) return "it is not readable; chmod a+r the file";
   return "the line above is the loader's; `ldd FILE` says more";
 }
 

@@ -99,7 +99,7 @@ DeviceStatus WoodenHapticsBackend::follow_zero(const Counts& counts, std::int64_
 }
 
 std::string_view WoodenHapticsBackend::advice() const noexcept {
-  return "its counts began anew: let the arm rest in its rest pose for 2 s, upper arm upright, lower arm hanging down";
+  return "encoders restarted from zero: hold the arm in its rest pose for 2 s, upper arm upright, lower arm hanging down";
 }
 
 bool WoodenHapticsBackend::decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept {

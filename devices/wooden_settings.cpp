@@ -43,7 +43,7 @@ void read_joint(TomlReader reader, WoodenWrist::Joint& joint) {
   reader.allow({"axis", "counts_per_turn", "direction", "offset_deg"});
   reader.require("axis");
   reader.read("axis", joint.axis, -1.0, 1.0);
-  if (joint.axis.norm() < 1e-3) reader.refuse("axis", "'axis' is no direction: one of its three numbers must not be zero");
+  if (joint.axis.norm() < 1e-3) reader.refuse("axis", "'axis' has zero length: one of its three numbers must not be zero");
   joint.axis.normalize();
   reader.read("counts_per_turn", joint.counts_per_turn, 1.0, 1e6);
   read_direction(reader, joint.direction);
@@ -97,7 +97,7 @@ Result<WoodenSettings> read_wooden_settings(const std::filesystem::path& path) {
   constexpr std::array kBodies = {"body_a", "body_b", "body_c"};
   for (std::size_t n = 0; n < 3; ++n) read_body(reader->table(kBodies[n]), settings.arm.bodies[n]);
   if (const auto joints = reader->tables("wrist"); !joints.empty()) {
-    if (joints.size() != 3) reader->refuse("wrist", "[[wrist]] is there three times, for the encoders from the lower arm to the stylus");
+    if (joints.size() != 3) reader->refuse("wrist", "[[wrist]] must appear three times, for the encoders from the lower arm to the stylus");
     WoodenWrist wrist;
     for (std::size_t n = 0; n < std::min<std::size_t>(3, joints.size()); ++n) read_joint(joints[n], wrist.joints[n]);
     settings.wrist = wrist;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "haptic_step/view_pose.h"
+#include "core/math/rigid_pose.h"
 
 namespace hapton {
 namespace {
@@ -96,7 +96,7 @@ void HapticsStep::remember_answered() noexcept {
 }
 
 bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
-  const auto pose = compute_view_pose(view.X_WS);
+  const auto pose = find_rigid_pose(view.X_WS);
   if (!pose) {
     ++counts_.views_rejected;
     return false;

@@ -16,8 +16,8 @@ struct HapticsCounts {
   std::uint64_t contact_steps = 0;
   std::uint64_t skipped = 0;  // states superseded before they could be answered
   std::uint64_t views_taken = 0;
-  std::uint64_t views_rejected = 0;  // no rotation and translation
-  std::uint64_t methods_taken = 0;   // put in place while running
+  std::uint64_t views_rejected = 0;  // not rigid
+  std::uint64_t methods_taken = 0;   // changes while running
   double max_force_n = 0.0;
 };
 
@@ -28,28 +28,28 @@ class HapticsStep {
   // offset_m: how far off the surface, on the side that is felt, a new method starts when it takes over in contact.
   explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
 
-  // A newer state for the next answer; one still waiting is skipped.
+  // A newer state for the next reply; one still waiting is skipped.
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
-  // Something has been answered since the start, or since it was to be forgotten.
+  // There was a reply since the start or the last restart().
   bool is_running() const noexcept { return running_; }
 
-  // Lets the method see where it is about to begin, so that its slow task can build what is near there; answers nothing and changes nothing
-  // else. Pre: has_state(), not is_running().
+  // Lets the method see where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
+  // is_running().
   void look_around() noexcept;
 
   // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
   ForceCommand answer() noexcept;
 
-  // Turns the static scene; false when it is no pose, and the scene stays as it is.
+  // Moves the static scene; false if the pose is not rigid: the scene stays.
   bool turn_scene(const ViewTransform& view) noexcept;
 
-  // Puts another method in place and gives the old one back. In contact the new one starts on the felt side of the surface where the
+  // Replaces the method and returns the old one. In contact the new one starts on the felt side of the surface where the
   // old one's probe rests, so its first step feels the same surface; in free space at the device point. Where the two feel different forces
   // the difference fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
 
-  // Forgets contact and time: a new hub session begins, or samples were missing for long.
+  // Forgets contact and time: for a new hub session, or after a long gap in the samples.
   void restart() noexcept {
     running_ = false;
     answered_before_ = 0;

@@ -25,14 +25,14 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   options.method.build_on_approach = true;
   double offset_in = options.method.offset_m / kMetresPerInch;
 
-  CLI::App app{"Answers every device sample of the hub with the force that the scene gives it.", "haptics_node"};
+  CLI::App app{"Computes the force for every device sample of the hub.", "haptics_node"};
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
-  app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
-  app.add_flag("--no-seal", no_seal, "Touch every mesh as it is: cracks up to 1e-4 of its longest side are not sealed");
-  app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; default: centred and scaled to lie in the workspace");
+  app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
+  app.add_flag("--no-seal", no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
+  app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
   app.add_option("--method", options.method.name, "Force method, one of: " + method_names())->capture_default_str();
   app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
   app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")
@@ -47,27 +47,25 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--crease", options.method.crease_deg, "smooth, proxy with shading: edges whose faces turn by more degrees count as sharp")
       ->check(between(0.0, 180.0))
       ->capture_default_str();
-  app.add_option("--simplify", simplify, "smooth: merge small triangles while no vertex is left farther off the surface: 0.1mm; 0: never")
+  app.add_option("--simplify", simplify, "smooth: simplify the mesh; largest distance from the surface: 0.1mm; 0: do not simplify")
       ->check(accepts(parse_length))
       ->capture_default_str();
-  app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0 is a point (sweep knows no other)")
+  app.add_option("--probe-radius", options.method.probe_radius_m, "Radius of the probe, metres; 0: a point (sweep has only points)")
       ->check(zero_or_more("metres"))
       ->capture_default_str();
   app.add_option("--shading", options.method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
       ->check(between(0.0, 1.0))
       ->capture_default_str();
   app.add_flag("--build-on-approach,!--build-at-once", options.method.build_on_approach,
-               "proxy: build an object's structures when the probe first comes near it, beside the running loop")
+               "proxy: build an object's structures when the probe first approaches it, while the loop runs")
       ->default_str("true");
   app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
-  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: an ordinary thread")
+  app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: ordinary thread")
       ->check(between(0, 99))
       ->capture_default_str();
-  app.add_option("--cpu", options.realtime.cpu, "Stay on this CPU; -1: where the scheduler likes")
-      ->check(between(-1, 1023))
-      ->capture_default_str();
+  app.add_option("--cpu", options.realtime.cpu, "Pin to this CPU; -1: any")->check(between(-1, 1023))->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;

@@ -17,14 +17,13 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
                                 const LatencyHistogram& step_times) {
   const HapticsCounts& counts = step.counts();
   std::string text =
-      fmt::format("haptics_node: {} states answered, {} in contact, {:.3f} N at most; {} skipped, {} lost, {} overtaken, {} joins\n",
+      fmt::format("haptics_node: {} samples answered, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered, {} joins\n",
                   counts.answered, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost,
                   hub.sequence_counts().reordered, hub.counts().joins);
   text += describe_times("step", step_times);
-  text += describe_times("arrival to answer", compute_times);
+  text += describe_times("arrival to reply", compute_times);
   if (counts.views_taken + counts.views_rejected > 0) {
-    text +=
-        fmt::format("view transforms: {} taken, {} rejected (no rotation and translation)\n", counts.views_taken, counts.views_rejected);
+    text += fmt::format("view transforms: {} applied, {} rejected (not rigid)\n", counts.views_taken, counts.views_rejected);
   }
   if (counts.methods_taken > 0) {
     text += fmt::format("methods changed while running: {}\n", counts.methods_taken);

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// A few lines for people about a run: answers, contact, what was skipped or lost, the step's times and from arrival to answer, and the
+// A few lines for people about a run: answers, contact, what was skipped or lost, the step's times and from arrival to reply, and the
 // method's own words. RT: set-up only.
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
                                 const LatencyHistogram& step_times);

@@ -3,9 +3,10 @@
 #include <cstdio>
 
 #include "haptic_step/haptics_setup.h"
-#include "haptics_node/answer_loop.h"
+#include "haptic_step/scene_facts.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
+#include "haptics_node/reply_loop.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
@@ -15,6 +16,7 @@
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
+#include "scene/scene_report.h"
 
 namespace {
 
@@ -35,12 +37,13 @@ int run(const HapticsOptions& options) {
   const auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
+  for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
   auto method = make_method(options.method, scene->touch_scene());
   if (!method) return give_up(method.error());
   log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
-  // A flood at this node's port is not to take its time. Refused: it costs a look at each datagram.
+  // A flood at this node's port is not to take its time. Rejected: it costs a look at each datagram.
   (void)(*endpoint)->accept_only(*hub);
 
   SteadyClock clock;
@@ -51,7 +54,7 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method)), options.method.offset_m);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method());
   const HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), options.method);
-  AnswerLoop loop(client, clock, step, builder, setup, options.method.build_on_approach);
+  ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, make_scene_facts(*scene));
   const auto realtime = enter_realtime(options.realtime);
   if (!realtime) return give_up(realtime.error());
   const auto lines = realtime->to_lines();
@@ -65,7 +68,7 @@ int run(const HapticsOptions& options) {
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
     return give_up(
-        {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",
+        {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
                      to_string(*hub), options.seconds)});
   }
   return 0;

@@ -57,13 +57,13 @@ void MethodBuilder::build(const Request& request) {
   settings.name.assign(request.name.data(), std::find(request.name.begin(), request.name.end(), '\0') - request.name.begin());
   auto method = make_method(settings, scene_);
   if (!method) {
-    log_warning("{}; the method in use stays", method.error().what);
-    refusals_.draft().ask = request.ask;
-    put_text(method.error().what, refusals_.draft().why);
-    refusals_.publish_draft();
+    log_warning("{}; the current method stays in use", method.error().what);
+    rejections_.draft().ask = request.ask;
+    put_text(method.error().what, rejections_.draft().why);
+    rejections_.publish_draft();
     return;
   }
-  log_info("built, in use from now on:");
+  log_info("built and now in use:");
   log_method(**method);
   auto ready = std::make_unique<BuiltMethod>();
   ready->step = std::make_unique<TouchStep>(std::move(*method));

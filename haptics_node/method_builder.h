@@ -13,24 +13,24 @@
 
 namespace hapton {
 
-// A method ready to be put in place.
+// A method ready for use.
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
   HapticsSetup::Text text = {};  // as in HapticsSetup::method
-  std::uint32_t ask = 0;         // as in Settings::method_ask
+  std::uint32_t ask = 0;         // as in Settings::method_request
 };
 
 // A method that cannot be built.
-struct RefusedMethod {
+struct RejectedMethod {
   std::uint32_t ask = 0;
   HapticsSetup::Text why = {};
 };
 
 // Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
-// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps ask for is prepared
-// here. A name that cannot be built is logged and told of, and the method in use stays. What takes over in contact must be whole: nothing
-// of such a method is left to be built on approach. RT: request, take, take_refusal and retire yes; the rest set-up only. Threads: one
-// caller.
+// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps request is prepared
+// here. A method that cannot be built is logged and reported, and the current one stays in use. A method that takes over in contact must be
+// complete: nothing of such a method is left to be built on approach. RT: request, take, take_rejection and retire yes; the rest set-up
+// only. Threads: one caller.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -40,17 +40,17 @@ class MethodBuilder {
   MethodBuilder(const MethodBuilder&) = delete;
   MethodBuilder& operator=(const MethodBuilder&) = delete;
 
-  // Asks for a method; a later request replaces one not yet begun.
+  // Requests a method; a later request replaces one that has not begun.
   void request(const MethodName& name, std::uint32_t ask = 0) noexcept { requests_.publish({name, ask}); }
 
-  // How often the slow task has found nothing to do: two more than before mean that all that was asked for until then is built.
+  // How often the slow task found nothing to do: two more than before mean that everything requested by then is built.
   std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
 
   // The method built last, once; none when there is no new one.
   std::unique_ptr<BuiltMethod> take() noexcept;
 
-  // The request refused last, once; none when there is no new one. It stays until the next call.
-  const RefusedMethod* take_refusal() noexcept { return refusals_.take() ? &refusals_.value() : nullptr; }
+  // The request rejected last, once; none when there is no new one. It stays until the next call.
+  const RejectedMethod* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
   // Takes what take() gave, with the method that it replaced in it, to be freed.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
@@ -69,7 +69,7 @@ class MethodBuilder {
   MethodSettings settings_;
   TouchScene scene_;
   Mailbox<Request> requests_;
-  Mailbox<RefusedMethod> refusals_;
+  Mailbox<RejectedMethod> rejections_;
   std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;

@@ -12,7 +12,7 @@ namespace hapton {
 // permission. RT: no. Error: never; a system without HID has none.
 std::vector<HidDescription> list_hid_devices();
 
-// Opens a node. The system makes it before it grants the right to it: a refusal is asked about again for a second.
+// Opens a node. The system makes it before it grants the right to it: a rejection is asked about again for a second.
 // Error: one line with the remedy. RT: set-up only.
 Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device);
 

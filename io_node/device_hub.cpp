@@ -92,7 +92,7 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
                counts.dropped, options.record);
   }
   if (counts.flights + counts.flights_left_out > 0) {
-    fmt::print("faults: {} flight records written, {} more faults left out\n", counts.flights, counts.flights_left_out);
+    fmt::print("faults: {} flight records written, {} skipped\n", counts.flights, counts.flights_left_out);
   }
 }
 
@@ -107,7 +107,7 @@ DeviceLimits tighter_limits(const DeviceSettings& settings) {
 void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
   const bool is_own_force = std::isinf(options.device.max_force_n) || options.device.max_force_n <= own.max_force_n;
   if (is_own_force && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
-  log_warning("{}limits can only be tightened: the device's own hold, {:.2f} N and {:.0f} N/s", name_prefix(options), own.max_force_n,
+  log_warning("{}limits can only be tightened: the device's own apply, {:.2f} N and {:.0f} N/s", name_prefix(options), own.max_force_n,
               own.max_slew_n_per_s);
 }
 
@@ -132,10 +132,10 @@ struct DeviceHub::Parts {
         ways(metered),
         latch_file(find_latch_file(options.device.name + options.device.id, options.bind)),
         session(*servo, steady, options) {
-    servo->set_way_meter(&ways);
+    servo->set_hop_meter(&ways);
     servo->set_budget(&budget);
-    servo->set_report_desk(&desk);
-    session.set_report_desk(&desk);
+    servo->set_report_server(&report_server);
+    session.set_report_server(&report_server);
     session.set_metrics(metrics.get());
   }
 
@@ -164,9 +164,9 @@ struct DeviceHub::Parts {
   SessionRecorder recorder;
   HubPeers peers;
   std::unique_ptr<Servo> servo;
-  WayMeter ways;
-  ReportDesk desk;
-  GuardMemory guard;
+  HopMeter ways;
+  ReportServer report_server;
+  HeartbeatMemory guard;
   WatchdogProcess watchdog;
   LatchFile latch_file;
   IoSession session;
@@ -210,8 +210,8 @@ Result<void> DeviceHub::start_watchdog() {
   if (options.watchdog == RealtimeMode::off) return {};
   Result<void> started = parts_->guard.make();
   if (started) {
-    parts_->device->use_guard(parts_->guard.page());
-    parts_->servo->device_loop().set_guard(&parts_->guard.page());
+    parts_->device->use_heartbeat_page(parts_->guard.page());
+    parts_->servo->device_loop().set_heartbeat_page(&parts_->guard.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
     started = parts_->watchdog.start(parts_->guard, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
   }
@@ -228,7 +228,8 @@ void DeviceHub::latch_again() {
   if (fault == SafetyFault::none) return;
   parts_->servo->device_loop().latch_again(fault);
   log_warning(
-      "{}no force: a fault from before this start has not been reset: {}; see to it, then: hapton set --reset-faults (docs/safety.md)",
+      "{}no force: a fault latched before this start has not been reset: {}; fix the cause, then: hapton set --reset-faults "
+      "(docs/safety.md)",
       name_prefix(parts_->options), hapton::describe(fault));
 }
 

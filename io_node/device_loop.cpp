@@ -82,14 +82,14 @@ bool DeviceLoop::claim() noexcept {
 bool DeviceLoop::run_cycle() noexcept {
   if (!claim()) {
     ++stats_.waits;
-    (void)cut_if_older(kSilenceLimitNs);
+    (void)cut_if_older(kCommandTimeoutNs);
     return false;
   }
   device_ns_ = 0;
   stats_.end_ns = tick_ns_ + period_ns();
   // First of all, and before the device takes its time: what the governor would not put out any more.
   const std::int64_t now_ns = clock_.now_ns();
-  if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kSilenceLimitNs) hold_force();
+  if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
   // A force that came since the last tick has used the slew of this one; one from before a stall has not.
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
@@ -108,7 +108,7 @@ bool DeviceLoop::run_cycle() noexcept {
     cycles_[end % kCyclesKept] = cycle_;
     cycles_end_.store(end + 1, std::memory_order_release);
   } else {
-    ++stats_.cycles_untold;
+    ++stats_.cycles_unreported;
   }
   show();
   give_back();
@@ -191,7 +191,8 @@ void DeviceLoop::grant_requests() noexcept {
   if (!requests_box_.take()) return;
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
-  if (std::exchange(hands_granted_, requests.hands) != requests.hands) device_.lead_hand(requests.p_WH);
+  if (std::exchange(hands_granted_, requests.hands) != requests.hands) device_.set_hand_target(requests.p_WH);
+  if (std::exchange(aims_granted_, requests.aims) != requests.aims) device_.aim_hand(std::span(requests.p_WA).first(requests.aim_count));
   const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
   const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
   if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
@@ -253,7 +254,7 @@ void DeviceLoop::show() noexcept {
 
 bool DeviceLoop::hold() noexcept {
   if (!claim()) {
-    (void)cut_if_older(kSilenceLimitNs);
+    (void)cut_if_older(kCommandTimeoutNs);
     return false;
   }
   status_.store(device_.status(), std::memory_order_release);
@@ -266,7 +267,7 @@ bool DeviceLoop::hold() noexcept {
 
 bool DeviceLoop::finish() noexcept {
   if (!claim()) {
-    (void)cut_if_older(kSilenceLimitNs);
+    (void)cut_if_older(kCommandTimeoutNs);
     return false;
   }
   write({});
@@ -283,7 +284,7 @@ bool DeviceLoop::take_cycle(DeviceCycle& cycle) noexcept {
   return true;
 }
 
-std::uint64_t DeviceLoop::post(const WantedWrench& wanted) noexcept {
+std::uint64_t DeviceLoop::post(const WrenchCommand& wanted) noexcept {
   const std::uint64_t number = posted_.load(std::memory_order_relaxed) + 1;
   commands_.publish({wanted, number});
   posted_.store(number);
@@ -291,9 +292,16 @@ std::uint64_t DeviceLoop::post(const WantedWrench& wanted) noexcept {
   return number;
 }
 
-void DeviceLoop::lead_hand(const std::optional<Vec3>& p_WH) noexcept {
+void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH) noexcept {
   requests_.p_WH = p_WH;
   ++requests_.hands;
+  requests_box_.publish(requests_);
+}
+
+void DeviceLoop::aim_hand(std::span<const Vec3> p_WA) noexcept {
+  requests_.aim_count = std::min(p_WA.size(), requests_.p_WA.size());
+  std::copy_n(p_WA.begin(), requests_.aim_count, requests_.p_WA.begin());
+  ++requests_.aims;
   requests_box_.publish(requests_);
 }
 
@@ -312,7 +320,7 @@ void DeviceLoop::end() noexcept {
   requests_box_.publish(requests_);
 }
 
-void DeviceLoop::ask_for_stats() noexcept {
+void DeviceLoop::request_stats() noexcept {
   ++requests_.stats;
   requests_box_.publish(requests_);
 }

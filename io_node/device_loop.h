@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "devices/device.h"
 #include "link/session_entry.h"
@@ -16,17 +17,17 @@
 
 namespace hapton {
 
-// What becomes of cycles that come too late:
-//   skip      whole periods are left out, and the next tick is on time again
+// What happens to cycles that are late:
+//   skip      whole periods are skipped, and the next tick is on time again
 //   catch_up  the cycles that were missed run at once, one after the other, up to kMostCaughtUp of them; what is beyond that is skipped
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
-// How a person's presence is known to whoever asks for a reset of a latched fault (reset_right.h): already, or by the dead man's switch,
-// which must still be held when the reset takes effect.
+// How a person's presence is known to whoever asks for a reset of a latched fault (reset_permission.h): already, or by the dead man's
+// switch, which must still be held when the reset takes effect.
 enum class ResetPresence : std::uint8_t { known, while_held };
 
-// One cycle of the device loop, told to the network side.
+// One cycle of the device loop, as reported to the network side.
 struct DeviceCycle {
   std::uint64_t number = 0;  // of the sample, from 1
   DeviceSample sample;
@@ -34,15 +35,15 @@ struct DeviceCycle {
   std::int64_t next_tick_ns = 0;
   std::int64_t next_wake_ns = 0;  // when its thread ends its sleep for that tick
   std::int64_t late_ns = 0;
-  std::uint32_t missed = 0;  // cycles left out before it
+  std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
 };
 
-// The device side as it is now.
+// The present state of the device side.
 struct DeviceSide {
   Wrench written;  // on the motors
   DeviceStatus status = DeviceStatus::ready;
-  GovernorFigures governor;
+  GovernorStats governor;
   bool is_silent = true;  // see SafetyGovernor::is_silent
   bool is_energy_gone = false;
   bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
@@ -64,34 +65,34 @@ struct DeviceLoopStats {
   std::uint64_t caught_up_cycles = 0;
   std::array<std::uint64_t, 5> missed_by_cause = {};
   double max_force_n = 0.0;
-  std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, of all silences
+  std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, over all command timeouts
   std::uint64_t commands = 0;           // force commands governed
   std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
-  std::uint64_t resets_denied = 0;      // the switch was let go before they took effect
-  std::uint64_t cuts = 0;               // times the device was cut, because that took too long or this loop stood still
-  std::uint64_t cycles_untold = 0;      // the network side was too far behind to be told of them
-  GovernorFigures governor;
+  std::uint64_t resets_denied = 0;      // the switch was released before they took effect
+  std::uint64_t cuts = 0;               // times the device was cut off, because that took too long or this loop was stalled
+  std::uint64_t cycles_unreported = 0;  // not reported: the network side was too far behind
+  GovernorStats governor;
   DeviceStatus status = DeviceStatus::ready;
   DeviceCondition condition;
 };
 
-// The hand's side of io_node: it owns the device and its safety governor and is the clock of the whole system. A cycle, begun at each tick
-// of absolute time: let go what is too old, read the device, tell the governor, hold or let sink the force that is out. It knows no
-// datagram, key, parser or socket, allocates nothing and waits for nobody. Forces come by a mailbox, the newest wins; the cycle needs none
-// of them to bring the motors to zero in time.
+// The device side of io_node: it owns the device and its safety governor and is the clock of the whole system. Each cycle begins at a tick
+// of absolute time: release a force that is too old, read the device, update the governor, hold or ramp down the present force. It handles
+// no datagram, key, parser or socket, allocates nothing and never blocks. Forces arrive in a mailbox, the newest wins; the cycle needs none
+// to bring the motors to zero in time.
 //
 // A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 94). So the
-// thread that posts a force also governs and writes it, if the device side is not in the middle of its cycle; else the cycle does so at its
-// end. Who works on device and governor holds the claim, a flag that is tried and never waited for. A cycle that finds it taken (the
-// network side was displaced in the middle of its microsecond) tries again shortly, and cuts the device (Device::cut) when the force grows
-// too old meanwhile: that needs no claim. So does anyone else who watches it (cut_if_older), should this cycle not come.
+// thread that posts a force also governs and writes it, unless the device side is in the middle of its cycle; then the cycle does so at its
+// end. Whoever uses device and governor holds the claim, a try-lock that nobody waits for. A cycle that finds it taken (the network side
+// was preempted while it held it) retries shortly, and cuts the device off (Device::cut) if the force becomes too old meanwhile: that needs
+// no claim. So can any other thread (cut_if_older), should this cycle not run.
 //
 // Units: ns of the clock. RT: all but making one. Threads: one for the cycle (start to finish), one for the network side; they may be the
 // same.
 class DeviceLoop {
  public:
   static constexpr std::int64_t kMostCaughtUp = 10;
-  // Later than any work, device or wake-up of a running machine makes a cycle.
+  // A cycle later than this means that the machine was stalled: no work, device or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
   static constexpr std::size_t kCyclesKept = 64;
 
@@ -107,8 +108,8 @@ class DeviceLoop {
   // Pre: both outlive this.
   DeviceLoop(Device& device, const Clock& clock, const Options& options);
 
-  // Set up before start: where the watchdog process sees that this side lives. Pre: outlives this.
-  void set_guard(GuardPage* guard) noexcept { guard_ = guard; }
+  // Set up before start: the page in which the watchdog process reads the heartbeat. Pre: outlives this.
+  void set_heartbeat_page(HeartbeatPage* guard) noexcept { guard_ = guard; }
 
   // ... and the fault that an earlier process left latched.
   void latch_again(SafetyFault fault) noexcept { governor_.latch_again(fault); }
@@ -127,57 +128,61 @@ class DeviceLoop {
   void note_overslept(std::int64_t late_ns) noexcept { overslept_ns_ = late_ns > overslept_ns_ ? late_ns : overslept_ns_; }
   // Spins to the tick and settles what was missed before it.
   void begin_cycle() noexcept;
-  // The cycle. False: the network side is writing a force, call again in a moment; nothing was done but what is_cut() says.
+  // The cycle. False: the network side is writing a force; call again soon. Nothing was done, except what is_cut() reports.
   bool run_cycle() noexcept;
-  // A cycle without a sample, which only lets the force sink; then zero on the motors, for the end. False as above.
+  // hold: a cycle without a sample, which only ramps the force down. finish: zero on the motors, at the end. False as above.
   bool hold() noexcept;
   bool finish() noexcept;
   const DeviceLoopStats& collect_stats() noexcept;
 
   // --- the network side
 
-  // The next cycle that was not told yet, in their order; false: there is none.
+  // The next cycle that was not taken yet, in order; false: there is none.
   bool take_cycle(DeviceCycle& cycle) noexcept;
   bool has_cycle() const noexcept { return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire); }
   // The newest state of the device side; stays as it is until the next call.
-  const DeviceSide& look() noexcept {
+  const DeviceSide& latest() noexcept {
     sides_.take();
     return sides_.value();
   }
-  // A force to be put out. Returns its number, see DeviceSide::command: governed and written when this returns, as a rule.
-  std::uint64_t post(const WantedWrench& wanted) noexcept;
+  // Posts a force. Returns its number, see DeviceSide::command: normally governed and written when this returns.
+  std::uint64_t post(const WrenchCommand& wanted) noexcept;
   // These take effect with the next cycle.
-  void lead_hand(const std::optional<Vec3>& p_WH) noexcept;
+  void set_hand_target(const std::optional<Vec3>& p_WH) noexcept;
+  void aim_hand(std::span<const Vec3> p_WA) noexcept;  // the first Device::kMostAims
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
   void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
   // Asks for a copy of what was measured; take_stats is true once when it is there.
-  void ask_for_stats() noexcept;
+  void request_stats() noexcept;
   bool take_stats() noexcept { return stats_copies_.take(); }
   const DeviceLoopStats& stats_copy() const noexcept { return stats_copies_.value(); }
   const DeviceLimits& limits() const noexcept { return governor_.limits(); }
 
   // --- anyone
-  // Cuts the device (Device::cut) when the force on it answers a sample as old as that: for who watches this loop from a thread of another
-  // kind, which runs when this one cannot. The force comes back with a ramp. True: it was, and is cut now. RT: yes, wait-free.
+  // Cuts the device off (Device::cut) if the force on it replies to a sample of that age or older: for a monitor in a thread of another
+  // scheduling class, which runs when this one cannot. The force ramps up afterwards. True: it was cut off. RT: yes, wait-free.
   bool cut_if_older(std::int64_t limit_ns) noexcept;
   // The end of the newest cycle.
   std::int64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(std::memory_order_acquire); }
   AdaptiveSpin& spin() noexcept { return spin_; }
-  // Of the force on the motors, the time of the sample that it answers; 0: no force is out.
+  // Time of the sample that the force on the motors replies to; 0: no force.
   std::int64_t force_sample_ns() const noexcept { return force_sample_ns_.load(std::memory_order_acquire); }
   DeviceStatus status() const noexcept { return status_.load(std::memory_order_acquire); }
   bool has_overrun() const noexcept { return has_overrun_.load(std::memory_order_acquire); }
 
  private:
   struct Command {
-    WantedWrench wanted;
+    WrenchCommand wanted;
     std::uint64_t number = 0;
   };
   struct Requests {
     double rate_hz = 0.0;  // 0: as it is
     std::optional<Vec3> p_WH;
     std::uint32_t hands = 0;
+    std::array<Vec3, Device::kMostAims> p_WA;
+    std::size_t aim_count = 0;
+    std::uint32_t aims = 0;
     std::uint32_t resets = 0;          // by someone known to be present
     std::uint32_t resets_if_held = 0;  // ... if the switch is held
     std::uint32_t stats = 0;
@@ -203,7 +208,7 @@ class DeviceLoop {
   Device& device_;
   const Clock& clock_;
   OverrunPolicy policy_;
-  GuardPage* guard_ = nullptr;
+  HeartbeatPage* guard_ = nullptr;
   SafetyGovernor governor_;
   DeviceLoopStats stats_;
   AdaptiveSpin spin_;
@@ -216,6 +221,7 @@ class DeviceLoop {
   DeviceCycle cycle_;
   std::int64_t next_look_ns_ = 0;  // at the motors' temperature
   std::uint32_t hands_granted_ = 0;
+  std::uint32_t aims_granted_ = 0;
   std::uint32_t resets_granted_ = 0;
   std::uint32_t resets_if_held_granted_ = 0;
   std::uint32_t stats_granted_ = 0;

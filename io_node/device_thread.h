@@ -25,7 +25,7 @@ class DeviceThread {
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
 
-  // Begins the cycles. network: what the network side asks for. Error: real time required and refused, or no timer.
+  // Begins the cycles. network: what the network side asks for. Error: real time required and rejected, or no timer.
   Result<void> start(const RealtimeSettings& network);
   // Zero on the motors, and the end of the cycles.
   void stop();

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "devices/device_maker.h"
-#include "io_node/servo.h"
+#include "link/messages.h"
 #include "runtime/toml_reader.h"
 
 namespace hapton {
@@ -74,7 +74,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   reader.read("device", options.device.name);
   const auto names = device_names();
   if (std::find(names.begin(), names.end(), options.device.name) == names.end()) {
-    reader.refuse("device", fmt::format("there is no device '{}'; take {}", options.device.name, fmt::join(names, ", ")));
+    reader.refuse("device", fmt::format("unknown device '{}'; choose one of {}", options.device.name, fmt::join(names, ", ")));
   }
   reader.read("bind", options.bind);
   reader.read("id", options.device.id);
@@ -93,7 +93,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   std::int64_t hold_button = options.device.hold_button;
   reader.read("hold_button", hold_button, -1, 31);
   options.device.hold_button = static_cast<int>(hold_button);
-  reader.read("rate_hz", options.rate_hz, Servo::kLowestRateHz, Servo::kHighestRateHz);
+  reader.read("rate_hz", options.rate_hz, kMinServoRateHz, kMaxServoRateHz);
   std::int64_t cpu = options.realtime.cpu;
   reader.read("cpu", cpu, -1, 4095);
   options.realtime.cpu = static_cast<int>(cpu);
@@ -122,8 +122,8 @@ void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other
   }
   const bool is_same_kind = one.device.name == other.device.name && takes_id(one.device.name);
   if (is_same_kind && (one.device.id.empty() || other.device.id.empty() || one.device.id == other.device.id)) {
-    reader.refuse("id", fmt::format("'{}' and '{}' are both {}: say which is which with an id for each (hapton doctor lists them)",
-                                    one.name, other.name, one.device.name));
+    reader.refuse(
+        "id", fmt::format("'{}' and '{}' are both {}: give each an id (hapton doctor lists them)", one.name, other.name, one.device.name));
   }
 }
 
@@ -134,7 +134,7 @@ Result<std::vector<IoOptions>> read_devices_file(const std::filesystem::path& pa
   if (!file) return tl::unexpected(file.error());
   file->allow({"device"});
   std::vector<TomlReader> tables = file->tables("device");
-  if (tables.empty()) file->refuse("device", "there is no [[device]]: add one for each device");
+  if (tables.empty()) file->refuse("device", "no [[device]] found: add one for each device");
   std::vector<IoOptions> devices;
   for (TomlReader& table : tables) {
     devices.push_back(read_device(table, common));

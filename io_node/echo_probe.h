@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// Measures the bare echo of the same machine in the same run: sends a datagram as long as a DeviceState's to a responder that sends back
-// what it gets (hapton echo), and waits for it as the servo waits for its force. The ratio of the force round trip to it is what the system
-// itself costs. RT: probe yes; making one is set-up only. Threads: the servo's.
+// Measures the bare echo of the same machine in the same run: sends a datagram of a DeviceState's length to a responder that returns it
+// (hapton echo), and waits for it as the servo waits for its force. The ratio of the force round trip to the echo is the cost of the system
+// itself. RT: probe yes; making one is set-up only. Threads: the servo's.
 class EchoProbe {
  public:
   struct Counts {

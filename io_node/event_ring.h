@@ -16,31 +16,34 @@ struct ServoEvent {
   enum class Kind : std::uint8_t {
     joined,
     left,
-    refused,
+    rejected,
     rate_changed,
-    method_asked,
+    method_requested,
     wrong_key,
     wrong_version,
     latched,
     reset,
-    reset_refused,
+    reset_rejected,
     away,
     calibrating,
     back,
     reset_without_right,   // a tool whose key is not an operator's asked for a reset
     reset_without_person,  // ... an operator, and nobody is known to be at the device
-    flood,                 // more datagrams were refused than anyone of good will sends
+    flood,                 // more datagrams were rejected than anyone of good will sends
+    out_of_reach,          // the device cannot touch the scene
+    too_small,             // ... nor find it
+    in_reach,              // ... can, after it could not
     role_violation,        // a node asked for a role, or sent what belongs to one, that its key does not allow
   };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
   Address address;
-  double rate_hz = 0.0;                   // of rate_changed; of flood: datagrams a second
-  std::array<char, 16> method = {};       // of method_asked
-  SafetyFault fault = SafetyFault::none;  // of latched, reset and reset_refused
-  Refusal flood = Refusal::malformed;     // of flood: what it is of
-  bool is_from_several = false;           // of flood: from other addresses, too
-  bool is_kept_out = false;               // of flood: most of it in the kernel
+  double rate_hz = 0.0;                    // of rate_changed; of flood: datagrams a second
+  std::array<char, 16> method = {};        // of method_requested
+  SafetyFault fault = SafetyFault::none;   // of latched, reset and reset_rejected
+  Rejection flood = Rejection::malformed;  // of flood: what it is of
+  bool is_from_several = false;            // of flood: from other addresses, too
+  bool is_kept_out = false;                // of flood: most of it in the kernel
 };
 
 // From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "devices/device_maker.h"
-#include "io_node/servo.h"
 #include "link/link_key.h"
+#include "link/messages.h"
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
 
@@ -32,38 +32,35 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   IoOptions options;
   std::string realtime = "try";
   std::string watchdog = "try";
-  CLI::App app{"Owns the force-feedback device, keeps its servo loop, guards every force, and is the hub that the other nodes join.",
-               "io_node"};
+  CLI::App app{"Drives the force-feedback device, limits every force, and is the hub that the other nodes join.", "io_node"};
   app.add_option("--bind", options.bind, "Where to listen: ADDRESS:PORT; 0.0.0.0:4950 for a LAN, port 0: any free one")
       ->capture_default_str();
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--device", options.device.name, describe_devices())->check(CLI::IsMember(device_names()))->capture_default_str();
   app.add_option("--devices", options.devices_file, "TOML with several devices, each a hub of its own (docs/devices.md)");
   app.add_option("--device-id", options.device.id,
-                 "Which of several: serial number, path, index or the vendor's name for it (default: the first found; see hapton doctor)");
+                 "Serial number, path, index or the vendor's name for it (needed if several are plugged in; see hapton doctor)");
   app.add_option("--device-file", options.device.file, "TOML with the device's own parameters (docs/devices.md)");
   app.add_option("--trajectory", options.device.trajectory, "CSV file to replay (t_s,x_m,y_m,z_m[,qw,qx,qy,qz])");
-  app.add_flag("--loop", options.device.loop, "Begin the replay again at its end, else the program ends with it");
-  app.add_option("--rate", options.rate_hz, "Servo rate, Hz")
-      ->check(between(Servo::kLowestRateHz, Servo::kHighestRateHz))
-      ->capture_default_str();
+  app.add_flag("--loop", options.device.loop, "Repeat the replay; without it the program ends with the trajectory");
+  app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(between(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
                  "Probe positions a second to each vision node, at most; it gets no more than it draws; 0: none")
-      ->check(between(0.0, Servo::kHighestRateHz))
+      ->check(between(0.0, kMaxServoRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
       ->check(between(0.0, 1e9))
       ->capture_default_str();
-  app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool asks");
-  app.add_option("--seed", options.device.seed, "Of the simulated hand's script")->capture_default_str();
+  app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool requests it")
+      ->check(folder_to_write());
+  app.add_option("--seed", options.device.seed, "Seed of the simulated hand's script")->capture_default_str();
   app.add_option("--max-force", options.device.max_force_n, "Tighter limit on the force, N; 0: no force at all (default: the device's own)")
       ->check(between(0.0, 1e3));
-  app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter limit on its change, N/s (0: the device's own)")
+  app.add_option("--max-slew", options.device.max_slew_n_per_s, "Tighter rate limit on the force, N/s (0: the device's own)")
       ->check(between(0.0, 1e6));
   app.add_option("--max-torque", options.device.max_torque_nm, "Tighter limit on the torque, N m (0: the device's own)")
       ->check(between(0.0, 1e3));
-  app.add_option("--continuous-force", options.device.continuous_force_n,
-                 "Tighter limit on the force in the long run, N (0: the device's own)")
+  app.add_option("--continuous-force", options.device.continuous_force_n, "Tighter continuous rating, N (0: the device's own)")
       ->check(between(0.0, 1e3));
   app.add_option("--max-speed", options.device.max_speed_m_per_s,
                  "Tighter limit on the device's speed, m/s: beyond it a fault is latched (0: the device's own)")
@@ -72,7 +69,8 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
                  "Dead man's switch: force only while this button is held, 0 the first; -1: none")
       ->check(between(-1, 31));
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
-  app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)");
+  app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)")
+      ->check(file_to_write());
   app.add_option("--flight", options.flight,
                  "Folder for flight records, the last 2 s before a fault; off: none (default: OUT/flight, without --out the state folder)");
   app.add_option("--overrun", options.overrun, "A cycle is missed: skip it, catch-up (run up to 10 late ones at once), or stop the session")
@@ -86,9 +84,9 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->check(between(0, kMaxDatagramBytes))
       ->capture_default_str();
   app.add_option("--metrics", options.metrics,
-                 "Serve the figures by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: nowhere)");
+                 "Serve the statistics by HTTP at this loopback address, for Prometheus: 127.0.0.1:9464 (default: off)");
   app.add_option("--vrpn", options.vrpn,
-                 "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: nowhere; see docs/vrpn.md)");
+                 "Show the stylus to VRPN programs at this address, TCP and UDP: 127.0.0.1:3883 (default: off; see docs/vrpn.md)");
   app.add_option("--vrpn-name", options.vrpn_name, "The device's name there, NAME@host")->capture_default_str();
   app.add_option("--rt", realtime, "Real-time scheduling: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
@@ -98,8 +96,7 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
       ->capture_default_str();
   app.add_option("--cpu", options.realtime.cpu, "Pin the servo loop to this CPU, -1: any")->check(between(-1, 4095))->capture_default_str();
 
-  app.add_option("--watchdog", watchdog,
-                 "A process of its own that takes the force away when this one is frozen or killed: try, require or off")
+  app.add_option("--watchdog", watchdog, "Watchdog process that releases the force when this one is frozen or killed: try, require or off")
       ->check(CLI::IsMember({"try", "require", "off"}))
       ->capture_default_str();
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "io_node/io_options.h"
-#include "io_node/scheduling_watch.h"
+#include "io_node/scheduling_monitor.h"
 #include "io_node/servo_stats.h"
 #include "link/messages.h"
 #include "runtime/report.h"
@@ -14,12 +14,12 @@ namespace hapton {
 // Hops: round_trip, haptics_compute, wire, force_age, wake_lateness, device_read, device_to_drawn, bare_echo.
 // Ratios: round_trip_over_echo_p50 and _p99, where an echo was measured. RT: no.
 LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
-                             const SchedulingFigures& scheduling = {});
+                             const SchedulingStats& scheduling = {});
 
 // "io", "haptics", "vision" or "tool". RT: yes.
 const char* name_of(NodeRole role);
 
 // The run for people: a few lines, and a table of the age at every hop that was measured. RT: no.
-std::string describe_run(const ServoStats& stats, const SchedulingFigures& scheduling = {});
+std::string describe_run(const ServoStats& stats, const SchedulingStats& scheduling = {});
 
 }  // namespace hapton

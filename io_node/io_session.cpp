@@ -30,47 +30,55 @@ std::string describe(const ServoEvent& event) {
       return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
     case ServoEvent::Kind::left:
       return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
-    case ServoEvent::Kind::refused:
+    case ServoEvent::Kind::rejected:
       return fmt::format("a {} node was rejected: the hub has no free slot for it; it keeps trying", name_of(event.role));
     case ServoEvent::Kind::rate_changed:
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
-    case ServoEvent::Kind::method_asked:
-      return fmt::format("method asked for: {}", std::string_view(event.method.data()).substr(0, 16));
+    case ServoEvent::Kind::method_requested:
+      return fmt::format("method requested: {}", std::string_view(event.method.data()).substr(0, 16));
     case ServoEvent::Kind::wrong_key:
-      return "someone asks to join with another key or none; if it is a node of yours, give it a key made from this hub's master key: "
+      return "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: "
              "hapton keygen --role ROLE "
              "--master MASTER FILE";
     case ServoEvent::Kind::wrong_version:
-      return "someone speaks another protocol version; if it is a node of yours, build all from the same sources, and make new keys "
+      return "a node uses another protocol version; if it is yours, build all nodes from the same sources, and make new keys "
              "(hapton keygen) if it is older "
              "than version 3";
     case ServoEvent::Kind::latched:
-      return fmt::format("no force any more: {}; see to it, then: hapton set --reset-faults (docs/safety.md)", describe(event.fault));
+      return fmt::format("fault latched, no force: {}; fix the cause, then: hapton set --reset-faults (docs/safety.md)",
+                         describe(event.fault));
     case ServoEvent::Kind::reset:
-      return fmt::format("fault reset ({}), the force ramps in", to_string(event.fault));
-    case ServoEvent::Kind::reset_refused:
-      return fmt::format("fault not reset, its cause is still there: {}", describe(event.fault));
+      return fmt::format("fault reset ({}); the force ramps up", to_string(event.fault));
+    case ServoEvent::Kind::reset_rejected:
+      return fmt::format("fault not reset: its cause persists: {}", describe(event.fault));
     case ServoEvent::Kind::reset_without_right:
-      return fmt::format("fault reset refused: the tool at {} has no operator's key (hapton keygen --role operator)",
+      return fmt::format("fault reset rejected: the tool at {} has no operator's key (hapton keygen --role operator)",
                          to_string(event.address));
     case ServoEvent::Kind::reset_without_person:
       return fmt::format(
-          "fault reset refused: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
+          "fault reset rejected: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
           "holds the switch (--hold-button)",
           to_string(event.address));
     case ServoEvent::Kind::flood:
-      return fmt::format("flood of {} from {}{}, {:.0f} a second; {}, the force does not wait for it", describe(event.flood),
+      return fmt::format("flood of {} from {}{}, {:.0f} a second: {}; the force is not delayed", describe(event.flood),
                          to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz,
-                         event.is_kept_out ? "kept out in the kernel (nodes that join may take longer)" : "refused");
+                         event.is_kept_out ? "dropped in the kernel (nodes may take longer to join)" : "rejected");
     case ServoEvent::Kind::role_violation:
-      return "a node asks for a role that its key does not allow; if it is a node of yours, give it the key of its role: hapton keygen "
+      return "a node requested a role that its key does not allow; if it is yours, give it the key of its role: hapton keygen "
              "--role ROLE --master MASTER FILE";
+    case ServoEvent::Kind::out_of_reach:
+      return "the scene is out of the device's reach: give its --unit, place it with a scene file (docs/scene-files.md), or leave out "
+             "--no-fit";
+    case ServoEvent::Kind::too_small:
+      return "the scene is a speck in the device's workspace: give its --unit, scale it in a scene file, or leave out --no-fit";
+    case ServoEvent::Kind::in_reach:
+      return "the scene is within the device's reach";
     case ServoEvent::Kind::away:
-      return "the device is away; no force until it is back";
+      return "the device is disconnected; no force until it is back";
     case ServoEvent::Kind::calibrating:
       return "the device is being calibrated; no force until it is ready";
     case ServoEvent::Kind::back:
-      return "the device is ready, the force ramps in";
+      return "the device is ready; the force ramps up";
   }
   return {};
 }
@@ -137,8 +145,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault) return fail("the device stopped answering; check its cable and power");
   if (servo_.has_overrun()) {
-    return fail("a cycle was missed ({}) and --overrun stop asks for the end; allow the loop real time (--rt), or a lower --rate",
-                main_cause(stats));
+    return fail("a cycle was missed ({}) and --overrun is stop; allow the loop real time (--rt), or set a lower --rate", main_cause(stats));
   }
   return reported;
 }
@@ -153,9 +160,9 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
     print_events();
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
     tell_service();
-    note_wishes(stop);
+    note_requests(stop);
     if (!servo_.take_snapshot()) continue;
-    if (const auto granted = grant_wishes(servo_.snapshot()); !granted && reported) reported = granted;
+    if (const auto granted = serve_requests(servo_.snapshot()); !granted && reported) reported = granted;
   }
   return reported;
 }
@@ -174,9 +181,9 @@ void IoSession::watch_scheduling(bool now) {
   usage->voluntary_switches += device->voluntary_switches;
   usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
-  servo_.spin().set_limit(watch_.look(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
+  servo_.spin().set_limit(watch_.update(*usage, servo_.spin().spun_ns(), clock_.now_ns()));
   if (!was_near && watch_.figures().near_throttling > 0) {
-    log_warning("{}the servo loop uses nearly all that the kernel allows real-time threads ({:.0f} % of a CPU); lower --rate", prefix_,
+    log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);
   }
 }
@@ -184,13 +191,14 @@ void IoSession::watch_scheduling(bool now) {
 void IoSession::look_after_watchdog() {
   if (watchdog_ == nullptr) return;
   if (watchdog_->look_after(clock_.now_ns())) {
-    log_warning("{}the watchdog process had ended or stood still; started again: see why, for without it a frozen io_node is on its own",
-                prefix_);
+    log_warning(
+        "{}the watchdog process had ended or hung, and was restarted; find out why: without it nothing releases the force of a frozen "
+        "io_node",
+        prefix_);
   }
   const std::uint64_t told = std::exchange(cuts_told_, watchdog_->cuts());
   if (cuts_told_ != told) {
-    log_warning("{}the watchdog process took the force away: this program stood still or held a force too long; see hapton doctor",
-                prefix_);
+    log_warning("{}the watchdog process released the force: this program hung or held a force too long; see hapton doctor", prefix_);
   }
 }
 
@@ -203,27 +211,27 @@ void IoSession::tell_service() {
   if (service_.watchdog_ns() > 0 && lives) service_.send("WATCHDOG=1");
 }
 
-void IoSession::note_wishes(const StopSignal& stop) {
-  const bool asked_by_tool = servo_.take_report_wish();
-  const bool asked_by_reader = desk_ != nullptr && desk_->take_wish();
+void IoSession::note_requests(const StopSignal& stop) {
+  const bool asked_by_tool = servo_.take_report_request();
+  const bool asked_by_reader = report_server_ != nullptr && report_server_->take_request();
   const bool metrics_due = metrics_ != nullptr && clock_.now_ns() >= next_metrics_ns_;
   const std::uint32_t asked_before = std::exchange(reports_asked_, stop.report_requests());
   const bool asked_by_signal = reports_asked_ != asked_before;
   if (!asked_by_tool && !asked_by_reader && !metrics_due && !asked_by_signal) return;
-  file_wished_ = file_wished_ || asked_by_tool || asked_by_signal;
-  desk_wished_ = desk_wished_ || asked_by_reader;
-  metrics_wished_ = metrics_wished_ || metrics_due;
+  file_requested_ = file_requested_ || asked_by_tool || asked_by_signal;
+  server_wants_report_ = server_wants_report_ || asked_by_reader;
+  metrics_requested_ = metrics_requested_ || metrics_due;
   if (metrics_due) next_metrics_ns_ = clock_.now_ns() + kMetricsEveryNs;
-  servo_.ask_for_snapshot();
+  servo_.request_snapshot();
 }
 
-Result<void> IoSession::grant_wishes(const ServoStats& stats) {
-  const bool writes_file = std::exchange(file_wished_, false);
-  const bool fills_desk = std::exchange(desk_wished_, false);
-  const bool fills_metrics = std::exchange(metrics_wished_, false);
+Result<void> IoSession::serve_requests(const ServoStats& stats) {
+  const bool writes_file = std::exchange(file_requested_, false);
+  const bool fills_desk = std::exchange(server_wants_report_, false);
+  const bool fills_metrics = std::exchange(metrics_requested_, false);
   if (fills_desk || fills_metrics) {
     const LatencyReport report = make_io_report(stats, options_, realtime_, watch_.figures());
-    if (fills_desk) desk_->publish(to_json(report), to_csv(report));
+    if (fills_desk) report_server_->publish(to_json(report), to_csv(report));
     if (fills_metrics) metrics_->set_text(to_prometheus(report));
   }
   if (!writes_file) return {};
@@ -245,7 +253,7 @@ void IoSession::keep_latch(const ServoEvent& event) {
   if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
   if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;
   if (const auto kept = latch_file_->keep(event.fault); !kept) {
-    log_warning("{}a restart of this program would reset the fault: {}", prefix_, kept.error().what);
+    log_warning("{}the latched fault could not be saved, so a restart would reset it: {}", prefix_, kept.error().what);
   }
 }
 

@@ -9,8 +9,8 @@
 #include "io_node/io_options.h"
 #include "io_node/latch_file.h"
 #include "io_node/release_watch.h"
-#include "io_node/report_desk.h"
-#include "io_node/scheduling_watch.h"
+#include "io_node/report_server.h"
+#include "io_node/scheduling_monitor.h"
 #include "io_node/servo.h"
 #include "link/metrics_endpoint.h"
 #include "runtime/service_notify.h"
@@ -19,23 +19,22 @@
 
 namespace hapton {
 
-// Runs a servo in a thread of its own that keeps time, and does meanwhile what may take long: prints who joins and leaves, writes
-// reports, watches for the end.
-// RT: no; the servo's thread is. Threads: call from one.
+// Runs a servo in a real-time thread, and does everything without deadlines meanwhile: prints who joins and leaves, writes reports, checks
+// for the end. RT: no; the servo's thread is. Threads: call from one.
 class IoSession {
  public:
   // Pre: all outlive the session.
   IoSession(Servo& servo, const Clock& clock, const IoOptions& options);
 
-  // Set up before run: hands out the report to tools; serves it as metrics. Pre: they outlive the session.
-  void set_report_desk(ReportDesk* desk) noexcept { desk_ = desk; }
+  // Set up before run: serves the report to tools, and as metrics. Pre: they outlive the session.
+  void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
   // ... and looks after the watchdog process.
   void set_watchdog(WatchdogProcess* watchdog) noexcept { watchdog_ = watchdog; }
   // ... and where a latched fault is kept for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
-  // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and refused, the device
+  // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and rejected, the device
   // failed, or a report could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -45,8 +44,8 @@ class IoSession {
   void servo_thread();
   bool is_over(const StopSignal& stop) const;
   Result<void> look_after(const StopSignal& stop);
-  void note_wishes(const StopSignal& stop);
-  Result<void> grant_wishes(const ServoStats& stats);
+  void note_requests(const StopSignal& stop);
+  Result<void> serve_requests(const ServoStats& stats);
   void print_events();
   void keep_latch(const ServoEvent& event);
   std::string described(const ServoStats& stats) const;
@@ -59,7 +58,7 @@ class IoSession {
   const Clock& clock_;
   const IoOptions& options_;
   const std::string prefix_;  // of every line for people
-  ReportDesk* desk_ = nullptr;
+  ReportServer* report_server_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
   WatchdogProcess* watchdog_ = nullptr;
   const LatchFile* latch_file_ = nullptr;
@@ -67,9 +66,9 @@ class IoSession {
   std::int64_t next_sign_ns_ = 0;
   std::uint64_t cuts_told_ = 0;
   // What the next copy of the figures is for.
-  bool file_wished_ = false;
-  bool desk_wished_ = false;
-  bool metrics_wished_ = false;
+  bool file_requested_ = false;
+  bool server_wants_report_ = false;
+  bool metrics_requested_ = false;
   std::uint32_t reports_asked_ = 0;  // by signal, so far
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;
@@ -82,7 +81,7 @@ class IoSession {
   pid_t servo_thread_ = 0;
   DeviceThread device_;
   ReleaseWatch release_watch_;
-  SchedulingWatch watch_;
+  SchedulingMonitor watch_;
   std::int64_t next_watch_ns_ = 0;
 };
 

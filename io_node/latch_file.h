@@ -8,9 +8,9 @@
 
 namespace hapton {
 
-// The latched fault of a device, kept in a file while it is there: a program that ends and is started again, by a person or by systemd, has
-// reset nothing. The file is gone with the reset, and with the machine's next start at the latest; what is not understood in it is no
-// fault, so that no file can keep a person from the force for good. RT: no. Threads: one.
+// Keeps the latched fault of a device in a file, so that a restart of the program, by a person or by systemd, does not reset it. The reset
+// removes the file, and so does the machine's next boot. Unknown content counts as no fault, so that no file can disable the force for
+// good. RT: no. Threads: one.
 class LatchFile {
  public:
   // An empty path keeps nothing.

@@ -12,7 +12,7 @@ void ReleaseWatch::start(bool is_realtime) {
     ::pthread_setname_np(::pthread_self(), "hapton-release");
     if (is_realtime) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     SteadyClock clock;
-    while (!ends_.load(std::memory_order_acquire)) clock.sleep_until_ns(look());
+    while (!ends_.load(std::memory_order_acquire)) clock.sleep_until_ns(check());
   });
 }
 
@@ -22,7 +22,7 @@ void ReleaseWatch::stop() {
 }
 
 // Forces that come later answer later samples: the one that is out is the first to be too old.
-std::int64_t ReleaseWatch::look() noexcept {
+std::int64_t ReleaseWatch::check() noexcept {
   (void)loop_.cut_if_older(kLimitNs);
   const std::int64_t now_ns = clock_.now_ns();
   const std::int64_t sample_ns = loop_.force_sample_ns();

@@ -11,15 +11,15 @@ namespace hapton {
 // The second barrier within io_node: a thread that cuts the device when its force gets older than the device loop lets it. It sleeps until
 // the force that is out would be too old, so it costs fifty wake-ups a second. Other than the device loop's it is no SCHED_FIFO thread:
 // those of one CPU are all throttled together, and displaced together by one that has run wild (docs/realtime.md). It asks for
-// SCHED_DEADLINE, which comes before them and is not throttled; where that is refused it stays an ordinary thread, which runs when they are
-// throttled. RT: no. Threads: one; device_loop.h says why its own may cut.
+// SCHED_DEADLINE, which comes before them and is not throttled; where that is rejected it stays an ordinary thread, which runs when they
+// are throttled. RT: no. Threads: one; device_loop.h says why its own may cut.
 class ReleaseWatch {
  public:
-  // Half a cycle of 1 kHz later than the loop itself lets go.
-  static constexpr std::int64_t kLimitNs = kSilenceLimitNs + 500'000;
-  // While no force is out: a force that comes may have been long on its way.
+  // Half a cycle of 1 kHz later than the loop itself releases the force.
+  static constexpr std::int64_t kLimitNs = kCommandTimeoutNs + 500'000;
+  // While there is no force: the next one may already be old when it arrives.
   static constexpr std::int64_t kIdleNs = 5 * kNanosecondsPerMillisecond;
-  // Of SCHED_DEADLINE: a look takes 2 us, a cut within a library more.
+  // For SCHED_DEADLINE: a check takes 2 us, a cut within a library more.
   static constexpr std::int64_t kRuntimeNs = 50'000;
   static constexpr std::int64_t kPeriodNs = 500'000;
 
@@ -29,12 +29,12 @@ class ReleaseWatch {
   ReleaseWatch(const ReleaseWatch&) = delete;
   ReleaseWatch& operator=(const ReleaseWatch&) = delete;
 
-  // is_realtime: asks for SCHED_DEADLINE.
+  // is_realtime: requests SCHED_DEADLINE.
   void start(bool is_realtime);
   void stop();
 
-  // One look, and when to look again.
-  std::int64_t look() noexcept;
+  // One check. Returns the time of the next one.
+  std::int64_t check() noexcept;
 
  private:
   DeviceLoop& loop_;

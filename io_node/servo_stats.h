@@ -4,9 +4,11 @@
 #include <cstdint>
 
 #include "devices/device.h"
+#include "io_node/device_loop.h"
 #include "io_node/echo_probe.h"
-#include "io_node/sample_ledger.h"
-#include "io_node/way_meter.h"
+#include "io_node/hop_meter.h"
+#include "io_node/response_tracker.h"
+#include "io_node/scene_reach.h"
 #include "link/hub_peers.h"
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
@@ -15,7 +17,7 @@
 namespace hapton {
 
 // A node that is there.
-struct PeerFigures {
+struct PeerStats {
   bool present = false;
   NodeRole role = NodeRole::tool;
   Address address;
@@ -48,7 +50,7 @@ struct ServoStats {
   std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
-  std::uint64_t probe_states_spared = 0;  // nothing had changed
+  std::uint64_t probe_states_unchanged = 0;  // nothing had changed
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
@@ -57,22 +59,31 @@ struct ServoStats {
   double max_force_n = 0.0;             // written to the device
   std::int64_t longest_release_ns = 0;  // sample of the last force accepted -> zero on the device, of all silences
   std::uint64_t cuts = 0;               // times the device side cut the device, as the network side was stuck in the middle of a write
-  std::uint64_t cycles_untold = 0;      // of the device side that the network side was too far behind to be told of
+  std::uint64_t cycles_unreported = 0;  // of the device side that the network side was too far behind to be told of
 
-  SampleLedger::Counts ledger;
-  GovernorFigures governor;
+  ResponseTracker::Counts responses;
+  GovernorStats governor;
   HubCounts hub;
   SealCounts seal;
   SocketCounts socket;
   std::uint64_t budget_spent = 0;  // times the budget of datagrams was spent before the cycle was over
   EchoProbe::Counts echo;
   std::uint64_t events_dropped = 0;
-  WayStats ways;
-  std::array<PeerFigures, HubPeers::kCapacity> peers = {};
+  HopStats hops;
+  std::array<PeerStats, HubPeers::kCapacity> peers = {};
   DeviceStatus device_status = DeviceStatus::ready;
+  ProbeStatus status = ProbeStatus::ok;  // as the picture says it
+  SceneReach reach = SceneReach::unknown;
+  HapticsSetup setup;  // told last; its hash is 0 when none was
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }
 };
+
+// The device side's part of it.
+// RT: yes.
+void add_device_stats(const DeviceLoopStats& device, ServoStats& stats) noexcept;
+// The hub's part: its counters and who is there. RT: yes.
+void add_peer_stats(const HubPeers& peers, ServoStats& stats) noexcept;
 
 }  // namespace hapton

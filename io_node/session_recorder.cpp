@@ -120,7 +120,7 @@ Result<void> SessionRecorder::stop() {
   ends_.store(true, std::memory_order_release);
   thread_.join();
   if (file_ && std::fclose(file_.release()) != 0 && written_) {
-    written_ = fail("{}: the recording could not be written to its end: {}", options_.record.string(), std::strerror(errno));
+    written_ = fail("{}: the recording is incomplete: {}", options_.record.string(), std::strerror(errno));
   }
   return written_;
 }
@@ -173,8 +173,8 @@ void SessionRecorder::write_entries(bool all) {
   counts_.file_bytes += good ? unwritten_.size() : 0;
   unwritten_.clear();
   if (good) return;
-  written_ = fail("{}: the recording breaks off: {}", options_.record.string(), std::strerror(errno));
-  log_error("{}; the session goes on", written_.error().what);
+  written_ = fail("{}: recording stopped: {}", options_.record.string(), std::strerror(errno));
+  log_error("{}; the session continues", written_.error().what);
   file_.reset();
 }
 

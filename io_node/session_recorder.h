@@ -20,10 +20,10 @@
 
 namespace hapton {
 
-// Writes down all that a servo does, at full rate, in a thread of its own: into one file for the whole session, and, after a fault, the
-// last two seconds into a file of their own that is named after it. The servo only copies into a ring; what finds no room there is counted,
-// in the file too. Flight records are few: one of a kind in kFlightEveryNs, kMostFlights a session; a folder keeps the newest kMostKept.
-// RT: the four on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
+// Records all that a servo does, at full rate, in a thread of its own: the whole session in one file and, after a fault, the last two
+// seconds in a flight record named after the fault. The servo only copies into a ring; entries that do not fit are counted, also in the
+// file. Flight records are limited: one of a kind in kFlightEveryNs, kMostFlights in a session; a folder keeps the newest kMostKept. RT:
+// the four on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
 class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;

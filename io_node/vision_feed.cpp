@@ -12,33 +12,34 @@ void VisionFeed::on_drawn(const Header& header, const Drawn& drawn, std::size_t 
   if (drawn.unchanged) return;
   ++stats_.drawn;
   stats_.device_to_drawn.record(age_ns);
-  if (ways_ != nullptr) ways_->on_drawn(header, drawn, peer);
+  if (hops_ != nullptr) hops_->on_drawn(header, drawn, peer);
   stats_.frame_rate_hz = static_cast<double>(drawn.frame_rate_hz);
 }
 
-void VisionFeed::tell(const ProbeMemory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
-                      std::int64_t now_ns) noexcept {
+void VisionFeed::send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
+                      ProbeStatus status, std::int64_t now_ns) noexcept {
   memory.show(side.is_silent, probe_);
   probe_.buttons = cycle.sample.buttons;
   probe_.force_n = side.written.force_n;
   probe_.view_revision = view_revision;
+  probe_.status = status;
   std::size_t reached = 0;
   for (std::size_t place = 0; place < HubPeers::kCapacity; ++place) {
     const Peer& peer = peers_.peer(place);
     if (!peer.present || peer.role != NodeRole::vision) continue;
-    const VisionPace::Verdict verdict = pace_.judge(place, probe_, now_ns);
-    stats_.probe_states_spared += verdict == VisionPace::Verdict::spare ? 1 : 0;
-    if (verdict == VisionPace::Verdict::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
+    const VisionPace::Decision verdict = pace_.decide(place, probe_, now_ns);
+    stats_.probe_states_unchanged += verdict == VisionPace::Decision::skip ? 1 : 0;
+    if (verdict == VisionPace::Decision::send) reached += peers_.send_to(place, probe_) ? 1 : 0;
   }
   stats_.probe_states_sent += reached;
-  if (ways_ != nullptr && reached > 0) ways_->on_probe_sent(probe_.sample);
+  if (hops_ != nullptr && reached > 0) hops_->on_probe_sent(probe_.sample);
 }
 
-void VisionFeed::refresh_figures(std::uint64_t newest_sample, std::int64_t now_ns) noexcept {
-  const double passed_s = 1e-9 * static_cast<double>(now_ns - figures_since_ns_);
-  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(newest_sample - figures_samples_) / passed_s);
-  figures_since_ns_ = now_ns;
-  figures_samples_ = newest_sample;
+void VisionFeed::refresh_statistics(std::uint64_t newest_sample, std::int64_t now_ns) noexcept {
+  const double passed_s = 1e-9 * static_cast<double>(now_ns - statistics_since_ns_);
+  if (passed_s > 0.0) probe_.servo_rate_hz = static_cast<float>(static_cast<double>(newest_sample - statistics_samples_) / passed_s);
+  statistics_since_ns_ = now_ns;
+  statistics_samples_ = newest_sample;
   probe_.round_trip_p50_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.5));
   probe_.round_trip_p99_us = static_cast<float>(1e-3 * stats_.round_trip.quantile_ns(0.99));
 }

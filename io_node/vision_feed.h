@@ -4,43 +4,42 @@
 #include <cstdint>
 
 #include "io_node/device_loop.h"
-#include "io_node/probe_memory.h"
+#include "io_node/hop_meter.h"
+#include "io_node/probe_history.h"
 #include "io_node/servo_stats.h"
 #include "io_node/vision_pace.h"
-#include "io_node/way_meter.h"
 #include "link/hub_peers.h"
 #include "link/messages.h"
 
 namespace hapton {
 
-// What the vision nodes are told: the probe, each at its own pace, and what they say of their pictures. What it measures goes into the
-// servo's stats.
-// Units: ns of the hub's clock. RT: yes. Threads: one.
+// Sends the probe to the vision nodes, each at its own pace, and evaluates their frame acknowledgements. What it measures goes into the
+// servo's stats. Units: ns of the hub's clock. RT: yes. Threads: one.
 class VisionFeed {
  public:
   // Pre: peers and stats outlive this. rate_hz: states a second to each node, at most; 0: none.
   VisionFeed(HubPeers& peers, ServoStats& stats, double rate_hz) noexcept : peers_(peers), stats_(stats), pace_(rate_hz) {}
 
-  void set_way_meter(WayMeter* ways) noexcept { ways_ = ways; }
-  void start(std::int64_t now_ns) noexcept { figures_since_ns_ = now_ns; }
+  void set_hop_meter(HopMeter* hops) noexcept { hops_ = hops; }
+  void start(std::int64_t now_ns) noexcept { statistics_since_ns_ = now_ns; }
 
   void on_joined(std::size_t peer) noexcept { pace_.on_joined(peer); }
-  // newest_sample: of this session. A word about a state that was never sent is passed over.
+  // newest_sample: of this session. An acknowledgement of a state that was never sent is ignored.
   void on_drawn(const Header& header, const Drawn& drawn, std::size_t peer, std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
-  // Once a cycle: those whose turn it is.
-  void tell(const ProbeMemory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
+  // Once a cycle: to the nodes that are due.
+  void send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision, ProbeStatus status,
             std::int64_t now_ns) noexcept;
-  // Now and then: the rate and the round trip that people read in the picture.
-  void refresh_figures(std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
+  // Periodically: the rate and the round trip that the frame shows.
+  void refresh_statistics(std::uint64_t newest_sample, std::int64_t now_ns) noexcept;
 
  private:
   HubPeers& peers_;
   ServoStats& stats_;
-  WayMeter* ways_ = nullptr;
+  HopMeter* hops_ = nullptr;
   VisionPace pace_;
   ProbeState probe_;
-  std::int64_t figures_since_ns_ = 0;
-  std::uint64_t figures_samples_ = 0;
+  std::int64_t statistics_since_ns_ = 0;
+  std::uint64_t statistics_samples_ = 0;
 };
 
 }  // namespace hapton

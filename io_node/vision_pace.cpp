@@ -10,7 +10,8 @@ namespace {
 bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
   return a.p_WD == b.p_WD && a.q_WT.coeffs() == b.q_WT.coeffs() && a.visual_offset_m == b.visual_offset_m && a.force_n == b.force_n &&
          a.contact == b.contact && a.buttons == b.buttons && a.servo_rate_hz == b.servo_rate_hz &&
-         a.round_trip_p50_us == b.round_trip_p50_us && a.round_trip_p99_us == b.round_trip_p99_us && a.view_revision == b.view_revision;
+         a.round_trip_p50_us == b.round_trip_p50_us && a.round_trip_p99_us == b.round_trip_p99_us && a.view_revision == b.view_revision &&
+         a.status == b.status;
 }
 
 }  // namespace
@@ -25,16 +26,16 @@ void VisionPace::on_drawn(std::size_t peer, const Drawn& drawn, std::int64_t now
   place.next_ns = std::max(place.next_ns, now_ns + std::max(rest_ns, drawn.unchanged ? kUnseenNs : 0));
 }
 
-VisionPace::Verdict VisionPace::judge(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept {
+VisionPace::Decision VisionPace::decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
   const bool repeats = now_ns >= place.repeat_ns;
-  if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats)) return Verdict::wait;
+  if (period_ns_ == 0 || now_ns < place.next_ns || (place.is_waiting && !repeats)) return Decision::wait;
   place.next_ns = std::max(place.next_ns + period_ns_, now_ns);
-  if (!repeats && looks_same(probe, place.told)) return Verdict::spare;
+  if (!repeats && looks_same(probe, place.told)) return Decision::skip;
   place.told = probe;
   place.repeat_ns = now_ns + kRepeatNs;
   place.is_waiting = true;
-  return Verdict::send;
+  return Decision::send;
 }
 
 }  // namespace hapton

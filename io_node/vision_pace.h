@@ -9,17 +9,16 @@
 
 namespace hapton {
 
-// When each vision node is due a state of the probe. It gets no more than it draws: the next one goes out when it has said Drawn for the
-// last and is about to draw again, and then only if anything has changed. What is lost on the way is sent again after kRepeatNs, and so is
-// what has not changed.
-// RT: yes.
+// Paces the probe states to each vision node, so that it gets no more than it draws: the next one is sent when the node has acknowledged
+// the last with Drawn and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
+// kRepeatNs. RT: yes.
 class VisionPace {
  public:
   static constexpr std::int64_t kRepeatNs = 100 * kNanosecondsPerMillisecond;
-  // After a state that gave the same picture: as long as a frame of an ordinary screen.
+  // After a state that gave the same frame: one frame of a 60 Hz display.
   static constexpr std::int64_t kUnseenNs = 16 * kNanosecondsPerMillisecond;
 
-  enum class Verdict : std::uint8_t { wait, spare, send };
+  enum class Decision : std::uint8_t { wait, skip, send };
 
   // rate_hz: states a second to each node, at most; 0: none.
   explicit VisionPace(double rate_hz) noexcept;
@@ -27,8 +26,8 @@ class VisionPace {
   void on_joined(std::size_t peer) noexcept { places_[peer] = {}; }
   void on_drawn(std::size_t peer, const Drawn& drawn, std::int64_t now_ns) noexcept;
 
-  // Pre: the peer is a vision node. spare: it is its turn, and it knows this state already. send: the caller sends it now.
-  Verdict judge(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept;
+  // Pre: the peer is a vision node. skip: a state is due, and unchanged. send: the caller sends it now.
+  Decision decide(std::size_t peer, const ProbeState& probe, std::int64_t now_ns) noexcept;
 
  private:
   struct Place {

@@ -29,7 +29,7 @@ bool is_wildcard(const Address& address) noexcept;
 std::string_view any_address_like(const Address& peer) noexcept;
 
 // "host:port", "host", "1.2.3.4:port", "[2001:db8::1]:port" or a bare IPv6 address; without a port default_port is meant.
-// Host names are resolved, IPv4 first. A number alone could be a port or an address: it is refused. RT: no.
+// Host names are resolved, IPv4 first. A number alone could be a port or an address: it is rejected. RT: no.
 // Error: one line that names the text and what is wrong with it.
 Result<Address> parse_address(std::string_view text, std::uint16_t default_port = kDefaultHubPort);
 

@@ -15,7 +15,7 @@ Result<std::unique_ptr<Owner>> make_with_context(Arguments&&... arguments) {
   try {
     return std::make_unique<Owner>(std::forward<Arguments>(arguments)...);
   } catch (const boost::system::system_error& error) {
-    return fail("the system gives no file descriptor for the network ({}); allow more with: ulimit -n 1024", error.code().message());
+    return fail("no file descriptor left for the network ({}); allow more with: ulimit -n 1024", error.code().message());
   }
 }
 

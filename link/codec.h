@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "core/math/rigid_pose.h"
 #include "link/messages.h"
 
 namespace hapton {
@@ -14,7 +15,7 @@ namespace hapton {
 constexpr std::uint32_t kProtocolVersion = 3;
 
 // Lengths (m) and forces (N) beyond this are not believed: their squares and products stay finite.
-constexpr double kMaxWireMagnitude = 1e9;
+constexpr double kMaxWireMagnitude = kMaxTranslationM;
 
 enum class DecodeStatus : std::uint8_t {
   ok,
@@ -22,6 +23,7 @@ enum class DecodeStatus : std::uint8_t {
   wrong_version,    // of another protocol version
   unknown_message,  // well formed, of this version, of a kind this build does not know
   bad_value,        // not finite, out of range, a vector of the wrong length, no rotation, two messages in one
+  not_rigid,        // a ViewTransform, complete but for its pose (core/math/rigid_pose.h)
 };
 
 std::string_view to_string(DecodeStatus status) noexcept;
@@ -38,7 +40,8 @@ class Codec {
   // Writes the datagram into `into` and returns its bytes; 0 when they do not fit. Values are not judged here: decode does.
   std::size_t encode(const Datagram& datagram, std::span<std::byte> into) noexcept;
 
-  // Reads one datagram. Post: unless ok, `datagram` is unchanged.
+  // Reads one datagram. Post: unless ok, `datagram` is unchanged; but with not_rigid it holds the header and a ViewTransform of the
+  // received revision and the identity pose, so that the receiver can report the rejection to the sender.
   DecodeStatus decode(std::span<const std::byte> bytes, Datagram& datagram) noexcept;
 
  private:

@@ -8,7 +8,7 @@
 
 #include "link/address.h"
 #include "link/key_role.h"
-#include "link/refusal_watch.h"
+#include "link/rejection_monitor.h"
 #include "link/seal_counts.h"
 
 namespace hapton {
@@ -17,19 +17,19 @@ namespace hapton {
 constexpr std::size_t kMaxDatagramBytes = 1200;
 
 struct Received {
-  std::size_t bytes = 0;  // 0: nothing came before the deadline
+  std::size_t bytes = 0;  // 0: nothing arrived before the deadline
   Address from;
   KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
 };
 
-// What a socket met besides datagrams for its owner.
+// What a socket received besides datagrams for its owner.
 struct SocketCounts {
-  std::uint64_t oversized = 0;  // longer than kMaxDatagramBytes, or empty
-  std::uint64_t strangers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
-  std::uint64_t dropped = 0;    // by the kernel: kept out during a flood, or no room
-  std::uint64_t kept_out = 0;   // of these, those during a flood
-  std::uint64_t floods = 0;     // that began
-  double flood_per_s = 0.0;     // datagrams a second, of the newest flood
+  std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
+  std::uint64_t unknown_peers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
+  std::uint64_t dropped = 0;        // by the kernel: kept out during a flood, or no room
+  std::uint64_t kept_out = 0;       // of these, those during a flood
+  std::uint64_t floods = 0;         // that began
+  double flood_per_s = 0.0;         // datagrams a second, of the newest flood
   Address last_stranger;
   Address last_oversized;
 };
@@ -40,31 +40,31 @@ class Endpoint {
  public:
   virtual ~Endpoint() = default;
 
-  // Sends one datagram; false when the system refused it (counted by the caller, never fatal).
+  // Sends one datagram; false when the system rejected it (counted by the caller, never fatal).
   virtual bool send(const Address& to, std::span<const std::byte> datagram) noexcept = 0;
 
   // Waits until a datagram is there or clock time deadline_ns (CLOCK_MONOTONIC) has come; a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
   // Optional: sets a timer for later receives with exactly this deadline, so that they need not; the newest two of these are kept. Where
-  // setting a timer is dear (a virtual machine: 5 us), a loop calls this before it takes the time that it measures.
+  // setting a timer is slow (a virtual machine: 5 us), a loop calls this before it takes the time that it measures.
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 
   virtual Address local_address() const = 0;
 
-  // Optional, set-up only: from now on only what comes from there is received; all else is dropped where it costs least. False: this one
-  // does not do that.
+  // Optional, set-up only: from now on only datagrams from there are received; all others are dropped as early as possible. False: not
+  // supported.
   virtual bool accept_only(const Address& /*peer*/) noexcept { return false; }
 
-  // Optional: data of this session (its connection number) is awaited from there, and is no stranger's. RT: yes.
+  // Optional: data of this session (its connection number) is expected from there, and does not count as unknown. RT: yes.
   virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
 
-  // What a sealed endpoint has passed and refused; all zero for others.
+  // What a sealed endpoint has passed and rejected; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
-  // What a socket has met; all zero for others.
+  // What a socket has received; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
 
-  // What is refused so often that a person should know of it, once a second at most; none for endpoints that are not sealed.
+  // A flood that a person should know about, once a second at most; none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 

@@ -75,7 +75,7 @@ void FloodFilter::note_received(const Address& from, std::span<const std::byte> 
   if (!is_oversized && is_kind(datagram, seal::Kind::data) && is_known(from, session_of(datagram))) return;
   if (is_oversized) counts_.last_oversized = from;
   ++strangers_;
-  ++counts_.strangers;
+  ++counts_.unknown_peers;
   counts_.last_stranger = from;
 }
 

@@ -12,11 +12,11 @@
 
 namespace hapton {
 
-// When a hub's socket is flooded by unknown peers, and which program in the kernel then keeps them out before they cost this process a
+// Detects a flood from unknown peers at the hub's socket, and makes the kernel program that drops them before they cost this process a
 // system call each. Known are the addresses that a session was agreed on with, or that were sent data, within kKnownNs, and that session;
 // data from them in that session passes, all else passes at random, so rarely that about kPassedPerS get through: nodes still join,
-// and what is refused is still seen and counted, as a sample. Without a flood nothing is filtered. The filter looks at source, version,
-// kind, session and length; whether a datagram is authentic is the sealing's to say. Units: ns of the caller's clock, datagrams. RT: yes,
+// and what is rejected is still seen and counted, as a sample. Without a flood nothing is filtered. The filter looks at source, version,
+// kind, session and length; authentication is left to sealing. Units: ns of the caller's clock, datagrams. RT: yes,
 // no heap; installing the program is the caller's. Threads: one.
 class FloodFilter {
  public:

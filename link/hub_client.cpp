@@ -22,7 +22,7 @@ HubClient::~HubClient() {
 }
 
 JoinState HubClient::state() const noexcept {
-  const bool silent = state_ != JoinState::joining && clock_.now_ns() - last_heard_ns_ > kHubSilenceNs;
+  const bool silent = state_ != JoinState::joining && clock_.now_ns() - last_heard_ns_ > kHubTimeoutNs;
   return silent ? JoinState::joining : state_;
 }
 
@@ -125,7 +125,7 @@ void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std
   last_heard_ns_ = now_ns;
   servo_rate_hz_ = welcome.servo_rate_hz;
   if (!welcome.accepted) {
-    state_ = JoinState::refused;
+    state_ = JoinState::rejected;
     return;
   }
   tracker_.track(header.sender, header.sequence, !was_joined);

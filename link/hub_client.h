@@ -12,29 +12,29 @@
 namespace hapton {
 
 enum class JoinState : std::uint8_t {
-  joining,  // no hub has answered, or it has been silent for kHubSilenceNs
-  refused,  // the hub answered, but another live haptics node holds the place; asking goes on
+  joining,   // no hub has replied yet, or it timed out (kHubTimeoutNs)
+  rejected,  // the hub replied, but another live haptics node holds the slot; requests continue
   joined,
 };
 
 struct ClientCounts {
   std::uint64_t sent = 0;
-  std::uint64_t send_failures = 0;  // the system refused, or we have not joined
+  std::uint64_t send_failures = 0;  // the system rejected, or we have not joined
   std::uint64_t received = 0;       // messages handed to the caller
   std::uint64_t undecodable = 0;    // see Codec
   std::uint64_t wrong_version = 0;  // of these, those of another protocol version: the hub is another build
   std::uint64_t foreign = 0;        // not from the hub's address
-  std::uint64_t other_session = 0;  // from an earlier life of the hub, or before we joined
-  std::uint64_t joins = 0;          // 2 or more: the hub came back, or we were refused for a while
+  std::uint64_t other_session = 0;  // from an earlier session of the hub, or before this node joined
+  std::uint64_t joins = 0;          // 2 or more: the hub was restarted, or this node was rejected for a while
 };
 
-// What a node (haptics, vision, tool) uses to speak with the hub. It joins by itself, says Hello every 100 ms for ever, joins again when
-// the hub restarts, and says Bye when it goes. All of this happens within send and receive: call one of them at least every 100 ms. RT:
-// send and receive yes; construction and destruction set-up only. Threads: one.
+// A node's connection to the hub (haptics, vision, tool). It joins by itself, sends Hello every 100 ms, joins again when the hub restarts,
+// and sends Bye at the end. All of this happens within send and receive: call one of them at least every 100 ms. RT: send and receive yes;
+// construction and destruction set-up only. Threads: one.
 class HubClient {
  public:
   static constexpr std::int64_t kHelloPeriodNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kHubSilenceNs = 500 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kHubTimeoutNs = 500 * kNanosecondsPerMillisecond;
 
   // Pre: endpoint and clock outlive the client. sender_id 0: a random one.
   HubClient(Endpoint& endpoint, const Clock& clock, NodeRole role, const Address& hub, std::uint64_t sender_id = 0);
@@ -42,21 +42,20 @@ class HubClient {
   HubClient(const HubClient&) = delete;
   HubClient& operator=(const HubClient&) = delete;
 
-  // Sends to the hub; false (and counted) while not joined or when the system refuses.
+  // Sends to the hub; false (and counted) while not joined or when the system rejects.
   bool send(const Message& message) noexcept;
 
   // Waits until a message from the hub is there or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are
   // dealt with here. A deadline in the past only takes what has already come: call again until false to drain to the newest.
-  // Duplicates are dropped; overtaken messages are handed out, and last_arrival() says reordered, so that the caller can let the
-  // newest win.
+  // Duplicates are dropped; reordered messages are returned, and last_arrival() reports that, so that the caller can keep the newest.
   bool receive(Datagram& out, std::int64_t deadline_ns) noexcept;
 
-  // Of the message handed out last.
+  // Of the message returned last.
   std::int64_t receive_time_ns() const noexcept { return receive_time_ns_; }
   Arrival last_arrival() const noexcept { return last_arrival_; }
 
   JoinState state() const noexcept;
-  // The hub's last session ended with its Bye, not by its falling silent; false again when joined.
+  // The hub's last session ended with its Bye, not with a timeout; false again when joined.
   bool has_hub_left() const noexcept { return has_hub_left_; }
   // The hub's servo rate as of its last Welcome; 0 before the first.
   double servo_rate_hz() const noexcept { return servo_rate_hz_; }

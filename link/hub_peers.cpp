@@ -10,10 +10,11 @@ namespace {
 constexpr std::size_t kNowhere = HubPeers::kCapacity;
 
 bool may_send(NodeRole role, const Message& message) {
+  if (std::holds_alternative<SceneFacts>(message)) return role != NodeRole::tool;
   if (role == NodeRole::haptics) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message);
   }
-  if (role == NodeRole::tool) return std::holds_alternative<Settings>(message) || std::holds_alternative<ReportAsk>(message);
+  if (role == NodeRole::tool) return std::holds_alternative<Settings>(message) || std::holds_alternative<ReportRequest>(message);
   return std::holds_alternative<ViewTransform>(message) || std::holds_alternative<Drawn>(message) ||
          std::holds_alternative<HandTarget>(message);
 }
@@ -49,7 +50,7 @@ HubPeers::~HubPeers() {
 }
 
 PeerEvent HubPeers::receive(Datagram& datagram, std::int64_t deadline_ns) noexcept {
-  if (const PeerEvent silent = drop_silent(clock_.now_ns()); silent.kind != PeerEvent::Kind::none) {
+  if (const PeerEvent silent = drop_timed_out(clock_.now_ns()); silent.kind != PeerEvent::Kind::none) {
     return silent;
   }
   const Received received = endpoint_.receive(buffer_, deadline_ns);
@@ -67,12 +68,21 @@ PeerEvent HubPeers::handle_datagram(std::span<const std::byte> bytes, const Addr
   if (status != DecodeStatus::ok) {
     ++counts_.undecodable;
     counts_.wrong_version += status == DecodeStatus::wrong_version ? 1 : 0;
+    if (status == DecodeStatus::not_rigid) reject_view(datagram, from, now_ns, key_role);
     return {};
   }
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
     return welcome(datagram.header, hello->role, from, now_ns, key_role);
   }
   return accept_message(datagram, from, now_ns, key_role);
+}
+
+// Only a peer that may send views gets a reply.
+void HubPeers::reject_view(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {
+  const PeerEvent event = accept_message(datagram, from, now_ns, key_role);
+  if (event.kind != PeerEvent::Kind::message) return;
+  ++counts_.views_rejected;
+  send_to(event.peer, ViewRejected{std::get<ViewTransform>(datagram.message).revision});
 }
 
 PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept {
@@ -82,7 +92,7 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
   }
   const std::size_t place = find(datagram.header.sender);
   if (place == kNowhere || peers_[place].address != from) {
-    ++counts_.strangers;
+    ++counts_.unknown_peers;
     return {};
   }
   Peer& peer = peers_[place];
@@ -99,7 +109,7 @@ PeerEvent HubPeers::accept_message(const Datagram& datagram, const Address& from
     return leave(place, now_ns);
   }
   if (!may_send(peer.role, datagram.message)) {
-    ++counts_.misplaced;
+    ++counts_.wrong_role;
     return {};
   }
   return {.kind = PeerEvent::Kind::message, .role = peer.role, .peer = place, .arrival = arrival, .receive_time_ns = now_ns};
@@ -111,20 +121,20 @@ PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& 
     return {};
   }
   if (role == NodeRole::io || header.sender == 0) {
-    ++counts_.strangers;
+    ++counts_.unknown_peers;
     return {};
   }
   const std::size_t known = find(header.sender);
   if (known == kNowhere) {
     const std::size_t place = find_place(role, from, now_ns);
-    if (place == kNowhere) return refuse(from, role, now_ns);
+    if (place == kNowhere) return reject(from, role, now_ns);
     const PeerEvent joined = join(place, header, role, from, now_ns);
     peers_[place].key_role = key_role;
     return joined;
   }
   Peer& peer = peers_[known];
   if (peer.address != from || peer.role != role || peer.key_role != key_role) {
-    ++counts_.strangers;
+    ++counts_.unknown_peers;
     return {};
   }
   peer.tracker.track(header.sender, header.sequence);
@@ -133,10 +143,10 @@ PeerEvent HubPeers::welcome(const Header& header, NodeRole role, const Address& 
   return {};
 }
 
-PeerEvent HubPeers::refuse(const Address& to, NodeRole role, std::int64_t now_ns) noexcept {
-  ++counts_.refusals;
-  transmit(to, ++refusal_sequence_, Welcome{false, servo_rate_hz_}, now_ns);
-  return {.kind = PeerEvent::Kind::refused, .role = role, .peer = kNowhere, .receive_time_ns = now_ns};
+PeerEvent HubPeers::reject(const Address& to, NodeRole role, std::int64_t now_ns) noexcept {
+  ++counts_.rejections;
+  transmit(to, ++rejection_sequence_, Welcome{false, servo_rate_hz_}, now_ns);
+  return {.kind = PeerEvent::Kind::rejected, .role = role, .peer = kNowhere, .receive_time_ns = now_ns};
 }
 
 PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
@@ -163,9 +173,9 @@ PeerEvent HubPeers::leave(std::size_t place, std::int64_t now_ns) noexcept {
   return {.kind = PeerEvent::Kind::left, .role = peers_[place].role, .peer = place, .receive_time_ns = now_ns};
 }
 
-PeerEvent HubPeers::drop_silent(std::int64_t now_ns) noexcept {
+PeerEvent HubPeers::drop_timed_out(std::int64_t now_ns) noexcept {
   for (std::size_t place = 0; place < kCapacity; ++place) {
-    if (peers_[place].present && now_ns - peers_[place].last_heard_ns > kSilenceNs) {
+    if (peers_[place].present && now_ns - peers_[place].last_heard_ns > kPeerTimeoutNs) {
       ++counts_.timeouts;
       return leave(place, now_ns);
     }
@@ -180,13 +190,13 @@ std::size_t HubPeers::find(std::uint64_t sender) const noexcept {
 
 std::size_t HubPeers::find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept {
   if (role == NodeRole::haptics) {
-    const Peer& holder = peers_[kHapticsPlace];
+    const Peer& holder = peers_[kHapticsSlot];
     // Two living processes cannot share an address: one that comes from the holder's is its successor.
-    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_heard_ns > kHapticsSilenceNs;
-    return is_free ? kHapticsPlace : kNowhere;
+    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_heard_ns > kHapticsTimeoutNs;
+    return is_free ? kHapticsSlot : kNowhere;
   }
   std::size_t free_place = kNowhere;
-  for (std::size_t place = kHapticsPlace + 1; place < kCapacity; ++place) {
+  for (std::size_t place = kHapticsSlot + 1; place < kCapacity; ++place) {
     if (peers_[place].present && peers_[place].address == from) {
       return place;
     }

@@ -31,15 +31,15 @@ struct Peer {
 
 struct PeerEvent {
   enum class Kind : std::uint8_t {
-    none,     // nothing came, or what came was only counted (heartbeat, stranger, rubbish)
-    message,  // `datagram` holds a message of `peer`
-    joined,   // a new peer at place `peer`; `replaced` when it took the place of a silent or restarted one, for which no left came
-    left,     // the peer at place `peer` said Bye or fell silent; its record stays readable until someone joins there
-    refused,  // a second haptics node, or no place left
+    none,      // nothing arrived, or it was only counted (heartbeat, unknown peer, malformed)
+    message,   // `datagram` holds a message of `peer`
+    joined,    // a new peer in slot `peer`; `replaced`: it took the slot of a timed-out or restarted one, without a `left`
+    left,      // the peer in slot `peer` sent Bye or timed out; its record stays readable until another joins there
+    rejected,  // a second haptics node, or no free slot
   };
   Kind kind = Kind::none;
   NodeRole role = NodeRole::tool;
-  std::size_t peer = 0;  // place in the table
+  std::size_t peer = 0;  // slot in the table
   bool replaced = false;
   Arrival arrival = Arrival::newest;  // of a message: newest or reordered; duplicates are dropped here
   std::int64_t receive_time_ns = 0;
@@ -49,25 +49,26 @@ struct HubCounts {
   std::uint64_t received = 0;  // datagrams of any kind
   std::uint64_t undecodable = 0;
   std::uint64_t wrong_version = 0;    // of these, those of another protocol version
-  std::uint64_t other_session = 0;    // a message for another life of the hub
-  std::uint64_t strangers = 0;        // a message from someone who has not joined, or under another address than it joined with
-  std::uint64_t misplaced = 0;        // a message that this role does not send (a vision node's ForceCommand)
+  std::uint64_t views_rejected = 0;   // of these, a peer's ViewTransform that was not rigid: it got a ViewRejected
+  std::uint64_t other_session = 0;    // a message for an earlier session of the hub
+  std::uint64_t unknown_peers = 0;    // a message from a node that has not joined, or from another address than it joined from
+  std::uint64_t wrong_role = 0;       // a message that this role does not send (a vision node's ForceCommand)
   std::uint64_t role_violations = 0;  // a Hello for a role, or a datagram of a peer, that the key it was sealed with does not allow
-  std::uint64_t refusals = 0;
-  std::uint64_t timeouts = 0;  // peers that fell silent
+  std::uint64_t rejections = 0;
+  std::uint64_t timeouts = 0;  // peers that timed out
 };
 
 // The hub's side of the star: who has joined, and exchanging messages with them. Any number of vision and tool nodes up to the capacity,
-// and one haptics node: a second is refused while the first is alive, but its place is free after 50 ms of silence or a Bye.
-// A peer may do what the key of its session allows: join as the role of that key (an operator's as a tool), and send what that role sends.
-// One place is kept for the haptics node, and an address (host and port) holds one place at most, so that strangers cannot crowd it out.
-// RT: yes, but for construction. Threads: one.
+// and one haptics node: a second is rejected while the first is alive; the slot is free 50 ms after its last datagram, or after a Bye.
+// A peer is limited to what the key of its session allows: join as the role of that key (an operator's as a tool), and send what that role
+// sends. One slot is reserved for the haptics node, and an address (host and port) holds one slot at most, so that unknown peers cannot
+// exceed the capacity. RT: yes, but for construction. Threads: one.
 class HubPeers {
  public:
-  static constexpr std::size_t kCapacity = 16;  // place 0 is the haptics node's
-  static constexpr std::size_t kHapticsPlace = 0;
-  static constexpr std::int64_t kHapticsSilenceNs = 50 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
+  static constexpr std::size_t kCapacity = 16;  // slot 0 is the haptics node's
+  static constexpr std::size_t kHapticsSlot = 0;
+  static constexpr std::int64_t kHapticsTimeoutNs = 50 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kPeerTimeoutNs = 1000 * kNanosecondsPerMillisecond;
 
   // Pre: endpoint and clock outlive this. session: make_random_id().
   HubPeers(Endpoint& endpoint, const Clock& clock, std::uint64_t session, double servo_rate_hz);
@@ -82,18 +83,18 @@ class HubPeers {
   // See Endpoint::prepare_wait.
   void prepare_wait(std::int64_t deadline_ns) noexcept { endpoint_.prepare_wait(deadline_ns); }
 
-  // As receive, for bytes that came another way. Post: `datagram` is what they held, where they could be read.
+  // As receive, for bytes from elsewhere. Post: `datagram` holds the decoded message, if there is one.
   PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram,
                             KeyRole key_role = KeyRole::unsealed) noexcept;
 
-  // Drops one peer that has been silent too long; call until none. receive does it by itself.
-  PeerEvent drop_silent(std::int64_t now_ns) noexcept;
+  // Drops one peer that has timed out; call until none. receive does it by itself.
+  PeerEvent drop_timed_out(std::int64_t now_ns) noexcept;
 
   // Sends to every peer of this role; the number reached.
   std::size_t send_to_role(NodeRole role, const Message& message) noexcept;
   bool send_to(std::size_t peer, const Message& message) noexcept;
 
-  // Hears every datagram from now on; null: nobody does. Pre: outlives this.
+  // Gets a copy of every datagram from now on; null: none does. Pre: outlives this.
   void set_tap(DatagramTap* tap) noexcept { tap_ = tap; }
 
   // What Welcome tells from now on.
@@ -101,7 +102,7 @@ class HubPeers {
 
   const Peer& peer(std::size_t place) const noexcept { return peers_[place]; }
   std::size_t count(NodeRole role) const noexcept;
-  bool has_haptics() const noexcept { return peers_[kHapticsPlace].present; }
+  bool has_haptics() const noexcept { return peers_[kHapticsSlot].present; }
   std::uint64_t session() const noexcept { return session_; }
   const HubCounts& counts() const noexcept { return counts_; }
   // All zero where nothing is sealed.
@@ -111,9 +112,10 @@ class HubPeers {
 
  private:
   PeerEvent welcome(const Header& header, NodeRole role, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
-  PeerEvent refuse(const Address& to, NodeRole role, std::int64_t now_ns) noexcept;
+  PeerEvent reject(const Address& to, NodeRole role, std::int64_t now_ns) noexcept;
   PeerEvent join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept;
   PeerEvent leave(std::size_t place, std::int64_t now_ns) noexcept;
+  void reject_view(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   PeerEvent accept_message(const Datagram& datagram, const Address& from, std::int64_t now_ns, KeyRole key_role) noexcept;
   std::size_t find(std::uint64_t sender) const noexcept;
   std::size_t find_place(NodeRole role, const Address& from, std::int64_t now_ns) const noexcept;
@@ -129,7 +131,7 @@ class HubPeers {
   Datagram outgoing_;
   std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
   std::array<Peer, kCapacity> peers_ = {};
-  std::uint64_t refusal_sequence_ = 0;
+  std::uint64_t rejection_sequence_ = 0;
   HubCounts counts_;
 };
 

@@ -80,7 +80,7 @@ bool is_tag(const Tag& expected, const std::uint8_t* found) noexcept { return so
 void wipe(Secret& secret) noexcept { sodium_memzero(secret.data(), secret.size()); }
 
 Result<void> start_crypto() {
-  if (sodium_init() < 0) return fail("libsodium does not start: this system gives no random numbers (getrandom, /dev/urandom)");
+  if (sodium_init() < 0) return fail("libsodium does not start: this system provides no random numbers (getrandom, /dev/urandom)");
   if (crypto_aead_aes256gcm_is_available() == 0) {
     return fail(
         "this processor has no AES instructions (aes, pclmulqdq), with which datagrams are sealed; a virtual machine must pass them on");

@@ -72,9 +72,8 @@ Result<void> check_folders_above(const std::filesystem::path& path, const std::f
   for (std::filesystem::path folder = path.parent_path(); !folder.empty(); folder = folder.parent_path()) {
     struct stat found = {};
     if (stat(folder.c_str(), &found) == 0 && (found.st_mode & S_IWOTH) != 0 && (found.st_mode & S_ISVTX) == 0) {
-      return fail(
-          "{}: everyone may put another key in its place, as the folder {} is open to all (mode {:04o}); close it with: chmod o-w {}",
-          named.string(), folder.string(), found.st_mode & 07777, folder.string());
+      return fail("{}: anyone can replace the key, as the folder {} is writable by all (mode {:04o}); fix it with: chmod o-w {}",
+                  named.string(), folder.string(), found.st_mode & 07777, folder.string());
     }
     if (folder == folder.root_path()) break;
   }
@@ -104,14 +103,14 @@ Result<void> check_size(const std::filesystem::path& path, off_t bytes) {
 }
 
 Result<void> check(const std::filesystem::path& path, const struct stat& found) {
-  if (!S_ISREG(found.st_mode)) return fail("{}: is no regular file; make a key with: hapton keygen FILE", path.string());
+  if (!S_ISREG(found.st_mode)) return fail("{}: is not a regular file; make a key with: hapton keygen FILE", path.string());
   const bool is_credential = is_systemd_credential(found);
   if (found.st_uid != geteuid() && !is_credential) {
     return fail("{}: belongs to user {}, and this program runs as user {}; a key must be its user's own: chown {} {}", path.string(),
                 found.st_uid, geteuid(), geteuid(), path.string());
   }
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0 && !is_credential) {
-    return fail("{}: is open to other users (mode {:04o}); close it with: chmod 600 {}", path.string(), found.st_mode & 07777,
+    return fail("{}: is readable by other users (mode {:04o}); fix it with: chmod 600 {}", path.string(), found.st_mode & 07777,
                 path.string());
   }
   return check_size(path, found.st_size);
@@ -130,7 +129,7 @@ int write_new_file(const std::filesystem::path& path, const KeyFile& key) {
 }
 
 tl::unexpected<Error> fail_to_make(const std::filesystem::path& path, int error) {
-  return fail("{}: the key cannot be written: {}; name a place that is yours", path.string(), std::strerror(error));
+  return fail("{}: the key cannot be written: {}; choose a folder that you own", path.string(), std::strerror(error));
 }
 
 tl::unexpected<Error> fail_to_share(const std::filesystem::path& path, int error) {
@@ -148,7 +147,7 @@ Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
   if (const auto started = seal::start_crypto(); !started) return tl::unexpected(started.error());
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number() < 0) {
-    if (errno == EACCES) return fail("{}: this user may not read the key; ask its owner for a copy of your own", path.string());
+    if (errno == EACCES) return fail("{}: no permission to read the key; ask its owner for a copy", path.string());
     return fail("{}: the key cannot be read: {}; make one with: hapton keygen {}", path.string(), std::strerror(errno), path.string());
   }
   struct stat found = {};
@@ -159,7 +158,7 @@ Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
   if (read(file.number(), &key, sizeof key) != static_cast<ssize_t>(sizeof key)) {
     return fail("{}: the key cannot be read whole; make one with: hapton keygen FILE", path.string());
   }
-  if (!key.role()) return fail("{}: is no key file of Hapton; make one with: hapton keygen FILE", path.string());
+  if (!key.role()) return fail("{}: is not a Hapton key file; make one with: hapton keygen FILE", path.string());
   if (std::all_of(key.bytes.begin(), key.bytes.end(), [&](std::uint8_t byte) { return byte == key.bytes[0]; })) {
     return fail("{}: all bytes of the key are the same, so it is no secret; make one with: hapton keygen FILE", path.string());
   }
@@ -169,7 +168,7 @@ Result<KeyFile> read_any_key_file(const std::filesystem::path& path) {
 Result<void> make_any_key_file(const std::filesystem::path& path, const KeyFile& key) {
   if (const auto good = check_folders(path); !good) return good;
   const int error = write_new_file(path, key);
-  if (error == EEXIST) return fail("{}: is there already and stays as it is; name another file, or remove this one first", path.string());
+  if (error == EEXIST) return fail("{}: already exists and was not changed; name another file, or remove this one first", path.string());
   if (error != 0) return fail_to_make(path, error);
   return {};
 }

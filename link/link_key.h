@@ -38,7 +38,7 @@ class LinkKey {
 // A key file is 16 bytes that name the key ("hapton-master", "hapton-vision" ..., NUL-padded) and the 32 bytes of it: a regular file of the
 // user who reads it, closed to everyone else (or a systemd credential), in a folder that not everyone may change. A key whose bytes are all
 // the same is none.
-// Error: one line that says what is wrong with the file and which command mends it. RT: set-up only.
+// Error: one line that says what is wrong with the file and which command fixes it. RT: set-up only.
 constexpr std::size_t kKeyFileBytes = 16 + LinkKey::kBytes;
 
 // The master key, for a hub.

@@ -8,17 +8,17 @@
 
 namespace hapton {
 
-// What the three nodes say to each other. Units SI, frame W unless named; times are the sender's CLOCK_MONOTONIC in ns.
-// The hub (io_node) is the only address anyone needs; every message goes to it or comes from it.
+// The messages between the three nodes. Units SI, frame W unless named; times are the sender's CLOCK_MONOTONIC in ns.
+// A node needs only the hub's address (io_node): every message goes to the hub or comes from it.
 
 enum class NodeRole : std::uint8_t { io = 1, haptics = 2, vision = 3, tool = 4 };
 
-// node -> hub, every 100 ms: "I am here". The hub answers each with a Welcome.
+// node -> hub, every 100 ms: "I am here". The hub replies to each with a Welcome.
 struct Hello {
   NodeRole role = NodeRole::tool;
 };
 
-// hub -> node. accepted is false while another live haptics node holds the place.
+// hub -> node. accepted is false while another live haptics node holds the slot.
 struct Welcome {
   bool accepted = false;
   double servo_rate_hz = 0.0;
@@ -27,8 +27,8 @@ struct Welcome {
 // node -> hub or hub -> node: leaving on purpose.
 struct Bye {};
 
-// Contact outlives who works it out: a haptics node, or the hub, that is new goes on where the probe rested when it was last felt, unless
-// the device is further from there by now than this. Then the hand has gone elsewhere, and what lies between is not to be felt.
+// Contact survives a restart: a new haptics node or hub resumes where the probe last rested, unless the device is farther from there than
+// this. Then the hand has moved on, and the surfaces in between must not be felt.
 constexpr double kResumeReachM = 0.02;
 
 // hub -> haptics, once a servo cycle.
@@ -38,25 +38,25 @@ struct DeviceState {
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;
-  bool is_resumed = false;   // p_WP is told: until a new haptics node has answered
-  Vec3 p_WP = Vec3::Zero();  // where the probe rested, in contact, when another node last told
+  bool is_resumed = false;   // p_WP is set: until a new haptics node has replied
+  Vec3 p_WP = Vec3::Zero();  // where the probe rested in the last contact of the previous node
 };
 
 // haptics -> hub, one for every DeviceState, at once.
 struct ForceCommand {
-  std::uint64_t echo_sample = 0;         // the DeviceState it answers
+  std::uint64_t echo_sample = 0;         // the DeviceState it replies to
   std::int64_t echo_sample_time_ns = 0;  // its time, unchanged: the round trip is measured on the hub's clock alone
   Vec3 force_n = Vec3::Zero();
   Vec3 visual_offset_m = Vec3::Zero();
   bool contact = false;
   std::uint32_t compute_ns = 0;       // time spent between receiving and sending, haptics' clock
-  std::uint32_t skipped_samples = 0;  // states that were superseded before they could be answered, since the last command
-  std::uint32_t view_revision = 0;    // of the newest ViewTransform it has taken
-  std::uint32_t method_serial = 0;    // of the method that felt it, as HapticsSetup counts
-  std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost answer is known of
+  std::uint32_t skipped_samples = 0;  // states superseded before a reply, since the last command
+  std::uint32_t view_revision = 0;    // of the newest ViewTransform it has applied
+  std::uint32_t method_serial = 0;    // of the method that computed it, as HapticsSetup counts
+  std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost reply is noticed
 };
 
-// ForceCommand::answered_before of a first answer that goes on from an earlier session.
+// ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
 constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};
 
 // vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
@@ -65,8 +65,24 @@ struct ViewTransform {
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]
 };
 
-// hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest that haptics answered, the newest of all while
-// nobody answers (offset zero then). Force, buttons and figures are the newest.
+// hub -> vision: the ViewTransform of that revision was not a rigid pose (core/math/rigid_pose.h). The view stays as it was.
+struct ViewRejected {
+  std::uint32_t revision = 0;
+};
+
+// Why there is no force, or not the right one; of several causes the one to fix first.
+enum class ProbeStatus : std::uint8_t {
+  ok = 0,
+  no_haptics = 1,     // no haptics node replies
+  fault_latched = 2,  // no force until a person resets it
+  device_away = 3,    // unplugged or not responding
+  calibrating = 4,    // the device's position is not valid yet
+  out_of_reach = 5,   // no part of the scene lies in the device's workspace
+  too_small = 6,      // the scene is tiny in it: probably a wrong unit
+};
+
+// hub -> every vision node. Pose, contact and visual offset belong to one sample: the newest with a reply, or without replies the
+// newest of all (offset zero then). Force, buttons and statistics are the newest.
 struct ProbeState {
   std::uint64_t sample = 0;
   std::int64_t sample_time_ns = 0;
@@ -79,63 +95,80 @@ struct ProbeState {
   float servo_rate_hz = 0.0F;  // measured, for the HUD
   float round_trip_p50_us = 0.0F;
   float round_trip_p99_us = 0.0F;
-  std::uint32_t view_revision = 0;  // newest ViewTransform the hub has forwarded
+  // Of the ViewTransform that the forces are computed with, by the haptics node's newest reply. While no haptics node replies, of the
+  // one that the hub keeps for it.
+  std::uint32_t view_revision = 0;
+  ProbeStatus status = ProbeStatus::ok;
 };
 
-// vision -> hub, after a picture was drawn, or where it would have looked the same: which sample it shows. Asks for the next state.
+// vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests
+// the next state.
 struct Drawn {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;
   float frame_rate_hz = 0.0F;
-  std::uint32_t held_ns = 0;  // from hearing the state to this message, vision's clock; 0: not told
-  std::uint32_t rest_ns = 0;  // from this message until vision would draw again
-  bool unchanged = false;     // no picture was drawn: it would have looked the same
+  std::uint32_t held_ns = 0;  // from receiving the state to this message, vision's clock; 0: unknown
+  std::uint32_t rest_ns = 0;  // from this message until vision can draw again
+  bool unchanged = false;     // no frame was drawn: it would look the same
 };
 
-// vision -> hub: where the mouse asks the simulated device's hand to go.
+// vision -> hub: where the mouse moves the hand of the simulated device.
 struct HandTarget {
-  bool active = false;  // false: the hand goes back to its script
+  bool active = false;  // false: the hand returns to its script
   Vec3 p_WH = Vec3::Zero();
 };
 
 constexpr double kMinServoRateHz = 250.0;
 constexpr double kMaxServoRateHz = 10'000.0;
 
-// tool -> hub (and on to haptics): change something while running. A zero or empty field leaves it as it is.
+// tool -> hub (and on to haptics): changes a running system. A zero or empty field changes nothing.
 struct Settings {
   double servo_rate_hz = 0.0;        // kMinServoRateHz .. kMaxServoRateHz
   std::array<char, 16> method = {};  // NUL-padded name of a force method
   bool report_now = false;           // write the latency report
-  bool reset_faults = false;         // a person says that what latched the safety governor is mended; of a tool with an operator's key only
-  std::uint32_t method_ask = 0;  // a number by which the asker finds the answer to `method` in HapticsSetup; 0: it does not wait for one
+  bool reset_faults = false;  // a person confirms that the cause of the latched fault is fixed; only from a tool with an operator's key
+  std::uint32_t method_request = 0;  // identifies the reply to `method` in HapticsSetup; 0: no reply is awaited
 };
 
-// haptics -> hub -> every tool, when it has changed and once a second: what the forces are worked out with, so that a recording can be felt
-// again, and what became of the method asked for last.
+// haptics -> hub -> every tool and vision node, when it has changed and once a second: what the forces are computed with, so that a
+// recording can be replayed, and the result of the last method request.
 struct HapticsSetup {
   using Text = std::array<char, 256>;  // NUL-padded, printable
 
-  std::uint32_t method_serial = 0;  // methods put in place while running
+  std::uint32_t method_serial = 0;  // method changes while running
   std::uint32_t view_revision = 0;
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   std::uint64_t scene_hash = 0;
   Text scene = {};  // the file's path
   Text build = {};
-  Text method = {};                 // "name=proxy probe_radius_m=0 ..."
-  std::uint32_t method_ask = 0;     // of the Settings answered last; 0: none yet, or one that nobody waits for
-  Text refusal = {};                // why that method is not used; empty: it is in use
-  std::uint32_t scene_loading = 0;  // unit, sealing and fit of the scene (scene/scene_loading.h); 0: not said
+  Text method = {};                  // "name=proxy probe_radius_m=0 ..."
+  std::uint32_t method_request = 0;  // of the Settings replied to last; 0: none
+  Text rejection = {};               // why that method is not used; empty: it is in use
+  std::uint32_t scene_loading = 0;   // unit, sealing and fit of the scene (scene/scene_loading.h); 0: unknown
+};
+
+// haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: the scene that a node has, so
+// that two nodes with different ones know of it; of haptics, where it can be touched, so that a simulated hand finds it. Frame S, m.
+struct SceneFacts {
+  static constexpr std::size_t kMostPoints = 16;
+  using Point = std::array<float, 3>;
+
+  std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
+  Point lowest_m = {};           // corners of its box
+  Point highest_m = {};
+  std::uint32_t point_count = 0;
+  std::array<Point, kMostPoints> points_m = {};  // spread over its surface
 };
 
 // tool -> hub: a part of the hub's report.
 enum class ReportDocument : std::uint8_t { json = 0, csv = 1 };
-struct ReportAsk {
+struct ReportRequest {
   ReportDocument document = ReportDocument::json;
   std::uint32_t revision = 0;  // 0: a fresh one, its first part
   std::uint32_t part = 0;
 };
 
-// hub -> the tool that asked.
+// hub -> the requesting tool.
 struct ReportPart {
   ReportDocument document = ReportDocument::json;
   std::uint32_t revision = 0;  // counts the hub's reports, from 1
@@ -146,12 +179,12 @@ struct ReportPart {
 };
 
 using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, Drawn, HandTarget, Settings,
-                             HapticsSetup, ReportAsk, ReportPart>;
+                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected>;
 
 // In front of every message.
 struct Header {
   std::uint64_t session = 0;      // chosen by the hub at start; 0 from a node that has not been welcomed yet
-  std::uint64_t sender = 0;       // random per process start, so that a restart is told from a reorder
+  std::uint64_t sender = 0;       // random per process start: distinguishes a restart from reordering
   std::uint64_t sequence = 0;     // counts this sender's datagrams to this receiver, from 1
   std::int64_t send_time_ns = 0;  // sender's CLOCK_MONOTONIC
 };

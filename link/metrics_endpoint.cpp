@@ -57,7 +57,7 @@ Response respond(const http::request<http::empty_body>& request, std::string tex
                                          : http::status::not_found;
   Response response(status, 11);
   response.set(http::field::content_type, status == http::status::ok ? "text/plain; version=0.0.4" : "text/plain");
-  response.body() = status == http::status::ok ? std::move(text) : is_ours ? "only GET /metrics is available\n" : "ask for localhost\n";
+  response.body() = status == http::status::ok ? std::move(text) : is_ours ? "only GET /metrics is available\n" : "use localhost\n";
   response.keep_alive(false);
   response.prepare_payload();
   if (request.method() == http::verb::head) response.body().clear();

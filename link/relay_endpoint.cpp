@@ -115,7 +115,7 @@ void RelayEndpoint::State::listen() {
       const std::int64_t now_ns = clock.now_ns();
       ++to_hub.received;
       if (bytes > kMaxBytes || find_client(from, now_ns) == nullptr) {
-        ++to_hub.refused;
+        ++to_hub.rejected;
       } else {
         judge(Way::to_hub, from, std::span(buffer).first(bytes), now_ns);
       }
@@ -131,7 +131,7 @@ void RelayEndpoint::State::listen_to_hub(const std::shared_ptr<Client>& client) 
     if (!error) {
       ++to_nodes.received;
       if (bytes > kMaxBytes) {
-        ++to_nodes.refused;
+        ++to_nodes.rejected;
       } else {
         judge(Way::to_nodes, client->address, std::span(client->buffer).first(bytes), clock.now_ns());
       }

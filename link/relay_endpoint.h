@@ -28,7 +28,7 @@ struct RelayCounts {
   std::uint64_t duplicated = 0;
   std::uint64_t corrupted = 0;
   std::uint64_t overflowed = 0;  // the queue was full
-  std::uint64_t refused = 0;     // too long, or from one node too many
+  std::uint64_t rejected = 0;    // too long, or from one node too many
   std::uint64_t send_failures = 0;
 };
 

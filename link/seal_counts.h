@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// What sealing has passed and what it has refused. Whatever is refused is answered by silence.
+// What sealing has passed and what it has rejected. Whatever is rejected is answered by silence.
 struct SealCounts {
   std::uint64_t opened = 0;
   std::uint64_t handshakes = 0;           // sessions that both sides have agreed on
@@ -20,7 +20,7 @@ struct SealCounts {
   std::uint64_t no_place = 0;             // good handshakes that found every place taken, or their address in use by another role
   std::uint64_t oversized = 0;            // longer than any datagram of ours, or empty
 
-  std::uint64_t refused() const {
+  std::uint64_t rejected() const {
     return malformed + wrong_version + wrong_key + replayed_handshakes + too_many_handshakes + unknown_session + replayed + forged +
            no_place + oversized;
   }

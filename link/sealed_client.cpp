@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 // What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
-constexpr int kMostRefusedPerPoll = 64;
+constexpr int kMaxRejectedPerPoll = 64;
 // While the worker thread is at work the wait is cut into pieces of this length.
 constexpr std::int64_t kWorkerLookNs = kNanosecondsPerMillisecond / 2;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
@@ -45,7 +45,7 @@ bool SealedClient::transmit(std::span<const std::byte> datagram) noexcept {
 
 Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
   std::int64_t now_ns = clock_.now_ns();
-  for (int refused = 0; refused < kMostRefusedPerPoll || now_ns < deadline_ns; now_ns = clock_.now_ns()) {
+  for (int rejected = 0; rejected < kMaxRejectedPerPoll || now_ns < deadline_ns; now_ns = clock_.now_ns()) {
     request_if_due(now_ns);
     take_finished();
     const Received received = endpoint_.receive(incoming_, std::min(deadline_ns, next_due_ns(now_ns)));
@@ -57,14 +57,14 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
     }
     const std::size_t bytes = open(std::span(incoming_).first(received.bytes), received.from, into);
     if (bytes != 0) return {.bytes = bytes, .from = received.from};
-    ++refused;
+    ++rejected;
   }
   return {};
 }
 
 std::int64_t SealedClient::next_due_ns(std::int64_t now_ns) const noexcept {
   const std::int64_t look_ns = handshake_.is_working() ? now_ns + kWorkerLookNs : kNever;
-  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_heard_ns_ + kSilenceNs));
+  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_heard_ns_ + kPeerTimeoutNs));
 }
 
 bool SealedClient::is_rekey_due(std::int64_t now_ns) const noexcept {
@@ -131,7 +131,7 @@ void SealedClient::change_over() noexcept {
   held_bytes_ = 0;
 }
 
-// The bytes opened; 0 for what was refused or was the handshake's.
+// The bytes opened; 0 for what was rejected or was the handshake's.
 std::size_t SealedClient::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into) noexcept {
   if (from != hub_) {
     ++counts_.unknown_session;

@@ -16,7 +16,8 @@ namespace hapton {
 
 // A node's way to its hub: what it sends is sealed, what it receives was opened, and the session that this takes is agreed on by itself,
 // within send and receive.
-//   silence   When nothing was received from the hub for kSilenceNs, a new session is requested while the old one stays in use until the
+//   silence   When nothing was received from the hub for kPeerTimeoutNs, a new session is requested while the old one stays in use until
+//   the
 //             hub sends in the new one: a hub that restarts is found again, and one that was only slow has lost nothing.
 //   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. The old one is received in for kOverlapNs after
 //             the hub has changed over, so that no datagram is lost, nor late, at the change.
@@ -27,7 +28,7 @@ namespace hapton {
 // destruction set-up only. Threads: one.
 class SealedClient final : public Endpoint {
  public:
-  static constexpr std::int64_t kSilenceNs = 200 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;
@@ -47,7 +48,7 @@ class SealedClient final : public Endpoint {
   SealedClient(Endpoint& endpoint, const Clock& clock, const RoleKey& key, const Address& hub)
       : SealedClient(endpoint, clock, key, hub, Options()) {}
 
-  // To the hub only; false when it does not fit (seal::kMaxPayloadBytes) or the system refused it. True says nothing of its arrival.
+  // To the hub only; false when it does not fit (seal::kMaxPayloadBytes) or the system rejected it. True says nothing of its arrival.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
   void prepare_wait(std::int64_t deadline_ns) noexcept override { endpoint_.prepare_wait(deadline_ns); }
@@ -58,7 +59,7 @@ class SealedClient final : public Endpoint {
   void request_if_due(std::int64_t now_ns) noexcept;
   void request_if_silent(std::int64_t now_ns) noexcept;
   bool is_rekey_due(std::int64_t now_ns) const noexcept;
-  bool is_hub_silent(std::int64_t now_ns) const noexcept { return now_ns - last_heard_ns_ >= kSilenceNs; }
+  bool is_hub_silent(std::int64_t now_ns) const noexcept { return now_ns - last_heard_ns_ >= kPeerTimeoutNs; }
   void begin(std::int64_t now_ns) noexcept;
   void request(std::int64_t now_ns) noexcept;
   void take_finished() noexcept;

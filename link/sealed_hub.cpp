@@ -10,46 +10,46 @@ namespace hapton {
 namespace {
 
 // What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
-constexpr int kMostRefusedPerPoll = 64;
+constexpr int kMaxRejectedPerPoll = 64;
 
-Refusal refusal_of(OpenStatus status) noexcept {
+Rejection rejection_of(OpenStatus status) noexcept {
   switch (status) {
     case OpenStatus::wrong_version:
-      return Refusal::wrong_version;
+      return Rejection::wrong_version;
     case OpenStatus::unknown_session:
-      return Refusal::unknown_session;
+      return Rejection::unknown_session;
     case OpenStatus::replayed:
-      return Refusal::replayed;
+      return Rejection::replayed;
     case OpenStatus::forged:
-      return Refusal::forged;
+      return Rejection::forged;
     case OpenStatus::opened:
     case OpenStatus::malformed:
       break;
   }
-  return Refusal::malformed;
+  return Rejection::malformed;
 }
 
-std::uint64_t& counter_of(Refusal refusal, SealCounts& counts) noexcept {
-  switch (refusal) {
-    case Refusal::malformed:
+std::uint64_t& counter_of(Rejection rejection, SealCounts& counts) noexcept {
+  switch (rejection) {
+    case Rejection::malformed:
       return counts.malformed;
-    case Refusal::wrong_version:
+    case Rejection::wrong_version:
       return counts.wrong_version;
-    case Refusal::wrong_key:
+    case Rejection::wrong_key:
       return counts.wrong_key;
-    case Refusal::replayed_handshake:
+    case Rejection::replayed_handshake:
       return counts.replayed_handshakes;
-    case Refusal::too_many_handshakes:
+    case Rejection::too_many_handshakes:
       return counts.too_many_handshakes;
-    case Refusal::no_place:
+    case Rejection::no_place:
       return counts.no_place;
-    case Refusal::unknown_session:
+    case Rejection::unknown_session:
       return counts.unknown_session;
-    case Refusal::replayed:
+    case Rejection::replayed:
       return counts.replayed;
-    case Refusal::forged:
+    case Rejection::forged:
       return counts.forged;
-    case Refusal::oversized:
+    case Rejection::oversized:
       return counts.oversized;
   }
   return counts.malformed;
@@ -80,16 +80,16 @@ SealCounts SealedHub::seal_counts() const noexcept {
   return counts;
 }
 
-void SealedHub::refuse(Refusal refusal, const Address& from) noexcept {
-  ++counter_of(refusal, counts_);
-  watch_.note(refusal, from);
+void SealedHub::reject(Rejection rejection, const Address& from) noexcept {
+  ++counter_of(rejection, counts_);
+  watch_.note(rejection, from);
 }
 
 // What the socket has passed over, and what was kept out of it: here it gets a name.
 std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
   const SocketCounts socket = endpoint_.socket_counts();
   const std::uint64_t oversized = socket.oversized - oversized_noted_;
-  if (oversized != 0) watch_.note(Refusal::oversized, socket.last_oversized, oversized);
+  if (oversized != 0) watch_.note(Rejection::oversized, socket.last_oversized, oversized);
   watch_.note_kept_out(socket.kept_out - kept_out_noted_);
   oversized_noted_ = socket.oversized;
   kept_out_noted_ = socket.kept_out;
@@ -105,7 +105,7 @@ bool SealedHub::send(const Address& to, std::span<const std::byte> datagram) noe
 }
 
 Received SealedHub::receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept {
-  for (int refused = 0; refused < kMostRefusedPerPoll || clock_.now_ns() < deadline_ns; ++refused) {
+  for (int rejected = 0; rejected < kMaxRejectedPerPoll || clock_.now_ns() < deadline_ns; ++rejected) {
     take_agreements();
     const Received received = endpoint_.receive(incoming_, deadline_ns);
     if (received.bytes == 0) return {};
@@ -116,11 +116,11 @@ Received SealedHub::receive(std::span<std::byte> into, std::int64_t deadline_ns)
   return {};
 }
 
-// The bytes opened; 0 for what was refused or was a handshake.
+// The bytes opened; 0 for what was rejected or was a handshake.
 std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept {
   const SealedKind found = classify_sealed(datagram);
   if (found.status != OpenStatus::opened) {
-    refuse(refusal_of(found.status), from);
+    reject(rejection_of(found.status), from);
     return 0;
   }
   if (found.kind == seal::Kind::request) {
@@ -129,24 +129,24 @@ std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& 
     return 0;
   }
   if (found.kind != seal::Kind::data) {
-    refuse(Refusal::malformed, from);  // only a hub sends these
+    reject(Rejection::malformed, from);  // only a hub sends these
     return 0;
   }
   Session& session = sessions_[seal::load<std::uint32_t>(seal::bytes_of(datagram) + seal::kConnectionAt) % kPlaces];
   if (session.state == State::free || session.state == State::agreeing || session.address != from) {
-    refuse(Refusal::unknown_session, from);
+    reject(Rejection::unknown_session, from);
     return 0;
   }
   const std::int64_t now_ns = clock_.now_ns();
   if (session.state == State::retiring && now_ns >= session.ends_ns) {
     session = Session();
-    refuse(Refusal::unknown_session, from);
+    reject(Rejection::unknown_session, from);
     return 0;
   }
   std::size_t bytes = 0;
   const OpenStatus status = session.channel.open(datagram, into, bytes);
   if (bytes == 0) {
-    refuse(refusal_of(status), from);
+    reject(rejection_of(status), from);
     return 0;
   }
   ++counts_.opened;
@@ -174,11 +174,11 @@ void SealedHub::hear_request(std::span<const std::byte> request, const Address& 
   const std::int64_t now_ns = clock_.now_ns();
   switch (handshake_.judge(request, from, now_ns)) {
     case HubHandshake::Verdict::malformed:
-      return refuse(Refusal::malformed, from);
+      return reject(Rejection::malformed, from);
     case HubHandshake::Verdict::wrong_key:
-      return refuse(Refusal::wrong_key, from);
+      return reject(Rejection::wrong_key, from);
     case HubHandshake::Verdict::replayed:
-      return refuse(Refusal::replayed_handshake, from);
+      return reject(Rejection::replayed_handshake, from);
     case HubHandshake::Verdict::wants_cookie:
       return retry(request, from, now_ns);
     case HubHandshake::Verdict::shows_cookie:
@@ -187,20 +187,20 @@ void SealedHub::hear_request(std::span<const std::byte> request, const Address& 
 }
 
 void SealedHub::retry(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
-  if (!retry_limits_[index_of(HubHandshake::role_of(request))].take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
+  if (!retry_limits_[index_of(HubHandshake::role_of(request))].take(from, now_ns)) return reject(Rejection::too_many_handshakes, from);
   const std::size_t bytes = handshake_.write_retry(request, from, now_ns, outgoing_);
   counts_.retries += endpoint_.send(from, std::span(outgoing_).first(bytes)) ? 1 : 0;
 }
 
 void SealedHub::agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const KeyRole role = HubHandshake::role_of(request);
-  if (!agreement_limits_[index_of(role)].take(from, now_ns)) return refuse(Refusal::too_many_handshakes, from);
-  if (is_taken_by_another_role(from, role, now_ns)) return refuse(Refusal::no_place, from);
+  if (!agreement_limits_[index_of(role)].take(from, now_ns)) return reject(Rejection::too_many_handshakes, from);
+  if (is_taken_by_another_role(from, role, now_ns)) return reject(Rejection::no_place, from);
   Session* const session = find_place(places_of(role, sessions_), now_ns);
-  if (session == nullptr) return refuse(Refusal::no_place, from);
+  if (session == nullptr) return reject(Rejection::no_place, from);
   const auto place = static_cast<std::uint32_t>(session - sessions_.data());
   const std::uint32_t connection = ++generation_ * static_cast<std::uint32_t>(kPlaces) + place;
-  if (!handshake_.agree(request, connection)) return refuse(Refusal::too_many_handshakes, from);
+  if (!handshake_.agree(request, connection)) return reject(Rejection::too_many_handshakes, from);
   *session = Session();
   session->state = State::agreeing;
   session->role = role;
@@ -216,7 +216,7 @@ void SealedHub::take_agreements() noexcept {
     // Its place may be someone else's by now.
     if (session.state != State::agreeing || session.connection != agreed.connection) continue;
     if (!agreed.went_well) {
-      refuse(Refusal::wrong_key, session.address);
+      reject(Rejection::wrong_key, session.address);
       session = Session();
       continue;
     }

@@ -9,7 +9,7 @@
 #include "link/handshake.h"
 #include "link/link_key.h"
 #include "link/rate_limit.h"
-#include "link/refusal_watch.h"
+#include "link/rejection_monitor.h"
 #include "link/seal_counts.h"
 #include "link/sealed_channel.h"
 #include "runtime/clock.h"
@@ -19,7 +19,7 @@ namespace hapton {
 // The hub's way to its nodes: each address that has agreed on a session has keys of its own, what is sent to it is sealed with them, and
 // nothing is handed out that was not opened with them.
 //   junk       Who has no key gets no reply, takes no place and costs a look at four bytes, or a hash. So does who repeats a recorded
-//              handshake: it must be later than all that its host and role have sent (handshake_times.h). Each refusal is counted and the
+//              handshake: it must be later than all that its host and role have sent (handshake_times.h). Each rejection is counted and the
 //              worst flood of them named (take_flood).
 //   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role by itself.
 //   X25519     Agreements are the worker's. The caller hands over what has shown key, time and address, and sends the answer when it is
@@ -42,7 +42,7 @@ class SealedHub final : public Endpoint {
   // Pre: endpoint and clock outlive this.
   SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& master, AgreementWorker::Where worker = AgreementWorker::Where::caller);
 
-  // False when nobody at that address has a session, when it does not fit (seal::kMaxPayloadBytes), or when the system refused it.
+  // False when nobody at that address has a session, when it does not fit (seal::kMaxPayloadBytes), or when the system rejected it.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   // Received::role is the role of the session's key.
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
@@ -71,7 +71,7 @@ class SealedHub final : public Endpoint {
   };
 
   std::size_t open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept;
-  void refuse(Refusal refusal, const Address& from) noexcept;
+  void reject(Rejection rejection, const Address& from) noexcept;
   void promote(Session& session) noexcept;
   void hear_request(std::span<const std::byte> request, const Address& from) noexcept;
   void retry(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
@@ -87,7 +87,7 @@ class SealedHub final : public Endpoint {
   HubHandshake handshake_;
   std::array<SourceLimit, kNodeKeyRoles> retry_limits_;  // by role
   std::array<SourceLimit, kNodeKeyRoles> agreement_limits_;
-  RefusalWatch watch_;
+  RejectionMonitor watch_;
   std::uint64_t oversized_noted_ = 0;
   std::uint64_t kept_out_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};

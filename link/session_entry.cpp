@@ -26,7 +26,7 @@ std::string_view to_string(SessionFault fault) noexcept {
       return "silence";
     case SessionFault::not_finite:
       return "not-finite";
-    case SessionFault::refused_future:
+    case SessionFault::rejected_future:
       return "refused-future";
     case SessionFault::clamped:
       return "clamped";

@@ -26,14 +26,14 @@ std::string_view to_string(MissCause cause) noexcept;
 // What makes the flight recorder write.
 enum class SessionFault : std::uint8_t {
   none,
-  silence,         // no force for 20 ms, in contact
-  not_finite,      // a force that is no number
-  refused_future,  // a force for a sample that was not taken
-  clamped,         // a force above the limit
-  stalled,         // the loop stood still longer than a force may be old
-  device,          // the device failed
-  overrun,         // a cycle was missed where none may be
-  speed,           // from here on what the safety governor latches (safety/safety_fault.h)
+  silence,          // no force for 20 ms, in contact
+  not_finite,       // a force that is no number
+  rejected_future,  // a force for a sample that was not taken
+  clamped,          // a force above the limit
+  stalled,          // the loop stood still longer than a force may be old
+  device,           // the device failed
+  overrun,          // a cycle was missed where none may be
+  speed,            // from here on what the safety governor latches (safety/safety_fault.h)
   position,
   jump,
   thermal,

@@ -37,7 +37,7 @@ Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
   reader.refill();
   const std::string_view bytes = reader.buffer_;
   constexpr std::string_view kStem = kSessionMagic.substr(0, kSessionMagic.find('/') + 1);
-  if (!bytes.starts_with(kStem)) return fail("{}: is no recorded session; io_node --record FILE makes one", path.string());
+  if (!bytes.starts_with(kStem)) return fail("{}: is not a recorded session; io_node --record FILE makes one", path.string());
   if (!bytes.starts_with(kSessionMagic)) {
     return fail("{}: is a recorded session of another schema than {}; read it with the build that wrote it", path.string(),
                 kSessionMagic.substr(0, kSessionMagic.size() - 1));

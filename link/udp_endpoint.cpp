@@ -143,7 +143,7 @@ bool UdpEndpoint::send(const Address& to, std::span<const std::byte> datagram) n
   if (!endpoint || datagram.size() > kMaxDatagramBytes) {
     return false;
   }
-  // A refusal that an earlier datagram brought back is reported on the next call; it says nothing about this one: try again.
+  // A rejection that an earlier datagram brought back is reported on the next call; it says nothing about this one: try again.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (sendto(socket_.native_handle(), datagram.data(), datagram.size(), MSG_DONTWAIT, endpoint->data(),
                static_cast<socklen_t>(endpoint->size())) >= 0) {
@@ -229,7 +229,7 @@ void UdpEndpoint::judge_flood(std::int64_t now_ns) noexcept {
   if (action == FloodFilter::Action::install) {
     const auto program = filter_.program();
     const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
-    // Refused (no memory): the budget of the reader still bounds what a flood costs.
+    // Rejected (no memory): the budget of the reader still bounds what a flood costs.
     (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached);
   } else if (action == FloodFilter::Action::remove) {
     const int unused = 0;

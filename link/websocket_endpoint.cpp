@@ -67,7 +67,7 @@ class BeastEndpoint final : public WebSocketEndpoint {
     context_.run();
     if (!result) return true;
     is_over_ = true;
-    reason_ = result == beast::error::timeout ? "no answer in time" : result.message();
+    reason_ = result == beast::error::timeout ? "no reply in time" : result.message();
     error_code ignored;
     lowest().socket().close(ignored);
     return false;

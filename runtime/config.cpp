@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/near_miss.h"
 #include "core/base/result.h"
 #include "runtime/build_id.h"
 #include "runtime/regular_file.h"
@@ -35,7 +36,7 @@ Result<std::string> scalar_text(const toml::node& node) {
   if (const auto* integer = node.as_integer()) return fmt::format("{}", integer->get());
   if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
   if (const auto* flag = node.as_boolean()) return std::string(flag->get() ? "true" : "false");
-  return fail("is no text, number, true or false");
+  return fail("is not a text, number, true or false");
 }
 
 // The file's keys as they would stand on the command line, those that `given` overrides left out.
@@ -50,6 +51,7 @@ class ConfigFile {
 
  private:
   Result<toml::table> read() const;
+  std::string suggest_key(std::string_view key) const;
   Result<void> add(std::string_view key, const toml::node& node);
   tl::unexpected<Error> fail_at(const toml::node& node, std::string_view what) const {
     return fail("{}:{}: {}", path_, node.source().begin.line, what);
@@ -85,11 +87,22 @@ Result<std::vector<std::string>> ConfigFile::arguments() {
   return arguments_;
 }
 
+std::string ConfigFile::suggest_key(std::string_view key) const {
+  std::vector<std::string_view> known;
+  for (const CLI::Option* option : static_cast<const CLI::App&>(app_).get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      if (name != key) known.emplace_back(name);
+    }
+  }
+  const std::string_view best = find_near_miss(key, known);
+  return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
+}
+
 Result<void> ConfigFile::add(std::string_view key, const toml::node& node) {
   const std::string flag = fmt::format("--{}", key);
   const CLI::Option* option = app_.get_option_no_throw(flag);
   if (option == nullptr || key == "config" || key == "help" || key == "version") {
-    return fail_at(node, fmt::format("unknown key '{}'; keys are the program's flags without dashes, see --help", key));
+    return fail_at(node, fmt::format("unknown key '{}'{}; keys are the program's flags without dashes, see --help", key, suggest_key(key)));
   }
   if (std::any_of(given_.begin(), given_.end(), [&](const std::string& given) { return names_option(given, *option); })) {
     return {};
@@ -146,6 +159,28 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// Of the command that was reached last: its long flags, and its commands.
+void add_words(const CLI::App& app, std::vector<std::string>& words) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  }
+  // Groups of options are commands without a name to CLI11.
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name().empty() || command->get_display_name().starts_with("[Option Group")) {
+      add_words(*command, words);
+    } else {
+      words.push_back(command->get_name());
+    }
+  }
+}
+
+const CLI::App& innermost_command(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (!command->get_name().empty()) return innermost_command(*command);
+  }
+  return app;
+}
+
 std::string program_name(const CLI::App& app, int argc, const char* const* argv) {
   if (!app.get_name().empty()) {
     return app.get_name();
@@ -155,6 +190,16 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
 }
 
 }  // namespace
+
+std::string suggest_flag(const CLI::App& app) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (unknown.empty()) return {};
+  std::vector<std::string> words;
+  add_words(innermost_command(app), words);
+  const std::vector<std::string_view> known(words.begin(), words.end());
+  const std::string_view best = find_near_miss(std::string_view(unknown.front()).substr(0, unknown.front().find('=')), known);
+  return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
+}
 
 void require_finite_numbers(CLI::App& app) {
   const auto is_finite = [](const std::string& text) {
@@ -203,7 +248,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     const std::string message = one_line(error.what());
-    fmt::print(stderr, "{}: {}{}; see {} --help\n", program, message, file.origin_of(message), program);
+    fmt::print(stderr, "{}: {}{}{}; see {} --help\n", program, message, file.origin_of(message), suggest_flag(app), program);
     return kBadCommandLine;
   }
   return std::nullopt;

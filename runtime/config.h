@@ -20,6 +20,10 @@ namespace hapton {
 // (printed to stderr). RT: set-up only. Pre: the app's options are all added.
 std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const* argv);
 
+// After a command line was refused: "; did you mean '--scene'?" of the first word in it that nobody knows; empty when none is like it.
+// Pre: the app has parsed it.
+std::string suggest_flag(const CLI::App& app);
+
 // Makes the app and its commands refuse "nan" and "inf", which are numbers to CLI11 and lie in every range. parse_command_line does it by
 // itself. Pre: the app's options are all added.
 void require_finite_numbers(CLI::App& app);

@@ -4,6 +4,8 @@
 
 #include <optional>
 
+#include "runtime/writable_path.h"
+
 namespace hapton {
 namespace {
 
@@ -12,13 +14,13 @@ std::optional<double> find_number(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
 }
 
-// Refuses what is no number and what `refusal` has words for; `advice` ends both lines.
-template <class Refusal>
-CLI::Validator check_number(Refusal refusal, const std::string& advice, const std::string& shown) {
+// Refuses what is no number and what `rejection` has words for; `advice` ends both lines.
+template <class Rejection>
+CLI::Validator check_number(Rejection rejection, const std::string& advice, const std::string& shown) {
   return CLI::Validator(
-      [refusal, advice](std::string& text) {
+      [rejection, advice](std::string& text) {
         const auto value = find_number(text);
-        const std::string wrong = value ? refusal(*value) : "is not a number";
+        const std::string wrong = value ? rejection(*value) : "is not a number";
         return wrong.empty() ? std::string() : fmt::format("{} {}; give {}", text.empty() ? "''" : text, wrong, advice);
       },
       shown);
@@ -28,8 +30,8 @@ CLI::Validator check_number(Refusal refusal, const std::string& advice, const st
 
 // Written so that nan, which lies nowhere, is refused as well.
 CLI::Validator between(double least, double most) {
-  const auto refusal = [least, most](double value) -> std::string { return value >= least && value <= most ? "" : "is out of range"; };
-  return check_number(refusal, fmt::format("{} to {}", least, most), fmt::format("[{}, {}]", least, most));
+  const auto rejection = [least, most](double value) -> std::string { return value >= least && value <= most ? "" : "is out of range"; };
+  return check_number(rejection, fmt::format("{} to {}", least, most), fmt::format("[{}, {}]", least, most));
 }
 
 CLI::Validator above_zero(const std::string& what) {
@@ -37,11 +39,29 @@ CLI::Validator above_zero(const std::string& what) {
 }
 
 CLI::Validator zero_or_more(const std::string& what) {
-  const auto refusal = [](double value) -> std::string {
+  const auto rejection = [](double value) -> std::string {
     if (value < 0.0) return "is below zero";
     return value >= 0.0 ? "" : "is not a number";
   };
-  return check_number(refusal, what + ", zero or more", "NONNEGATIVE");
+  return check_number(rejection, what + ", zero or more", "NONNEGATIVE");
+}
+
+CLI::Validator folder_to_write() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto checked = check_writable_folder(text);
+        return checked ? std::string() : checked.error().what;
+      },
+      "");
+}
+
+CLI::Validator file_to_write() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto checked = check_writable_file(text);
+        return checked ? std::string() : checked.error().what;
+      },
+      "");
 }
 
 }  // namespace hapton

@@ -14,6 +14,10 @@ CLI::Validator between(double least, double most);
 CLI::Validator above_zero(const std::string& what = "a number");
 CLI::Validator zero_or_more(const std::string& what = "a number");
 
+// Folders and files that can be written to or made (runtime/writable_path.h).
+CLI::Validator folder_to_write();
+CLI::Validator file_to_write();
+
 // What one of our parsers takes: Parse is callable with the text and gives a Result, whose error is the line.
 template <class Parse>
 CLI::Validator accepts(Parse parse) {

@@ -22,7 +22,7 @@ std::string head(std::string_view name, std::string_view type, std::string_view 
 }
 
 std::string hops_text(const LatencyReport& report) {
-  std::string text = head("hapton_latency_seconds", "summary", "How long each way between two points of the system takes.");
+  std::string text = head("hapton_latency_seconds", "summary", "Latency of each hop.");
   for (const LatencyHop& hop : report.hops) {
     const LatencyHistogram& h = hop.histogram;
     const std::string label = fmt::format("hop=\"{}\"", escaped(hop.name));
@@ -48,7 +48,7 @@ std::string nodes_text(const LatencyReport& report) {
   std::string text;
   for (const auto& [name, count] : kCounts) {
     const std::string metric = fmt::format("hapton_node_{}_total", name);
-    text += head(metric, "counter", "Datagrams of each node that is there.");
+    text += head(metric, "counter", "Datagrams of each joined node.");
     for (const ReportNode& node : report.nodes) {
       text += fmt::format("{}{{role=\"{}\",address=\"{}\"}} {}\n", metric, escaped(node.role), escaped(node.address), node.*count);
     }
@@ -59,7 +59,7 @@ std::string nodes_text(const LatencyReport& report) {
 }  // namespace
 
 std::string to_prometheus(const LatencyReport& report) {
-  std::string text = head("hapton_up_seconds", "gauge", "How long has been measured.");
+  std::string text = head("hapton_up_seconds", "gauge", "Time since measurements began.");
   text += fmt::format("hapton_up_seconds {:.9g}\n", report.seconds);
   for (const auto& [name, count] : report.counters) {
     const std::string metric = fmt::format("hapton_{}_total", name);
@@ -68,7 +68,7 @@ std::string to_prometheus(const LatencyReport& report) {
   text += head("hapton_rate_hertz", "gauge", "Since the start.");
   for (const auto& [name, rate_hz] : report.rates_hz)
     text += fmt::format("hapton_rate_hertz{{name=\"{}\"}} {:.9g}\n", escaped(name), rate_hz);
-  text += head("hapton_ratio", "gauge", "Shares, and quotients of two figures of the same run.");
+  text += head("hapton_ratio", "gauge", "Shares and ratios within this run.");
   for (const auto& [name, ratio] : report.ratios) text += fmt::format("hapton_ratio{{name=\"{}\"}} {:.9g}\n", escaped(name), ratio);
   return text + nodes_text(report) + hops_text(report);
 }

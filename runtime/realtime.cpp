@@ -53,7 +53,7 @@ RealtimeItem set_cpu(int cpu) {
   RealtimeItem item{.name = "cpu", .asked = fmt::format("{}", cpu), .obtained = false, .reason = {}, .remedy = {}};
   if (cpu >= CPU_SETSIZE) {
     item.reason = "no such number";
-    item.remedy = "choose a CPU that nproc counts";
+    item.remedy = "choose a CPU below the number that nproc prints";
     return item;
   }
   cpu_set_t set;
@@ -136,7 +136,7 @@ std::string RealtimeReport::to_text() const {
   for (const RealtimeItem& item : items) {
     text += (&item == items.data() ? "" : "; ") + item_text(item);
   }
-  if (allowed_share) text += fmt::format("; the kernel lets real-time threads have {:.0f} % of each CPU", 100.0 * *allowed_share);
+  if (allowed_share) text += fmt::format("; the kernel allows real-time threads {:.0f} % of each CPU", 100.0 * *allowed_share);
   return text;
 }
 
@@ -146,7 +146,7 @@ std::vector<std::string> RealtimeReport::to_lines() const {
     lines[0] += fmt::format("{}{} {} {}", &item == items.data() ? "" : "; ", item.name, item.asked, item.obtained ? "yes" : "NO");
     if (!item.obtained) lines.push_back(fmt::format("not granted: {} {} ({}); {}", item.name, item.asked, item.reason, item.remedy));
   }
-  if (allowed_share) lines[0] += fmt::format("; the kernel lets real-time threads have {:.0f} % of each CPU", 100.0 * *allowed_share);
+  if (allowed_share) lines[0] += fmt::format("; the kernel allows real-time threads {:.0f} % of each CPU", 100.0 * *allowed_share);
   return lines;
 }
 
@@ -171,7 +171,7 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
     for (const RealtimeItem& item : report.items) {
       if (!item.obtained) refused += (refused.empty() ? "" : "; ") + item_text(item);
     }
-    return fail("real time was required, but the system refuses {}; or start with --rt try", refused);
+    return fail("real time is required, but was not granted: {}; or start with --rt try", refused);
   }
   return report;
 }

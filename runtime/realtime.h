@@ -32,7 +32,7 @@ struct RealtimeItem {
   std::string name;   // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
   std::string asked;  // "SCHED_FIFO 80"
   bool obtained = false;
-  std::string reason;  // of a refusal, the system's words
+  std::string reason;  // of a rejection, the system's words
   std::string remedy;  // what a person can do about it, one line
 };
 
@@ -45,7 +45,7 @@ struct RealtimeReport {
   bool complete() const;
   // "real time: priority SCHED_FIFO 80 yes; cpu 1 yes; memory lock NO (…: remedy) …" in one line.
   std::string to_text() const;
-  // The same for a log: what was granted and what not in the first line, then a line for each refusal with its remedy.
+  // The same for a log: what was granted and what not in the first line, then a line for each rejection with its remedy.
   std::vector<std::string> to_lines() const;
 };
 

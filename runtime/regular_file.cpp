@@ -16,7 +16,7 @@ std::string find_obstacle(const struct stat& status, std::size_t max_bytes) {
   if (S_ISDIR(status.st_mode)) return "it is a folder";
   if (!S_ISREG(status.st_mode)) return "it is not a regular file, copy it to one";
   const auto bytes = static_cast<std::size_t>(status.st_size);
-  return bytes > max_bytes ? fmt::format("it has {} bytes, far more than such a file needs", bytes) : std::string();
+  return bytes > max_bytes ? fmt::format("it has {} bytes, more than such a file can have", bytes) : std::string();
 }
 
 // Empty when all of it was read; else why not. A file may grow, or not tell its size, as those of /proc.

@@ -12,7 +12,7 @@
 namespace hapton {
 
 // In report.json as "schema"; a reader refuses what it does not know. New fields may come within a version.
-constexpr const char* kReportSchema = "hapton.report/1";
+constexpr const char* kReportSchema = "hapton.report/2";
 
 // Where figures were taken.
 struct MachineInfo {

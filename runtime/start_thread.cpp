@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-void end_without_thread(const std::system_error& refusal) {
+void end_without_thread(const std::system_error& rejection) {
   std::fflush(stdout);
-  fmt::print(stderr, "{}: the system starts no more threads ({}); raise the user's limit (ulimit -u) or the unit's (TasksMax=)\n",
-             program_invocation_short_name, refusal.code().message());
+  fmt::print(stderr, "{}: cannot start another thread ({}); raise the user's limit (ulimit -u) or the unit's (TasksMax=)\n",
+             program_invocation_short_name, rejection.code().message());
   std::_Exit(EXIT_FAILURE);
 }
 

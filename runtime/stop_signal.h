@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Turns SIGINT and SIGTERM into a flag to look at, and SIGUSR1 into a wish for a report. Interrupted system calls start again, so a loop
+// Turns SIGINT and SIGTERM into a flag to look at, and SIGUSR1 into a request for a report. Interrupted system calls start again, so a loop
 // sees the flag at its next turn; a second SIGINT or SIGTERM ends the process the hard way. One per process: the handlers stay until it is
 // destroyed. RT: the readers yes. Threads: any.
 class StopSignal {
@@ -15,7 +15,7 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
 
   bool stop_requested() const noexcept;
-  // The same wish from inside the program.
+  // The same request from inside the program.
   void request_stop() noexcept;
   // How many SIGUSR1 have come: whoever reports does so when it has risen.
   std::uint32_t report_requests() const noexcept;

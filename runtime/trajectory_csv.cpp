@@ -12,6 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr std::array<std::string_view, 8> kColumns = {"t_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"};
+constexpr std::string_view kSampleColumn = ",sample";
 constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
 constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
 constexpr double kQuaternionTolerance = 0.01;
@@ -67,24 +68,35 @@ class Parser {
   }
 
   Result<void> read_header(std::string_view line) {
-    if (line == kShortHeader) columns_ = 4;
-    if (line == kLongHeader) columns_ = 8;
-    if (columns_ == 0) return fail("{}:{}: the header is {}; write {}[,qw,qx,qy,qz]", name_, line_number_, quoted(line), kShortHeader);
+    has_samples_ = line.ends_with(kSampleColumn);
+    const std::string_view numbers = has_samples_ ? line.substr(0, line.size() - kSampleColumn.size()) : line;
+    if (numbers == kShortHeader) columns_ = 4;
+    if (numbers == kLongHeader) columns_ = 8;
+    if (columns_ == 0)
+      return fail("{}:{}: the header is {}; write {}[,qw,qx,qy,qz][,sample]", name_, line_number_, quoted(line), kShortHeader);
     return {};
   }
 
   Result<void> read_row(std::string_view line) {
     std::array<double, 8> field = {0, 0, 0, 0, 1, 0, 0, 0};
-    for (int column = 0; column < columns_; ++column) {
+    const int columns = columns_ + (has_samples_ ? 1 : 0);
+    for (int column = 0; column < columns; ++column) {
       const auto comma = line.find(',');
-      if ((comma == std::string_view::npos) != (column == columns_ - 1))
+      if ((comma == std::string_view::npos) != (column == columns - 1))
         return fail("{}:{}: the row has {} fields than the header's {}; give it {}", name_, line_number_,
-                    column == columns_ - 1 ? "more" : "fewer", columns_, columns_);
-      const auto read = read_number(trimmed(line.substr(0, comma)), column, field[column]);
+                    column == columns - 1 ? "more" : "fewer", columns, columns);
+      const std::string_view text = trimmed(line.substr(0, comma));
+      const auto read = column == columns_ ? check_sample(text) : read_number(text, column, field[column]);
       if (!read) return read;
       line = comma == std::string_view::npos ? std::string_view{} : line.substr(comma + 1);
     }
     return add_row(field);
+  }
+
+  Result<void> check_sample(std::string_view text) const {
+    const bool is_count = !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+    if (!is_count) return fail("{}:{}: {} in column sample is not a count; write one like 12", name_, line_number_, quoted(text));
+    return {};
   }
 
   Result<void> read_number(std::string_view text, int column, double& value) const {
@@ -100,8 +112,8 @@ class Parser {
     if (column == kTimeColumn && std::abs(value) > kLongestS)
       return fail("{}:{}: t_s is {}, more than 30 years; give times in seconds", name_, line_number_, quoted(text));
     if (column != kTimeColumn && column < kFirstRotationColumn && std::abs(value) > kFarthestM)
-      return fail("{}:{}: {} is {}, where no device reaches; give positions in metres, within {:.0f} of the origin", name_, line_number_,
-                  kColumns[column], quoted(text), kFarthestM);
+      return fail("{}:{}: {} is {}, beyond the reach of any device; give positions in metres, within {:.0f} of the origin", name_,
+                  line_number_, kColumns[column], quoted(text), kFarthestM);
     return {};
   }
 
@@ -124,7 +136,8 @@ class Parser {
   const std::string& name_;
   std::vector<TrajectoryRow> rows_;
   long line_number_ = 0;
-  int columns_ = 0;
+  int columns_ = 0;  // of numbers
+  bool has_samples_ = false;
 };
 
 }  // namespace

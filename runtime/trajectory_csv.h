@@ -16,7 +16,8 @@ struct TrajectoryRow {
   Quat q_WT = Quat::Identity();
 };
 
-// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, one row a step, `#` comments and
+// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, either with `,sample` at its end
+// (a number that joins the rows with other tables, and is passed over), one row a step, `#` comments and
 // empty lines anywhere, LF or CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times
 // within 30 years of zero (farther out is no device's reach, but another unit or a damaged file), times rising, quaternions of unit length
 // within 1 % (they are normalised), at least one row.

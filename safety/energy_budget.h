@@ -4,28 +4,28 @@
 
 namespace hapton {
 
-// The passivity observer and its controller: how much more energy the device has given to the hand than it took, and what is done about it.
+// Passivity observer and controller: measures how much more energy the device has given to the hand than it took, and limits that.
 //
 //   spent += mean force on the motors since the last sample . motion since then  (and torque . turn)
-//   spent -= kForgivenMPerS x max_force each second, for what sampling and delay cost any wall; never below -kFreeM x max_force
+//   spent -= kForgivenMPerS x max_force each second, the energy that sampling and delay add at any wall; never below -kFreeM x max_force
 //
-// Up to kFreeM x max_force nothing is done: the springs and rubs of a normal contact stay far below it. Above, damping takes the excess
-// back within kTakeBackS; the force allowed sinks with what is spent, and at kMostM x max_force nothing is left of it. So over any time t a
-// source, however active, gives no more than
+// Up to kFreeM x max_force it does nothing: springs and friction of a normal contact stay far below. Above, damping dissipates the excess
+// within kTakeBackS, and the force limit decreases with the energy spent: at kMostM x max_force it is zero. So over any time t even an
+// active source gives no more than
 //
-//   (kFreeM + kMostM + kForgivenMPerS t) max_force + what it gives while its last force is let go.
+//   (kFreeM + kMostM + kForgivenMPerS t) max_force + what it gives while its last force is released.
 //
 // Source: Hannaford and Ryu, "Time-domain passivity control of haptic interfaces", IEEE Trans. Robotics and Automation 18 (2002). We
-// differ: their damper takes all excess back in the next sample, which is felt as a blow, ours in kTakeBackS, and no stronger than the
-// device bears; their observer saves up without end what rubbing takes, so that a source that becomes active late is unseen for long: ours
-// keeps no more than a press; and what damping cannot hold, the sinking force does. Units J, N, m, s, frame W. RT: yes.
+// differ: their damper dissipates all excess in the next sample, which is felt as a blow; ours takes kTakeBackS, within the device's stable
+// damping. Their observer accumulates dissipated energy without bound, which hides a source that becomes active late; ours is bounded. What
+// damping cannot dissipate, the lower force limit prevents. Units J, N, m, s, frame W. RT: yes.
 class EnergyBudget {
  public:
   static constexpr double kFreeM = 0.010;
   static constexpr double kMostM = 0.030;
   static constexpr double kForgivenMPerS = 0.002;
   static constexpr double kTakeBackS = 0.005;
-  static constexpr double kSaturationM = 0.036;  // more is not remembered, so that it is not punished for minutes
+  static constexpr double kSaturationM = 0.036;  // the sum saturates here, so that the limit recovers within minutes
 
   // The wrench was on the motors for passed_s.
   void held(const Wrench& wrench, double passed_s) noexcept {

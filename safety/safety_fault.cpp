@@ -29,15 +29,15 @@ std::string_view describe(SafetyFault fault) noexcept {
     case SafetyFault::none:
       return "no fault";
     case SafetyFault::not_finite:
-      return "forces came that are no numbers, again and again";
+      return "repeated forces that are not finite";
     case SafetyFault::torque:
-      return "torques came that are no numbers, again and again";
+      return "repeated torques that are not finite";
     case SafetyFault::speed:
       return "the device moved faster than its limit";
     case SafetyFault::position:
-      return "the device told positions that are none, again and again";
+      return "repeated invalid poses from the device";
     case SafetyFault::jump:
-      return "the device's position leapt, an encoder may have lost count";
+      return "the device's position jumped; an encoder may have lost count";
     case SafetyFault::thermal:
       return "the motors are too hot";
     case SafetyFault::device:
@@ -54,12 +54,12 @@ std::string_view to_string(GovernorState state) noexcept {
       return "away";
     case GovernorState::calibrating:
       return "calibrating";
-    case GovernorState::blind:
-      return "blind";
-    case GovernorState::not_held:
-      return "not held";
-    case GovernorState::silent:
-      return "silent";
+    case GovernorState::pose_timeout:
+      return "pose timeout";
+    case GovernorState::switch_released:
+      return "switch released";
+    case GovernorState::no_command:
+      return "no command";
     case GovernorState::ramping:
       return "ramping";
     case GovernorState::live:

@@ -58,7 +58,7 @@ bool SafetyGovernor::is_cause_there() const noexcept {
 bool SafetyGovernor::reset_faults() noexcept {
   if (fault_ == SafetyFault::none) return true;
   if (is_cause_there()) {
-    ++counters_.resets_refused;
+    ++counters_.resets_rejected;
     return false;
   }
   fault_ = SafetyFault::none;
@@ -73,7 +73,7 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
   unheld_s_ += advance(sample.time_ns);
   status_ = status;
   if (status == DeviceStatus::fault) latch(SafetyFault::device);
-  const bool was_held = std::exchange(is_held_, dead_man_.is_held(sample));
+  const bool was_held = std::exchange(is_held_, dead_mans_switch_.is_held(sample));
   if (was_held && !is_held_) ++counters_.releases;
   if (status == DeviceStatus::away || status == DeviceStatus::calibrating) {
     motion_.forget();
@@ -87,13 +87,13 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
 void SafetyGovernor::look(const DeviceSample& sample) noexcept {
   const DeviceLimits& limits = limits_.now();
   switch (motion_.look(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
-    case MotionWatch::Verdict::fine:
+    case MotionMonitor::Verdict::fine:
       break;
-    case MotionWatch::Verdict::no_pose:
+    case MotionMonitor::Verdict::no_pose:
       ++counters_.bad_samples;
       if (bad_samples_.note(now_ns_)) latch(SafetyFault::position);
       return;
-    case MotionWatch::Verdict::jump:
+    case MotionMonitor::Verdict::jump:
       latch(SafetyFault::jump);
       break;
   }
@@ -106,25 +106,25 @@ void SafetyGovernor::observe_temperature(double temperature) noexcept {
   if (temperature >= kTooHot) latch(SafetyFault::thermal);
 }
 
-void SafetyGovernor::take(const WantedWrench& wanted) noexcept {
-  switch (intake_.take(wanted, now_ns_)) {
-    case WrenchIntake::Verdict::accepted:
+void SafetyGovernor::take(const WrenchCommand& wanted) noexcept {
+  switch (filter_.take(wanted, now_ns_)) {
+    case CommandFilter::Verdict::accepted:
       ++counters_.accepted;
       is_accepted_ = true;
       return;
-    case WrenchIntake::Verdict::force_not_finite:
+    case CommandFilter::Verdict::force_not_finite:
       ++counters_.not_finite;
       if (bad_forces_.note(now_ns_)) latch(SafetyFault::not_finite);
       return;
-    case WrenchIntake::Verdict::torque_not_finite:
+    case CommandFilter::Verdict::torque_not_finite:
       ++counters_.not_finite;
       if (bad_torques_.note(now_ns_)) latch(SafetyFault::torque);
       return;
-    case WrenchIntake::Verdict::future:
-      ++counters_.refused_future;
+    case CommandFilter::Verdict::future:
+      ++counters_.rejected_future;
       return;
-    case WrenchIntake::Verdict::old:
-      ++counters_.refused_old;
+    case CommandFilter::Verdict::old:
+      ++counters_.rejected_old;
       return;
   }
 }
@@ -133,9 +133,9 @@ GovernorState SafetyGovernor::gate() const noexcept {
   if (fault_ != SafetyFault::none) return GovernorState::latched;
   if (status_ == DeviceStatus::away) return GovernorState::away;
   if (status_ == DeviceStatus::calibrating) return GovernorState::calibrating;
-  if (!motion_.is_current(now_ns_)) return GovernorState::blind;
-  if (!is_held_) return GovernorState::not_held;
-  return intake_.is_live() ? GovernorState::live : GovernorState::silent;
+  if (!motion_.is_current(now_ns_)) return GovernorState::pose_timeout;
+  if (!is_held_) return GovernorState::switch_released;
+  return filter_.is_live() ? GovernorState::live : GovernorState::no_command;
 }
 
 GovernorState SafetyGovernor::state() const noexcept {
@@ -154,7 +154,7 @@ double SafetyGovernor::allowed_share() const noexcept {
 Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   const DeviceLimits& limits = limits_.now();
   const double most_damping = most_damping_n_s_per_m();
-  const Vec3 wanted_n = ramp * shortened(intake_.wanted().force_n, limits.max_force_n);
+  const Vec3 wanted_n = ramp * shortened(filter_.wanted().force_n, limits.max_force_n);
   Vec3 force_n = SpeedLimit::shape(limits, most_damping, wanted_n, motion_);
   was_braked_ = SpeedLimit::is_soft(limits, motion_.speed_m_per_s());
   const double damping = energy_.damping_n_s_per_m(limits.max_force_n, motion_.speed_m_per_s(), most_damping);
@@ -166,10 +166,10 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   return inside_n;
 }
 
-const Wrench& SafetyGovernor::step(const std::optional<WantedWrench>& wanted, std::int64_t now_ns) noexcept {
+const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, std::int64_t now_ns) noexcept {
   const double passed_s = std::exchange(unheld_s_, 0.0) + advance(now_ns);
-  if (intake_.falls_silent(now_ns_)) {
-    ++counters_.silences;
+  if (filter_.times_out(now_ns_)) {
+    ++counters_.command_timeouts;
     is_open_ = false;
   }
   is_accepted_ = false;
@@ -177,7 +177,7 @@ const Wrench& SafetyGovernor::step(const std::optional<WantedWrench>& wanted, st
   const bool was_open = std::exchange(is_open_, gate() == GovernorState::live);
   if (is_open_ && !was_open) ramp_.begin(now_ns_);
   if (is_open_) {
-    follow(ramp_.share(now_ns_), allowed_share(), intake_.left_s(now_ns_), passed_s);
+    follow(ramp_.share(now_ns_), allowed_share(), filter_.left_s(now_ns_), passed_s);
   } else {
     follow(0.0, 0.0, 0.0, passed_s);
   }
@@ -193,13 +193,13 @@ void SafetyGovernor::follow(double ramp, double share, double left_s, double pas
                                {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
   if (limits.max_torque_nm == 0.0) return;
   const double ball_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
-  out_.torque_nm = torque_.follow(ramp * shortened(intake_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
+  out_.torque_nm = torque_.follow(ramp * shortened(filter_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
                                   {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
 }
 
 void SafetyGovernor::count_accepted() noexcept {
   const DeviceLimits& limits = limits_.now();
-  const double wanted_n = length_of(intake_.wanted().force_n);
+  const double wanted_n = length_of(filter_.wanted().force_n);
   counters_.clamped += wanted_n > limits.max_force_n ? 1 : 0;
   counters_.slewed += force_.was_cut() ? 1 : 0;
   counters_.stopped += was_stopped_ ? 1 : 0;

@@ -11,7 +11,7 @@ namespace {
 bool usable(double limit) { return limit > 1e-9 && limit < 1e9; }
 
 // Fast enough that `most` is gone within kLongestReleaseNs.
-double letting_go(double slew, double most) {
+double release_rate(double slew, double most) {
   return std::max(usable(slew) ? slew : 0.0, most / (1e-9 * static_cast<double>(kLongestReleaseNs)));
 }
 
@@ -19,9 +19,9 @@ DeviceLimits sensible(DeviceLimits limits) {
   constexpr double kNoEnd = std::numeric_limits<double>::infinity();
   const bool is_usable = usable(limits.max_force_n) && usable(limits.max_slew_n_per_s);
   limits.max_force_n = is_usable ? limits.max_force_n : 0.0;
-  limits.max_slew_n_per_s = is_usable ? letting_go(limits.max_slew_n_per_s, limits.max_force_n) : 0.0;
+  limits.max_slew_n_per_s = is_usable ? release_rate(limits.max_slew_n_per_s, limits.max_force_n) : 0.0;
   limits.max_torque_nm = is_usable && usable(limits.max_torque_nm) ? limits.max_torque_nm : 0.0;
-  limits.max_torque_slew_nm_per_s = letting_go(limits.max_torque_slew_nm_per_s, limits.max_torque_nm);
+  limits.max_torque_slew_nm_per_s = release_rate(limits.max_torque_slew_nm_per_s, limits.max_torque_nm);
   if (!usable(limits.max_stiffness_n_per_m)) limits.max_stiffness_n_per_m = 0.0;
   limits.continuous_force_n =
       usable(limits.continuous_force_n) ? std::min(limits.continuous_force_n, limits.max_force_n) : limits.max_force_n;

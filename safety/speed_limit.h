@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
-#include "safety/motion_watch.h"
+#include "safety/motion_monitor.h"
 
 namespace hapton {
 
-// What keeps a device from being driven fast: from kSoftShare of max_speed on, what pushes along the motion fades, and damping rises; at
-// max_speed nothing is left that pushes along, and the device is out of control.
-// RT: yes.
+// Keeps forces from accelerating a fast device: from kSoftShare of max_speed on, force along the motion fades and damping rises. At
+// max_speed no force along the motion is left; a device that is still faster is out of control (is_broken). RT: yes.
 class SpeedLimit {
  public:
   static constexpr double kSoftShare = 0.6;
@@ -22,7 +21,7 @@ class SpeedLimit {
     return std::clamp((speed_m_per_s - soft) / (limits.max_speed_m_per_s - soft), 0.0, 1.0);
   }
 
-  static Vec3 shape(const DeviceLimits& limits, double damping_n_s_per_m, const Vec3& force_n, const MotionWatch& motion) noexcept {
+  static Vec3 shape(const DeviceLimits& limits, double damping_n_s_per_m, const Vec3& force_n, const MotionMonitor& motion) noexcept {
     const double share = excess(limits, motion.speed_m_per_s());
     if (share == 0.0) return force_n;
     const Vec3 along = motion.velocity_m_per_s() / motion.speed_m_per_s();

@@ -4,20 +4,20 @@
 
 namespace hapton {
 
-// What the motors have borne: the leaky integral of force² that a winding with one time constant T heats by,
+// Thermal model of the motors: a winding with one time constant T, heated by force²,
 //
-//   T heat' = force² - heat,   load = heat / continuous²,   load 1: as hot as continuous_force_n makes them in the end
+//   T heat' = force² - heat,   load = heat / continuous²,   load 1: the steady state at continuous_force_n
 //
-// T follows from how long the device bears max_force_n beginning cold: 1 = (max / continuous)² (1 - exp(-peak_s / T)). From load kFadeFrom
-// on the force allowed² sinks linearly from max² to continuous², where it arrives at load 1: so load stays below 1 and the force never
-// jumps. Nobody watches a gap in time: no more than kLongestHeldS of it counts, every device lets go by itself in less, or sleeps as the
-// machine does. A device that bears its max_force_n without end, or does not say how long, has no budget.
-// RT: held and allowed_n yes; making one is set-up only.
+// T follows from how long a cold device may apply max_force_n: 1 = (max / continuous)² (1 - exp(-peak_s / T)). From load kFadeFrom
+// on the square of the force limit decreases linearly from max² to continuous² at load 1: so load stays below 1 and the force never jumps.
+// Of a gap in time no more than kLongestHeldS counts: by then every device has released its force, or sleeps with the machine. A device
+// that can apply max_force_n continuously, or does not state for how long, has no budget. RT: held and allowed_n yes; making one is set-up
+// only.
 class ThermalBudget {
  public:
   static constexpr double kFadeFrom = 0.8;
   static constexpr double kLongestHeldS = 1.0;
-  static constexpr double kSpent = 1.02;  // more than the fade lets through: force was held while nobody looked
+  static constexpr double kSpent = 1.02;  // above what the fade allows: force was applied while this was not called
 
   explicit ThermalBudget(const DeviceLimits& device);
 

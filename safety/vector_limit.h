@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Rounding must not lift a result over its limit.
+// Keeps rounding from lifting a result above its limit.
 constexpr double kJustBelow = 1.0 - 1e-12;
 
 // The length of v; exact for components whose squares overflow or vanish.

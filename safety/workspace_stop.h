@@ -6,15 +6,14 @@
 
 namespace hapton {
 
-// The soft stop at the end of the workspace: a force that pushes outwards fades to nothing within kMarginM (or a tenth of the axis, where
-// that is less) before the end, axis by axis, and stays nothing beyond it. It takes force away and never makes any: a wall there that
-// nobody asked for would push a hand that is outside already.
+// Soft stop at the end of the workspace: outward force fades to zero over the last kMarginM (or a tenth of the axis, if that is less), for
+// each axis, and stays zero beyond the end. It only reduces force: a virtual wall would push a hand that is already outside.
 // RT: yes.
 class WorkspaceStop {
  public:
   static constexpr double kMarginM = 0.010;
 
-  // What of a force along +axis (outward 1) or -axis (-1) is left at p_WD: 1 inside, 0 at the end and beyond.
+  // Share of a force along +axis (outward 1) or -axis (-1) that remains at p_WD: 1 inside, 0 at the end and beyond.
   static double share(const DeviceLimits& limits, int axis, double outward, const Vec3& p_WD) noexcept {
     const double low = limits.workspace_min_m[axis];
     const double high = limits.workspace_max_m[axis];

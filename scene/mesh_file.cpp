@@ -87,11 +87,14 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
   return file;
 }
 
+std::string full_name(const MeshPart& part) { return part.object.empty() ? part.name : part.object + "/" + part.name; }
+
 Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name) {
   TriangleMesh part;
   std::string names;
   for (const MeshPart& run : file.parts) {
-    if (run.name == name) {
+    const std::string full = full_name(run);
+    if (name == run.name || name == full || (!name.empty() && name == run.object)) {
       const auto first = file.mesh.triangles.begin() + static_cast<std::ptrdiff_t>(run.first_triangle);
       part.triangles.insert(part.triangles.end(), first, first + static_cast<std::ptrdiff_t>(run.triangle_count));
       if (file.mesh.has_authored_normals()) {
@@ -99,7 +102,7 @@ Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name)
         part.authored_normals.insert(part.authored_normals.end(), from, from + static_cast<std::ptrdiff_t>(run.triangle_count));
       }
     }
-    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + run.name + "'";
+    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + full + "'";
   }
   if (part.triangles.empty()) return fail("has no part '{}': it has {}", name, names);
   part.vertices = file.mesh.vertices;

@@ -17,6 +17,7 @@ struct MeshPart {
   std::string name;
   std::size_t first_triangle = 0;
   std::size_t triangle_count = 0;
+  std::string object = {};  // of an OBJ group: the object that it lies in
 };
 
 // What a mesh file holds.
@@ -45,7 +46,11 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
 // True for the extensions load_mesh_file knows.
 bool is_mesh_file_name(const std::filesystem::path& path);
 
-// The triangles of every part of that name, with the vertices they use. Error: no such part; names those there are.
+// "object/name", or the one of them that there is.
+std::string full_name(const MeshPart& part);
+
+// The triangles of every part of that name, of every part of the object of that name, or of those with that full name; with the vertices
+// they use. Error: no such part; names those there are.
 Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name);
 
 }  // namespace hapton

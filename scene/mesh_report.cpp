@@ -14,9 +14,13 @@ double crack_width(const MeshTopology& topology) { return kCrackShare * (topolog
 }  // namespace
 
 MeshFlaws find_flaws(const TriangleMesh& mesh) {
-  MeshFlaws flaws{.topology = compute_mesh_topology(mesh), .borders = {}, .mend = {}, .normals = count_authored_normals(mesh)};
+  MeshFlaws flaws{.topology = compute_mesh_topology(mesh),
+                  .borders = {},
+                  .mend = {},
+                  .bodies = count_closed_bodies(mesh),
+                  .normals = count_authored_normals(mesh)};
   flaws.borders = count_border_edges(mesh, crack_width(flaws.topology));
-  mend_mesh(mesh, flaws.mend);
+  repair_mesh(mesh, flaws.mend);
   return flaws;
 }
 
@@ -30,12 +34,22 @@ std::string to_text(const MeshFlaws& flaws) {
                                                         {t.degenerate_triangles, "degenerate triangles"},
                                                         {t.needle_triangles, "needles"},
                                                         {flaws.mend.dropped_duplicates, "duplicates"},
-                                                        {flaws.mend.double_faces, "double faces"}};
+                                                        {flaws.mend.double_faces, "double faces"},
+                                                        {flaws.bodies.inside_out, "bodies inside out"}};
   std::string text;
   for (const auto& [count, name] : counts) {
     if (count > 0) text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", name, count);
   }
   return (t.is_closed() ? "closed" : "not closed") + text;
+}
+
+std::string describe_inside_out(const ClosedBodies& bodies) {
+  if (bodies.inside_out == 0) return {};
+  return fmt::format(
+      "{} of {} closed bod{} inside out: touched with two_sided = false only from within; turn the normals round (\"recalculate outside\") "
+      "and "
+      "export again",
+      bodies.inside_out, bodies.count, bodies.count == 1 ? "y is" : "ies are");
 }
 
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit) {
@@ -76,10 +90,11 @@ std::string to_text(const MeshReport& report) {
   line("duplicate triangles", "{}", report.flaws.mend.dropped_duplicates);
   line("double faces", "{} (the same corners the other way round)", report.flaws.mend.double_faces);
   line("authored normals", "{}", report.flaws.normals.describe());
+  if (report.flaws.bodies.inside_out > 0) line("inside out", "{}", describe_inside_out(report.flaws.bodies));
   line("components", "{}", t.components);
   line("parts", "{}", report.file.parts.size());
   for (const MeshPart& part : report.file.parts)
-    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : part.name);
+    line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : full_name(part));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks)", report.is_closed_for_touch ? "yes" : "no",
        report.left.open + report.left.cracks, report.left.open, report.left.cracks);
@@ -92,7 +107,10 @@ std::string to_json(const MeshReport& report) {
   using Json = nlohmann::ordered_json;
   const MeshTopology& t = report.flaws.topology;
   Json parts = Json::array();
-  for (const MeshPart& part : report.file.parts) parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
+  for (const MeshPart& part : report.file.parts) {
+    parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
+    if (!part.object.empty()) parts.back()["object"] = part.object;
+  }
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
   const Json json = {{"schema", "hapton-mesh-info-1"},
                      {"file", report.path},
@@ -136,6 +154,8 @@ std::string to_json(const MeshReport& report) {
                        {"closed", report.is_closed_for_touch}}},
                      {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
                      {"components", t.components},
+                     {"closed_bodies", report.flaws.bodies.count},
+                     {"bodies_inside_out", report.flaws.bodies.inside_out},
                      {"parts", parts},
                      {"notes", report.file.notes}};
   // Names come from the file and need not be UTF-8.

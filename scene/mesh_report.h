@@ -7,8 +7,9 @@
 #include "core/base/result.h"
 #include "core/geometry/border_edges.h"
 #include "core/geometry/corner_normals.h"
-#include "core/geometry/mend_mesh.h"
+#include "core/geometry/inside_out.h"
 #include "core/geometry/mesh_topology.h"
+#include "core/geometry/repair_mesh.h"
 #include "core/geometry/seal_cracks.h"
 #include "scene/mesh_file.h"
 
@@ -19,7 +20,8 @@ namespace hapton {
 struct MeshFlaws {
   MeshTopology topology;  // metres
   BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
-  MendReport mend;
+  RepairReport mend;
+  ClosedBodies bodies;           // told apart by the side that their fronts are on
   AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
 
@@ -28,6 +30,9 @@ MeshFlaws find_flaws(const TriangleMesh& mesh);
 
 // "closed", or "not closed", and every flaw that there is with its count. Half a line.
 std::string to_text(const MeshFlaws& flaws);
+
+// "2 of 3 closed bodies are inside out: ..."; empty when none is.
+std::string describe_inside_out(const ClosedBodies& bodies);
 
 // What `hapton info` tells about a mesh file.
 struct MeshReport {

@@ -38,8 +38,8 @@ struct RawMesh {
 Result<RawMesh> read_obj(std::string_view bytes);
 Result<RawMesh> read_stl(std::string_view bytes);
 Result<RawMesh> read_ply(std::string_view bytes);
-// folder: where buffers with relative addresses are.
-Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder);
-Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder);
+// folder: where buffers with relative addresses are. max_triangles: of all instances together; with more the file is refused.
+Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles);
+Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles);
 
 }  // namespace hapton

@@ -21,9 +21,15 @@ bool is_decoration(std::string_view keyword) {
   return false;
 }
 
+// Some Windows programs write one before UTF-8.
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 class ObjReader {
  public:
-  explicit ObjReader(std::string_view text) : text_(text), cursor_(text) { raw_.format = "OBJ"; }
+  explicit ObjReader(std::string_view text) : text_(without_byte_order_mark(text)), cursor_(text_) { raw_.format = "OBJ"; }
 
   Result<RawMesh> read() {
     if (text_.find('\0') != std::string_view::npos) return fail("is not text, so not an OBJ file: check its extension");
@@ -51,13 +57,20 @@ class ObjReader {
     }
     if (keyword == "f" || keyword == "fo") return read_face();
     if (keyword == "o" || keyword == "g") {
-      raw_.begin_part(std::string(cursor_.rest_of_line()));
+      (keyword == "o" ? object_ : group_) = std::string(cursor_.rest_of_line());
+      if (keyword == "o") group_.clear();
+      begin_part();
       return std::nullopt;
     }
     if (unknown_++ == 0) {
       raw_.notes.push_back(at_line("'{}' is not read by us; such lines were skipped", printable(keyword)).what);
     }
     return std::nullopt;
+  }
+
+  void begin_part() {
+    raw_.begin_part(group_.empty() ? object_ : group_);
+    if (!group_.empty()) raw_.parts.back().object = object_;
   }
 
   std::optional<Error> read_vertex() {
@@ -143,6 +156,8 @@ class ObjReader {
   std::vector<Eigen::Vector3f> normals_;
   std::vector<Eigen::Vector3f> corner_normals_;  // of corners_; empty: the file has none
   std::vector<bool> is_in_face_;                 // of each vertex
+  std::string object_;                           // the names that hold from here on
+  std::string group_;
   std::size_t unknown_ = 0;
   std::size_t bad_normals_ = 0;
 };

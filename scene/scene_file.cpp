@@ -10,9 +10,10 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/near_miss.h"
 #include "scene/file_bytes.h"
 #include "scene/mesh_file.h"
-#include "scene/near_miss.h"
+#include "scene/scene_hash.h"
 #include "scene/text_cursor.h"
 
 namespace hapton {
@@ -133,7 +134,9 @@ struct ObjectSpec {
   std::string material;
   bool seal_cracks = true;
   std::array<double, 3> color = SceneObject().color;
-  std::size_t line = 0;
+  std::size_t mesh_line = 0;  // in the scene file
+  std::size_t part_line = 0;
+  std::size_t material_line = 0;
 };
 
 // rotation: a unit quaternion w, x, y, z. rotation_deg: about the fixed x axis, then y, then z.
@@ -158,7 +161,13 @@ void read_rotation(const toml::table& table, TableReader& reader, Quat& q_SM) {
 
 Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
   ObjectSpec spec;
-  spec.line = table.source().begin.line;
+  const auto line_of = [&](std::string_view key) -> std::size_t {
+    const toml::node* node = table.get(key);
+    return (node == nullptr ? table.source() : node->source()).begin.line;
+  };
+  spec.mesh_line = line_of("mesh");
+  spec.part_line = line_of("part");
+  spec.material_line = line_of("material");
   TableReader reader(table, fmt::format("[[object]] {}", number));
   reader.allow({"name", "mesh", "part", "unit", "scale", "rotation", "rotation_deg", "position_m", "material", "color", "seal_cracks"});
   if (!reader.has("mesh")) reader.fail_at("mesh", "[[object]] {} has no 'mesh': name its mesh file", number);
@@ -209,7 +218,7 @@ Result<void> check_material(const ObjectSpec& object, const SceneSpec& spec) {
   if (object.material.empty() || spec.materials.contains(object.material)) return {};
   std::vector<std::string_view> known;
   for (const auto& [name, material] : spec.materials) known.emplace_back(name);
-  return fail("line {}: there is no [material.{}]{}", object.line, printable(object.material),
+  return fail("line {}: there is no [material.{}]{}", object.material_line, printable(object.material),
               known.empty() ? ": add it" : near_miss_hint(object.material, known));
 }
 
@@ -223,8 +232,12 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   if (reader.has("fit_m")) spec.fit_m = Vec3(fit[0], fit[1], fit[2]);
   if (const auto read = read_materials(table, spec); !read) return tl::unexpected(read.error());
   const toml::array* objects = table["object"].as_array();
-  if (objects == nullptr || objects->empty() || !objects->is_array_of_tables())
-    return fail("there is no [[object]]: add one with its mesh");
+  const toml::node* given = table.get("object");
+  const bool is_empty = objects != nullptr && objects->empty();
+  if (given != nullptr && !is_empty && (objects == nullptr || !objects->is_array_of_tables())) {
+    return fail("line {}: 'object' must be tables that begin with [[object]]", given->source().begin.line);
+  }
+  if (objects == nullptr || is_empty) return fail("there is no [[object]]: add one with its mesh");
   for (const toml::node& node : *objects) {
     Result<ObjectSpec> object = read_object(*node.as_table(), spec.objects.size() + 1);
     if (!object) return tl::unexpected(object.error());
@@ -241,6 +254,7 @@ class MeshShelf {
     TriangleMesh mesh;
     SealReport sealed;
     std::vector<Vec3> came_with;  // the vertices it had, where it was sealed
+    std::uint64_t given_hash = 0;
   };
 
   explicit MeshShelf(CrackSealing sealing) : sealing_(sealing) {}
@@ -252,11 +266,12 @@ class MeshShelf {
     auto found = meshes_.find(key);
     if (found == meshes_.end()) {
       const Result<const MeshFile*> file = load(path, object.unit, notes);
-      if (!file) return tl::unexpected(file.error());
+      if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
       Result<TriangleMesh> mesh = object.part.empty() ? Result<TriangleMesh>((*file)->mesh) : extract_part(**file, object.part);
-      if (!mesh) return fail("{}: {}", path.string(), mesh.error().what);
+      if (!mesh) return fail("line {}: {}: {}", object.part_line, path.string(), mesh.error().what);
       ReadyMesh ready;
       std::vector<Vec3> vertices = mesh->vertices;
+      ready.given_hash = hash_mesh(*mesh);
       ready.sealed = seal_for_touch(*mesh, sealing);
       ready.mesh = std::move(*mesh);
       if (ready.sealed.has_sealed()) ready.came_with = std::move(vertices);
@@ -291,7 +306,8 @@ class MeshShelf {
 struct PosedMesh {
   TriangleMesh mesh;
   SealReport sealed;
-  Eigen::AlignedBox3d box;  // of the mesh as it came
+  Eigen::AlignedBox3d box;       // of the mesh as it came
+  std::uint64_t given_hash = 0;  // of that mesh and its pose
 };
 
 void scale_widths(SealReport& sealed, double scale) {
@@ -305,7 +321,11 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   const Result<const MeshShelf::ReadyMesh*> loaded = shelf.load(path, object, notes);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
-  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}};
+  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0};
+  const Vec3& p_SM = object.p_SM;
+  const std::array numbers = {object.scale,    object.q_SM.w(), object.q_SM.x(), object.q_SM.y(),
+                              object.q_SM.z(), p_SM.x(),        p_SM.y(),        p_SM.z()};
+  posed.given_hash = combine_hashes((*loaded)->given_hash, hash_numbers(numbers));
   for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->came_with : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
   const Eigen::Quaternionf turn = object.q_SM.cast<float>();
@@ -348,12 +368,15 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   std::vector<PosedMesh> meshes;
   for (const ObjectSpec& object : spec.objects) {
     Result<PosedMesh> mesh = make_mesh(object, folder, shelf, scene.notes);
-    if (!mesh) return fail("line {}: {}", object.line, mesh.error().what);
+    if (!mesh) return tl::unexpected(mesh.error());
     meshes.push_back(std::move(*mesh));
   }
   if (spec.fit_m) {
     if (const auto fitted = fit(meshes, *spec.fit_m, scene.notes); !fitted) return tl::unexpected(fitted.error());
   }
+  const Vec3 fit_m = spec.fit_m.value_or(Vec3::Zero());
+  scene.given_hash = hash_numbers(std::array{fit_m.x(), fit_m.y(), fit_m.z()});
+  for (const PosedMesh& posed : meshes) scene.given_hash = combine_hashes(scene.given_hash, posed.given_hash);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const ObjectSpec& object = spec.objects[i];
     const std::string own_name = object.part.empty() ? std::filesystem::path(object.mesh).stem().string() : object.part;
@@ -371,6 +394,7 @@ Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneL
   if (!file) return tl::unexpected(file.error());
   Scene scene;
   for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
+  scene.given_hash = combine_hashes(file->given_hash, static_cast<std::uint64_t>(loading.fit));
   if (loading.fit == MeshFit::workspace) {
     Eigen::AlignedBox3d box;
     for (const Vec3& vertex : file->mesh.vertices) box.extend(vertex);

@@ -27,6 +27,8 @@ struct SceneObject {
 struct Scene {
   std::vector<SceneObject> objects;  // at least one
   std::vector<std::string> notes;    // what was skipped or looks odd, one line each
+  // Of the meshes as the files have them, their poses and their fit: the same wherever these are, sealed or not. Not 0.
+  std::uint64_t given_hash = 0;
 
   // The same meshes, not copies, as the force methods want them.
   TouchScene touch_scene() const;

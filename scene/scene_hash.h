@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/force/touch_scene.h"
 
@@ -9,5 +10,11 @@ namespace hapton {
 // Of all that can be felt: vertices, triangles and materials, in their order. Equal scenes have equal hashes, on every machine of one byte
 // order. Not against forgery. RT: set-up only.
 std::uint64_t hash_scene(const TouchScene& scene);
+
+// The same of one mesh's vertices and triangles, and of any numbers.
+std::uint64_t hash_mesh(const TriangleMesh& mesh);
+std::uint64_t hash_numbers(std::span<const double> numbers);
+// Of two hashes in this order; never 0.
+std::uint64_t combine_hashes(std::uint64_t first, std::uint64_t second);
 
 }  // namespace hapton

@@ -15,6 +15,15 @@ Result<SceneReport> make_scene_report(const std::filesystem::path& path) {
   return report;
 }
 
+std::vector<std::string> find_inside_out(const Scene& scene) {
+  std::vector<std::string> lines;
+  for (const SceneObject& object : scene.objects) {
+    const std::string line = describe_inside_out(count_closed_bodies(*object.mesh));
+    if (!line.empty()) lines.push_back(object.name + ": " + line);
+  }
+  return lines;
+}
+
 std::string to_text(const SceneReport& report) {
   std::string text =
       fmt::format("scene {}, {} object{}\n", report.path, report.scene.objects.size(), report.scene.objects.size() == 1 ? "" : "s");
@@ -56,6 +65,8 @@ std::string to_json(const SceneReport& report) {
                          {"boundary_edges_left", object.sealed.boundary_edges_left}}},
                        {"open_border_edges", report.flaws[i].borders.open},
                        {"crack_edges", report.flaws[i].borders.cracks},
+                       {"closed_bodies", report.flaws[i].bodies.count},
+                       {"bodies_inside_out", report.flaws[i].bodies.inside_out},
                        {"nonmanifold_edges", t.nonmanifold_edges},
                        {"inconsistent_edges", t.inconsistent_edges},
                        {"nonmanifold_vertices", t.nonmanifold_vertices},

@@ -20,6 +20,9 @@ struct SceneReport {
 // Error: whatever load_scene refuses. RT: set-up only.
 Result<SceneReport> make_scene_report(const std::filesystem::path& path);
 
+// One line for each object of which a closed body is inside out. RT: set-up only.
+std::vector<std::string> find_inside_out(const Scene& scene);
+
 // For people, two lines an object.
 std::string to_text(const SceneReport& report);
 

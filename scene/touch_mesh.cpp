@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "scene/mesh_file.h"
+#include "scene/scene_hash.h"
 
 namespace hapton {
 
@@ -15,7 +16,8 @@ SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing) {
 Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing) {
   Result<MeshFile> file = load_mesh_file(path, unit);
   if (!file) return tl::unexpected(file.error());
-  TouchMesh touch{.mesh = std::move(file->mesh), .sealed = {}, .notes = std::move(file->notes)};
+  TouchMesh touch{.mesh = std::move(file->mesh), .sealed = {}, .given_hash = 0, .notes = std::move(file->notes)};
+  touch.given_hash = hash_mesh(touch.mesh);
   touch.sealed = seal_for_touch(touch.mesh, sealing);
   if (touch.sealed.is_worth_a_note()) touch.notes.push_back(touch.sealed.describe());
   return touch;

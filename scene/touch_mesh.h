@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -22,6 +23,7 @@ SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing = CrackSealin
 struct TouchMesh {
   TriangleMesh mesh;  // metres, the file's own frame
   SealReport sealed;
+  std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
   std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
 };
 

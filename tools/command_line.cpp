@@ -25,12 +25,18 @@ CommandOption CommandOption::one_of(const std::vector<std::string>& words) const
   return CommandOption(*option_->check(CLI::IsMember(words)));
 }
 CommandOption CommandOption::existing_folder() const { return CommandOption(*option_->check(CLI::ExistingDirectory)); }
+CommandOption CommandOption::folder_to_write() const { return CommandOption(*option_->check(hapton::folder_to_write())); }
+CommandOption CommandOption::file_to_write() const { return CommandOption(*option_->check(hapton::file_to_write())); }
 CommandOption CommandOption::again_for_more() const { return CommandOption(*option_->expected(1)->take_all()); }
 CommandOption CommandOption::needs(CommandOption other) const { return CommandOption(*option_->needs(other.option_)); }
 CommandOption CommandOption::excludes(CommandOption other) const { return CommandOption(*option_->excludes(other.option_)); }
 
 CommandLine CommandLine::add_subcommand(const std::string& name, const std::string& help) const {
   return CommandLine(*app_->add_subcommand(name, help));
+}
+
+CommandLine CommandLine::add_old_subcommand(const std::string& old_name, const std::string& name) const {
+  return CommandLine(*app_->add_subcommand(old_name, "Old name of " + name)->group(""));
 }
 
 CommandLine CommandLine::add_group(const std::string& name, const std::string& help) const {

@@ -28,6 +28,9 @@ class CommandOption {
   CommandOption not_negative(const std::string& what = "a number") const;
   CommandOption one_of(const std::vector<std::string>& words) const;
   CommandOption existing_folder() const;
+  // Refused at the start when it can neither be written to nor made: its contents are written at the end.
+  CommandOption folder_to_write() const;
+  CommandOption file_to_write() const;
   // Takes one word each time it is given, and keeps them all.
   CommandOption again_for_more() const;
   CommandOption needs(CommandOption other) const;
@@ -44,6 +47,8 @@ class CommandLine {
   explicit CommandLine(CLI::App& app) : app_(&app) {}
 
   CommandLine add_subcommand(const std::string& name, const std::string& help) const;
+  // The old name of a command: it still works, and --help does not list it.
+  CommandLine add_old_subcommand(const std::string& old_name, const std::string& name) const;
   // Options that stand together in --help.
   CommandLine add_group(const std::string& name, const std::string& help = {}) const;
   // T is std::string, std::filesystem::path, int, unsigned, std::size_t, double, an optional number or a vector of strings.

@@ -16,6 +16,10 @@ void add_doctor_command(CommandLine app, int& exit_code);
 // hapton echo --bind ADDR:PORT [--seconds N] [--rt MODE]: returns every UDP datagram to its sender at the least cost there is.
 void add_echo_command(CommandLine app, int& exit_code);
 
+// hapton evaluate --mesh FILE --method proxy: a method's force error against the reference along a generated trajectory. The old name,
+// `judge`, still works and says so.
+void add_evaluate_command(CommandLine app, int& exit_code);
+
 // hapton figures --out DIR: draws the pictures of docs/methods.md with gnuplot.
 void add_figures_command(CommandLine app, int& exit_code);
 
@@ -24,9 +28,6 @@ void add_governor_command(CommandLine app, int& exit_code);
 
 // hapton info FILE: counts, size and flaws of a mesh, or the objects of a scene.
 void add_info_command(CommandLine app, int& exit_code);
-
-// hapton judge --mesh FILE --method proxy: a method's force error against the reference along a generated trajectory.
-void add_judge_command(CommandLine app, int& exit_code);
 
 // hapton keygen: a new key file for nodes on several machines.
 void add_keygen_command(CommandLine app, int& exit_code);

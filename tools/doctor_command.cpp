@@ -69,14 +69,12 @@ void add_doctor_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
   const CommandLine command = app.add_subcommand(
       "doctor",
-      "Look at devices, libraries, rights, timing, ports, keys and display, and say what mends each problem; exit code 1: there are some");
+      "Check devices, libraries, rights, timing, ports, keys and display, and print how to fix each problem; exit code 1: problems found");
   command.add_option("--only", options->only, describe_checks()).one_of(check_names()).again_for_more();
   command.add_flag("--json", options->json, "For programs: schema hapton.doctor/1");
   command.add_option("--port", options->port, "The hub's UDP port").between(1, 65535).shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
-  command
-      .add_option("--root", options->root,
-                  "Look at the files of another machine's root (for support and tests): nothing is loaded or asked")
+  command.add_option("--root", options->root, "Check the files of another machine's root (for support and tests); nothing is loaded")
       .existing_folder()
       .shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });

@@ -30,7 +30,7 @@ Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& fol
   }
   if (code != 0) {
     std::filesystem::remove(folder / (picture + ".part"), error);
-    return fail("gnuplot could not draw {}; what it said stands above", (folder / picture).string());
+    return fail("gnuplot could not draw {}; see its output above", (folder / picture).string());
   }
   std::filesystem::rename(folder / (picture + ".part"), folder / picture, error);
   if (error) {

@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/near_miss.h"
 #include "runtime/config.h"
-#include "scene/near_miss.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 
@@ -59,10 +59,10 @@ int run_hapton_command(int argc, const char* const* argv) {
   add_bench_command(commands, exit_code);
   add_doctor_command(commands, exit_code);
   add_echo_command(commands, exit_code);
+  add_evaluate_command(commands, exit_code);
   add_figures_command(commands, exit_code);
   add_governor_command(commands, exit_code);
   add_info_command(commands, exit_code);
-  add_judge_command(commands, exit_code);
   add_keygen_command(commands, exit_code);
   add_latency_command(commands, exit_code);
   add_plot_command(commands, exit_code);
@@ -91,7 +91,7 @@ int run_hapton_command(int argc, const char* const* argv) {
     const std::string command = words_so_far(app);
     std::string what = error.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
-    fmt::print(stderr, "{}: {}; see {} --help\n", command, what, command);
+    fmt::print(stderr, "{}: {}{}; see {} --help\n", command, what, suggest_flag(app), command);
     return kBadCommandLine;
   }
   return exit_code;

@@ -48,9 +48,9 @@ int run(const InfoOptions& options) {
 void add_info_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<InfoOptions>();
   const CommandLine info = app.add_subcommand(
-      "info", "Tell the size, counts and flaws of a mesh and what would be mended, or the objects of a scene and their flaws");
+      "info", "Print the size, counts and flaws of a mesh and what would be repaired, or the objects of a scene and their flaws");
   info.add_option("file", options->file, "Mesh (.obj, .stl, .ply, .gltf, .glb) or scene (.toml)").required();
-  info.add_option("--unit", options->unit, "What the file's numbers are in: m (default), cm, mm or in; glTF is always m");
+  info.add_option("--unit", options->unit, "Unit of the file: m (default), cm, mm or in; glTF is always m");
   info.add_flag("--json", options->json, "As JSON");
   info.on_run([options, &exit_code] { exit_code = run(*options); });
 }

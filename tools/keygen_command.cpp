@@ -57,7 +57,7 @@ int run(const KeygenOptions& options) {
 void add_keygen_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<KeygenOptions>();
   const CommandLine command = app.add_subcommand("keygen", "Make the hub's master key, or a node's key from it");
-  command.add_option("FILE", options->file, "Where to put it; what is there already stays as it is").required();
+  command.add_option("FILE", options->file, "File to write; an existing file is not changed").required();
   command.add_option("--role", options->role, "Make the key of this role: haptics, vision, tool, operator (a tool that may reset faults)");
   command.add_option("--master", options->master, "The hub's master key (default: this user's own)");
   command.on_run([options, &exit_code] { exit_code = run(*options); });

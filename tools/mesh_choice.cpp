@@ -48,8 +48,8 @@ void add_mesh_options(CommandLine command, MeshChoice& choice) {
   const CommandLine source = command.add_group("what is touched").require_options(1, 1);
   source.add_option("--mesh", choice.file, "OBJ, STL, PLY, glTF or GLB file");
   source.add_option("--shape", choice.shape, "Generated shape, about 100 mm: " + shape_names());
-  command.add_option("--unit", choice.unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
-  command.add_flag("--no-seal", choice.no_seal, "Take the mesh file as it is: cracks up to 1e-4 of its longest side are not sealed");
+  command.add_option("--unit", choice.unit, "Unit of the mesh file: m (default), cm, mm or in");
+  command.add_flag("--no-seal", choice.no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   command.add_option("--scale-to", choice.scale_to_m, "Scale the mesh about the origin so that its longest side has so many metres")
       .positive();
 }

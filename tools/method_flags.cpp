@@ -8,7 +8,7 @@ namespace hapton {
 void add_method_flags(CommandLine command, MethodFlags& flags) {
   MethodSettings& method = flags.settings;
   command.add_option("--method", method.name, "Force method, one of: " + method_names()).shows_default();
-  command.add_option("--probe-radius", method.probe_radius_m, "Metres; 0 is a point (sweep and smooth know no other)")
+  command.add_option("--probe-radius", method.probe_radius_m, "Radius of the probe, metres; 0: a point (sweep and smooth have only points)")
       .not_negative("metres")
       .shows_default();
   command.add_option("--shading", method.shading, "proxy: force direction from face normals (0) to smooth normals (1)")
@@ -18,8 +18,7 @@ void add_method_flags(CommandLine command, MethodFlags& flags) {
       .between(0.0, 180.0)
       .shows_default();
   command
-      .add_option("--simplify", flags.simplify,
-                  "smooth: merge small triangles while no vertex is left farther off the surface: 0.1mm; 0: never")
+      .add_option("--simplify", flags.simplify, "smooth: simplify the mesh; largest distance from the surface: 0.1mm; 0: do not simplify")
       .shows_default();
   command.add_option("--set-size", method.set_size, "smooth: triangles in the local set, 16 to 256").shows_default();
   command.add_option("--radius", method.smooth_radius_m, "smooth: RADIUS, metres; 0: from the data").shows_default();

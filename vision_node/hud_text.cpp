@@ -4,25 +4,63 @@
 
 namespace hapton {
 
+namespace {
+
+// Where no force can be, "free, 0.00 N" would say that all is well.
+bool is_without_force(ProbeStatus status) {
+  return status != ProbeStatus::ok && status != ProbeStatus::out_of_reach && status != ProbeStatus::too_small;
+}
+
+std::string force_text(const HudFacts& facts) {
+  const ProbeState& s = facts.state;
+  if (is_without_force(s.status)) return std::string(describe(s.status));
+  return fmt::format("force {:4.2f} N   {}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
+                     facts.hand_held ? ", hand on the mouse" : "", s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
+}
+
+}  // namespace
+
+std::string_view describe(ProbeStatus status) {
+  switch (status) {
+    case ProbeStatus::ok:
+      break;
+    case ProbeStatus::no_haptics:
+      return "NO FORCE: no haptics_node answers";
+    case ProbeStatus::fault_latched:
+      return "NO FORCE: a fault is latched; hapton set --reset-faults";
+    case ProbeStatus::device_away:
+      return "NO FORCE: the device is away";
+    case ProbeStatus::calibrating:
+      return "NO FORCE: the device is being calibrated";
+    case ProbeStatus::out_of_reach:
+      return "THE DEVICE CANNOT REACH THE SCENE: check --unit, --no-fit";
+    case ProbeStatus::too_small:
+      return "THE SCENE IS A SPECK: check --unit, --no-fit";
+  }
+  return {};
+}
+
 std::string compose_hud(const HudFacts& facts) {
   const ProbeState& s = facts.state;
   std::string text;
   if (facts.connected) {
     text +=
         fmt::format("servo {:.0f} Hz   round trip p50 {:.0f}  p99 {:.0f} us\n", s.servo_rate_hz, s.round_trip_p50_us, s.round_trip_p99_us);
-    text += fmt::format("force {:4.2f} N   {}{}\n", s.force_n.allFinite() ? s.force_n.norm() : 0.0, s.contact ? "touching" : "free",
-                        facts.hand_held ? ", hand on the mouse" : "");
+    text += force_text(facts) + "\n";
   } else {
     text += "waiting for the hub ...\n\n";
   }
-  text += fmt::format("{:.0f} pictures/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
+  text += fmt::format("{:.0f} frames/s   {}{}   dials {:.0f} {:.0f} {:.0f}", facts.frame_rate_hz, facts.stereo,
                       facts.cull ? "" : ", no cull", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
+  if (facts.detail_progress < 1.0) text += fmt::format("   preparing detail {:.0f} %", 100.0 * facts.detail_progress);
+  if (facts.is_other_scene) text += "\nANOTHER SCENE IS FELT than the one shown: start both nodes with the same --scene";
   return text;
 }
 
 std::string_view keys_help() {
-  return "x X y Y z Z dials   0 home   b cull   s screenshot   h hand   k help   q quit\n"
-         "left drag: hand   wheel: hand's depth   right drag: dials (shift: z)";
+  return "x X y Y z Z knob box   0 home   b cull   h hand   s screenshot   k help   q quit\n"
+         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground\n"
+         "left drag: hand, wheel: press   right drag: look round, with shift: move";
 }
 
 }  // namespace hapton

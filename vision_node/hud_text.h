@@ -15,7 +15,12 @@ struct HudFacts {
   std::string_view stereo;
   bool cull = true;
   bool hand_held = false;
+  double detail_progress = 1.0;  // of the levels of detail, 0 to 1
+  bool is_other_scene = false;   // haptics_node feels another scene than the one shown
 };
+
+// What a person is to know of this state, and can do about it; empty of ProbeStatus::ok.
+std::string_view describe(ProbeStatus status);
 
 // The few lines in the picture's corner: rates, latency, force. Rounded so that noise below what a reader cares for does not change it.
 std::string compose_hud(const HudFacts& facts);

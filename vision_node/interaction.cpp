@@ -1,14 +1,21 @@
 #include "vision_node/interaction.h"
 
+#include <algorithm>
+#include <numbers>
 #include <utility>
 
 namespace hapton {
 namespace {
 
 constexpr double kDialKeyDegrees = 5.0;
-constexpr double kDialDragDegreesPerPixel = 0.5;
-// One notch of the wheel, as a share of the picture's smaller side.
-constexpr double kWheelShare = 0.01;
+constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
+constexpr double kZoomPerNotch = 1.1;
+// Shares of the picture's smaller side: how deep within the surface the hand is led at first (3 mm of a picture of 300: a newton or two
+// with the softest of the shipped materials), one notch of the wheel, and how deep and how far off it may be moved.
+constexpr double kPressShare = 0.01;
+constexpr double kWheelShare = 0.005;
+constexpr double kDeepest = 0.1;
+constexpr double kFarthestOff = -0.5;
 constexpr std::int64_t kHandResendNs = 100'000'000;
 constexpr std::int64_t kFarewellNs = 30'000'000;
 constexpr int kFarewells = 4;
@@ -19,7 +26,7 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
   using Kind = WindowEvent::Kind;
   switch (event.kind) {
     case Kind::close:
-      wishes_.quit = true;
+      requests_.quit = true;
       break;
     case Kind::key:
       press_key(event.key, view);
@@ -36,9 +43,7 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       drag(event, view);
       break;
     case Kind::wheel:
-      if (!hand_.active) break;
-      hand_.p_WH -= view.screen.X_WV.linear().col(2) * (event.wheel * kWheelShare * std::min(view.screen.width_m, view.screen.height_m));
-      hand_changed_ = true;
+      turn_wheel(event.wheel, view);
       break;
   }
   if (event.kind != Kind::key && event.kind != Kind::close) {
@@ -70,17 +75,39 @@ void Interaction::press_key(char key, const View& view) {
     case '0':
       dials_ = {};
       break;
+    case '+':
+    case '=':
+      camera_.zoom_by(kZoomPerNotch);
+      break;
+    case '-':
+      camera_.zoom_by(1.0 / kZoomPerNotch);
+      break;
+    case 'r':
+      camera_ = {};
+      break;
+    case 'f':
+      requests_.look_at_scene = true;
+      break;
+    case 'm':
+      requests_.next_stereo = true;
+      break;
+    case 'e':
+      requests_.swap_eyes = true;
+      break;
     case 'b':
-      wishes_.toggle_cull = true;
+      requests_.toggle_cull = true;
+      break;
+    case 'g':
+      requests_.toggle_depth_cues = true;
       break;
     case 's':
-      wishes_.screenshot = true;
+      requests_.screenshot = true;
       break;
     case 'k':
-      wishes_.toggle_help = true;
+      requests_.toggle_help = true;
       break;
     case 'q':
-      wishes_.quit = true;
+      requests_.quit = true;
       break;
     case 'h':
       latched_ = !latched_;
@@ -98,7 +125,10 @@ void Interaction::take_hold(const View& view) {
   if (hand_.active) return;
   hand_.active = true;
   hand_.p_WH = view.p_WD;
+  press_ = kPressShare;
+  p_WQ_.reset();
   hand_changed_ = true;
+  if (view.p_WQ) lead(view, Vec2::Zero());
 }
 
 void Interaction::let_go() {
@@ -110,21 +140,47 @@ void Interaction::let_go() {
 
 void Interaction::drag(const WindowEvent& event, const View& view) {
   const Vec2 moved(event.x_px - x_px_, event.y_px - y_px_);
-  if (held_ == WindowEvent::Button::right) {
-    if (event.shift) {
-      dials_.turn(2, -kDialDragDegreesPerPixel * moved.x());
-    } else {
-      dials_.turn(1, kDialDragDegreesPerPixel * moved.x());
-      dials_.turn(0, -kDialDragDegreesPerPixel * moved.y());
-    }
-  } else if (hand_.active && (latched_ || held_ == WindowEvent::Button::left) && !moved.isZero()) {
-    const double z_m = (view.screen.X_WV.inverse(Eigen::Isometry) * hand_.p_WH).z();
-    hand_.p_WH += displace_in_screen_plane(view.screen, view.picture, moved, z_m);
-    hand_changed_ = true;
+  if (moved.isZero()) return;
+  const bool pans = held_ == WindowEvent::Button::middle || (held_ == WindowEvent::Button::right && event.shift);
+  if (pans) {
+    camera_.pan_m -= displace_in_screen_plane(view.screen, view.picture, moved, 0.0);
+  } else if (held_ == WindowEvent::Button::right) {
+    // What is seen goes with the mouse: the viewer goes the other way.
+    camera_.orbit(-kOrbitRadiansPerPixel * moved.x(), -kOrbitRadiansPerPixel * moved.y());
+  } else if (hand_.active && (latched_ || held_ == WindowEvent::Button::left)) {
+    lead(view, moved);
   }
 }
 
-Wishes Interaction::take_wishes() { return std::exchange(wishes_, {}); }
+void Interaction::lead(const View& view, const Vec2& moved_px) {
+  hand_changed_ = true;
+  if (view.p_WQ) {
+    p_WQ_ = view.p_WQ;
+    const Vec3 p_WE = compute_eye_position(view.screen, Eye::centre);
+    const double side_m = std::min(view.screen.width_m, view.screen.height_m);
+    hand_.p_WH = *p_WQ_ + press_ * side_m * (*p_WQ_ - p_WE).normalized();
+    return;
+  }
+  p_WQ_.reset();
+  const double z_m = (view.screen.X_WV.inverse(Eigen::Isometry) * hand_.p_WH).z();
+  hand_.p_WH += displace_in_screen_plane(view.screen, view.picture, moved_px, z_m);
+}
+
+void Interaction::turn_wheel(int notches, const View& view) {
+  if (!hand_.active) {
+    camera_.zoom_by(notches > 0 ? kZoomPerNotch : 1.0 / kZoomPerNotch);
+    return;
+  }
+  const double side_m = std::min(view.screen.width_m, view.screen.height_m);
+  const double before = press_;
+  press_ = std::clamp(press_ + kWheelShare * notches, kFarthestOff, kDeepest);
+  const Vec3 away =
+      p_WQ_ ? Vec3((*p_WQ_ - compute_eye_position(view.screen, Eye::centre)).normalized()) : Vec3(-view.screen.X_WV.linear().col(2));
+  hand_.p_WH += (press_ - before) * side_m * away;
+  hand_changed_ = true;
+}
+
+UserRequests Interaction::take_requests() { return std::exchange(requests_, {}); }
 
 std::optional<HandTarget> Interaction::take_hand(std::int64_t now_ns) {
   const std::int64_t silent_ns = now_ns - hand_sent_ns_;

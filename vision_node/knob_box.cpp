@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "runtime/log.h"
+
 namespace hapton {
 namespace {
 
@@ -59,6 +61,12 @@ void ViewTransformSender::confirm(std::uint32_t hub_revision) {
   }
 }
 
+void ViewTransformSender::reject(std::uint32_t revision) {
+  if (revision == 0 || revision != newest_.revision || revision == rejected_) return;
+  rejected_ = revision;
+  log_warning("the hub rejected view transform {}: not a rigid pose; the scene keeps its pose there until a dial turns", revision);
+}
+
 void ViewTransformSender::rejoin() {
   heard_ = false;
   confirmed_ = 0;
@@ -66,7 +74,7 @@ void ViewTransformSender::rejoin() {
 }
 
 std::optional<ViewTransform> ViewTransformSender::take_due(std::int64_t now_ns) {
-  const bool lost = heard_ && confirmed_ < newest_.revision && now_ns - sent_ns_ >= kResendNs;
+  const bool lost = heard_ && confirmed_ < newest_.revision && rejected_ != newest_.revision && now_ns - sent_ns_ >= kResendNs;
   if (!due_ && !lost) return std::nullopt;
   due_ = false;
   sent_ns_ = now_ns;

@@ -34,9 +34,12 @@ class ViewTransformSender {
   // Takes the newest pose; a pose whose floats did not change is no change.
   void set(const Pose& X_WS);
 
-  // What the hub last said it has forwarded (ProbeState::view_revision). A hub that, when first heard, is ahead of us has heard an
+  // What the hub last said is in use (ProbeState::view_revision). A hub that, when first heard, is ahead of us has heard an
   // earlier vision node: our numbers then go on from its.
   void confirm(std::uint32_t hub_revision);
+
+  // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
+  void reject(std::uint32_t revision);
 
   // The hub has (again) welcomed us: whatever it knew is to be told anew.
   void rejoin();
@@ -50,6 +53,7 @@ class ViewTransformSender {
  private:
   ViewTransform newest_;
   std::uint32_t confirmed_ = 0;
+  std::uint32_t rejected_ = 0;  // 0: none
   bool heard_ = false;
   bool due_ = false;
   std::int64_t sent_ns_ = 0;

@@ -97,6 +97,7 @@ int run(VisionOptions& options) {
   const auto other = open_other_link(options, clock);
   if (!other) return give_up(other.error());
   VisionSession session(**view, client, clock, options);
+  session.set_scene(scene->given_hash);
   if (*other) session.set_other_hand(&(*other)->hand);
   std::optional<SpaceKnobs> knobs;
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));

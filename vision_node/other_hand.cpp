@@ -38,6 +38,7 @@ void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
 void OtherHand::hear() {
   Datagram heard;
   while (hub_.receive(heard, 0)) {
+    if (const auto* rejected = std::get_if<ViewRejected>(&heard.message)) sender_.reject(rejected->revision);
     const auto* state = std::get_if<ProbeState>(&heard.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     state_ = *state;

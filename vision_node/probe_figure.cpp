@@ -1,12 +1,18 @@
 #include "vision_node/probe_figure.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include <vtkMapper.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkShaderProperty.h>
 
+#include "vision_node/depth_cues.h"
 #include "vision_node/vtk_shapes.h"
 
 namespace hapton {
@@ -14,6 +20,14 @@ namespace {
 
 constexpr double kHeadToShaftRadius = 2.6;
 constexpr double kHeadLengthInRadii = 7.0;
+constexpr double kLimitToShaftRadius = 3.2;
+// A point's shadow would not be seen.
+constexpr double kShadowInRadii = 2.0;
+// From the tip's middle to where the arrow begins.
+constexpr double kGapInRadii = 1.8;
+// Of the depth range, in front: what shows through lies in a thousandth, and the tip before the arrow.
+constexpr double kGhostShare = 1e-3;
+constexpr double kTipShare = 5e-4;
 
 void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambient, double specular) {
   vtkNew<vtkPolyDataMapper> mapper;
@@ -28,24 +42,40 @@ void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambie
   look->SetSpecularPower(30.0);
 }
 
-// Moves what is drawn to the front thousandth of the depth range, its own order kept, and leaves out every other 2 x 2 block of pixels:
-// blocks, because patterns of single pixels are what some stereo modes tell the eyes apart by.
-void make_ghost(vtkActor* ghost, vtkActor* original) {
+// Moves what is drawn to the front part of the depth range, its own order kept.
+void bring_to_front(vtkActor* actor, double share) {
+  actor->GetShaderProperty()->AddVertexShaderReplacement(
+      "//VTK::PositionVC::Impl", true,
+      fmt::format("//VTK::PositionVC::Impl\n  gl_Position.z = {0:.6f} * gl_Position.z - {1:.6f} * gl_Position.w;\n", share, 1.0 - share),
+      false);
+}
+
+// The original once more, over everything, with every other 2 x 2 block of pixels left out: blocks, because patterns of single pixels are
+// what some stereo modes tell the eyes apart by.
+void make_ghost(vtkActor* ghost, vtkActor* original, double share = kGhostShare) {
   // A mapper of its own: one mapper keeps one shader.
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputDataObject(original->GetMapper()->GetInputDataObject(0, 0));
   mapper->ScalarVisibilityOff();
   ghost->SetMapper(mapper);
   ghost->SetProperty(original->GetProperty());
-  vtkShaderProperty* shaders = ghost->GetShaderProperty();
-  shaders->AddVertexShaderReplacement("//VTK::PositionVC::Impl", true,
-                                      "//VTK::PositionVC::Impl\n"
-                                      "  gl_Position.z = 0.001 * gl_Position.z - 0.999 * gl_Position.w;\n",
-                                      false);
-  shaders->AddFragmentShaderReplacement("//VTK::Light::Impl", true,
-                                        "//VTK::Light::Impl\n"
-                                        "  if (((int(gl_FragCoord.x) / 2 + int(gl_FragCoord.y) / 2) & 1) == 1) discard;\n",
-                                        false);
+  bring_to_front(ghost, share);
+  ghost->GetShaderProperty()->AddFragmentShaderReplacement(
+      "//VTK::Light::Impl", true,
+      "//VTK::Light::Impl\n"
+      "  if (((int(gl_FragCoord.x) / 2 + int(gl_FragCoord.y) / 2) & 1) == 1) discard;\n",
+      false);
+}
+
+// A ring round the shaft at each newton.
+vtkSmartPointer<vtkPolyData> make_rings(const ProbeSizes& sizes, int newtons) {
+  const double s = sizes.arrow_radius_m;
+  std::vector<std::pair<double, double>> profile = {{0.0, 0.0}};
+  for (int i = 1; i <= newtons; ++i) {
+    const double z = i * sizes.arrow_m_per_n;
+    profile.insert(profile.end(), {{0.0, z - 0.3 * s}, {1.7 * s, z - 0.3 * s}, {1.7 * s, z + 0.3 * s}, {0.0, z + 0.3 * s}});
+  }
+  return make_lathe(profile);
 }
 
 // Unit quaternion that turns the z axis to the direction.
@@ -62,7 +92,7 @@ void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& sc
 
 }  // namespace
 
-ProbeFigure::ProbeFigure(const ProbeSizes& sizes) : sizes_(sizes) {
+ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeLook& colours) : sizes_(sizes), tip_radius_m_(sizes.tip_radius_m) {
   const double l = sizes.stylus_length_m;
   const double r = 0.038 * l;
   const auto pen = make_lathe({{0.0, 0.0},
@@ -83,12 +113,23 @@ ProbeFigure::ProbeFigure(const ProbeSizes& sizes) : sizes_(sizes) {
                                   {1.06 * r, 0.29 * l},
                                   {1.06 * r, 0.42 * l},
                                   {0.86 * r, 0.43 * l}});
-  dress(grip_, sleeve, {0.16, 0.17, 0.20}, 0.30, 0.25);
-  dress(tip_, make_ball(sizes.tip_radius_m), {1.0, 0.78, 0.10}, 0.35, 0.5);
+  dress(grip_, sleeve, colours.grip, 0.30, 0.25);
+  dress(tip_, make_ball(sizes.tip_radius_m), colours.tip, 0.35, 0.5);
   const double s = sizes.arrow_radius_m;
-  dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
+  dress(shaft_, make_lathe({{0.0, 0.0}, {s, 0.0}, {s, 1.0}, {0.0, 1.0}}), colours.arrow, 0.55, 0.0);
   const double h = kHeadLengthInRadii * s;
-  dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), {0.20, 0.90, 0.45}, 0.55, 0.0);
+  dress(head_, make_lathe({{0.0, -h}, {kHeadToShaftRadius * s, -h}, {0.0, 0.0}}), colours.arrow, 0.55, 0.0);
+  for (int newtons = 0; newtons <= kMostRings; ++newtons) ring_shapes_[newtons] = make_rings(sizes, newtons);
+  dress(rings_, ring_shapes_[0], 0.6 * colours.arrow, 0.7, 0.0);
+  dress(limit_, make_lathe({{0.0, 0.0}, {kLimitToShaftRadius * s, 0.0}, {kLimitToShaftRadius * s, s}, {0.0, s}}), {0.95, 0.15, 0.10}, 0.7,
+        0.0);
+  dress(device_point_, make_ball(0.6 * sizes.tip_radius_m), {0.95, 0.25, 0.20}, 0.6, 0.0);
+  dress(penetration_, make_lathe({{0.0, 0.0}, {0.35 * s, 0.0}, {0.35 * s, 1.0}, {0.0, 1.0}}), {0.95, 0.25, 0.20}, 0.7, 0.0);
+  // A disc that lies flat: z of the shape is up.
+  dress(shadow_, make_lathe({{0.0, 0.0}, {1.0, 0.0}}), {0.045, 0.05, 0.06}, 1.0, 0.0);
+  bring_to_front(device_point_, kGhostShare);
+  bring_to_front(penetration_, kGhostShare);
+  make_ghost(ghost_tip_, tip_, kTipShare);
   make_ghost(ghost_shaft_, shaft_);
   make_ghost(ghost_head_, head_);
   for (vtkActor* actor : actors()) actor->VisibilityOff();
@@ -98,23 +139,63 @@ void ProbeFigure::add_to(vtkRenderer* renderer) {
   for (vtkActor* actor : actors()) renderer->AddActor(actor);
 }
 
+void ProbeFigure::set_tip_radius(double radius_m) {
+  tip_radius_m_ = radius_m > 0.0 && std::isfinite(radius_m) ? radius_m : sizes_.tip_radius_m;
+}
+
 void ProbeFigure::set(const ProbeShown& probe) {
   place(stylus_, probe.p_WP, probe.q_WT, Vec3::Ones());
   place(grip_, probe.p_WP, probe.q_WT, Vec3::Ones());
-  place(tip_, probe.p_WP, Quat::Identity(), Vec3::Ones());
-  stylus_->VisibilityOn();
-  grip_->VisibilityOn();
-  tip_->VisibilityOn();
+  const Vec3 ball = Vec3::Constant(tip_radius_m_ / sizes_.tip_radius_m);
+  for (vtkActor* actor : {tip_.Get(), ghost_tip_.Get()}) place(actor, probe.p_WP, Quat::Identity(), ball);
+  for (vtkActor* actor : {stylus_.Get(), grip_.Get(), tip_.Get(), ghost_tip_.Get()}) actor->VisibilityOn();
+  place_arrow(probe);
+  place_device_point(probe);
+  place_shadow(probe);
+}
+
+void ProbeFigure::place_shadow(const ProbeShown& probe) {
+  const auto p_WS = find_shadow(probe.p_WP);
+  shadow_->SetVisibility(throws_shadow_ && p_WS.has_value());
+  if (!throws_shadow_ || !p_WS) return;
+  // Over the scene's own shadow, by as much as that lies over the ground.
+  const double above = 0.5 * sizes_.tip_radius_m;
+  place(shadow_, *p_WS + above * Vec3::UnitY(), turn_z_to(Vec3::UnitY()),
+        {kShadowInRadii * tip_radius_m_, kShadowInRadii * tip_radius_m_, 1.0});
+}
+
+void ProbeFigure::place_arrow(const ProbeShown& probe) {
   const Vec3 arrow = compute_arrow(probe, sizes_);
   const double length = arrow.norm();
   const bool shown = length > sizes_.arrow_radius_m;
-  for (vtkActor* actor : {shaft_.Get(), head_.Get(), ghost_shaft_.Get(), ghost_head_.Get()}) actor->SetVisibility(shown);
+  for (vtkActor* actor : {shaft_.Get(), head_.Get(), rings_.Get(), ghost_shaft_.Get(), ghost_head_.Get()}) actor->SetVisibility(shown);
+  limit_->SetVisibility(shown && probe.force_n.norm() * sizes_.arrow_m_per_n > sizes_.arrow_max_m);
   if (!shown) return;
   const Quat along = turn_z_to(arrow);
+  // Beside the ball: what is touched is not hidden.
+  const Vec3 from = probe.p_WP + arrow / length * (kGapInRadii * tip_radius_m_);
   const double head = std::min(1.0, 0.6 * length / (kHeadLengthInRadii * sizes_.arrow_radius_m));
   const double shaft = length - 0.99 * head * kHeadLengthInRadii * sizes_.arrow_radius_m;
-  for (vtkActor* actor : {shaft_.Get(), ghost_shaft_.Get()}) place(actor, probe.p_WP, along, {1.0, 1.0, shaft});
-  for (vtkActor* actor : {head_.Get(), ghost_head_.Get()}) place(actor, probe.p_WP + arrow, along, Vec3::Constant(head));
+  for (vtkActor* actor : {shaft_.Get(), ghost_shaft_.Get()}) place(actor, from, along, {1.0, 1.0, shaft});
+  for (vtkActor* actor : {head_.Get(), ghost_head_.Get()}) place(actor, from + arrow, along, Vec3::Constant(head));
+  place(rings_, from, along, Vec3::Ones());
+  place(limit_, from + arrow, along, Vec3::Ones());
+  // Those on the shaft: under the head they would stand out.
+  const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMostRings);
+  if (newtons == rings_shown_) return;
+  rings_shown_ = newtons;
+  vtkPolyDataMapper::SafeDownCast(rings_->GetMapper())->SetInputData(ring_shapes_[newtons]);
+}
+
+void ProbeFigure::place_device_point(const ProbeShown& probe) {
+  const Vec3 in = probe.p_WD - probe.p_WP;
+  const double depth = in.norm();
+  const bool shown = probe.contact && depth > 0.0;
+  device_point_->SetVisibility(shown);
+  penetration_->SetVisibility(shown);
+  if (!shown) return;
+  place(device_point_, probe.p_WD, Quat::Identity(), Vec3::Ones());
+  place(penetration_, probe.p_WP, turn_z_to(in), {1.0, 1.0, depth});
 }
 
 }  // namespace hapton

@@ -5,33 +5,68 @@
 #include <vtkActor.h>
 #include <vtkMatrix4x4.h>
 #include <vtkNew.h>
+#include <vtkPolyData.h>
 #include <vtkRenderer.h>
+#include <vtkSmartPointer.h>
 
 #include "vision_node/probe_shown.h"
 
 namespace hapton {
 
-// The stylus with its ball tip, and the force arrow, as VTK actors. Hidden until first set. The arrow is seen from every side,
-// also where it points into an object.
+// The colours by which hands are told apart.
+struct ProbeLook {
+  Vec3 tip;
+  Vec3 grip;
+  Vec3 arrow;
+  static ProbeLook first() { return {{1.0, 0.78, 0.10}, {0.16, 0.17, 0.20}, {0.20, 0.90, 0.45}}; }
+  static ProbeLook other() { return {{0.25, 0.62, 1.0}, {0.10, 0.22, 0.50}, {0.95, 0.45, 0.85}}; }
+};
+
+// The stylus with its ball tip, and the force arrow, as VTK actors. Hidden until first set. The arrow begins beside the tip, has a ring for
+// each newton and a red one where it is cut off. Tip and arrow are seen, dotted, through whatever is in front of them. In contact the
+// device's own place is shown, beneath the surface, joined to the tip by a line as long as the penetration.
 class ProbeFigure {
  public:
-  explicit ProbeFigure(const ProbeSizes& sizes);
+  explicit ProbeFigure(const ProbeSizes& sizes, const ProbeLook& look = ProbeLook::first());
   void add_to(vtkRenderer* renderer);
   void set(const ProbeShown& probe);
+  // The tip is a ball of this radius; 0: a pin, of the radius in sizes().
+  void set_tip_radius(double radius_m);
+  // Whether the tip throws a shadow on the ground.
+  void set_shadow(bool thrown) { throws_shadow_ = thrown; }
   const ProbeSizes& sizes() const { return sizes_; }
 
  private:
+  static constexpr int kMostRings = 12;
+
+  void place_arrow(const ProbeShown& probe);
+  void place_device_point(const ProbeShown& probe);
+  void place_shadow(const ProbeShown& probe);
+
   ProbeSizes sizes_;
+  double tip_radius_m_;
   vtkNew<vtkActor> stylus_;
   vtkNew<vtkActor> grip_;
   vtkNew<vtkActor> tip_;
   vtkNew<vtkActor> shaft_;
   vtkNew<vtkActor> head_;
-  // The arrow once more, over everything and with every other block of pixels left out: seen where it points into an object.
+  vtkNew<vtkActor> rings_;
+  vtkNew<vtkActor> limit_;
+  // Over everything and with every other block of pixels left out: seen where something is in front.
+  vtkNew<vtkActor> ghost_tip_;
   vtkNew<vtkActor> ghost_shaft_;
   vtkNew<vtkActor> ghost_head_;
+  vtkNew<vtkActor> device_point_;
+  vtkNew<vtkActor> penetration_;
+  vtkNew<vtkActor> shadow_;
+  std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // of so many newtons
+  int rings_shown_ = -1;
+  bool throws_shadow_ = false;
 
-  std::array<vtkActor*, 7> actors() { return {stylus_, grip_, tip_, shaft_, head_, ghost_shaft_, ghost_head_}; }
+  std::array<vtkActor*, 13> actors() {
+    return {stylus_,    grip_,        tip_,        shaft_,        head_,        rings_, limit_,
+            ghost_tip_, ghost_shaft_, ghost_head_, device_point_, penetration_, shadow_};
+  }
 };
 
 }  // namespace hapton

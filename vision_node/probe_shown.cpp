@@ -1,8 +1,10 @@
 #include "vision_node/probe_shown.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <system_error>
 
 namespace hapton {
 namespace {
@@ -27,11 +29,22 @@ ProbeShown show_probe(const ProbeState& state, const Quat& lean) {
   ProbeShown shown;
   shown.contact = state.contact;
   if (state.p_WD.allFinite()) shown.p_WP = state.p_WD;
+  shown.p_WD = shown.p_WP;
   if (state.visual_offset_m.allFinite()) shown.p_WP += state.visual_offset_m;
   if (state.force_n.allFinite()) shown.force_n = state.force_n;
   if (state.q_WT.coeffs().allFinite() && state.q_WT.squaredNorm() > 0.25) shown.q_WT = state.q_WT.normalized();
   shown.q_WT = lean * shown.q_WT;
   return shown;
+}
+
+double find_probe_radius(std::string_view method) {
+  constexpr std::string_view kKey = "probe_radius_m=";
+  const auto at = method.find(kKey);
+  if (at == std::string_view::npos) return 0.0;
+  double radius_m = 0.0;
+  const char* from = method.data() + at + kKey.size();
+  const auto [end, error] = std::from_chars(from, method.data() + method.size(), radius_m);
+  return error == std::errc() && end != from && radius_m > 0.0 && std::isfinite(radius_m) ? radius_m : 0.0;
 }
 
 // About the axis at right angles to z and to the direction of the lean, 55 degrees up from the right.

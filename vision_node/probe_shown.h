@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string_view>
 
 #include "link/messages.h"
 #include "vision_node/stereo_camera.h"
@@ -22,6 +23,7 @@ ProbeSizes scale_probe(const Framing& framing);
 // beneath it (memo 4.2.2). Frame W, metres, newtons.
 struct ProbeShown {
   Vec3 p_WP = Vec3::Zero();
+  Vec3 p_WD = Vec3::Zero();      // the device itself: where the tip is while nothing is touched
   Quat q_WT = Quat::Identity();  // lean included
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
@@ -33,6 +35,9 @@ struct ProbeShown {
 ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
 Quat make_lean(double angle_rad);
+
+// The radius in what a haptics node says of its method ("name=proxy probe_radius_m=0.015"), m; 0 where none is said.
+double find_probe_radius(std::string_view method);
 
 // Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);

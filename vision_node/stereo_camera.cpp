@@ -8,6 +8,9 @@ namespace {
 // Arm's length to a desk display, and the largest sphere that is comfortably looked at from there.
 constexpr double kDeskDistance = 0.6;
 constexpr double kDeskRadius = 0.2;
+// A smaller one is looked at from nearer, in proportion: seen from the desk's distance its pixels would be smaller than what single
+// precision, in which the picture is drawn, tells apart there.
+constexpr double kSmallRadius = 0.002;
 // A little air around what is framed.
 constexpr double kMargin = 1.06;
 
@@ -19,15 +22,15 @@ Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {
 }  // namespace
 
 Framing frame_sphere(const Vec3& p_WC, double radius_m, double ipd_m) {
-  const double giant = std::max(1.0, radius_m / kDeskRadius);
+  const double scale = radius_m < kSmallRadius ? radius_m / kSmallRadius : std::max(1.0, radius_m / kDeskRadius);
   Framing framing;
   framing.p_WC = p_WC;
-  framing.distance_m = kDeskDistance * giant;
-  framing.ipd_m = ipd_m * giant;
+  framing.distance_m = kDeskDistance * scale;
+  framing.ipd_m = ipd_m * scale;
   // The cone that touches the sphere cuts the screen plane in a circle of radius d r / sqrt(d^2 - r^2).
   const double d = framing.distance_m;
   framing.view_m = 2.0 * kMargin * d * radius_m / std::sqrt(d * d - radius_m * radius_m);
-  framing.depth_m = 2.0 * std::max(radius_m, kDeskRadius * giant);
+  framing.depth_m = 2.0 * std::max(radius_m, kDeskRadius * scale);
   return framing;
 }
 

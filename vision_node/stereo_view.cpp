@@ -1,37 +1,39 @@
 #include "vision_node/stereo_view.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <utility>
 
-#include <vtkActor.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
+#include <vtkCullerCollection.h>
 #include <vtkLight.h>
 #include <vtkNew.h>
+#include <vtkObjectFactory.h>
 #include <vtkOpenGLRenderWindow.h>
 #include <vtkPNGWriter.h>
-#include <vtkPolyDataMapper.h>
-#include <vtkProperty.h>
-#include <vtkRenderWindow.h>
-#include <vtkRenderWindowInteractor.h>
+#include <vtkProp.h>
 #include <vtkRenderer.h>
-#include <vtkTextActor.h>
-#include <vtkTextProperty.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkWindowToImageFilter.h>
 
 #include "runtime/atomic_file.h"
 #include "vision_node/display.h"
+#include "vision_node/hud_figure.h"
+#include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
+#include "vision_node/scene_layers.h"
 #include "vision_node/vtk_shapes.h"
+#include "vision_node/window_listener.h"
 
 namespace hapton {
 namespace {
 
 constexpr int kScreenshotSamples = 8;
+// From over the viewer's left shoulder, as the scene's.
+const Vec3 kLight_V(-0.40, 0.62, 0.85);
 
 int vtk_stereo_type(StereoMode mode) {
   switch (mode) {
@@ -64,63 +66,44 @@ int vtk_stereo_type(StereoMode mode) {
   return 0;
 }
 
-// Two lines of text in a corner of one eye's picture: the same place in both, so it lies in the screen's plane.
-struct HudText {
-  vtkNew<vtkTextActor> facts;
-  vtkNew<vtkTextActor> help;
-
-  void dress(vtkRenderer* renderer) {
-    for (vtkTextActor* text : {facts.Get(), help.Get()}) {
-      vtkTextProperty* look = text->GetTextProperty();
-      look->SetFontFamilyToArial();
-      look->SetColor(0.96, 0.97, 0.98);
-      look->SetBackgroundColor(0.03, 0.04, 0.06);
-      look->SetBackgroundOpacity(0.45);
-      look->SetLineSpacing(1.15);
-      text->SetVisibility(false);
-      renderer->AddActor2D(text);
-    }
-    facts->GetTextProperty()->SetVerticalJustificationToTop();
-  }
-
-  void place(PictureSize size) {
-    const int font = std::clamp(std::min(size.width_px / 44, size.height_px / 46), 9, 40);
-    const int edge = font / 2;
-    facts->GetTextProperty()->SetFontSize(font);
-    help->GetTextProperty()->SetFontSize(std::max(9, font - 2));
-    facts->SetPosition(edge, size.height_px - edge);
-    help->SetPosition(edge, edge);
-  }
-
-  static void set(vtkTextActor* actor, std::string_view text) {
-    const std::string owned(text);
-    actor->SetVisibility(!owned.empty());
-    if (!owned.empty() && (actor->GetInput() == nullptr || owned != actor->GetInput())) actor->SetInput(owned.c_str());
+// The static scene in VTK's list of things to draw: first, and where it lies nothing is cleared before.
+class SceneProp : public vtkProp {
+ public:
+  static SceneProp* New();
+  vtkTypeMacro(SceneProp, vtkProp) std::function<void()> draw;
+  int RenderOpaqueGeometry(vtkViewport*) override {
+    draw();
+    return 1;
   }
 };
+vtkStandardNewMacro(SceneProp)
 
-// One viewport: the whole window, or one eye's half of it.
-struct EyeView {
+    // One viewport: the whole window, or one eye's half of it.
+    struct EyeView {
   Eye eye = Eye::centre;
   bool composed = false;  // VTK draws both eyes through this view and says which by the camera's LeftEye
-  Framing framing;
+  bool swapped = false;   // and these are the other way round
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkCamera> camera;
-  HudText hud;
+  vtkNew<vtkLight> light;
+  vtkNew<SceneProp> scene;
+  HudFigure hud;
   PictureSize placed;
+  bool shows_scale = false;
 
   PictureSize size() {
     const int* pixels = renderer->GetSize();
     return {pixels[0], pixels[1]};
   }
 
-  // Runs as each pass of each picture begins, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
-  void aim() {
-    const Eye now = !composed ? eye : camera->GetLeftEye() != 0 ? Eye::left : Eye::right;
-    const PictureSize pixels = size();
-    if (pixels.width_px <= 0 || pixels.height_px <= 0) return;
-    const StereoScreen screen = compute_screen(framing, pixels);
-    // VTK's own view matrix from position, focal point and up is exactly ours; its projection is replaced.
+  Eye eye_now() const {
+    if (!composed) return eye;
+    return (camera->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
+  }
+
+  // VTK's own view matrix from position, focal point and up is exactly ours; its projection is replaced.
+  void aim(const StereoScreen& screen) {
+    const Eye now = eye_now();
     const Vec3 p_WE = compute_eye_position(screen, now);
     const Vec3 ahead = p_WE - screen.distance_m * screen.X_WV.linear().col(2);
     const Vec3 up = screen.X_WV.linear().col(1);
@@ -132,14 +115,14 @@ struct EyeView {
     copy_matrix(compute_projection_matrix(screen, now), projection);
     camera->SetExplicitProjectionTransformMatrix(projection);
     camera->UseExplicitProjectionTransformMatrixOn();
-    if (pixels != placed) {
-      placed = pixels;
-      hud.place(pixels);
-    }
+    const Vec3 towards = screen.X_WV.linear() * kLight_V;
+    light->SetPosition(towards.x(), towards.y(), towards.z());
+    hud.set_scale_bar(shows_scale ? choose_scale_bar(screen, size()) : ScaleBar{}, size());
+    if (size() == placed) return;
+    placed = size();
+    hud.place(placed);
   }
 };
-
-void aim_before_drawing(vtkObject*, unsigned long, void* view, void*) { static_cast<EyeView*>(view)->aim(); }
 
 }  // namespace
 
@@ -149,20 +132,29 @@ struct StereoView::Window {
   DisplayConnection display;
   ViewSettings settings;
   StereoMode mode = StereoMode::mono;
+  bool has_quad = false;
+  bool swapped = false;
   // The window dies after what is drawn in it.
   vtkNew<vtkRenderWindow> window;
-  vtkSmartPointer<vtkRenderWindowInteractor> interactor;  // none off screen
+  std::unique_ptr<WindowListener> listener;  // none off screen
   std::vector<std::unique_ptr<EyeView>> eyes;
-  std::vector<vtkSmartPointer<vtkActor>> scene;
+  std::unique_ptr<SceneLayers> layers;
   std::unique_ptr<ProbeFigure> probe;
   std::unique_ptr<ProbeFigure> other_probe;
-  std::vector<WindowEvent> events;
+  Pose X_WS = Pose::Identity();
   bool stale = true;
+  // Of the frame being drawn.
+  bool is_prepared = false;
+  bool is_whole = false;  // in full detail whatever it takes
+  std::function<void()> before_probe;
 
+  vtkOpenGLRenderWindow* opengl() { return vtkOpenGLRenderWindow::SafeDownCast(window); }
   Result<void> open();
+  void arrange();
   void add_eye(Eye eye, double from, double to);
-  void listen();
-  void hear(unsigned long event);
+  void begin(EyeView& view);
+  void prepare();
+  void render();
 };
 
 Result<void> StereoView::Window::open() {
@@ -176,146 +168,115 @@ Result<void> StereoView::Window::open() {
   }
   const bool wants_quad = settings.stereo == StereoMode::crystal_eyes || settings.stereo == StereoMode::automatic;
   if (wants_quad) window->StereoCapableWindowOn();
-  auto* opengl = vtkOpenGLRenderWindow::SafeDownCast(window);
-  if (opengl == nullptr) return fail("this build of VTK has no OpenGL window: install libvtk9-dev of Debian 12");
-  opengl->Initialize();
-  if (opengl->SupportsOpenGL() == 0) {
+  if (opengl() == nullptr) return fail("this build of VTK has no OpenGL window: install libvtk9-dev of Debian 12");
+  opengl()->Initialize();
+  if (opengl()->SupportsOpenGL() == 0) {
     return fail("this display cannot do OpenGL 3.2 ({}): install a newer graphics driver or Mesa's software one",
-                opengl->GetOpenGLSupportMessage());
+                opengl()->GetOpenGLSupportMessage());
   }
-  const bool has_quad = wants_quad && window->GetStereoCapableWindow() != 0;
+  has_quad = wants_quad && window->GetStereoCapableWindow() != 0;
   if (settings.stereo == StereoMode::crystal_eyes && !has_quad) {
     return fail(
         "stereo mode crystal_eyes needs a quad-buffered OpenGL visual and this display has none: use --stereo side_by_side or auto");
   }
   mode = settings.stereo;
-  if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::side_by_side;
-  if (const int type = vtk_stereo_type(mode); type != 0) {
-    window->SetStereoType(type);
-    window->StereoRenderOn();
-  }
+  if (mode == StereoMode::automatic) mode = has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
   return {};
+}
+
+// The renderers that the mode needs, in place of those there are.
+void StereoView::Window::arrange() {
+  for (const auto& eye : eyes) {
+    eye->renderer->RemoveAllObservers();
+    window->RemoveRenderer(eye->renderer);
+  }
+  eyes.clear();
+  const int type = vtk_stereo_type(mode);
+  if (type != 0) window->SetStereoType(type);
+  window->SetStereoRender(type != 0);
+  if (mode == StereoMode::side_by_side) {
+    add_eye(swapped ? Eye::right : Eye::left, 0.0, 0.5);
+    add_eye(swapped ? Eye::left : Eye::right, 0.5, 1.0);
+  } else {
+    add_eye(mode == StereoMode::emulate ? Eye::left : Eye::centre, 0.0, 1.0);
+  }
+  stale = true;
 }
 
 void StereoView::Window::add_eye(Eye eye, double from, double to) {
   auto view = std::make_unique<EyeView>();
   view->eye = eye;
   view->composed = vtk_stereo_type(mode) != 0;
-  view->framing = settings.framing;
+  view->swapped = swapped;
   vtkRenderer* renderer = view->renderer;
   renderer->SetViewport(from, 0.0, to, 1.0);
   renderer->SetActiveCamera(view->camera);
   renderer->AutomaticLightCreationOff();
-  if (settings.plain) {
-    renderer->SetBackground(0.0, 0.0, 0.0);
-  } else {
-    renderer->GradientBackgroundOn();
-    renderer->SetBackground(0.055, 0.07, 0.095);
-    renderer->SetBackground2(0.30, 0.36, 0.44);
-  }
-  vtkNew<vtkLight> light;
-  light->SetLightTypeToSceneLight();
-  light->PositionalOff();
-  const Vec3 towards = compute_screen(settings.framing, {1, 1}).X_WV.linear() * Vec3(-0.40, 0.62, 0.85);
-  light->SetFocalPoint(0.0, 0.0, 0.0);
-  light->SetPosition(towards.x(), towards.y(), towards.z());
-  renderer->AddLight(light);
-  for (const auto& actor : scene) renderer->AddActor(actor);
+  renderer->GetCullers()->RemoveAllItems();
+  renderer->EraseOff();
+  view->light->SetLightTypeToSceneLight();
+  view->light->PositionalOff();
+  view->light->SetFocalPoint(0.0, 0.0, 0.0);
+  renderer->AddLight(view->light);
+  view->scene->draw = [this, each = view.get()] {
+    const int* origin = each->renderer->GetOrigin();
+    layers->copy_to_bound(each->eye_now(), origin[0], origin[1]);
+  };
+  renderer->AddViewProp(view->scene);
   probe->add_to(renderer);
   other_probe->add_to(renderer);
-  if (!settings.plain) view->hud.dress(renderer);
-  vtkNew<vtkCallbackCommand> aim;
-  aim->SetCallback(aim_before_drawing);
-  aim->SetClientData(view.get());
-  renderer->AddObserver(vtkCommand::StartEvent, aim);
+  if (!settings.plain) view->hud.add_to(renderer);
+  // Runs as each pass of each picture begins, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
+  vtkNew<vtkCallbackCommand> begin_pass;
+  begin_pass->SetClientData(this);
+  begin_pass->SetCallback([](vtkObject* begun, unsigned long, void* self, void*) {
+    for (const auto& each : static_cast<Window*>(self)->eyes) {
+      if (each->renderer.Get() == begun) static_cast<Window*>(self)->begin(*each);
+    }
+  });
+  renderer->AddObserver(vtkCommand::StartEvent, begin_pass);
   window->AddRenderer(renderer);
   eyes.push_back(std::move(view));
 }
 
-void StereoView::Window::listen() {
-  // VTK warns that the library with its own mouse styles is not linked; we bring our own.
-  vtkObject::GlobalWarningDisplayOff();
-  interactor = vtkSmartPointer<vtkRenderWindowInteractor>::New();
-  vtkObject::GlobalWarningDisplayOn();
-  interactor->SetRenderWindow(window);
-  interactor->SetInteractorStyle(nullptr);
-  interactor->EnableRenderOff();
-  vtkNew<vtkCallbackCommand> hearing;
-  hearing->SetClientData(this);
-  hearing->SetCallback([](vtkObject*, unsigned long event, void* self, void*) { static_cast<Window*>(self)->hear(event); });
-  for (const unsigned long event :
-       {vtkCommand::KeyPressEvent, vtkCommand::LeftButtonPressEvent, vtkCommand::LeftButtonReleaseEvent, vtkCommand::MiddleButtonPressEvent,
-        vtkCommand::MiddleButtonReleaseEvent, vtkCommand::RightButtonPressEvent, vtkCommand::RightButtonReleaseEvent,
-        vtkCommand::MouseMoveEvent, vtkCommand::MouseWheelForwardEvent, vtkCommand::MouseWheelBackwardEvent, vtkCommand::ExitEvent,
-        vtkCommand::RenderEvent, vtkCommand::ExposeEvent, vtkCommand::ConfigureEvent}) {
-    interactor->AddObserver(event, hearing);
-  }
-  interactor->Initialize();
+void StereoView::Window::begin(EyeView& view) {
+  const PictureSize pixels = view.size();
+  if (pixels.width_px <= 0 || pixels.height_px <= 0) return;
+  if (!std::exchange(is_prepared, true)) prepare();
+  view.shows_scale = settings.depth_cues && !settings.plain;
+  view.aim(compute_screen(settings.framing, pixels));
 }
 
-void StereoView::Window::hear(unsigned long event) {
-  using Kind = WindowEvent::Kind;
-  using Button = WindowEvent::Button;
-  WindowEvent heard;
-  const int* at = interactor->GetEventPosition();
-  heard.x_px = at[0];
-  heard.y_px = at[1];
-  heard.shift = interactor->GetShiftKey() != 0;
-  switch (event) {
-    case vtkCommand::KeyPressEvent:
-      heard.kind = Kind::key;
-      heard.key = interactor->GetKeyCode();
-      break;
-    case vtkCommand::LeftButtonPressEvent:
-      heard.kind = Kind::press;
-      heard.button = Button::left;
-      break;
-    case vtkCommand::LeftButtonReleaseEvent:
-      heard.kind = Kind::release;
-      heard.button = Button::left;
-      break;
-    case vtkCommand::MiddleButtonPressEvent:
-      heard.kind = Kind::press;
-      heard.button = Button::middle;
-      break;
-    case vtkCommand::MiddleButtonReleaseEvent:
-      heard.kind = Kind::release;
-      heard.button = Button::middle;
-      break;
-    case vtkCommand::RightButtonPressEvent:
-      heard.kind = Kind::press;
-      heard.button = Button::right;
-      break;
-    case vtkCommand::RightButtonReleaseEvent:
-      heard.kind = Kind::release;
-      heard.button = Button::right;
-      break;
-    case vtkCommand::MouseMoveEvent:
-      heard.kind = Kind::move;
-      break;
-    case vtkCommand::MouseWheelForwardEvent:
-      heard.kind = Kind::wheel;
-      heard.wheel = 1;
-      break;
-    case vtkCommand::MouseWheelBackwardEvent:
-      heard.kind = Kind::wheel;
-      heard.wheel = -1;
-      break;
-    case vtkCommand::ExitEvent:
-      heard.kind = Kind::close;
-      break;
-    default:
-      stale = true;
-      return;
+// The scene of all eyes, then the newest word on what moves over it. VTK's framebuffer is bound.
+void StereoView::Window::prepare() {
+  std::vector<ScenePass> passes;
+  for (const auto& view : eyes) {
+    ScenePass pass{view->eye,          compute_screen(settings.framing, view->size()), view->size(), X_WS, settings.cull, settings.plain,
+                   settings.depth_cues};
+    if (view->composed) {
+      pass.eye = Eye::left;
+      passes.push_back(pass);
+      pass.eye = Eye::right;
+    }
+    passes.push_back(pass);
   }
-  events.push_back(heard);
+  layers->prepare(passes, read_bound_format());
+  if (is_whole) layers->refine_whole();
+  if (before_probe) before_probe();
+}
+
+void StereoView::Window::render() {
+  is_prepared = false;
+  window->Render();
 }
 
 StereoView::StereoView(std::unique_ptr<Window> window) : window_(std::move(window)) {}
 
 StereoView::~StereoView() {
-  if (window_->interactor) window_->interactor->RemoveAllObservers();
+  window_->listener.reset();
   for (const auto& eye : window_->eyes) eye->renderer->RemoveAllObservers();
+  window_->window->MakeCurrent();
+  window_->layers.reset();
 }
 
 Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& settings, const std::vector<ShownObject>& objects) {
@@ -324,66 +285,86 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   auto window = std::make_unique<Window>(*display);
   window->settings = settings;
   if (auto opened = window->open(); !opened) return tl::unexpected(opened.error());
-  for (const ShownObject& object : objects) {
-    auto actor = vtkSmartPointer<vtkActor>::New();
-    vtkNew<vtkPolyDataMapper> mapper;
-    mapper->SetInputData(make_poly_data(*object.mesh));
-    mapper->ScalarVisibilityOff();
-    actor->SetMapper(mapper);
-    vtkProperty* look = actor->GetProperty();
-    look->SetInterpolationToFlat();
-    look->SetColor(object.colour.x(), object.colour.y(), object.colour.z());
-    if (settings.plain) {
-      look->LightingOff();
-    } else {
-      look->SetAmbient(0.20);
-      look->SetDiffuse(0.88);
-      look->SetSpecular(0.22);
-      look->SetSpecularPower(18.0);
-    }
-    look->SetBackfaceCulling(settings.cull);
-    window->scene.push_back(actor);
-  }
-  window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing));
-  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing));
-  if (window->mode == StereoMode::side_by_side) {
-    window->add_eye(Eye::left, 0.0, 0.5);
-    window->add_eye(Eye::right, 0.5, 1.0);
-  } else {
-    window->add_eye(Eye::centre, 0.0, 1.0);
-  }
-  if (!settings.offscreen) window->listen();
+  window->window->MakeCurrent();
+  auto layers = SceneLayers::make(objects);
+  if (!layers) return tl::unexpected(layers.error());
+  window->layers = std::move(*layers);
+  window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());
+  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::other());
+  for (ProbeFigure* figure : {window->probe.get(), window->other_probe.get()}) figure->set_shadow(settings.depth_cues && !settings.plain);
+  window->arrange();
+  if (!settings.offscreen) window->listener = std::make_unique<WindowListener>(window->window);
   return std::unique_ptr<StereoView>(new StereoView(std::move(window)));
 }
 
-void StereoView::set_scene_pose(const Pose& X_WS) {
-  vtkNew<vtkMatrix4x4> matrix;
-  copy_matrix(X_WS.matrix(), matrix);
-  for (const auto& actor : window_->scene) actor->SetUserMatrix(matrix);
+void StereoView::set_scene_pose(const Pose& X_WS) { window_->X_WS = X_WS; }
+void StereoView::set_framing(const Framing& framing) { window_->settings.framing = framing; }
+
+Result<void> StereoView::set_stereo(StereoMode mode) {
+  if (mode == StereoMode::automatic) mode = window_->has_quad ? StereoMode::crystal_eyes : StereoMode::mono;
+  if (mode == StereoMode::crystal_eyes && !window_->has_quad) return fail("this window has no quad-buffered stereo");
+  window_->mode = mode;
+  window_->arrange();
+  return {};
+}
+
+void StereoView::swap_eyes() {
+  window_->swapped = !window_->swapped;
+  window_->arrange();
+}
+
+std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
+  for (const auto& view : window_->eyes) {
+    const int* origin = view->renderer->GetOrigin();
+    const int x = x_px - origin[0];
+    const int y = y_px - origin[1];
+    const PictureSize size = view->size();
+    if (x < 0 || y < 0 || x >= size.width_px || y >= size.height_px) continue;
+    window_->window->MakeCurrent();
+    return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
+  }
+  return std::nullopt;
 }
 
 void StereoView::set_probe(const ProbeShown& probe) { window_->probe->set(probe); }
 void StereoView::set_other_probe(const ProbeShown& probe) { window_->other_probe->set(probe); }
 
 void StereoView::set_hud(std::string_view facts, std::string_view help) {
-  for (const auto& eye : window_->eyes) {
-    HudText::set(eye->hud.facts, facts);
-    HudText::set(eye->hud.help, help);
-  }
+  for (const auto& eye : window_->eyes) eye->hud.set(facts, help);
 }
 
-void StereoView::set_cull(bool cull) {
-  for (const auto& actor : window_->scene) actor->GetProperty()->SetBackfaceCulling(cull);
+void StereoView::set_cull(bool cull) { window_->settings.cull = cull; }
+void StereoView::set_depth_cues(bool shown) {
+  window_->settings.depth_cues = shown;
+  for (ProbeFigure* figure : {window_->probe.get(), window_->other_probe.get()}) figure->set_shadow(shown && !window_->settings.plain);
 }
+void StereoView::set_probe_radius(double radius_m) { window_->probe->set_tip_radius(radius_m); }
 
-void StereoView::draw() {
+void StereoView::draw(std::function<void()> before_probe) {
   if (window_->mode == StereoMode::emulate) {
     Eye& eye = window_->eyes.front()->eye;
     eye = eye == Eye::left ? Eye::right : Eye::left;
   }
-  window_->window->Render();
+  // VTK's way to the window is three pictures' copies by shaders; where VTK composes nothing, one is enough.
+  const bool is_composed = vtk_stereo_type(window_->mode) != 0;
+  window_->window->SetSwapBuffers(is_composed || window_->settings.msaa > 0);
+  window_->before_probe = std::move(before_probe);
+  window_->render();
+  window_->before_probe = {};
+  if (window_->window->GetSwapBuffers() == 0 && !window_->settings.offscreen) present(window_->opengl());
   window_->window->WaitForCompletion();
 }
+
+bool StereoView::refine() {
+  if (window_->layers->has_new_levels()) return true;
+  if (!window_->layers->wants_refining()) return false;
+  window_->window->MakeCurrent();
+  return window_->layers->refine();
+}
+
+double StereoView::detail_progress() const { return window_->layers->progress(); }
+const PaintCount& StereoView::paint_count() const { return window_->layers->count(); }
+std::uint64_t StereoView::scenes_drawn() const { return window_->layers->drawn(); }
 
 Picture StereoView::read_picture() {
   const int* pixels = window_->window->GetSize();
@@ -405,7 +386,10 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   }
   // Once, for a picture that stays, smooth edges are worth their time.
   window_->window->SetMultiSamples(std::max(kScreenshotSamples, window_->settings.msaa));
-  window_->window->Render();
+  window_->window->SwapBuffersOn();
+  window_->is_whole = true;
+  window_->render();
+  window_->is_whole = false;
   vtkNew<vtkWindowToImageFilter> grab;
   grab->SetInput(window_->window);
   grab->SetInputBufferTypeToRGB();
@@ -420,12 +404,12 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   return {};
 }
 
-std::vector<WindowEvent> StereoView::poll_events() {
-  if (window_->interactor) window_->interactor->ProcessEvents();
-  return std::exchange(window_->events, {});
-}
+std::vector<WindowEvent> StereoView::poll_events() { return window_->listener ? window_->listener->poll() : std::vector<WindowEvent>{}; }
 
-bool StereoView::take_stale() { return std::exchange(window_->stale, false); }
+bool StereoView::take_stale() {
+  const bool uncovered = window_->listener && window_->listener->take_stale();
+  return std::exchange(window_->stale, false) || uncovered;
+}
 
 StereoMode StereoView::mode() const { return window_->mode; }
 

@@ -2,15 +2,17 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
-#include "core/geometry/triangle_mesh.h"
 #include "vision_node/interaction.h"
 #include "vision_node/probe_shown.h"
+#include "vision_node/scene_painter.h"
 #include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
 
@@ -24,13 +26,8 @@ struct ViewSettings {
   bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
   bool offscreen = false;  // no window is mapped; a display is needed all the same
   bool plain = false;      // one dark colour behind, no light, no HUD: for measuring pixels
+  bool depth_cues = true;  // ground, shadow, workspace, haze and scale bar; none where plain
   Framing framing;
-};
-
-// A mesh of the static scene. Frame S.
-struct ShownObject {
-  std::shared_ptr<const TriangleMesh> mesh;
-  Vec3 colour = {0.7, 0.7, 0.72};
 };
 
 // What is in the window: rows from the bottom, 3 bytes a pixel.
@@ -40,7 +37,8 @@ struct Picture {
   const std::uint8_t* at(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * size.width_px + x)]; }
 };
 
-// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD.
+// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD. The scene is drawn when
+// it looks different and kept; probe and HUD are drawn over it.
 // side_by_side draws two viewports, each eye with its own view and off-axis projection matrix. All other modes are composed by VTK, whose
 // own eye matrices are replaced by ours for each eye's pass: so every mode shows the same two pictures.
 // Threads: all calls from the one that opened it. RT: no.
@@ -51,15 +49,39 @@ class StereoView {
   ~StereoView();
 
   void set_scene_pose(const Pose& X_WS);
+  // Another view of it. Sizes of what is drawn for the probe stay as they began.
+  void set_framing(const Framing& framing);
+  // Error: crystal_eyes where the display cannot do it. automatic: what it came to at the start.
+  Result<void> set_stereo(StereoMode mode);
+  // The left eye's picture for the right eye and back, in all modes that show two eyes.
+  void swap_eyes();
   // Nothing is drawn for the probe before the first call.
   void set_probe(const ProbeShown& probe);
   // Of another hand; the same holds.
   void set_other_probe(const ProbeShown& probe);
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
+  void set_depth_cues(bool shown);
+  // The probe's true radius; 0: a point, drawn as a pin.
+  void set_probe_radius(double radius_m);
 
-  // Draws and waits until it is done.
-  void draw();
+  // The surface of the scene that is seen at that pixel of the window, from the lower left corner, in the newest picture; none where
+  // nothing of the scene is. Frame W. None as well while the window is drawn with smoothed edges.
+  std::optional<Vec3> pick(int x_px, int y_px);
+
+  // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: what it sets of the probe and
+  // the HUD is in the picture.
+  void draw(std::function<void()> before_probe = {});
+
+  // Spends some milliseconds on a picture of the scene in full detail, to be called while it rests. True when the next draw() shows more
+  // than the last.
+  bool refine();
+  // How much of the scene's levels of detail has been made, 0 to 1.
+  double detail_progress() const;
+  // Of the newest picture of the scene that was drawn in levels, one eye's.
+  const PaintCount& paint_count() const;
+  // How often the scene has been drawn, each eye's picture counted.
+  std::uint64_t scenes_drawn() const;
 
   // The newest picture, as drawn.
   Picture read_picture();

@@ -37,9 +37,11 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   std::vector<std::string> hubs = {options.hub};
   bool no_cull = false;
   bool no_help = false;
+  bool no_depth_cues = false;
 
   CLI::App app{
-      "Draws the scene and the probe in stereo, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn the window:\n" +
+      "Draws the scene and the probe, in stereo where asked for, sends the knob box' view transform, and lets the mouse be the hand.\n\nIn "
+      "the window:\n" +
           std::string(keys_help()),
       "vision_node"};
   app.add_option("--hub", hubs,
@@ -51,7 +53,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node must be told the same");
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--stereo", stereo,
-                 fmt::format("One of: {}. auto: quad-buffer where the display can, else side_by_side",
+                 fmt::format("One of: {}. auto: quad-buffer where the display can, else mono",
                              [] {
                                std::string all;
                                for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
@@ -72,6 +74,10 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Lean the drawn stylus this much further to the upper right; 0: as reported")
       ->check(between(0.0, 90.0))
       ->capture_default_str();
+  app.add_option("--probe-radius", options.probe_radius_m,
+                 "Draw the probe with this radius, metres; 0: a pin (default: what the haptics node feels with)")
+      ->check(between(0.0, 1.0));
+  app.add_flag("--no-depth-cues", no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start")->check(between(-360.0, 360.0));
   app.add_option("--dial-y-deg", options.dials_degrees.y(), "")->check(between(-360.0, 360.0));
   app.add_option("--dial-z-deg", options.dials_degrees.z(), "")->check(between(-360.0, 360.0));
@@ -104,6 +110,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.view.height_px = pixels.height_px;
   options.view.cull = !no_cull;
   options.help = !no_help;
+  options.view.depth_cues = !no_depth_cues;
   options.has_space_knobs = knobs == "spacemouse";
   options.screenshot_moment = *ScreenshotMoment::parse(when);
   if (!unit.empty()) options.loading.unit = *parse_unit(unit);

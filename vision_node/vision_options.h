@@ -22,11 +22,14 @@ struct VisionOptions {
   SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace};  // drawn as it came
   ViewSettings view;
   Vec3 dials_degrees = Vec3::Zero();
+  Vec3 p_SO = Vec3::Zero();  // a sphere around the scene that was opened
+  double scene_radius_m = 0.0;
   // A three-quarter view shows depth and the force that points at the hand, and is little enough for the hand not to mind.
   double view_yaw_deg = -25.0;
   double view_pitch_deg = 20.0;
   double stylus_lean_deg = 50.0;
-  double view_mm = 0.0;  // 0: as the scene needs
+  double probe_radius_m = -1.0;  // below 0: as the haptics node says
+  double view_mm = 0.0;          // 0: as the scene needs
   double ipd_mm = 63.0;
   double rate_limit_hz = -1;  // below 0: chosen by who draws
   double seconds = 0.0;       // 0: until the window is closed

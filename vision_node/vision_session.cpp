@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/mesh_measures.h"
 #include "runtime/log.h"
 
 namespace hapton {
 namespace {
 
 // How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
+constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without an answer, before a person is told
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 // The smallest thing that is framed: a scene of one point still gives a picture.
@@ -25,9 +27,43 @@ VisionStepSettings make_step_settings(const StereoView& view, const VisionOption
   settings.max_rate_hz = options.rate_limit_hz;
   settings.always_changing = view.mode() == StereoMode::emulate;
   settings.cull = options.view.cull;
+  settings.depth_cues = options.view.depth_cues;
   settings.help = options.help;
   settings.stereo = stereo_mode_name(view.mode());
+  settings.home = options.view.framing;
+  settings.p_SO = options.p_SO;
+  settings.scene_radius_m = options.scene_radius_m;
   return settings;
+}
+
+// A sphere around all objects: round the middle of their box.
+std::pair<Vec3, double> bound_scene(const Scene& scene) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+  for (const SceneObject& object : scene.objects) {
+    const MeshBounds bounds = compute_bounds(*object.mesh);
+    low = low.cwiseMin(bounds.low);
+    high = high.cwiseMax(bounds.high);
+  }
+  if (!(low.array() <= high.array()).all()) return {Vec3::Zero(), 0.0};
+  const Vec3 middle = 0.5 * (low + high);
+  double squared = 0.0;
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& p_S : object.mesh->vertices) squared = std::max(squared, (p_S - middle).squaredNorm());
+  }
+  return {middle, std::sqrt(squared)};
+}
+
+// What m goes through: an ordinary screen, two pictures, coloured glasses.
+StereoMode next_stereo(StereoMode mode) {
+  switch (mode) {
+    case StereoMode::mono:
+      return StereoMode::side_by_side;
+    case StereoMode::side_by_side:
+      return StereoMode::anaglyph;
+    default:
+      return StereoMode::mono;
+  }
 }
 
 }  // namespace
@@ -46,6 +82,9 @@ Framing frame_scene(const Scene& scene, const VisionOptions& options) {
 
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options) {
   options.view.framing = frame_scene(scene, options);
+  const auto [p_SO, radius_m] = bound_scene(scene);
+  options.p_SO = p_SO;
+  options.scene_radius_m = radius_m;
   std::vector<ShownObject> objects;
   for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.color.data())});
   auto view = StereoView::open(options.view, objects);
@@ -71,7 +110,9 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
       clock_(clock),
       options_(options),
       step_(make_step_settings(view, options)),
-      moment_(options.screenshot_moment) {}
+      moment_(options.screenshot_moment) {
+  if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
+}
 
 Result<void> VisionSession::run(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
@@ -83,24 +124,42 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     speak();
     if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
+    refine_scene();
   }
   if (!options_.screenshot.empty() && !moment_.taken()) return take_screenshot(options_.screenshot);
   return {};
 }
 
 // Waits for one message, then takes all that have come: the newest state wins.
-void VisionSession::hear_hub(std::int64_t deadline_ns) {
+void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram heard;
   for (bool more = hub_.receive(heard, deadline_ns); more; more = hub_.receive(heard, 0)) {
+    if (const auto* rejected = std::get_if<ViewRejected>(&heard.message)) step_.hear(*rejected);
+    if (const auto* setup = std::get_if<HapticsSetup>(&heard.message)) take_setup(*setup);
+    if (const auto* scene = std::get_if<SceneFacts>(&heard.message)) compare_scene(*scene);
     const auto* state = std::get_if<ProbeState>(&heard.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     heard_ns_ = hub_.receive_time_ns();
     step_.hear(*state);
   }
+}
+
+void VisionSession::take_setup(const HapticsSetup& setup) {
+  if (options_.probe_radius_m >= 0.0) return;
+  const double radius_m = find_probe_radius(setup.method.data());
+  if (radius_m == probe_radius_m_) return;
+  probe_radius_m_ = radius_m;
+  view_.set_probe_radius(radius_m);
+  step_.spoil();
+}
+
+void VisionSession::hear_hub(std::int64_t deadline_ns) {
+  take_states(deadline_ns);
   const bool joined = hub_.state() == JoinState::joined;
   if (joined && (!was_joined_ || hub_.counts().joins != joins_)) {
     log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
     step_.joined();
+    next_scene_ns_ = 0;
   } else if (!joined && was_joined_) {
     if (hub_.has_hub_left()) {
       log_info("the hub has ended its session; waiting for the next one");
@@ -116,17 +175,62 @@ void VisionSession::hear_hub(std::int64_t deadline_ns) {
   was_joined_ = joined;
 }
 
+void VisionSession::compare_scene(const SceneFacts& felt) {
+  if (scene_hash_ == 0 || felt.given_hash == 0) return;
+  const bool is_other = felt.given_hash != scene_hash_;
+  if (is_other == is_other_scene_) return;
+  is_other_scene_ = is_other;
+  step_.set_other_scene(is_other);
+  if (is_other) {
+    log_warning("haptics_node feels another scene than the one shown; start both with the same --scene, --unit and --no-fit");
+  } else {
+    log_info("haptics_node feels the scene shown");
+  }
+}
+
 Result<void> VisionSession::attend_window() {
-  for (const WindowEvent& event : view_.poll_events()) step_.handle(event, where());
+  handle_events();
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   if (view_.take_stale()) step_.spoil();
-  const Wishes wishes = step_.take_wishes();
-  quit_ = quit_ || wishes.quit;
-  return wishes.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+  const UserRequests requests = step_.take_requests();
+  quit_ = quit_ || requests.quit;
+  change_stereo(requests);
+  step_.set_detail_progress(view_.detail_progress());
+  return requests.screenshot ? take_screenshot(next_screenshot_name()) : Result<void>{};
+}
+
+// Of motions that came together only the last one counts.
+void VisionSession::handle_events() {
+  const std::vector<WindowEvent> events = view_.poll_events();
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const WindowEvent& event = events[i];
+    const bool is_move = event.kind == WindowEvent::Kind::move;
+    if (is_move && i + 1 < events.size() && events[i + 1].kind == WindowEvent::Kind::move) continue;
+    step_.handle(event, where(), step_.wants_surface(event) ? view_.pick(event.x_px, event.y_px) : std::nullopt);
+  }
+}
+
+void VisionSession::change_stereo(const UserRequests& requests) {
+  if (requests.swap_eyes) {
+    view_.swap_eyes();
+    step_.spoil();
+  }
+  if (!requests.next_stereo) return;
+  if (const auto changed = view_.set_stereo(next_stereo(view_.mode())); !changed) log_warning("{}", changed.error().what);
+  step_.set_stereo(stereo_mode_name(view_.mode()), view_.mode() == StereoMode::emulate);
+}
+
+// A little at a time, so that a probe that begins to move is drawn at once.
+void VisionSession::refine_scene() {
+  if (step_.is_scene_at_rest(clock_.now_ns()) && view_.refine()) step_.spoil();
 }
 
 void VisionSession::speak() {
   if (hub_.state() != JoinState::joined) return;
+  if (scene_hash_ != 0 && clock_.now_ns() >= next_scene_ns_) {
+    next_scene_ns_ = clock_.now_ns() + kSceneEveryNs;
+    hub_.send(SceneFacts{.given_hash = scene_hash_});
+  }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
 }
 
@@ -140,11 +244,16 @@ Result<void> VisionSession::draw_if_wanted() {
   }
   const VisionStep::Shown shown = step_.compose(begin_ns);
   view_.set_scene_pose(shown.X_WS);
-  if (shown.probe) view_.set_probe(*shown.probe);
+  view_.set_framing(shown.framing);
   if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
   view_.set_cull(shown.cull);
+  view_.set_depth_cues(shown.depth_cues);
   view_.set_hud(shown.hud, shown.help);
-  view_.draw();
+  // While the scene was drawn the probe has moved on.
+  view_.draw([this] {
+    take_states(0);
+    if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
+  });
   tell_of_picture(is_wanted, begin_ns, clock_.now_ns());
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? take_screenshot(options_.screenshot) : Result<void>{};
@@ -182,9 +291,11 @@ std::filesystem::path VisionSession::next_screenshot_name() {
 
 VisionStep::Screen VisionSession::where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
 
-std::string run_bench(StereoView& view, const Clock& clock, int frames) {
+std::string run_bench(StereoView& view, Clock& clock, int frames) {
   view.draw();  // the first picture builds shaders
   Dials dials;
+  // Levels of detail are made once; what is asked for is how fast it draws with them.
+  while (view.detail_progress() < 1.0) clock.sleep_until_ns(clock.now_ns() + kTurnNs);
   FrameLog log;
   for (int i = 0; i < frames; ++i) {
     const std::int64_t start_ns = clock.now_ns();
@@ -196,9 +307,10 @@ std::string run_bench(StereoView& view, const Clock& clock, int frames) {
     log.drew(start_ns, clock.now_ns());
   }
   const PictureSize size = view.picture_size();
-  return fmt::format("bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, {}", frames, log.rate_hz(),
-                     stereo_mode_name(view.mode()), size.width_px, size.height_px, log.draw_time().quantile_ns(0.5) * 1e-6,
-                     log.draw_time().quantile_ns(0.99) * 1e-6, view.renderer_name());
+  return fmt::format("bench: {} pictures, {:.1f} Hz, {}, {}x{} an eye, drawing p50 {:.1f} ms p99 {:.1f} ms, {} triangles an eye, {}",
+                     frames, log.rate_hz(), stereo_mode_name(view.mode()), size.width_px, size.height_px,
+                     log.draw_time().quantile_ns(0.5) * 1e-6, log.draw_time().quantile_ns(0.99) * 1e-6, view.paint_count().triangles,
+                     view.renderer_name());
 }
 
 }  // namespace hapton

@@ -33,6 +33,9 @@ class VisionSession {
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
 
+  // Which scene is shown (Scene::given_hash), to be compared with the one that is felt.
+  void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
+
   // Until the window is closed, the time is up or a signal asks. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
@@ -40,6 +43,12 @@ class VisionSession {
 
  private:
   void hear_hub(std::int64_t deadline_ns);
+  void take_states(std::int64_t deadline_ns);
+  void take_setup(const HapticsSetup& setup);
+  void handle_events();
+  void change_stereo(const UserRequests& requests);
+  void refine_scene();
+  void compare_scene(const SceneFacts& felt);
   Result<void> attend_window();
   void speak();
   Result<void> draw_if_wanted();
@@ -57,16 +66,20 @@ class VisionSession {
   const VisionOptions& options_;
   VisionStep step_;
   ScreenshotMoment moment_;
+  std::uint64_t scene_hash_ = 0;
+  bool is_other_scene_ = false;
+  std::int64_t next_scene_ns_ = 0;  // when the hub is told of ours again
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
   bool told_absent_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
-  std::int64_t heard_ns_ = 0;  // when the state came that is drawn next
+  double probe_radius_m_ = 0.0;  // that the haptics node feels with
+  std::int64_t heard_ns_ = 0;    // when the state came that is drawn next
 };
 
-// Draws that many pictures flat out, the dials turning, and says how fast it went.
-std::string run_bench(StereoView& view, const Clock& clock, int frames);
+// Draws that many pictures flat out, the dials turning, once all levels of detail are made, and says how fast it went.
+std::string run_bench(StereoView& view, Clock& clock, int frames);
 
 }  // namespace hapton

@@ -14,10 +14,17 @@ constexpr std::int64_t kHudPeriodNs = 400'000'000;
 // A picture that is drawn anyway brings newer figures along, at a pace that can still be read.
 constexpr std::int64_t kHudRefreshNs = 100'000'000;
 
+// A scene that has not been turned for so long is looked at.
+constexpr std::int64_t kRestNs = 150'000'000;
+
 }  // namespace
 
 VisionStep::VisionStep(VisionStepSettings settings)
-    : settings_(std::move(settings)), watch_(settings_.threshold_px), cull_(settings_.cull), help_(settings_.help) {
+    : settings_(std::move(settings)),
+      watch_(settings_.threshold_px),
+      cull_(settings_.cull),
+      help_(settings_.help),
+      depth_cues_(settings_.depth_cues) {
   interaction_.dials() = settings_.dials;
   sender_.set(settings_.dials.compute_pose(settings_.p_WC));
 }
@@ -34,8 +41,13 @@ void VisionStep::joined() {
   sender_.rejoin();
 }
 
-void VisionStep::handle(const WindowEvent& event, const Screen& where) {
-  Interaction::View view{where.screen, where.picture, settings_.p_WC};
+bool VisionStep::wants_surface(const WindowEvent& event) const {
+  if (event.kind == WindowEvent::Kind::press) return event.button == WindowEvent::Button::left;
+  return event.kind == WindowEvent::Kind::move && interaction_.hand_active();
+}
+
+void VisionStep::handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ) {
+  Interaction::View view{where.screen, where.picture, settings_.p_WC, p_WQ};
   if (state_ && state_->p_WD.allFinite()) view.p_WD = state_->p_WD;
   interaction_.handle(event, view);
   sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
@@ -47,12 +59,27 @@ void VisionStep::turn_dials(const Vec3& degrees) {
   sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
 }
 
-Wishes VisionStep::take_wishes() {
-  const Wishes wishes = interaction_.take_wishes();
-  cull_ = cull_ != wishes.toggle_cull;
-  help_ = help_ != wishes.toggle_help;
-  stale_ = stale_ || wishes.toggle_cull || wishes.toggle_help;
-  return wishes;
+UserRequests VisionStep::take_requests() {
+  const UserRequests requests = interaction_.take_requests();
+  cull_ = cull_ != requests.toggle_cull;
+  help_ = help_ != requests.toggle_help;
+  depth_cues_ = depth_cues_ != requests.toggle_depth_cues;
+  stale_ = stale_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues;
+  if (requests.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
+  return requests;
+}
+
+void VisionStep::set_stereo(std::string_view name, bool always_changing) {
+  settings_.stereo = name;
+  settings_.always_changing = always_changing;
+  stale_ = true;
+}
+
+std::optional<ProbeShown> VisionStep::newest_probe() const { return state_ ? std::optional(probe_shown()) : std::nullopt; }
+
+bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
+  return frames_.drawn() > 0 && !stale_ && interaction_.dials().degrees == dials_shown_ && interaction_.camera() == camera_shown_ &&
+         now_ns - scene_moved_ns_ >= kRestNs;
 }
 
 std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
@@ -70,6 +97,8 @@ std::string VisionStep::compose_hud_now() const {
   facts.stereo = settings_.stereo;
   facts.cull = cull_;
   facts.hand_held = interaction_.hand_active();
+  facts.detail_progress = detail_progress_;
+  facts.is_other_scene = is_other_scene_;
   return compose_hud(facts);
 }
 
@@ -80,7 +109,8 @@ bool VisionStep::may_draw(std::int64_t now_ns) const {
 
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   if (!may_draw(now_ns)) return false;
-  if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_) return true;
+  if (stale_ || settings_.always_changing || interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_)
+    return true;
   if (std::exchange(moved_, false)) {
     if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;
     frames_.skipped();
@@ -92,7 +122,8 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
 VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
   shown.X_WS = interaction_.dials().compute_pose(settings_.p_WC);
-  if (state_) shown.probe = probe_shown();
+  shown.framing = interaction_.camera().apply(settings_.home);
+  shown.probe = newest_probe();
   if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_) {
     hud_shown_ = compose_hud_now();
     hud_contact_ = contact();
@@ -101,6 +132,7 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.hud = hud_shown_;
   if (help_) shown.help = keys_help();
   shown.cull = cull_;
+  shown.depth_cues = depth_cues_;
   stale_ = false;
   return shown;
 }
@@ -108,7 +140,9 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
 std::optional<Drawn> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
   frames_.drew(start_ns, end_ns);
+  if (interaction_.dials().degrees != dials_shown_ || interaction_.camera() != camera_shown_) scene_moved_ns_ = start_ns;
   dials_shown_ = interaction_.dials().degrees;
+  camera_shown_ = interaction_.camera();
   moved_ = false;
   if (!state_) return std::nullopt;
   watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "link/messages.h"
+#include "vision_node/camera_view.h"
 #include "vision_node/frame_log.h"
 #include "vision_node/interaction.h"
 #include "vision_node/knob_box.h"
@@ -21,7 +22,11 @@ struct VisionStepSettings {
   bool always_changing = false;  // draw even when nothing moved: modes that alternate the eyes
   bool cull = true;
   bool help = true;
-  std::string stereo;         // the mode's name, for the HUD
+  bool depth_cues = true;
+  std::string stereo;        // the mode's name, for the HUD
+  Framing home;              // how the picture begins
+  Vec3 p_SO = Vec3::Zero();  // a sphere around the scene
+  double scene_radius_m = 0.0;
   double threshold_px = 0.5;  // motion below this is not worth a picture
 };
 
@@ -38,27 +43,37 @@ class VisionStep {
   // All that the next picture shows.
   struct Shown {
     Pose X_WS = Pose::Identity();
+    Framing framing;
     std::optional<ProbeShown> probe;  // none before the hub has spoken
     std::string hud;
     std::string_view help;
     bool cull = true;
+    bool depth_cues = true;
   };
 
   explicit VisionStep(VisionStepSettings settings);
 
   // The newest of what has come. Pre: never older than the one before (newest wins at the caller).
   void hear(const ProbeState& state);
+  // The hub rejected a view transform of ours: one line in the log for each.
+  void hear(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
   // The hub was joined, for the first time or again.
   void joined();
   // The hub has fallen silent.
   void lost() { connected_ = false; }
-  void handle(const WindowEvent& event, const Screen& where);
+  // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
+  void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
+  // Whether handle() would use the surface under the pointer.
+  bool wants_surface(const WindowEvent& event) const;
   // The knob box' dials were turned, degrees each.
   void turn_dials(const Vec3& degrees);
   // The window has to be drawn whatever moved (uncovered, resized).
   void spoil() { stale_ = true; }
 
-  Wishes take_wishes();
+  UserRequests take_requests();
+  // The mode of stereo is another one from now on.
+  void set_stereo(std::string_view name, bool always_changing);
+  void set_detail_progress(double progress) { detail_progress_ = progress; }
 
   // What is to be sent now, one message a call until none is left: view transform, hand target.
   std::optional<Message> take_message(std::int64_t now_ns);
@@ -68,12 +83,18 @@ class VisionStep {
   // The rate allows a picture now, whoever wants one.
   bool may_draw(std::int64_t now_ns) const;
   Shown compose(std::int64_t now_ns);
+  // The newest probe, for a picture that is being drawn.
+  std::optional<ProbeShown> newest_probe() const;
+  // Nothing but the probe has moved for long enough that the scene is worth drawing in full detail.
+  bool is_scene_at_rest(std::int64_t now_ns) const;
   // The picture of the last compose() is in the window. Returns what the hub is to be told of it.
   std::optional<Drawn> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
   // What the hub is to be told of a state that wants_picture() found to look the same; once for each.
   std::optional<Drawn> take_unseen();
 
   Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
+  // Whether haptics_node feels another scene than the one shown.
+  void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
@@ -90,12 +111,17 @@ class VisionStep {
   FrameLog frames_;
   std::optional<ProbeState> state_;
   bool connected_ = false;
+  bool is_other_scene_ = false;
   bool stale_ = true;
   bool moved_ = false;   // a new state has come since the last picture
   bool unseen_ = false;  // and would look the same
   bool cull_;
   bool help_;
+  bool depth_cues_;
   Vec3 dials_shown_ = Vec3::Zero();
+  CameraView camera_shown_;
+  std::int64_t scene_moved_ns_ = 0;
+  double detail_progress_ = 1.0;
   std::string hud_shown_;
   bool hud_contact_ = false;
   std::int64_t hud_ns_ = 0;

@@ -18,7 +18,7 @@
 #include "runtime/deadline_thread.h"
 #include "runtime/realtime.h"
 #include "runtime/start_thread.h"
-#include "watchdog/guard_memory.h"
+#include "watchdog/heartbeat_memory.h"
 #include "watchdog/outer_watchdog.h"
 
 namespace {
@@ -44,7 +44,7 @@ void rest(int process_file) {
   ::ppoll(&ended, 1, &every, nullptr);
 }
 
-void note_cut(GuardPage& page, const OuterWatchdog& watchdog) {
+void note_cut(HeartbeatPage& page, const OuterWatchdog& watchdog) {
   if (page.is_cut.exchange(1) != 0) return;
   page.cuts.fetch_add(1);
   if (watchdog.force_age_ns() > page.longest_force_ns.load()) page.longest_force_ns.store(watchdog.force_age_ns());
@@ -55,7 +55,7 @@ void tell(std::string_view what, const OuterWatchdog& watchdog, const ForceCutte
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
-void watch(GuardPage& page, int process, int process_file, bool tells) {
+void watch(HeartbeatPage& page, int process, int process_file, bool tells) {
   SteadyClock clock;
   OuterWatchdog watchdog;
   ForceCutter cutter(page, process);
@@ -82,7 +82,7 @@ void watch(GuardPage& page, int process, int process_file, bool tells) {
       if (tells) tell("has ended", watchdog, cutter);
       return;
     }
-    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "stands still" : "holds a force", watchdog, cutter);
+    if (tells && !is_told) tell(verdict == OuterWatchdog::Verdict::frozen ? "hangs" : "holds a force too long", watchdog, cutter);
     is_told = true;
     rest(process_file);
   }
@@ -96,16 +96,17 @@ int main(int argc, char** argv) {
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
     fmt::print(
-        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: takes the force of io_node's "
-        "device away when\n"
+        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: releases the force of "
+        "io_node's "
+        "device when\n"
         "io_node is frozen or killed (docs/safety-case.md).\n",
         kGuardFile);
     return 0;
   }
-  GuardMemory memory;
+  HeartbeatMemory memory;
   if (const auto opened = memory.open(kGuardFile); !opened || process <= 0) {
     fmt::print(stderr, "hapton_watchdog: {}\n",
-               opened ? "tell it io_node's process; this program is started by io_node" : opened.error().what);
+               opened ? "process number missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
   // It outlives io_node by a moment: what ends io_node's unit or terminal must not end it first.

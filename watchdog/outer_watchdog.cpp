@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-OuterWatchdog::Verdict OuterWatchdog::look(const GuardPage& page, bool is_gone, std::int64_t now_ns) noexcept {
+OuterWatchdog::Verdict OuterWatchdog::look(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept {
   const std::int64_t heartbeat_ns = page.heartbeat_ns.load(std::memory_order_acquire);
   const std::int64_t sample_ns = page.force_sample_ns.load(std::memory_order_acquire);
   silence_ns_ = heartbeat_ns != 0 ? std::max(now_ns - heartbeat_ns, std::int64_t{0}) : 0;
@@ -36,8 +36,8 @@ void ForceCutter::close_device() noexcept {
 void ForceCutter::prepare() noexcept {
   const std::uint32_t generation = page_.generation.load(std::memory_order_acquire);
   if (generation == generation_ || generation % 2 != 0) return;
-  std::array<char, GuardPage::kMostPath> path = {};
-  std::array<std::uint8_t, GuardPage::kMostReport> report = {};
+  std::array<char, HeartbeatPage::kMostPath> path = {};
+  std::array<std::uint8_t, HeartbeatPage::kMostReport> report = {};
   std::transform(page_.path.begin(), page_.path.end(), path.begin(), [](const auto& c) { return c.load(std::memory_order_relaxed); });
   std::transform(page_.report.begin(), page_.report.end(), report.begin(), [](const auto& b) { return b.load(std::memory_order_relaxed); });
   const std::size_t size = std::min<std::size_t>(page_.report_size.load(std::memory_order_relaxed), report.size());
@@ -60,7 +60,7 @@ bool ForceCutter::cut() noexcept {
     case CutMeans::kill:
       return process_ > 0 && ::kill(process_, SIGKILL) == 0;
     case CutMeans::simulated:
-      return true;  // by GuardPage::is_cut, which the caller sets
+      return true;  // by HeartbeatPage::is_cut, which the caller sets
   }
   return false;
 }
@@ -68,14 +68,14 @@ bool ForceCutter::cut() noexcept {
 std::string ForceCutter::describe() const {
   switch (page_.means.load(std::memory_order_acquire)) {
     case CutMeans::none:
-      return "its device cannot be told from here";
+      return "it has no means of releasing the force of this device";
     case CutMeans::hid:
-      return device_ >= 0 ? "told its device to be off"
-                          : "its device could not be opened from here: give this user the right to (udev rule)";
+      return device_ >= 0 ? "released the force (device off)"
+                          : "could not open the device to release the force: give this user access (udev rule)";
     case CutMeans::kill:
-      return "killed it, so that the vendor's driver lets go";
+      return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:
-      return "cut its simulated motors";
+      return "released the force of the simulated motors";
   }
   return {};
 }

@@ -4,21 +4,21 @@
 #include <string>
 #include <vector>
 
-#include "watchdog/guard_page.h"
+#include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 
-// Judges from outside whether a force may stay on the motors: pure, time comes in.
+// Decides whether a force may stay on the motors, from another process. Pure: time is a parameter.
 //
-//   heartbeat   the device side has not finished a cycle for kHeartbeatLimitNs, and a force is out: frozen, or starved
-//   force       a force answers a sample older than kForceLimitNs although the device side is alive: its governor should have taken it away
-//   gone        the process has ended with a force out
+//   heartbeat   the device side has not finished a cycle for kHeartbeatLimitNs, and there is a force: frozen, or starved
+//   force       a force replies to a sample older than kForceLimitNs although the device side is alive: its governor should have released
+//   it gone        the process has ended with a force on the motors
 //
-// A machine that stood still as a whole is no fault of io_node: what looks bad is given kGraceNs to go on, from the first look that finds
-// it so. However rare the looks are, the second one after that time trips. RT: yes. Threads: one.
+// A stall of the whole machine is not io_node's fault: a bad state must last kGraceNs from the first check that finds it. With rare checks
+// the second one after that time trips. RT: yes. Threads: one.
 class OuterWatchdog {
  public:
-  // io_node lets go by itself after 20 ms; this is for when it does not.
+  // io_node releases the force itself after 20 ms; this is for when it does not.
   static constexpr std::int64_t kHeartbeatLimitNs = 21'000'000;
   static constexpr std::int64_t kForceLimitNs = 30'000'000;
   static constexpr std::int64_t kLookEveryNs = 2'000'000;
@@ -27,29 +27,29 @@ class OuterWatchdog {
   enum class Verdict : std::uint8_t { fine, frozen, stale, gone };
 
   // As of now; is_gone: the process has ended.
-  Verdict look(const GuardPage& page, bool is_gone, std::int64_t now_ns) noexcept;
+  Verdict look(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept;
 
-  // At the last look.
+  // At the last check.
   std::int64_t force_age_ns() const noexcept { return force_age_ns_; }
   std::int64_t silence_ns() const noexcept { return silence_ns_; }
 
  private:
   std::int64_t force_age_ns_ = 0;
   std::int64_t silence_ns_ = 0;
-  std::int64_t bad_since_ns_ = 0;  // the first of the looks in a row that found it bad; 0: the last did not
+  std::int64_t bad_since_ns_ = 0;  // the first of consecutive checks that found it bad; 0: the last one did not
 };
 
-// Takes the force of one device away, by the means that its page names; again and again, as long as it is asked to.
+// Releases the force of one device, by the means that its page names, each time it is called.
 // RT: a write to the device. Threads: one.
 class ForceCutter {
  public:
-  // process: whom to kill where there is no other means.
-  ForceCutter(GuardPage& page, int process) : page_(page), process_(process) {}
+  // process: the one to kill if there is no other means.
+  ForceCutter(HeartbeatPage& page, int process) : page_(page), process_(process) {}
   ~ForceCutter();
   ForceCutter(const ForceCutter&) = delete;
   ForceCutter& operator=(const ForceCutter&) = delete;
 
-  // Opens the device as soon as it is named, so that nothing is left to open when it counts. Call now and then.
+  // Opens the device as soon as the page names it, so that nothing needs opening in an emergency. Call periodically.
   void prepare() noexcept;
   // True: done, as far as this process can tell.
   bool cut() noexcept;
@@ -58,7 +58,7 @@ class ForceCutter {
  private:
   void close_device() noexcept;
 
-  GuardPage& page_;
+  HeartbeatPage& page_;
   int process_;
   std::uint32_t generation_ = 0;
   int device_ = -1;

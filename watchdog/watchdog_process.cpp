@@ -24,7 +24,7 @@ std::filesystem::path WatchdogProcess::find_program() {
   return error ? std::filesystem::path() : self.parent_path() / "hapton_watchdog";
 }
 
-Result<void> WatchdogProcess::start(const GuardMemory& memory, const std::filesystem::path& program, int priority) {
+Result<void> WatchdogProcess::start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority) {
   memory_ = &memory;
   program_ = program;
   priority_ = priority;
@@ -59,9 +59,9 @@ Result<void> WatchdogProcess::spawn() {
 }
 
 bool WatchdogProcess::look_after(std::int64_t now_ns) {
-  if (process_ <= 0 || now_ns - started_ns_ < kSilenceNs) return false;
+  if (process_ <= 0 || now_ns - started_ns_ < kPeerTimeoutNs) return false;
   const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) == process_;
-  const bool is_silent = now_ns - memory_->page().guard_beat_ns.load() > kSilenceNs;
+  const bool is_silent = now_ns - memory_->page().guard_beat_ns.load() > kPeerTimeoutNs;
   if (!has_ended && !is_silent) return false;
   if (!has_ended) {
     ::kill(process_, SIGKILL);

@@ -6,35 +6,35 @@
 #include <filesystem>
 
 #include "core/base/result.h"
-#include "watchdog/guard_memory.h"
+#include "watchdog/heartbeat_memory.h"
 
 namespace hapton {
 
-// The watchdog as a child process of this one: started, looked after, started again when it has died. It ends by itself when this process
+// The watchdog as a child process of this one: started, monitored, restarted when it has died. It ends by itself when this process
 // does. RT: no. Threads: one.
 class WatchdogProcess {
  public:
-  static constexpr std::int64_t kSilenceNs = 1'000'000'000;
+  static constexpr std::int64_t kPeerTimeoutNs = 1'000'000'000;
 
   // Beside this program: bin/hapton_watchdog.
   static std::filesystem::path find_program();
 
   // Pre: memory is there and outlives this. priority: SCHED_FIFO, 0 for none. Error: it is not there or cannot be started, one line.
-  Result<void> start(const GuardMemory& memory, const std::filesystem::path& program, int priority);
+  Result<void> start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority);
 
-  // A few times a second. True: it had died or stood still, and was started again; tell people.
+  // Call a few times a second. True: it had died or hung, and was restarted; report that.
   bool look_after(std::int64_t now_ns);
 
   bool is_started() const noexcept { return process_ > 0; }
   pid_t id() const noexcept { return process_; }
-  // Times it was started again, and times it has cut the force.
+  // Restarts, and times it has released the force.
   std::uint64_t restarts() const noexcept { return restarts_; }
   std::uint64_t cuts() const noexcept { return memory_ != nullptr ? memory_->page().cuts.load() : 0; }
 
  private:
   Result<void> spawn();
 
-  const GuardMemory* memory_ = nullptr;
+  const HeartbeatMemory* memory_ = nullptr;
   std::filesystem::path program_;
   int priority_ = 0;
   pid_t process_ = 0;

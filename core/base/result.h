@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// An ordinary failure in one line: what went wrong, where, and how to mend it.
+// An ordinary failure in one line: what went wrong, where, and how to fix it.
 struct Error {
   std::string what;
 };

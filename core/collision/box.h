@@ -23,7 +23,7 @@ struct Box {
   bool is_empty() const { return !(low.array() <= high.array()).all(); }
   Box inflated(double by) const { return {low.array() - by, high.array() + by}; }
   bool overlaps(const Box& other) const { return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all(); }
-  Vec3 center() const { return 0.5 * (low + high); }
+  Vec3 centre() const { return 0.5 * (low + high); }
   // From a point to its nearest point of the box; infinity for an empty one.
   double distance_squared(const Vec3& p) const { return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm(); }
   double diagonal() const { return (high - low).norm(); }

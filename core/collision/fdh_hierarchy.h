@@ -1,9 +1,5 @@
 #pragma once
 
-#if defined(__AVX__)
-#include <immintrin.h>
-#endif
-
 #include <array>
 #include <bit>
 #include <cmath>
@@ -13,6 +9,7 @@
 
 #include "core/collision/fdh_directions.h"
 #include "core/collision/fdh_topology.h"
+#include "core/math/float8.h"
 
 namespace hapton {
 
@@ -31,23 +28,6 @@ struct FdhVisits {
 };
 
 namespace detail {
-
-using Float8 = float __attribute__((vector_size(32)));
-using Int8Lanes = std::int32_t __attribute__((vector_size(32)));
-
-inline Float8 lanes8(float value) { return Float8{} + value; }
-inline Float8 min8(const Float8& a, const Float8& b) { return a < b ? a : b; }
-inline Float8 max8(const Float8& a, const Float8& b) { return a > b ? a : b; }
-// Bit i: lane i is true.
-inline unsigned bits8(const Int8Lanes& truth) {
-#if defined(__AVX__)
-  return static_cast<unsigned>(_mm256_movemask_ps(std::bit_cast<__m256>(truth)));
-#else
-  unsigned bits = 0;
-  for (int i = 0; i < 8; ++i) bits |= static_cast<unsigned>(truth[i] & 1) << i;
-  return bits;
-#endif
-}
 
 // A float below / above x, at least half a unit in the last place away. (float)x lies within half a unit u of x; what is taken
 // off is between u and 2u, and rounding the difference gives back at most u/2... so x - result >= 0; the constant covers subnormals.
@@ -97,14 +77,14 @@ class FdhHierarchy {
         const std::uint32_t child = node.child[c];
         if (child == FdhTopology::kNothing) {
           for (int i = 0; i < kAxes; ++i) {
-            node.low[i][c] = std::numeric_limits<float>::infinity();
-            node.high[i][c] = -std::numeric_limits<float>::infinity();
+            node.low[i].set_lane(c, std::numeric_limits<float>::infinity());
+            node.high[i].set_lane(c, -std::numeric_limits<float>::infinity());
           }
         } else if (FdhTopology::is_leaf(child)) {
           const FdhHull<K> hull = hull_of(FdhTopology::leaf_first(child), FdhTopology::leaf_count(child));
           for (int i = 0; i < kAxes; ++i) {
-            node.low[i][c] = detail::float_below(hull.low[i] - slack);
-            node.high[i][c] = detail::float_above(hull.high[i] + slack);
+            node.low[i].set_lane(c, detail::float_below(hull.low[i] - slack));
+            node.high[i].set_lane(c, detail::float_above(hull.high[i] + slack));
           }
         } else {
           const Node& below = nodes_[child];
@@ -115,8 +95,8 @@ class FdhHierarchy {
               low = below.low[i][k] < low ? below.low[i][k] : low;
               high = below.high[i][k] > high ? below.high[i][k] : high;
             }
-            node.low[i][c] = low;
-            node.high[i][c] = high;
+            node.low[i].set_lane(c, low);
+            node.high[i].set_lane(c, high);
           }
         }
       }
@@ -129,13 +109,13 @@ class FdhHierarchy {
     return walk(
         [&q](const Node& node) {
           // An unused child is empty, low above high; an unbounded query would take it all the same.
-          detail::Int8Lanes hit = (node.low[0] <= q.high[0]) & (node.high[0] >= q.low[0]) & (node.low[0] <= node.high[0]);
-          for (int i = 1; i < 3; ++i) hit &= (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
+          Float8 hit = (node.low[0] <= q.high[0]) & (node.high[0] >= q.low[0]) & (node.low[0] <= node.high[0]);
+          for (int i = 1; i < 3; ++i) hit = hit & (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
           if constexpr (kAxes > 3) {
-            if (detail::bits8(hit) == 0) return 0U;
-            for (int i = 3; i < kAxes; ++i) hit &= (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
+            if (sign_bits(hit) == 0) return 0U;
+            for (int i = 3; i < kAxes; ++i) hit = hit & (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
           }
-          return detail::bits8(hit);
+          return sign_bits(hit);
         },
         leaf);
   }
@@ -154,9 +134,9 @@ class FdhHierarchy {
   static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
     Sweep sweep;
     for (int i = 0; i < kAxes; ++i) {
-      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + 1e-30;
+      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + kLeastPad;
       double d = to[i] - from[i];
-      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + 1e-6) + pad;
+      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kNodeSlack) + pad;
       if (std::fabs(d) < pad) {
         d = d < 0.0 ? -pad : pad;
         grow += 2.0 * pad;
@@ -173,23 +153,23 @@ class FdhHierarchy {
   FdhVisits walk_swept(const Sweep& q, Leaf&& leaf) const {
     return walk(
         [&q](const Node& node) {
-          detail::Float8 enter = detail::lanes8(0.0F);
-          detail::Float8 exit = detail::lanes8(1.0F);
+          Float8 enter = Float8(0.0F);
+          Float8 exit = Float8(1.0F);
           const auto clip = [&](int i) {
             // The planes round too when they are grown: 2^-23 of them is at most what the padding of the leaf planes holds.
-            const detail::Float8 a = ((node.low[i] - q.grow[i]) - q.from[i]) * q.inverse[i];
-            const detail::Float8 b = ((node.high[i] + q.grow[i]) - q.from[i]) * q.inverse[i];
-            enter = detail::max8(enter, detail::min8(a, b));
-            exit = detail::min8(exit, detail::max8(a, b));
+            const Float8 a = ((node.low[i] - q.grow[i]) - q.from[i]) * q.inverse[i];
+            const Float8 b = ((node.high[i] + q.grow[i]) - q.from[i]) * q.inverse[i];
+            enter = max(enter, min(a, b));
+            exit = min(exit, max(a, b));
           };
           constexpr float kSlack = 4e-6F;
           for (int i = 0; i < 3; ++i) clip(i);
-          const detail::Int8Lanes used = node.low[0] <= node.high[0];
+          const Float8 used = node.low[0] <= node.high[0];
           if constexpr (kAxes > 3) {
-            if (detail::bits8((enter <= exit + kSlack) & used) == 0) return 0U;
+            if (sign_bits((enter <= exit + kSlack) & used) == 0) return 0U;
             for (int i = 3; i < kAxes; ++i) clip(i);
           }
-          return detail::bits8((enter <= exit + kSlack) & used);
+          return sign_bits((enter <= exit + kSlack) & used);
         },
         leaf);
   }
@@ -221,22 +201,22 @@ class FdhHierarchy {
       }
       ++visits.nodes;
       const Node& node = nodes_[entry.child];
-      const detail::Float8 zero = detail::lanes8(0.0F);
-      const auto gap = [&](int i) { return detail::max8(detail::max8(node.low[i] - q.high[i], q.low[i] - node.high[i]), zero); };
-      const detail::Float8 gx = gap(0);
-      const detail::Float8 gy = gap(1);
-      const detail::Float8 gz = gap(2);
-      detail::Float8 distance = gx * gx + gy * gy + gz * gz;
-      unsigned mask = detail::bits8(distance <= bound) & node.used();
+      const Float8 zero = Float8(0.0F);
+      const auto gap = [&](int i) { return max(max(node.low[i] - q.high[i], q.low[i] - node.high[i]), zero); };
+      const Float8 gx = gap(0);
+      const Float8 gy = gap(1);
+      const Float8 gz = gap(2);
+      Float8 distance = gx * gx + gy * gy + gz * gz;
+      unsigned mask = sign_bits(distance <= bound) & node.used();
       if constexpr (kAxes > 3) {
         if (mask == 0) continue;
         for (int i = 3; i < kAxes; ++i) {
-          const detail::Float8 g = gap(i);
+          const Float8 g = gap(i);
           // Rounded down, so that the bound stays below the distance.
           constexpr std::array<float, 4> kInverseLengthSquared = {0.0F, 1.0F, 0.4999999F, 0.3333333F};
-          distance = detail::max8(distance, g * g * kInverseLengthSquared[FdhDirections<K>::length_squared(i)]);
+          distance = max(distance, g * g * kInverseLengthSquared[FdhDirections<K>::length_squared(i)]);
         }
-        mask &= detail::bits8(distance <= bound);
+        mask &= sign_bits(distance <= bound);
       }
       const int first = top;
       for (; mask != 0; mask &= mask - 1) {
@@ -256,15 +236,20 @@ class FdhHierarchy {
 
  private:
   struct alignas(32) Node {
-    std::array<detail::Float8, kAxes> low;
-    std::array<detail::Float8, kAxes> high;
+    std::array<Float8, kAxes> low;
+    std::array<Float8, kAxes> high;
     FdhTopology::Children child;
 
-    unsigned used() const { return detail::bits8(low[0] <= high[0]); }
+    unsigned used() const { return sign_bits(low[0] <= high[0]); }
   };
 
-  // Node distances carry at most five roundings of 2^-24 each (difference, square, two sums, scale).
-  static float slackened(double squared) { return detail::float_above(squared * (1.0 + 1e-6)); }
+  // Relative. Node distances carry at most five roundings of 2^-24 each (difference, square, two sums, scale): three times that.
+  static constexpr double kNodeSlack = 0x1p-20;
+  // Where a sweep begins and ends at the centre itself. A 2^-50th of the smallest extent that a tree takes (1e-15), and an inverse of
+  // 2^100 is still a float.
+  static constexpr double kLeastPad = 0x1p-100;
+
+  static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeSlack)); }
 
   template <class Test, class Leaf>
   FdhVisits walk(Test&& test, Leaf&& leaf) const {

@@ -65,7 +65,7 @@ class FdhScene {
   FdhHierarchy<K> upper_;
   std::vector<std::uint32_t> order_;
   std::vector<FdhTree<K>> trees_;
-  Vec3 center_ = Vec3::Zero();
+  Vec3 centre_ = Vec3::Zero();
   double slack_ = 0.0;
 };
 
@@ -86,7 +86,7 @@ void FdhScene<K>::measure() {
   if (!(all.low[0] <= all.high[0])) return;
   double largest = 0.0;
   for (int i = 0; i < 3; ++i) {
-    center_[i] = 0.5 * all.low[i] + 0.5 * all.high[i];
+    centre_[i] = 0.5 * all.low[i] + 0.5 * all.high[i];
     largest = std::max({largest, std::fabs(all.low[i]), std::fabs(all.high[i])});
   }
   slack_ = tree_slack + 0x1p-48 * largest;
@@ -94,7 +94,7 @@ void FdhScene<K>::measure() {
 
 template <int K>
 void FdhScene<K>::set_planes() {
-  const auto middle = fdh_project<K>(center_);
+  const auto middle = fdh_project<K>(centre_);
   upper_.refit(slack_ * 3.0, [&](std::uint32_t first, std::uint32_t count) {
     FdhHull<K> hull;
     for (std::uint32_t i = first; i < first + count; ++i) {
@@ -123,8 +123,8 @@ Result<FdhScene<K>> FdhScene<K>::build(std::span<const Object> objects) {
     if (tree.stats().triangles == 0) continue;
     FdhItem item{{}, static_cast<std::uint32_t>(o), {}};
     for (int k = 0; k < 3; ++k) {
-      item.low[k] = static_cast<float>(tree.hull().low[k] - scene.center_[k]);
-      item.high[k] = static_cast<float>(tree.hull().high[k] - scene.center_[k]);
+      item.low[k] = static_cast<float>(tree.hull().low[k] - scene.centre_[k]);
+      item.high[k] = static_cast<float>(tree.hull().high[k] - scene.centre_[k]);
     }
     items.push_back(item);
   }
@@ -146,7 +146,7 @@ Result<void> FdhScene<K>::refit(std::uint32_t object, std::span<const Vec3> vert
 
 template <int K>
 FdhInterval<K> FdhScene<K>::interval(const FdhHull<K>& hull) const {
-  const auto middle = fdh_project<K>(center_);
+  const auto middle = fdh_project<K>(centre_);
   FdhInterval<K> q;
   for (int i = 0; i < K / 2; ++i) {
     const double pad = 4.0 * slack_ + 0x1p-48 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
@@ -178,7 +178,7 @@ FdhHull<K> hull_around(const FdhSweep& sweep) {
   hull.add(sweep.from);
   hull.add(sweep.to);
   for (int i = 0; i < K / 2; ++i) {
-    const double grow = sweep.radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + 1e-12);
+    const double grow = sweep.radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kOutward);
     hull.low[i] -= grow;
     hull.high[i] += grow;
   }
@@ -186,7 +186,7 @@ FdhHull<K> hull_around(const FdhSweep& sweep) {
 }
 template <int K>
 FdhHull<K> hull_around(const FdhBall& ball) {
-  return hull_around<K>(FdhSweep{ball.center, ball.center, ball.radius});
+  return hull_around<K>(FdhSweep{ball.centre, ball.centre, ball.radius});
 }
 
 }  // namespace detail
@@ -216,10 +216,10 @@ FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
   FdhHull<K> point;
   point.add(p);
   upper_.walk_nearest(
-      interval(point), [&bound] { return bound * bound * (1.0 + 1e-15); },
+      interval(point), [&bound] { return bound * bound * (1.0 + kOutward); },
       [&](std::uint32_t first, std::uint32_t count) {
         for (std::uint32_t i = first; i < first + count; ++i) {
-          FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + 1e-15));
+          FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + kOutward));
           near.object = order_[i];
           if (near.distance_squared < best.distance_squared ||
               (near.distance_squared == best.distance_squared && near.object < best.object)) {

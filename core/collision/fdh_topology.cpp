@@ -13,9 +13,11 @@ using IntLanes = std::int32_t __attribute__((vector_size(16)));
 constexpr int kBins = 16;
 // Runs of this size and more are split along their widest axis only: a third of the work, and nearly always the same choice.
 constexpr std::uint32_t kOneAxisFrom = 2048;
-// Below this the bins' scale would overflow, and no split is worth looking for.
+// In the unit of the mesh, and a 1e-15th of the smallest mesh that a tree takes. Below this the bins' scale (kBins over the extent) would
+// come near a float's largest number, 3.4e38, and no split is worth looking for.
 constexpr float kSmallestExtent = 1e-30F;
-// An axis thinner than this share of the widest is not worth a split along it: a float has no more digits there.
+// An axis thinner than this share of the widest is not worth a split along it: its centroids, of which each is rounded to 2^-24 of
+// the widest, have four bits there.
 constexpr float kThinnestShare = 1e-6F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -47,19 +49,19 @@ Box box_of(const FdhItem& item) {
   return box;
 }
 // Twice the centre.
-Lanes center_of(const Box& box) { return box.low + box.high; }
+Lanes centre_of(const Box& box) { return box.low + box.high; }
 
 struct Range {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   Box box;
-  Box centers;
+  Box centres;
   std::uint32_t size() const { return end - begin; }
 };
 
 struct Bin {
   Box box;
-  Box centers;
+  Box centres;
   std::uint32_t count = 0;
 };
 
@@ -72,7 +74,7 @@ struct Builder {
     for (std::uint32_t i = begin; i < end; ++i) {
       const Box box = box_of(items[i]);
       range.box.grow(box);
-      range.centers.grow(center_of(box));
+      range.centres.grow(centre_of(box));
     }
     return range;
   }
@@ -111,7 +113,7 @@ struct Builder {
   }
 
   std::pair<Range, Range> split(const Range& range, bool must_halve) {
-    const Lanes extent = range.centers.high - range.centers.low;
+    const Lanes extent = range.centres.high - range.centres.low;
     int widest = 0;
     for (int k = 1; k < 3; ++k) {
       if (extent[k] > extent[widest]) widest = k;
@@ -121,8 +123,8 @@ struct Builder {
     Lanes scale = {};
     for (int k = 0; k < 3; ++k)
       scale[k] = extent[k] > extent[widest] * kThinnestShare ? static_cast<float>(kBins) * 0.999F / extent[k] : 0.0F;
-    const Lanes base = range.centers.low;
-    const auto bins_of = [&](const Lanes& center) { return __builtin_convertvector((center - base) * scale, IntLanes); };
+    const Lanes base = range.centres.low;
+    const auto bins_of = [&](const Lanes& centre) { return __builtin_convertvector((centre - base) * scale, IntLanes); };
 
     std::array<std::array<Bin, kBins>, 3> bins;
     const bool one_axis = range.size() >= kOneAxisFrom;
@@ -130,12 +132,12 @@ struct Builder {
     const int last = one_axis ? widest : 2;
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const Box box = box_of(items[i]);
-      const Lanes center = center_of(box);
-      const IntLanes b = bins_of(center);
+      const Lanes centre = centre_of(box);
+      const IntLanes b = bins_of(centre);
       for (int k = first; k <= last; ++k) {
         Bin& bin = bins[k][static_cast<std::size_t>(b[k])];
         bin.box.grow(box);
-        bin.centers.grow(center);
+        bin.centres.grow(centre);
         ++bin.count;
       }
     }
@@ -144,14 +146,14 @@ struct Builder {
     if (cut.axis < 0) return halve(range, widest);
 
     const auto middle = std::partition(items.begin() + range.begin, items.begin() + range.end,
-                                       [&](const FdhItem& item) { return bins_of(center_of(box_of(item)))[cut.axis] <= cut.bin; });
+                                       [&](const FdhItem& item) { return bins_of(centre_of(box_of(item)))[cut.axis] <= cut.bin; });
     const auto m = static_cast<std::uint32_t>(middle - items.begin());
     Range left{range.begin, m, {}, {}};
     Range right{m, range.end, {}, {}};
     for (int b = 0; b < kBins; ++b) {
       Range& side = b <= cut.bin ? left : right;
       side.box.grow(bins[cut.axis][b].box);
-      side.centers.grow(bins[cut.axis][b].centers);
+      side.centres.grow(bins[cut.axis][b].centres);
     }
     return {left, right};
   }

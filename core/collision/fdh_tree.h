@@ -15,8 +15,13 @@
 
 namespace hapton {
 
+// Relative: a bound is widened by so much, in the direction in which nothing is missed. A few operations on doubles round by 2^-53 each.
+constexpr double kOutward = 0x1p-40;
+// In the unit of the mesh, and its inverse for the smallest: squares of extents (1e30 and 1e-30) stay far inside the range of a float.
+constexpr double kLargestExtent = 1e15;
+
 struct FdhBall {
-  Vec3 center;
+  Vec3 centre;
   double radius;
 };
 struct FdhBox {
@@ -62,7 +67,7 @@ class FdhNearest {
   std::span<const FdhNear> finish() {
     if (count_ >= keep_) {
       cut();
-      complete_radius_ = std::fmax(0.0, std::sqrt(found_[keep_ - 1].distance_squared) * (1.0 - 1e-12) - 2.0 * rounding_);
+      complete_radius_ = std::fmax(0.0, std::sqrt(found_[keep_ - 1].distance_squared) * (1.0 - kOutward) - 2.0 * rounding_);
       count_ = keep_ - 1;
     } else {
       complete_radius_ = max_distance_;
@@ -146,7 +151,7 @@ class FdhTree {
             hierarchy_.bytes() + order_.capacity() * sizeof(std::uint32_t) + corners_.capacity() * sizeof(Triangle)};
   }
   const FdhHull<K>& hull() const { return hull_; }  // of all triangles, in the mesh's frame
-  const Vec3& center() const { return center_; }
+  const Vec3& centre() const { return centre_; }
   // How far rounding can move a computed point or distance here, for queries within the mesh's extent.
   double rounding() const { return slack_; }
 
@@ -161,10 +166,10 @@ class FdhTree {
   Result<void> measure(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
   void set_planes();
   // Of a distance computed from p.
-  double rounding_at(const Vec3& p) const { return slack_ + 0x1p-49 * (p - center_).cwiseAbs().maxCoeff(); }
+  double rounding_at(const Vec3& p) const { return slack_ + 0x1p-49 * (p - centre_).cwiseAbs().maxCoeff(); }
   // Squared, and generous by rounding.
   double reach_squared(double radius, const Vec3& p) const {
-    const double reach = radius * (1.0 + 1e-12) + rounding_at(p);
+    const double reach = radius * (1.0 + kOutward) + rounding_at(p);
     return reach * reach;
   }
 
@@ -173,7 +178,7 @@ class FdhTree {
   std::vector<Triangle> corners_;  // in tree order
   std::span<const Vec3> vertices_;
   FdhHull<K> hull_;
-  Vec3 center_ = Vec3::Zero();
+  Vec3 centre_ = Vec3::Zero();
   double extent_ = 0.0;  // largest distance from the centre along a coordinate
   double slack_ = 0.0;
 };
@@ -194,12 +199,12 @@ Result<void> FdhTree<K>::measure(std::span<const Vec3> vertices, std::span<const
     }
   }
   const double extent = 0.5 * (high - low).maxCoeff();
-  if (!(extent < 1e15) || (extent > 0.0 && extent < 1e-15)) {
+  if (!(extent < kLargestExtent) || (extent > 0.0 && extent < 1.0 / kLargestExtent)) {
     return fail("tree: the mesh extends {:g} m; give coordinates in metres, between 1e-15 and 1e15 across", 2.0 * extent);
   }
   extent_ = extent;
-  center_ = 0.5 * low + 0.5 * high;
-  // Projections add three coordinates: a few units of 2^-53 of the coordinates themselves (what p - center rounds) and of extents.
+  centre_ = 0.5 * low + 0.5 * high;
+  // Projections add three coordinates: a few units of 2^-53 of the coordinates themselves (what p - centre rounds) and of extents.
   const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
   slack_ = 0x1p-50 * (extent + largest);
   return {};
@@ -216,9 +221,9 @@ Result<FdhTree<K>> FdhTree<K>::build(std::span<const Vec3> vertices, std::span<c
   const double scale = tree.extent_ > 0.0 ? 1.0 / tree.extent_ : 1.0;
   std::vector<FdhItem> items(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Vec3 a = (vertices[triangles[i][0]] - tree.center_) * scale;
-    const Vec3 b = (vertices[triangles[i][1]] - tree.center_) * scale;
-    const Vec3 c = (vertices[triangles[i][2]] - tree.center_) * scale;
+    const Vec3 a = (vertices[triangles[i][0]] - tree.centre_) * scale;
+    const Vec3 b = (vertices[triangles[i][1]] - tree.centre_) * scale;
+    const Vec3 c = (vertices[triangles[i][2]] - tree.centre_) * scale;
     const Eigen::Vector3f low = a.cwiseMin(b).cwiseMin(c).template cast<float>();
     const Eigen::Vector3f high = a.cwiseMax(b).cwiseMax(c).template cast<float>();
     items[i] = {{low.x(), low.y(), low.z()}, static_cast<std::uint32_t>(i), {high.x(), high.y(), high.z()}};
@@ -246,7 +251,7 @@ Result<void> FdhTree<K>::refit(std::span<const Vec3> vertices) {
 
 template <int K>
 void FdhTree<K>::set_planes() {
-  hierarchy_.refit(slack_ * 3.0, [this](std::uint32_t first, std::uint32_t count) { return hull_of(first, count, center_); });
+  hierarchy_.refit(slack_ * 3.0, [this](std::uint32_t first, std::uint32_t count) { return hull_of(first, count, centre_); });
   hull_ = hull_of(0, static_cast<std::uint32_t>(order_.size()), Vec3::Zero());
 }
 
@@ -261,8 +266,8 @@ FdhHull<K> FdhTree<K>::hull_of(std::uint32_t first, std::uint32_t count, const V
 
 template <int K>
 FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_point, double grow) const {
-  const auto a = fdh_project<K>(low_point - center_);
-  const auto b = fdh_project<K>(high_point - center_);
+  const auto a = fdh_project<K>(low_point - centre_);
+  const auto b = fdh_project<K>(high_point - centre_);
   FdhInterval<K> out;
   for (int i = 0; i < K / 2; ++i) {
     const double pad = grow * (i < 3 ? 1.0 : std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i)))) * (1.0 + 1e-12) +
@@ -297,9 +302,9 @@ inline Of3<Lanes4> lanes_of(const Vec3& p) { return {Lanes4{} + p.x(), Lanes4{} 
 template <int K>
 template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) const {
-  if (!ball.center.allFinite() || !(ball.radius >= 0.0)) return {};
-  const double limit = reach_squared(ball.radius, ball.center);
-  const Three p = detail::lanes_of(ball.center);
+  if (!ball.centre.allFinite() || !(ball.radius >= 0.0)) return {};
+  const double limit = reach_squared(ball.radius, ball.centre);
+  const Three p = detail::lanes_of(ball.centre);
   const auto leaf = [&](std::uint32_t first, std::uint32_t count) {
     Three a;
     Three b;
@@ -311,7 +316,7 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) c
     }
   };
   return hierarchy_.walk_nearest(
-      interval(ball.center, ball.center, 0.0), [limit] { return limit; }, leaf);
+      interval(ball.centre, ball.centre, 0.0), [limit] { return limit; }, leaf);
 }
 
 template <int K>
@@ -329,7 +334,7 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhBox& box, Visit&& visit) con
 template <int K>
 template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhHull<K>& hull, Visit&& visit) const {
-  const auto middle = fdh_project<K>(center_);
+  const auto middle = fdh_project<K>(centre_);
   FdhHull<K> grown;
   FdhInterval<K> q;
   for (int i = 0; i < K / 2; ++i) {
@@ -352,7 +357,7 @@ template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const {
   if (!sweep.from.allFinite() || !sweep.to.allFinite() || !(sweep.radius >= 0.0)) return {};
   const double reach = std::max(reach_squared(sweep.radius, sweep.from), reach_squared(sweep.radius, sweep.to));
-  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(sweep.from - center_), fdh_project<K>(sweep.to - center_), std::sqrt(reach));
+  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(sweep.from - centre_), fdh_project<K>(sweep.to - centre_), std::sqrt(reach));
   if (sweep.radius == 0.0) {
     return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
       for (std::uint32_t i = first; i < first + count; ++i) visit(order_[i]);

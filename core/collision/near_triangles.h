@@ -1,7 +1,5 @@
 #pragma once
 
-#include <immintrin.h>
-
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -10,6 +8,7 @@
 
 #include "core/collision/touch_geometry.h"
 #include "core/geometry/contact_triangle.h"
+#include "core/math/float8.h"
 
 namespace hapton {
 
@@ -52,22 +51,22 @@ class NearTriangles {
     const Vec3 from = p - centre_;
     const Vec3 to = q - centre_;
     const double rounding = 0x1p-44 + 0x1p-40 * std::max(from.norm(), to.norm());
-    const __m256d limit = _mm256_set1_pd(distance + rounding);
-    __m256d a[3];
-    __m256d b[3];
+    const Double4 limit = Double4(distance + rounding);
+    Double4 a[3];
+    Double4 b[3];
     for (int k = 0; k < 3; ++k) {
-      a[k] = _mm256_set1_pd(from[k]);
-      b[k] = _mm256_set1_pd(to[k]);
+      a[k] = Double4(from[k]);
+      b[k] = Double4(to[k]);
     }
     for (int i = 0; i < count_; i += 4) {
-      __m256d at_a = _mm256_load_pd(distance_.data() + i);
-      __m256d at_b = at_a;
+      Double4 at_a = Double4::load(distance_.data() + i);
+      Double4 at_b = at_a;
       for (int k = 0; k < 3; ++k) {
-        const __m256d n = _mm256_load_pd(normal_[k].data() + i);
-        at_a = _mm256_add_pd(at_a, _mm256_mul_pd(n, a[k]));
-        at_b = _mm256_add_pd(at_b, _mm256_mul_pd(n, b[k]));
+        const Double4 n = Double4::load(normal_[k].data() + i);
+        at_a = at_a + n * a[k];
+        at_b = at_b + n * b[k];
       }
-      auto mask = static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(_mm256_min_pd(at_a, at_b), limit, _CMP_LE_OQ)));
+      auto mask = sign_bits(min(at_a, at_b) <= limit);
       for (; mask != 0; mask &= mask - 1) visit(i + std::countr_zero(mask));
     }
   }

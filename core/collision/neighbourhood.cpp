@@ -6,142 +6,138 @@
 namespace hapton {
 namespace {
 
-__m256 dot(const __m256 u[3], const __m256 v[3]) {
-  return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(u[0], v[0]), _mm256_mul_ps(u[1], v[1])), _mm256_mul_ps(u[2], v[2]));
+Float8 dot(const Float8 u[3], const Float8 v[3]) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
+
+Float8 dot(const float u[3][8], const Float8 v[3]) {
+  const Float8 xy = Float8::load(u[0]) * v[0] + Float8::load(u[1]) * v[1];
+  return xy + Float8::load(u[2]) * v[2];
 }
 
-__m256 dot(const float u[3][8], const __m256 v[3]) {
-  const __m256 xy = _mm256_add_ps(_mm256_mul_ps(_mm256_load_ps(u[0]), v[0]), _mm256_mul_ps(_mm256_load_ps(u[1]), v[1]));
-  return _mm256_add_ps(xy, _mm256_mul_ps(_mm256_load_ps(u[2]), v[2]));
-}
-
-void load(const float from[3][8], __m256 into[3]) {
-  for (int k = 0; k < 3; ++k) into[k] = _mm256_load_ps(from[k]);
+void load(const float from[3][8], Float8 into[3]) {
+  for (int k = 0; k < 3; ++k) into[k] = Float8::load(from[k]);
 }
 
 // off = from - clamp(from . edge / |edge|^2) edge: from the edge's nearest point to the query; its squared length is returned.
-__m256 off_edge(const __m256 from[3], const __m256 edge[3], const __m256& inverse, __m256 off[3]) {
-  __m256 t = _mm256_mul_ps(dot(from, edge), inverse);
-  t = _mm256_min_ps(_mm256_max_ps(t, _mm256_setzero_ps()), _mm256_set1_ps(1.0F));
-  for (int k = 0; k < 3; ++k) off[k] = _mm256_sub_ps(from[k], _mm256_mul_ps(t, edge[k]));
+Float8 off_edge(const Float8 from[3], const Float8 edge[3], const Float8& inverse, Float8 off[3]) {
+  Float8 t = dot(from, edge) * inverse;
+  t = min(max(t, Float8(0.0F)), Float8(1.0F));
+  for (int k = 0; k < 3; ++k) off[k] = from[k] - t * edge[k];
   return dot(off, off);
 }
 
-void cross(const __m256 u[3], const __m256 v[3], __m256 into[3]) {
-  into[0] = _mm256_sub_ps(_mm256_mul_ps(u[1], v[2]), _mm256_mul_ps(u[2], v[1]));
-  into[1] = _mm256_sub_ps(_mm256_mul_ps(u[2], v[0]), _mm256_mul_ps(u[0], v[2]));
-  into[2] = _mm256_sub_ps(_mm256_mul_ps(u[0], v[1]), _mm256_mul_ps(u[1], v[0]));
+void cross(const Float8 u[3], const Float8 v[3], Float8 into[3]) {
+  into[0] = u[1] * v[2] - u[2] * v[1];
+  into[1] = u[2] * v[0] - u[0] * v[2];
+  into[2] = u[0] * v[1] - u[1] * v[0];
 }
 
-void choose(const __m256& mask, const __m256 other[3], __m256 into[3]) {
-  for (int k = 0; k < 3; ++k) into[k] = _mm256_blendv_ps(into[k], other[k], mask);
+void choose(const Float8& mask, const Float8 other[3], Float8 into[3]) {
+  for (int k = 0; k < 3; ++k) into[k] = select(mask, other[k], into[k]);
 }
 
 // Eight points to eight of each coordinate.
-void turn(const __m128 points[8], float into[3][8]) {
+void turn(const Float4 points[8], float into[3][8]) {
   for (int half = 0; half < 8; half += 4) {
-    __m128 x = points[half];
-    __m128 y = points[half + 1];
-    __m128 z = points[half + 2];
-    __m128 w = points[half + 3];
-    _MM_TRANSPOSE4_PS(x, y, z, w);
-    _mm_store_ps(&into[0][half], x);
-    _mm_store_ps(&into[1][half], y);
-    _mm_store_ps(&into[2][half], z);
+    Float4 x = points[half];
+    Float4 y = points[half + 1];
+    Float4 z = points[half + 2];
+    Float4 w = points[half + 3];
+    transpose(x, y, z, w);
+    store(&into[0][half], x);
+    store(&into[1][half], y);
+    store(&into[2][half], z);
   }
 }
 
-__m256i load(const std::uint32_t from[8]) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(from)); }
+Uint32x8 load(const std::uint32_t from[8]) { return Uint32x8::load(from); }
 
-__m256i all_equal_to(std::uint32_t value) { return _mm256_set1_epi32(static_cast<int>(value)); }
-
-unsigned lanes(const __m256i& mask) { return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(mask))); }
+Uint32x8 all_equal_to(std::uint32_t value) { return Uint32x8(value); }
 
 }  // namespace
 
-Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const __m256 p[3], const __m256 motion[3]) noexcept {
-  __m256 a[3];
-  __m256 ab[3];
-  __m256 ac[3];
-  __m256 ap[3];
-  __m256 bp[3];
-  __m256 bc[3];
+Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const Float8 p[3], const Float8 motion[3]) noexcept {
+  Float8 a[3];
+  Float8 ab[3];
+  Float8 ac[3];
+  Float8 ap[3];
+  Float8 bp[3];
+  Float8 bc[3];
   load(block.a, a);
   load(block.ab, ab);
   load(block.ac, ac);
   for (int k = 0; k < 3; ++k) {
-    ap[k] = _mm256_sub_ps(p[k], a[k]);
-    bp[k] = _mm256_sub_ps(ap[k], ab[k]);
-    bc[k] = _mm256_sub_ps(ac[k], ab[k]);
+    ap[k] = p[k] - a[k];
+    bp[k] = ap[k] - ab[k];
+    bc[k] = ac[k] - ab[k];
   }
-  __m256 off[3];
-  __m256 other[3];
-  __m256 best = off_edge(ap, ab, _mm256_load_ps(block.inverse_ab), off);
-  __m256 squared = off_edge(ap, ac, _mm256_load_ps(block.inverse_ac), other);
-  __m256 nearer = _mm256_cmp_ps(squared, best, _CMP_LT_OQ);
+  Float8 off[3];
+  Float8 other[3];
+  Float8 best = off_edge(ap, ab, Float8::load(block.inverse_ab), off);
+  Float8 squared = off_edge(ap, ac, Float8::load(block.inverse_ac), other);
+  Float8 nearer = squared < best;
   choose(nearer, other, off);
-  best = _mm256_min_ps(best, squared);
-  squared = off_edge(bp, bc, _mm256_load_ps(block.inverse_bc), other);
-  nearer = _mm256_cmp_ps(squared, best, _CMP_LT_OQ);
+  best = min(best, squared);
+  squared = off_edge(bp, bc, Float8::load(block.inverse_bc), other);
+  nearer = squared < best;
   choose(nearer, other, off);
-  best = _mm256_min_ps(best, squared);
+  best = min(best, squared);
 
   // Inside the triangle's prism the face is nearest. The three side tests need only be about right.
-  __m256 normal[3];
+  Float8 normal[3];
   load(block.unit_normal, normal);
-  __m256 cross_ap[3];  // ap x normal: its dot with an edge tells the side
+  Float8 cross_ap[3];  // ap x normal: its dot with an edge tells the side
   cross(ap, normal, cross_ap);
-  __m256 cross_bp[3];
+  Float8 cross_bp[3];
   cross(bp, normal, cross_bp);
-  const __m256 zero = _mm256_setzero_ps();
-  __m256 inside = _mm256_cmp_ps(dot(cross_ap, ab), zero, _CMP_GT_OQ);
-  inside = _mm256_and_ps(inside, _mm256_cmp_ps(dot(cross_bp, bc), zero, _CMP_GT_OQ));
-  inside = _mm256_and_ps(inside, _mm256_cmp_ps(dot(cross_ap, ac), zero, _CMP_LT_OQ));
-  const __m256 height = dot(ap, normal);
-  const __m256 sign = _mm256_and_ps(height, _mm256_set1_ps(-0.0F));
-  for (int k = 0; k < 3; ++k) other[k] = _mm256_xor_ps(normal[k], sign);
+  const Float8 zero = Float8(0.0F);
+  Float8 inside = dot(cross_ap, ab) > zero;
+  inside = inside & (dot(cross_bp, bc) > zero);
+  inside = inside & (dot(cross_ap, ac) < zero);
+  const Float8 height = dot(ap, normal);
+  const Float8 sign = height & Float8(-0.0F);
+  for (int k = 0; k < 3; ++k) other[k] = normal[k] ^ sign;
   // Unit direction u off the edges, or the normal inside.
-  const __m256 length = _mm256_sqrt_ps(best);
-  const __m256 inverse = _mm256_and_ps(_mm256_div_ps(_mm256_set1_ps(1.0F), length), _mm256_cmp_ps(best, zero, _CMP_GT_OQ));
-  for (int k = 0; k < 3; ++k) off[k] = _mm256_mul_ps(off[k], inverse);
+  const Float8 length = sqrt(best);
+  const Float8 inverse = (Float8(1.0F) / length) & (best > zero);
+  for (int k = 0; k < 3; ++k) off[k] = off[k] * inverse;
   choose(inside, other, off);
 
   // u . (q - x) for every x of the triangle is at least its value at the corner that lies farthest along u.
-  const __m256 support = _mm256_max_ps(zero, _mm256_max_ps(dot(off, ab), dot(off, ac)));
-  const __m256 distance = _mm256_sub_ps(_mm256_sub_ps(dot(off, ap), support), _mm256_load_ps(block.rounding));
-  return {distance, _mm256_min_ps(zero, dot(off, motion))};
+  const Float8 support = max(zero, max(dot(off, ab), dot(off, ac)));
+  const Float8 distance = dot(off, ap) - support - Float8::load(block.rounding);
+  return {distance, min(zero, dot(off, motion))};
 }
 
 // Of a block's lanes, those whose boxes overlap.
-unsigned Neighbourhood::overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept {
-  __m256 hit = _mm256_cmp_ps(_mm256_load_ps(block.low[0]), high[0], _CMP_LE_OQ);
-  hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[0]), low[0], _CMP_GE_OQ));
+unsigned Neighbourhood::overlapping(const Block& block, const Float8 low[3], const Float8 high[3]) noexcept {
+  Float8 hit = Float8::load(block.low[0]) <= high[0];
+  hit = hit & (Float8::load(block.high[0]) >= low[0]);
   for (int k = 1; k < 3; ++k) {
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.low[k]), high[k], _CMP_LE_OQ));
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(block.high[k]), low[k], _CMP_GE_OQ));
+    hit = hit & (Float8::load(block.low[k]) <= high[k]);
+    hit = hit & (Float8::load(block.high[k]) >= low[k]);
   }
-  return static_cast<unsigned>(_mm256_movemask_ps(hit));
+  return sign_bits(hit);
 }
 
 int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radius, const Box& way,
                                  std::array<Meeting, kCapacity>& meetings) const noexcept {
-  __m256 low[3];
-  __m256 high[3];
-  __m256 start[3];
-  __m256 move[3];
+  Float8 low[3];
+  Float8 high[3];
+  Float8 start[3];
+  Float8 move[3];
   float magnitude = 0.0F;
   for (int k = 0; k < 3; ++k) {
-    low[k] = _mm256_set1_ps(detail::round_down(way.low[k] - center_[k]));
-    high[k] = _mm256_set1_ps(detail::round_up(way.high[k] - center_[k]));
-    const auto s = static_cast<float>(p[k] - center_[k]);
+    low[k] = Float8(detail::round_down(way.low[k] - centre_[k]));
+    high[k] = Float8(detail::round_up(way.high[k] - centre_[k]));
+    const auto s = static_cast<float>(p[k] - centre_[k]);
     const auto m = static_cast<float>(motion[k]);
-    start[k] = _mm256_set1_ps(s);
-    move[k] = _mm256_set1_ps(m);
+    start[k] = Float8(s);
+    move[k] = Float8(m);
     magnitude += std::fabs(s) + std::fabs(m);
   }
   // Rounding of the query's side of the bound: a dozen operations on values below `magnitude`.
-  const __m256 enough = _mm256_set1_ps(detail::round_up(radius) + magnitude * 0x1p-20F);
-  const __m256 zero = _mm256_setzero_ps();
+  const Float8 enough = Float8(detail::round_up(radius) + magnitude * 0x1p-20F);
+  const Float8 zero = Float8(0.0F);
   int n = 0;
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
@@ -149,14 +145,14 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
     const unsigned near = overlapping(block, low, high);
     if (near == 0) continue;
     const Bound bound = separation_bound(block, start, move);
-    const __m256 gap = _mm256_sub_ps(bound.distance, enough);
-    const __m256 misses = _mm256_cmp_ps(_mm256_add_ps(gap, bound.approach), zero, _CMP_GT_OQ);
-    unsigned mask = near & ~static_cast<unsigned>(_mm256_movemask_ps(misses));
+    const Float8 gap = bound.distance - enough;
+    const Float8 misses = gap + bound.approach > zero;
+    unsigned mask = near & ~sign_bits(misses);
     if (mask == 0) continue;
     // gap / -approach, rounded down by a few units; zero where the gap is closed already.
-    const __m256 time = _mm256_mul_ps(_mm256_div_ps(gap, _mm256_sub_ps(zero, bound.approach)), _mm256_set1_ps(1.0F - 0x1p-21F));
+    const Float8 time = gap / (zero - bound.approach) * Float8(1.0F - 0x1p-21F);
     alignas(32) float earliest[8];
-    _mm256_store_ps(earliest, _mm256_and_ps(time, _mm256_cmp_ps(gap, zero, _CMP_GT_OQ)));
+    store(earliest, time & (gap > zero));
     for (; mask != 0; mask &= mask - 1) {
       const int lane = std::countr_zero(mask);
       meetings[n] = {earliest[lane], block.triangle[lane], static_cast<std::uint32_t>(8 * b + lane)};
@@ -179,7 +175,7 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
   for (std::size_t i = 0; i < way.size(); ++i) {
     float size = 0.0F;
     for (int k = 0; k < 3; ++k) {
-      const auto x = static_cast<float>(way[i][k] - center_[k]);
+      const auto x = static_cast<float>(way[i][k] - centre_[k]);
       points[i][k] = x;
       least[k] = i == 0 ? x : std::min(least[k], x);
       most[k] = i == 0 ? x : std::max(most[k], x);
@@ -188,13 +184,13 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
     magnitude = std::max(magnitude, size);
   }
   const float enough = detail::round_up(radius) + magnitude * 0x1p-20F;
-  __m256 low[3];
-  __m256 high[3];
+  Float8 low[3];
+  Float8 high[3];
   for (int k = 0; k < 3; ++k) {
-    low[k] = _mm256_set1_ps(least[k] - enough);
-    high[k] = _mm256_set1_ps(most[k] + enough);
+    low[k] = Float8(least[k] - enough);
+    high[k] = Float8(most[k] + enough);
   }
-  const __m256 apart = _mm256_set1_ps(enough);
+  const Float8 apart = Float8(enough);
   // First which blocks have to be looked at, then those: no processor can guess which.
   std::array<int, kCapacity / 8> at;
   std::array<unsigned, kCapacity / 8> near;
@@ -207,36 +203,36 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
   }
   for (int n = 0; n < count; ++n) {
     const Block& block = blocks_[at[n]];
-    __m256 side_most[3];  // over the polyline
-    __m256 plane_least;
-    __m256 plane_most;
+    Float8 side_most[3];  // over the polyline
+    Float8 plane_least;
+    Float8 plane_most;
     for (std::size_t i = 0; i < way.size(); ++i) {
-      const __m256 p[3] = {_mm256_set1_ps(points[i][0]), _mm256_set1_ps(points[i][1]), _mm256_set1_ps(points[i][2])};
+      const Float8 p[3] = {Float8(points[i][0]), Float8(points[i][1]), Float8(points[i][2])};
       for (int k = 0; k < 3; ++k) {
-        const __m256 along = dot(block.side[k], p);
-        side_most[k] = i == 0 ? along : _mm256_max_ps(side_most[k], along);
+        const Float8 along = dot(block.side[k], p);
+        side_most[k] = i == 0 ? along : max(side_most[k], along);
       }
-      const __m256 along = dot(block.unit_normal, p);
-      plane_least = i == 0 ? along : _mm256_min_ps(plane_least, along);
-      plane_most = i == 0 ? along : _mm256_max_ps(plane_most, along);
+      const Float8 along = dot(block.unit_normal, p);
+      plane_least = i == 0 ? along : min(plane_least, along);
+      plane_most = i == 0 ? along : max(plane_most, along);
     }
-    __m256 parted = _mm256_cmp_ps(_mm256_add_ps(plane_most, apart), _mm256_load_ps(block.plane_from), _CMP_LT_OQ);
-    parted = _mm256_or_ps(parted, _mm256_cmp_ps(_mm256_sub_ps(plane_least, apart), _mm256_load_ps(block.plane_to), _CMP_GT_OQ));
+    Float8 parted = plane_most + apart < Float8::load(block.plane_from);
+    parted = parted | (plane_least - apart > Float8::load(block.plane_to));
     for (int k = 0; k < 3; ++k) {
-      const __m256 beyond = _mm256_cmp_ps(_mm256_add_ps(side_most[k], apart), _mm256_load_ps(block.side_from[k]), _CMP_LT_OQ);
-      parted = _mm256_or_ps(parted, beyond);
+      const Float8 beyond = side_most[k] + apart < Float8::load(block.side_from[k]);
+      parted = parted | beyond;
     }
-    if ((near[n] & ~static_cast<unsigned>(_mm256_movemask_ps(parted))) != 0) return false;
+    if ((near[n] & ~sign_bits(parted)) != 0) return false;
   }
   return true;
 }
 
 std::uint32_t Neighbourhood::place_of(std::uint32_t triangle, std::uint32_t perhaps) const noexcept {
   if (perhaps < static_cast<std::uint32_t>(count_) && triangle_at(perhaps) == triangle) return perhaps;
-  const __m256i wanted = all_equal_to(triangle);
+  const Uint32x8 wanted = all_equal_to(triangle);
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
-    const unsigned mask = lanes(_mm256_cmpeq_epi32(load(blocks_[b].triangle), wanted));
+    const unsigned mask = sign_bits(load(blocks_[b].triangle) == wanted);
     if (mask != 0) return static_cast<std::uint32_t>(8 * b + std::countr_zero(mask));
   }
   return kNowhere;
@@ -244,17 +240,16 @@ std::uint32_t Neighbourhood::place_of(std::uint32_t triangle, std::uint32_t perh
 
 // Of a block's lanes, the triangles of the same object: vertices are numbered in each.
 unsigned Neighbourhood::of_object(const Block& block, std::uint32_t triangle) const noexcept {
-  const __m256i differs =
-      _mm256_and_si256(_mm256_xor_si256(load(block.triangle), all_equal_to(triangle)), all_equal_to(geometry_->object_bits()));
-  return lanes(_mm256_cmpeq_epi32(differs, _mm256_setzero_si256()));
+  const Uint32x8 differs = (load(block.triangle) ^ all_equal_to(triangle)) & all_equal_to(geometry_->object_bits());
+  return sign_bits(differs == Uint32x8(0U));
 }
 
 Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const noexcept {
   const Block& own = blocks_[place / 8];
   const std::uint32_t from = own.vertex[k][place % 8];
   const std::uint32_t to = own.vertex[(k + 1) % 3][place % 8];
-  const __m256i from_8 = all_equal_to(from);
-  const __m256i to_8 = all_equal_to(to);
+  const Uint32x8 from_8 = all_equal_to(from);
+  const Uint32x8 to_8 = all_equal_to(to);
   const std::uint32_t triangle = triangle_at(place);
   // Gathered block by block, eight at a time, and looked at afterwards: in which of them it is, no processor can guess.
   Across found;
@@ -262,13 +257,13 @@ Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const no
   for (int first = 0; first < blocks; first += 8) {
     std::uint64_t others = 0;
     for (int b = first; b < std::min(first + 8, blocks); ++b) {
-      __m256i has_from = _mm256_setzero_si256();
-      __m256i has_to = _mm256_setzero_si256();
+      Uint32x8 has_from = Uint32x8(0U);
+      Uint32x8 has_to = Uint32x8(0U);
       for (const auto& vertices : blocks_[b].vertex) {
-        has_from = _mm256_or_si256(has_from, _mm256_cmpeq_epi32(load(vertices), from_8));
-        has_to = _mm256_or_si256(has_to, _mm256_cmpeq_epi32(load(vertices), to_8));
+        has_from = has_from | (load(vertices) == from_8);
+        has_to = has_to | (load(vertices) == to_8);
       }
-      const unsigned mask = lanes(_mm256_and_si256(has_from, has_to)) & of_object(blocks_[b], triangle);
+      const unsigned mask = sign_bits(has_from & has_to) & of_object(blocks_[b], triangle);
       others |= static_cast<std::uint64_t>(mask) << (8 * (b - first));
     }
     const std::uint32_t base = static_cast<std::uint32_t>(8 * first);
@@ -290,13 +285,13 @@ Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const no
 }
 
 int Neighbourhood::count_round(std::uint32_t place, int k) const noexcept {
-  const __m256i vertex = all_equal_to(blocks_[place / 8].vertex[k][place % 8]);
+  const Uint32x8 vertex = all_equal_to(blocks_[place / 8].vertex[k][place % 8]);
   int found = 0;
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
-    __m256i has_it = _mm256_setzero_si256();
-    for (const auto& vertices : blocks_[b].vertex) has_it = _mm256_or_si256(has_it, _mm256_cmpeq_epi32(load(vertices), vertex));
-    found += std::popcount(lanes(has_it) & of_object(blocks_[b], triangle_at(place)));
+    Uint32x8 has_it = Uint32x8(0U);
+    for (const auto& vertices : blocks_[b].vertex) has_it = has_it | (load(vertices) == vertex);
+    found += std::popcount(sign_bits(has_it) & of_object(blocks_[b], triangle_at(place)));
   }
   return found;
 }
@@ -332,7 +327,7 @@ void Neighbourhood::fetch() const noexcept {
 }
 
 void Neighbourhood::take() noexcept {
-  center_ = wanted_.center();
+  centre_ = wanted_.centre();
   is_prepared_.reset();
   for (int first = 0; first < found_count_; first += 8) {
     Block& block = blocks_[first / 8];
@@ -345,28 +340,27 @@ void Neighbourhood::take() noexcept {
 }
 
 void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept {
-  const __m256i three = _mm256_set_epi64x(0, -1, -1, -1);
-  const __m256d center = _mm256_maskload_pd(center_.data(), three);
+  const Double4 centre = Double4::load_three(centre_.data());
   // A point infinitely far away overlaps nothing.
-  const __m128 nowhere = _mm_set1_ps(std::numeric_limits<float>::infinity());
-  __m128 a[8];
-  __m128 ab[8];
-  __m128 ac[8];
+  const Float4 nowhere = Float4(std::numeric_limits<float>::infinity());
+  Float4 a[8];
+  Float4 ab[8];
+  Float4 ac[8];
   for (std::size_t lane = 0; lane < 8; ++lane) {
     if (lane >= triangles.size()) {
       a[lane] = nowhere;
-      ab[lane] = _mm_setzero_ps();
-      ac[lane] = _mm_setzero_ps();
+      ab[lane] = Float4(0.0F);
+      ac[lane] = Float4(0.0F);
       block.triangle[lane] = kNowhere;
       for (auto& vertices : block.vertex) vertices[lane] = kNowhere;
       continue;
     }
     const std::uint32_t triangle = triangles[lane];
     const ObjectGeometry::Corners corners = geometry_->corners(triangle);
-    const __m256d corner = _mm256_maskload_pd(corners.a.data(), three);
-    a[lane] = _mm256_cvtpd_ps(_mm256_sub_pd(corner, center));
-    ab[lane] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_maskload_pd(corners.b.data(), three), corner));
-    ac[lane] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_maskload_pd(corners.c.data(), three), corner));
+    const Double4 corner = Double4::load_three(corners.a.data());
+    a[lane] = rounded(corner - centre);
+    ab[lane] = rounded(Double4::load_three(corners.b.data()) - corner);
+    ac[lane] = rounded(Double4::load_three(corners.c.data()) - corner);
     block.triangle[lane] = triangle;
     for (int k = 0; k < 3; ++k) block.vertex[k][lane] = corners.vertices[k];
   }
@@ -376,66 +370,66 @@ void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block)
 }
 
 void Neighbourhood::derive(Block& block) noexcept {
-  __m256 a[3];
-  __m256 ab[3];
-  __m256 ac[3];
-  __m256 bc[3];
+  Float8 a[3];
+  Float8 ab[3];
+  Float8 ac[3];
+  Float8 bc[3];
   load(block.a, a);
   load(block.ab, ab);
   load(block.ac, ac);
-  const __m256 zero = _mm256_setzero_ps();
-  const __m256 no_sign = _mm256_set1_ps(-0.0F);
-  const auto magnitude = [&](const __m256& x) { return _mm256_andnot_ps(no_sign, x); };
-  __m256 size = zero;
+  const Float8 zero = Float8(0.0F);
+  const Float8 no_sign = Float8(-0.0F);
+  const auto magnitude = [&](const Float8& x) { return and_not(no_sign, x); };
+  Float8 size = zero;
   for (int k = 0; k < 3; ++k) {
-    bc[k] = _mm256_sub_ps(ac[k], ab[k]);
-    size = _mm256_add_ps(size, _mm256_add_ps(magnitude(a[k]), _mm256_add_ps(magnitude(ab[k]), magnitude(ac[k]))));
+    bc[k] = ac[k] - ab[k];
+    size = size + (magnitude(a[k]) + (magnitude(ab[k]) + magnitude(ac[k])));
   }
-  const __m256 rounding = _mm256_mul_ps(size, _mm256_set1_ps(0x1p-19F));
-  _mm256_store_ps(block.rounding, rounding);
+  const Float8 rounding = size * Float8(0x1p-19F);
+  store(block.rounding, rounding);
   for (int k = 0; k < 3; ++k) {
-    const __m256 least = _mm256_min_ps(zero, _mm256_min_ps(ab[k], ac[k]));
-    const __m256 most = _mm256_max_ps(zero, _mm256_max_ps(ab[k], ac[k]));
-    _mm256_store_ps(block.low[k], _mm256_sub_ps(_mm256_add_ps(a[k], least), rounding));
-    _mm256_store_ps(block.high[k], _mm256_add_ps(_mm256_add_ps(a[k], most), rounding));
+    const Float8 least = min(zero, min(ab[k], ac[k]));
+    const Float8 most = max(zero, max(ab[k], ac[k]));
+    store(block.low[k], a[k] + least - rounding);
+    store(block.high[k], a[k] + most + rounding);
   }
   // A zero edge gets factor zero; an overflowing one too, which only weakens the bound.
-  const auto inverse = [&](const __m256 edge[3]) {
-    const __m256 squared = dot(edge, edge);
-    return _mm256_and_ps(_mm256_div_ps(_mm256_set1_ps(1.0F), squared), _mm256_cmp_ps(squared, _mm256_set1_ps(1e-37F), _CMP_GT_OQ));
+  const auto inverse = [&](const Float8 edge[3]) {
+    const Float8 squared = dot(edge, edge);
+    return (Float8(1.0F) / squared) & (squared > Float8(1e-37F));
   };
-  _mm256_store_ps(block.inverse_ab, inverse(ab));
-  _mm256_store_ps(block.inverse_ac, inverse(ac));
-  _mm256_store_ps(block.inverse_bc, inverse(bc));
-  __m256 normal[3];
+  store(block.inverse_ab, inverse(ab));
+  store(block.inverse_ac, inverse(ac));
+  store(block.inverse_bc, inverse(bc));
+  Float8 normal[3];
   cross(ab, ac, normal);
-  const __m256 squared = dot(normal, normal);
-  const __m256 has_area = _mm256_cmp_ps(squared, _mm256_set1_ps(1e-37F), _CMP_GT_OQ);
-  const __m256 scale = _mm256_and_ps(_mm256_div_ps(_mm256_set1_ps(1.0F), _mm256_sqrt_ps(squared)), has_area);
+  const Float8 squared = dot(normal, normal);
+  const Float8 has_area = squared > Float8(1e-37F);
+  const Float8 scale = (Float8(1.0F) / sqrt(squared)) & has_area;
   for (int k = 0; k < 3; ++k) {
-    normal[k] = _mm256_mul_ps(normal[k], scale);
-    _mm256_store_ps(block.unit_normal[k], normal[k]);
+    normal[k] = normal[k] * scale;
+    store(block.unit_normal[k], normal[k]);
   }
   // Whatever a direction's rounding, what the corners have along it is what counts.
-  const auto corner_least = [&](const __m256 direction[3]) {
-    return _mm256_add_ps(dot(direction, a), _mm256_min_ps(zero, _mm256_min_ps(dot(direction, ab), dot(direction, ac))));
+  const auto corner_least = [&](const Float8 direction[3]) {
+    return dot(direction, a) + min(zero, min(dot(direction, ab), dot(direction, ac)));
   };
-  _mm256_store_ps(block.plane_from, _mm256_sub_ps(corner_least(normal), rounding));
-  const __m256 highest = _mm256_max_ps(zero, _mm256_max_ps(dot(normal, ab), dot(normal, ac)));
-  _mm256_store_ps(block.plane_to, _mm256_add_ps(_mm256_add_ps(dot(normal, a), highest), rounding));
-  const __m256* const edges[3] = {ab, bc, ac};
+  store(block.plane_from, corner_least(normal) - rounding);
+  const Float8 highest = max(zero, max(dot(normal, ab), dot(normal, ac)));
+  store(block.plane_to, dot(normal, a) + highest + rounding);
+  const Float8* const edges[3] = {ab, bc, ac};
   for (int k = 0; k < 3; ++k) {
-    __m256 side[3];
+    Float8 side[3];
     cross(normal, edges[k], side);
-    const __m256 side_squared = dot(side, side);
-    const __m256 has_length = _mm256_cmp_ps(side_squared, _mm256_set1_ps(1e-37F), _CMP_GT_OQ);
-    __m256 unit = _mm256_and_ps(_mm256_div_ps(_mm256_set1_ps(1.0F), _mm256_sqrt_ps(side_squared)), has_length);
-    if (k == 2) unit = _mm256_xor_ps(unit, no_sign);  // ac runs the other way round
+    const Float8 side_squared = dot(side, side);
+    const Float8 has_length = side_squared > Float8(1e-37F);
+    Float8 unit = (Float8(1.0F) / sqrt(side_squared)) & has_length;
+    if (k == 2) unit = unit ^ no_sign;  // ac runs the other way round
     for (int i = 0; i < 3; ++i) {
-      side[i] = _mm256_mul_ps(side[i], unit);
-      _mm256_store_ps(block.side[k][i], side[i]);
+      side[i] = side[i] * unit;
+      store(block.side[k][i], side[i]);
     }
-    _mm256_store_ps(block.side_from[k], _mm256_sub_ps(corner_least(side), rounding));
+    store(block.side_from[k], corner_least(side) - rounding);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/collision/touch_geometry.h"
 #include "core/geometry/contact_triangle.h"
+#include "core/math/float8.h"
 
 namespace hapton {
 
@@ -99,7 +100,7 @@ class Neighbourhood {
                     std::array<Meeting, kCapacity>& meetings) const noexcept;
 
  private:
-  // Eight triangles: corner a and edges ab, ac relative to center_, their boxes, and a bound on the rounding of all of it.
+  // Eight triangles: corner a and edges ab, ac relative to centre_, their boxes, and a bound on the rounding of all of it.
   struct alignas(32) Block {
     float low[3][8];
     float high[3][8];
@@ -125,15 +126,15 @@ class Neighbourhood {
   void copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept;
   static void derive(Block& block) noexcept;
   unsigned of_object(const Block& block, std::uint32_t triangle) const noexcept;
-  static unsigned overlapping(const Block& block, const __m256 low[3], const __m256 high[3]) noexcept;
+  static unsigned overlapping(const Block& block, const Float8 low[3], const Float8 high[3]) noexcept;
 
   // Per lane, from one separating direction (from the triangle's nearest point to the point p): the moving point is at least
   // `distance` + t * `approach` away at time t. A wrong direction only weakens the bound.
   struct Bound {
-    __m256 distance;
-    __m256 approach;  // <= 0
+    Float8 distance;
+    Float8 approach;  // <= 0
   };
-  static Bound separation_bound(const Block& block, const __m256 p[3], const __m256 motion[3]) noexcept;
+  static Bound separation_bound(const Block& block, const Float8 p[3], const Float8 motion[3]) noexcept;
 
   const TouchGeometry* geometry_ = nullptr;
   std::array<ContactTriangle, kCapacity> shapes_;
@@ -141,7 +142,7 @@ class Neighbourhood {
   std::array<Block, kCapacity / 8> blocks_;
   int count_ = 0;
   Box region_;
-  Vec3 center_ = Vec3::Zero();
+  Vec3 centre_ = Vec3::Zero();
   std::array<std::uint32_t, kCapacity> found_;  // by look_for, in wanted_
   int found_count_ = 0;
   Box wanted_;

@@ -70,9 +70,9 @@ class ObjectGeometry {
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
 
   // Start moving a triangle's memory towards the processor: first its indices, later its corners.
-  void prefetch_indices(std::uint32_t t) const { _mm_prefetch(reinterpret_cast<const char*>(&triangles_[t]), _MM_HINT_T0); }
+  void prefetch_indices(std::uint32_t t) const { __builtin_prefetch(&triangles_[t]); }
   void prefetch_corners(std::uint32_t t) const {
-    for (const std::uint32_t v : triangles_[t]) _mm_prefetch(reinterpret_cast<const char*>(&vertices_[v]), _MM_HINT_T0);
+    for (const std::uint32_t v : triangles_[t]) __builtin_prefetch(&vertices_[v]);
   }
 
  private:

@@ -6,7 +6,7 @@ namespace hapton {
 ObjectHierarchy::ObjectHierarchy(std::span<const Box> bounds) : bounds_(bounds.begin(), bounds.end()) {
   Box all;
   for (const Box& box : bounds_) all.grow(box);
-  const Vec3 middle = all.is_empty() ? Vec3(Vec3::Zero()) : all.center();
+  const Vec3 middle = all.is_empty() ? Vec3(Vec3::Zero()) : all.centre();
   tree_ = WideBvh(bounds_.size(), [&](std::size_t i) { return bounds_[i].is_empty() ? Box{middle, middle} : bounds_[i]; });
   parents_ = tree_.find_parents();
   for (std::uint32_t i = 0; i < bounds_.size(); ++i) {

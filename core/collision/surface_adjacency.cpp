@@ -9,6 +9,7 @@
 #include "core/collision/triangle_pair.h"
 #include "core/geometry/point_triangle.h"
 #include "core/math/exact_cross.h"
+#include "core/math/float8.h"
 
 namespace hapton {
 namespace {
@@ -178,12 +179,12 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
       code = std::exchange(place(code), kNone);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      const __m256i own = _mm256_set1_epi32(static_cast<int>(high[i]));
+      const Uint32x8 own = Uint32x8(high[i]);
       int others = -1;
       std::size_t other = i;
       for (std::size_t j = 0; j < count; j += 8) {
-        const __m256i same = _mm256_cmpeq_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(&high[j])), own);
-        auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(same)));
+        const Uint32x8 same = Uint32x8::load_unaligned(&high[j]) == own;
+        auto mask = sign_bits(same);
         mask &= count - j < 8 ? (1U << (count - j)) - 1U : 0xFFU;
         others += std::popcount(mask);
         if (i - j < 8) mask &= ~(1U << (i - j));
@@ -310,7 +311,7 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
   // Triangles with a common vertex that has an even fan need no test: that fan holds both.
   std::array<std::uint32_t, WideBvh::kWidth> item;
   struct Corners8 {
-    __m256i first, second, third;
+    Uint32x8 first, second, third;
   } of_items;
   tree.for_each_near_pair(
       margin,
@@ -321,18 +322,18 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
           const Triangle& of = triangles[(lanes >> c & 1U) != 0 ? items[c] : 0];
           for (int k = 0; k < 3; ++k) corner[k][c] = of[k];
         }
-        const auto load = [&](int k) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(corner[k].data())); };
+        const auto load = [&](int k) { return Uint32x8::load(corner[k].data()); };
         of_items = {load(0), load(1), load(2)};
       },
       [&](std::uint32_t t, unsigned near) {
-        __m256i settled = _mm256_setzero_si256();
+        Uint32x8 settled = Uint32x8(0U);
         for (const std::uint32_t v : triangles[t]) {
-          const __m256i vertex = _mm256_set1_epi32(static_cast<int>(fans[v] == Fan::even ? v : kNone));
-          settled = _mm256_or_si256(settled, _mm256_cmpeq_epi32(of_items.first, vertex));
-          settled = _mm256_or_si256(settled, _mm256_cmpeq_epi32(of_items.second, vertex));
-          settled = _mm256_or_si256(settled, _mm256_cmpeq_epi32(of_items.third, vertex));
+          const Uint32x8 vertex = Uint32x8(fans[v] == Fan::even ? v : kNone);
+          settled = settled | (of_items.first == vertex);
+          settled = settled | (of_items.second == vertex);
+          settled = settled | (of_items.third == vertex);
         }
-        near &= ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(settled)));
+        near &= ~sign_bits(settled);
         for (; near != 0; near &= near - 1) {
           const std::uint32_t u = item[std::countr_zero(near)];
           if ((walkable_[t] | walkable_[u]) == 0 || is_pair_walkable(vertices, triangles[t], triangles[u], margin)) continue;

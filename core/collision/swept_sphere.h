@@ -6,7 +6,8 @@
 namespace hapton {
 
 // The distance a probe keeps from surfaces, and how exactly.
-// A point probe is a sphere of radius `rest` = hover alone; a sphere probe adds its radius. All in metres.
+// A point probe is a sphere of radius `rest`, the contact offset alone; a sphere probe adds its radius.
+// Frame and units: TouchGeometry's local ones (object_geometry.h), in which the scene's diagonal is between 1 and 2.
 struct Clearance {
   double rest = 0.0;       // a proxy in contact stands this far off
   double slack = 0.0;      // it is never nearer than rest - slack; rest - slack > 0, so no surface is ever crossed

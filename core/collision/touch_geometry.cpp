@@ -24,7 +24,7 @@ Box bounds_of(const TriangleMesh& mesh) {
 LocalFrame frame_of(const Box& bounds) {
   LocalFrame frame;
   if (bounds.is_empty()) return frame;
-  frame.origin = bounds.center();
+  frame.origin = bounds.centre();
   const double diagonal = bounds.diagonal();
   if (diagonal > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(diagonal));
   return frame;

@@ -1,9 +1,5 @@
 #pragma once
 
-#ifndef __AVX2__
-#error "core/collision needs AVX2 and FMA: configure with -DHAPTON_MARCH=x86-64-v3 or a newer CPU"
-#endif
-
 #include <array>
 #include <cstdint>
 #include <span>

@@ -1,6 +1,5 @@
-#include <immintrin.h>
-
 #include "core/collision/triangle_pair.h"
+#include "core/math/float8.h"
 
 // The steps of intersect_triangles (triangle_pair.cpp) in eight lanes, without branches, and with a bound on the error of every number
 // whose sign decides. u = 2^-24.
@@ -17,50 +16,47 @@ namespace hapton {
 namespace {
 
 struct Vec8 {
-  __m256 x, y, z;
+  Float8 x, y, z;
 };
 
-const __m256 kSign = _mm256_set1_ps(-0.0F);
+const Float8 kSign = Float8(-0.0F);
 
-__m256 set8(float x) { return _mm256_set1_ps(x); }
-__m256 magnitude(__m256 x) { return _mm256_andnot_ps(kSign, x); }
-__m256 larger(__m256 a, __m256 b) { return _mm256_max_ps(a, b); }
-__m256 times(__m256 a, __m256 b) { return _mm256_mul_ps(a, b); }
-__m256 plus(__m256 a, __m256 b) { return _mm256_add_ps(a, b); }
-__m256 flipped(__m256 a, __m256 sign) { return _mm256_xor_ps(a, sign); }
-__m256 is_above(__m256 a, __m256 b) { return _mm256_cmp_ps(a, b, _CMP_GT_OQ); }
+Float8 set8(float x) { return Float8(x); }
+Float8 magnitude(Float8 x) { return and_not(kSign, x); }
+Float8 larger(Float8 a, Float8 b) { return max(a, b); }
+Float8 times(Float8 a, Float8 b) { return a * b; }
+Float8 plus(Float8 a, Float8 b) { return a + b; }
+Float8 flipped(Float8 a, Float8 sign) { return a ^ sign; }
+Float8 is_above(Float8 a, Float8 b) { return a > b; }
 
-Vec8 load(const float from[3][8]) { return {_mm256_load_ps(from[0]), _mm256_load_ps(from[1]), _mm256_load_ps(from[2])}; }
+Vec8 load(const float from[3][8]) { return {Float8::load(from[0]), Float8::load(from[1]), Float8::load(from[2])}; }
 void store(const Vec8& v, float into[3][8]) {
-  _mm256_store_ps(into[0], v.x);
-  _mm256_store_ps(into[1], v.y);
-  _mm256_store_ps(into[2], v.z);
+  store(into[0], v.x);
+  store(into[1], v.y);
+  store(into[2], v.z);
 }
-Vec8 minus(const Vec8& a, const Vec8& b) { return {_mm256_sub_ps(a.x, b.x), _mm256_sub_ps(a.y, b.y), _mm256_sub_ps(a.z, b.z)}; }
-__m256 dot(const Vec8& a, const Vec8& b) { return _mm256_fmadd_ps(a.z, b.z, _mm256_fmadd_ps(a.y, b.y, _mm256_mul_ps(a.x, b.x))); }
-Vec8 cross(const Vec8& a, const Vec8& b) {
-  return {_mm256_fmsub_ps(a.y, b.z, _mm256_mul_ps(a.z, b.y)), _mm256_fmsub_ps(a.z, b.x, _mm256_mul_ps(a.x, b.z)),
-          _mm256_fmsub_ps(a.x, b.y, _mm256_mul_ps(a.y, b.x))};
-}
-__m256 squared(const Vec8& a) { return dot(a, a); }
+Vec8 minus(const Vec8& a, const Vec8& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Float8 dot(const Vec8& a, const Vec8& b) { return fma(a.z, b.z, fma(a.y, b.y, a.x * b.x)); }
+Vec8 cross(const Vec8& a, const Vec8& b) { return {fms(a.y, b.z, a.z * b.y), fms(a.z, b.x, a.x * b.z), fms(a.x, b.y, a.y * b.x)}; }
+Float8 squared(const Vec8& a) { return dot(a, a); }
 
 // other where the mask's sign bit is set.
-__m256 choose(__m256 one, __m256 other, __m256 mask) { return _mm256_blendv_ps(one, other, mask); }
-Vec8 choose(const Vec8& one, const Vec8& other, __m256 mask) {
+Float8 choose(Float8 one, Float8 other, Float8 mask) { return select(mask, other, one); }
+Vec8 choose(const Vec8& one, const Vec8& other, Float8 mask) {
   return {choose(one.x, other.x, mask), choose(one.y, other.y, mask), choose(one.z, other.z, mask)};
 }
 
 // Turned so that the corner alone on its side comes first.
 struct Turned8 {
   Vec8 first, second, third;
-  __m256 height[3];
+  Float8 height[3];
 };
 
-Turned8 turn(const Vec8 corner[3], const __m256 height[3]) {
-  const __m256 differ_01 = _mm256_xor_ps(height[0], height[1]);
-  const __m256 differ_02 = _mm256_xor_ps(height[0], height[2]);
-  const __m256 second_alone = _mm256_andnot_ps(differ_02, differ_01);
-  const __m256 third_alone = _mm256_andnot_ps(differ_01, differ_02);
+Turned8 turn(const Vec8 corner[3], const Float8 height[3]) {
+  const Float8 differ_01 = height[0] ^ height[1];
+  const Float8 differ_02 = height[0] ^ height[2];
+  const Float8 second_alone = and_not(differ_02, differ_01);
+  const Float8 third_alone = and_not(differ_01, differ_02);
   const auto pick = [&](const auto& none, const auto& second, const auto& third) {
     return choose(choose(none, second, second_alone), third, third_alone);
   };
@@ -71,43 +67,40 @@ Turned8 turn(const Vec8 corner[3], const __m256 height[3]) {
 }
 
 // The bound on a determinant's error, above, with room for the rounding of the bound itself. Pre: k, l, m already one eta longer.
-__m256 determinant_error(__m256 eta, __m256 k, __m256 l, __m256 m) {
-  const __m256 pairs = plus(times(k, l), times(m, plus(k, l)));
+Float8 determinant_error(Float8 eta, Float8 k, Float8 l, Float8 m) {
+  const Float8 pairs = plus(times(k, l), times(m, plus(k, l)));
   return plus(times(times(set8(1.01F), eta), pairs), times(times(set8(5.1F * 0x1p-24F), k), times(l, m)));
 }
 
 struct Heights {
-  __m256 height[3];
-  __m256 all_clear;  // every sign is certain
-  __m256 beside;     // all three certainly on one side
+  Float8 height[3];
+  Float8 all_clear;  // every sign is certain
+  Float8 beside;     // all three certainly on one side
 };
 
-Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner[3], __m256 error) {
+Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner[3], Float8 error) {
   Heights h;
-  __m256 least = set8(__builtin_huge_valf());
+  Float8 least = set8(__builtin_huge_valf());
   for (int i = 0; i < 3; ++i) {
     h.height[i] = dot(normal, minus(corner[i], on_plane));
-    least = _mm256_min_ps(least, magnitude(h.height[i]));
+    least = min(least, magnitude(h.height[i]));
   }
   h.all_clear = is_above(least, error);
-  const __m256 differ = _mm256_or_ps(_mm256_xor_ps(h.height[0], h.height[1]), _mm256_xor_ps(h.height[0], h.height[2]));
-  h.beside = _mm256_andnot_ps(differ, h.all_clear);
+  const Float8 differ = (h.height[0] ^ h.height[1]) | (h.height[0] ^ h.height[2]);
+  h.beside = and_not(differ, h.all_clear);
   return h;
 }
 
 struct Pierced {
   Vec8 point;
-  __m256 loose;  // E / |d0 - d1|: what t may be off by
+  Float8 loose;  // E / |d0 - d1|: what t may be off by
 };
 
-Pierced pierce(const Vec8& base, const Vec8& direction, __m256 d0, __m256 d1, __m256 error) {
-  const __m256 one_over = _mm256_div_ps(set8(1.0F), _mm256_sub_ps(d0, d1));
-  const __m256 t = times(d0, one_over);
-  return {{_mm256_fmadd_ps(t, direction.x, base.x), _mm256_fmadd_ps(t, direction.y, base.y), _mm256_fmadd_ps(t, direction.z, base.z)},
-          times(error, magnitude(one_over))};
+Pierced pierce(const Vec8& base, const Vec8& direction, Float8 d0, Float8 d1, Float8 error) {
+  const Float8 one_over = set8(1.0F) / (d0 - d1);
+  const Float8 t = times(d0, one_over);
+  return {{fma(t, direction.x, base.x), fma(t, direction.y, base.y), fma(t, direction.z, base.z)}, times(error, magnitude(one_over))};
 }
-
-int bits_of(__m256 mask) { return _mm256_movemask_ps(mask); }
 
 }  // namespace
 
@@ -120,16 +113,16 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 df = minus(b[2], b[0]);
 
   // Bounds on lengths: of edges, of what lies between the triangles, of corners.
-  const __m256 edge_a = _mm256_sqrt_ps(larger(larger(squared(ab), squared(ac)), squared(minus(a[2], a[1]))));
-  const __m256 edge_b = _mm256_sqrt_ps(larger(larger(squared(de), squared(df)), squared(minus(b[2], b[1]))));
-  const __m256 reach = plus(_mm256_sqrt_ps(larger(squared(a[0]), squared(b[0]))), larger(edge_a, edge_b));
-  const __m256 eta = times(set8(4.1F * 0x1p-24F), reach);
-  const __m256 two_eta = plus(eta, times(set8(1.1F), eta));
-  const __m256 k = plus(edge_a, two_eta);
-  const __m256 l = plus(edge_b, two_eta);
-  const __m256 between = plus(_mm256_sqrt_ps(squared(minus(b[0], a[0]))), two_eta);
-  const __m256 error_a = determinant_error(eta, l, l, plus(between, k));  // of a's heights over b
-  const __m256 error_b = determinant_error(eta, k, k, plus(between, l));
+  const Float8 edge_a = sqrt(larger(larger(squared(ab), squared(ac)), squared(minus(a[2], a[1]))));
+  const Float8 edge_b = sqrt(larger(larger(squared(de), squared(df)), squared(minus(b[2], b[1]))));
+  const Float8 reach = plus(sqrt(larger(squared(a[0]), squared(b[0]))), larger(edge_a, edge_b));
+  const Float8 eta = times(set8(4.1F * 0x1p-24F), reach);
+  const Float8 two_eta = plus(eta, times(set8(1.1F), eta));
+  const Float8 k = plus(edge_a, two_eta);
+  const Float8 l = plus(edge_b, two_eta);
+  const Float8 between = plus(sqrt(squared(minus(b[0], a[0]))), two_eta);
+  const Float8 error_a = determinant_error(eta, l, l, plus(between, k));  // of a's heights over b
+  const Float8 error_b = determinant_error(eta, k, k, plus(between, l));
 
   const Heights over_b = heights_over(cross(de, df), b[0], a, error_a);
   const Heights over_a = heights_over(cross(ab, ac), a[0], b, error_b);
@@ -137,8 +130,8 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Turned8 q = turn(b, over_a.height);
 
   // Along D a triangle's piercing points come in the order of its corners third, second for a on top and second, third for b on top.
-  const __m256 a_below = p.height[0];  // sign bit: the first corner is the lowest
-  const __m256 b_below = q.height[0];
+  const Float8 a_below = p.height[0];  // sign bit: the first corner is the lowest
+  const Float8 b_below = q.height[0];
   const Vec8 low_a = minus(choose(p.third, p.second, a_below), p.first);
   const Vec8 high_a = minus(choose(p.second, p.third, a_below), p.first);
   const Vec8 low_b = minus(choose(q.second, q.third, b_below), q.first);
@@ -146,46 +139,44 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 firsts = minus(q.first, p.first);
   const Vec8 low_turn = cross(low_a, firsts);
   const Vec8 high_turn = cross(high_a, firsts);
-  const __m256 turned = _mm256_and_ps(_mm256_xor_ps(a_below, b_below), kSign);
+  const Float8 turned = (a_below ^ b_below) & kSign;
   // > 0: b's piercing point is later than a's.
-  const __m256 low_high = flipped(dot(high_b, low_turn), turned);
-  const __m256 high_low = flipped(dot(low_b, high_turn), turned);
-  const __m256 low_low = flipped(dot(low_b, low_turn), turned);
-  const __m256 high_high = flipped(dot(high_b, high_turn), turned);
-  const __m256 order_error = determinant_error(eta, k, l, plus(between, plus(k, l)));
-  const __m256 apart = _mm256_or_ps(is_above(flipped(low_high, kSign), order_error), is_above(high_low, order_error));
-  __m256 clear = is_above(
-      _mm256_min_ps(_mm256_min_ps(magnitude(low_high), magnitude(high_low)), _mm256_min_ps(magnitude(low_low), magnitude(high_high))),
-      order_error);
-  const __m256 heights_clear = _mm256_and_ps(over_b.all_clear, over_a.all_clear);
-  clear = _mm256_and_ps(clear, heights_clear);
+  const Float8 low_high = flipped(dot(high_b, low_turn), turned);
+  const Float8 high_low = flipped(dot(low_b, high_turn), turned);
+  const Float8 low_low = flipped(dot(low_b, low_turn), turned);
+  const Float8 high_high = flipped(dot(high_b, high_turn), turned);
+  const Float8 order_error = determinant_error(eta, k, l, plus(between, plus(k, l)));
+  const Float8 apart = is_above(flipped(low_high, kSign), order_error) | is_above(high_low, order_error);
+  Float8 clear = is_above(min(min(magnitude(low_high), magnitude(high_low)), min(magnitude(low_low), magnitude(high_high))), order_error);
+  const Float8 heights_clear = over_b.all_clear & over_a.all_clear;
+  clear = clear & heights_clear;
 
   // begin: the later of the low ends; end: the earlier of the high ones. Masks by sign bit.
-  const __m256 begin_on_b = flipped(low_low, kSign);
-  const __m256 end_on_b = high_high;
-  const __m256 low_height_a = choose(p.height[2], p.height[1], a_below);
-  const __m256 high_height_a = choose(p.height[1], p.height[2], a_below);
-  const __m256 low_height_b = choose(q.height[1], q.height[2], b_below);
-  const __m256 high_height_b = choose(q.height[2], q.height[1], b_below);
+  const Float8 begin_on_b = flipped(low_low, kSign);
+  const Float8 end_on_b = high_high;
+  const Float8 low_height_a = choose(p.height[2], p.height[1], a_below);
+  const Float8 high_height_a = choose(p.height[1], p.height[2], a_below);
+  const Float8 low_height_b = choose(q.height[1], q.height[2], b_below);
+  const Float8 high_height_b = choose(q.height[2], q.height[1], b_below);
   const Pierced begin =
       pierce(choose(p.first, q.first, begin_on_b), choose(low_a, low_b, begin_on_b), choose(p.height[0], q.height[0], begin_on_b),
              choose(low_height_a, low_height_b, begin_on_b), choose(error_a, error_b, begin_on_b));
   const Pierced end =
       pierce(choose(p.first, q.first, end_on_b), choose(high_a, high_b, end_on_b), choose(p.height[0], q.height[0], end_on_b),
              choose(high_height_a, high_height_b, end_on_b), choose(error_a, error_b, end_on_b));
-  const __m256 shift =
+  const Float8 shift =
       plus(times(larger(k, l), plus(larger(begin.loose, end.loose), set8(4.0F * 0x1p-24F))), times(set8(8.0F * 0x1p-24F), reach));
-  const __m256 error = times(set8(1.75F), shift);  // sqrt(3): of components to length
-  const __m256 located = is_above(times(set8(0.00099F), _mm256_min_ps(edge_a, edge_b)), error);
+  const Float8 error = times(set8(1.75F), shift);  // sqrt(3): of components to length
+  const Float8 located = is_above(times(set8(0.00099F), min(edge_a, edge_b)), error);
 
-  const __m256 beside = _mm256_or_ps(over_b.beside, over_a.beside);
-  const __m256 misses = _mm256_or_ps(beside, _mm256_and_ps(apart, heights_clear));
-  const __m256 meets = _mm256_andnot_ps(misses, _mm256_and_ps(clear, located));
-  contacts.meets = static_cast<std::uint8_t>(bits_of(meets));
-  contacts.unclear = static_cast<std::uint8_t>(~bits_of(_mm256_or_ps(meets, misses)));
+  const Float8 beside = over_b.beside | over_a.beside;
+  const Float8 misses = beside | (apart & heights_clear);
+  const Float8 meets = and_not(misses, clear & located);
+  contacts.meets = static_cast<std::uint8_t>(sign_bits(meets));
+  contacts.unclear = static_cast<std::uint8_t>(~sign_bits(meets | misses));
   store(begin.point, contacts.begin);
   store(end.point, contacts.end);
-  _mm256_store_ps(contacts.error, error);
+  store(contacts.error, error);
 }
 
 void pack_pair(const TrianglePair& pair, int lane, TrianglePairs8& pairs) noexcept {

@@ -7,16 +7,16 @@ namespace hapton {
 namespace {
 
 struct FloatBox {
-  __m128 low = _mm_set1_ps(std::numeric_limits<float>::infinity());
-  __m128 high = _mm_set1_ps(-std::numeric_limits<float>::infinity());
+  Float4 low = Float4(std::numeric_limits<float>::infinity());
+  Float4 high = Float4(-std::numeric_limits<float>::infinity());
 
   void grow(const FloatBox& other) {
-    low = _mm_min_ps(low, other.low);
-    high = _mm_max_ps(high, other.high);
+    low = min(low, other.low);
+    high = max(high, other.high);
   }
   float half_area() const {
     alignas(16) std::array<float, 4> d;
-    _mm_store_ps(d.data(), _mm_sub_ps(high, low));
+    store(d.data(), high - low);
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
   }
 };
@@ -25,16 +25,16 @@ struct FloatBox {
 struct Item {
   static constexpr std::uint32_t kNotSubnormal = 0x40000000U;
   FloatBox box;
-  std::uint32_t id() const { return static_cast<std::uint32_t>(_mm_extract_epi32(_mm_castps_si128(box.low), 3)) ^ kNotSubnormal; }
-  __m128 twice_center() const { return _mm_add_ps(box.low, box.high); }
-  float twice_center(int axis) const { return box.low[axis] + box.high[axis]; }
+  std::uint32_t id() const { return last_word(box.low) ^ kNotSubnormal; }
+  Float4 twice_centre() const { return box.low + box.high; }
+  float twice_centre(int axis) const { return box.low[axis] + box.high[axis]; }
 };
 
 Item make_item(const Box& box, std::uint32_t id) {
   Item item;
-  item.box.low = _mm_setr_ps(detail::round_down(box.low[0]), detail::round_down(box.low[1]), detail::round_down(box.low[2]), 0.0F);
-  item.box.high = _mm_setr_ps(detail::round_up(box.high[0]), detail::round_up(box.high[1]), detail::round_up(box.high[2]), 0.0F);
-  item.box.low = _mm_castsi128_ps(_mm_insert_epi32(_mm_castps_si128(item.box.low), static_cast<int>(id ^ Item::kNotSubnormal), 3));
+  item.box.low = Float4(detail::round_down(box.low[0]), detail::round_down(box.low[1]), detail::round_down(box.low[2]), 0.0F);
+  item.box.high = Float4(detail::round_up(box.high[0]), detail::round_up(box.high[1]), detail::round_up(box.high[2]), 0.0F);
+  item.box.low = with_last_word(item.box.low, id ^ Item::kNotSubnormal);
   return item;
 }
 
@@ -43,7 +43,7 @@ struct Range {
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   FloatBox box;
-  FloatBox centers;
+  FloatBox centres;
   std::uint32_t size() const { return end - begin; }
 };
 
@@ -62,8 +62,8 @@ struct WideBvh::Builder {
     Range range{begin, end, {}, {}};
     for (std::uint32_t i = begin; i < end; ++i) {
       range.box.grow(items[i].box);
-      const __m128 center = items[i].twice_center();
-      range.centers.grow({center, center});
+      const Float4 centre = items[i].twice_centre();
+      range.centres.grow({centre, centre});
     }
     return range;
   }
@@ -76,31 +76,29 @@ struct WideBvh::Builder {
       return {range_of(range.begin, middle), range_of(middle, range.end)};
     }
     std::nth_element(items.begin() + range.begin, items.begin() + middle, items.begin() + range.end,
-                     [axis](const Item& a, const Item& b) { return a.twice_center(axis) < b.twice_center(axis); });
+                     [axis](const Item& a, const Item& b) { return a.twice_centre(axis) < b.twice_centre(axis); });
     return {range_of(range.begin, middle), range_of(middle, range.end)};
   }
 
   // The `count` items that come first along the axis, put before the others; otherwise the order stays. Each item's rank is counted, eight
   // comparisons at a time: nothing to guess for the processor.
   void part_few(const Range& range, int axis, std::uint32_t count) {
-    alignas(32) std::array<float, kFew> centers;
-    centers.fill(std::numeric_limits<float>::infinity());
+    alignas(32) std::array<float, kFew> centres;
+    centres.fill(std::numeric_limits<float>::infinity());
     const std::uint32_t size = range.size();
-    for (std::uint32_t i = 0; i < size; ++i) centers[i] = items[range.begin + i].twice_center(axis);
+    for (std::uint32_t i = 0; i < size; ++i) centres[i] = items[range.begin + i].twice_centre(axis);
     std::array<std::uint32_t, kFew> before;  // how many come before this one
     std::uint32_t candidates = 0;
     float last = -std::numeric_limits<float>::infinity();  // of those that fewer than `count` come before
     for (std::uint32_t i = 0; i < size; ++i) {
-      const __m256 own = _mm256_set1_ps(centers[i]);
-      __m256i less = _mm256_setzero_si256();
+      const Float8 own = Float8(centres[i]);
+      Uint32x8 less = Uint32x8(0U);
       for (std::uint32_t j = 0; j < size; j += 8) {
-        less = _mm256_add_epi32(less, _mm256_castps_si256(_mm256_cmp_ps(_mm256_load_ps(&centers[j]), own, _CMP_LT_OQ)));
+        less = less + as_words(Float8::load(&centres[j]) < own);
       }
-      const __m128i halves = _mm_add_epi32(_mm256_castsi256_si128(less), _mm256_extracti128_si256(less, 1));
-      const __m128i pairs = _mm_add_epi32(halves, _mm_shuffle_epi32(halves, 0x4E));
-      before[i] = static_cast<std::uint32_t>(-_mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xB1))));
+      before[i] = 0U - sum(less);  // each is -1
       candidates += before[i] < count ? 1 : 0;
-      last = before[i] < count ? std::max(last, centers[i]) : last;
+      last = before[i] < count ? std::max(last, centres[i]) : last;
     }
     std::uint32_t surplus = candidates - count;  // of those level with the last
     std::array<Item, kFew> others;
@@ -109,7 +107,7 @@ struct WideBvh::Builder {
     for (std::uint32_t i = 0; i < size; ++i) {
       const Item item = items[range.begin + i];
       bool is_first = before[i] < count;
-      if (surplus > 0 && is_first && centers[i] == last) {
+      if (surplus > 0 && is_first && centres[i] == last) {
         is_first = false;
         --surplus;
       }
@@ -123,12 +121,12 @@ struct WideBvh::Builder {
 
   struct Bin {
     FloatBox box;
-    FloatBox centers;
+    FloatBox centres;
     std::uint32_t count = 0;
 
     void join(const Bin& other) {
       box.grow(other.box);
-      centers.grow(other.centers);
+      centres.grow(other.centres);
       count += other.count;
     }
   };
@@ -136,8 +134,8 @@ struct WideBvh::Builder {
   std::pair<Range, Range> split(const Range& range, bool balanced) {
     alignas(16) std::array<float, 4> low;
     alignas(16) std::array<float, 4> extent;
-    _mm_store_ps(low.data(), range.centers.low);
-    _mm_store_ps(extent.data(), _mm_sub_ps(range.centers.high, range.centers.low));
+    store(low.data(), range.centres.low);
+    store(extent.data(), range.centres.high - range.centres.low);
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
     const std::uint32_t half = range.size() / 2;
     // What fits into one level of full nodes is cut at whole nodes: fewer of them, and no worse where items are of a size.
@@ -147,29 +145,27 @@ struct WideBvh::Builder {
     // One pass bins all three axes.
     std::array<float, 4> scale_lanes = {};
     for (int k = 0; k < 3; ++k) scale_lanes[k] = extent[k] > 0.0F ? kBins * 0.999F / extent[k] : 0.0F;
-    const __m128 scale = _mm_loadu_ps(scale_lanes.data());
-    const __m128 base = range.centers.low;
-    const __m128i last = _mm_set1_epi32(kBins - 1);
-    const auto bins_of = [&](const __m128& center) {
-      return _mm_max_epi32(_mm_setzero_si128(), _mm_min_epi32(_mm_cvttps_epi32(_mm_mul_ps(_mm_sub_ps(center, base), scale)), last));
-    };
+    const Float4 scale = Float4::load_unaligned(scale_lanes.data());
+    const Float4 base = range.centres.low;
+    const Int4 last = Int4(kBins - 1);
+    const auto bins_of = [&](const Float4& centre) { return max(Int4(0), min(Int4::truncated((centre - base) * scale), last)); };
     std::array<std::array<Bin, kBins>, 3> bins;
     const bool one_axis = range.size() > 512;  // large runs: the widest axis is nearly always the best, and a third of the work
     const int first_axis = one_axis ? widest : 0;
     const int last_axis = one_axis ? widest : 2;
-    const auto put = [](Bin& bin, const Item& item, const __m128& center) {
+    const auto put = [](Bin& bin, const Item& item, const Float4& centre) {
       bin.box.grow(item.box);
-      bin.centers.grow({center, center});
+      bin.centres.grow({centre, centre});
       ++bin.count;
     };
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const __m128 center = items[i].twice_center();
+      const Float4 centre = items[i].twice_centre();
       alignas(16) std::array<std::int32_t, 4> b;
-      _mm_store_si128(reinterpret_cast<__m128i*>(b.data()), bins_of(center));
+      store(b.data(), bins_of(centre));
       if (one_axis) {
-        put(bins[i % 3][b[widest]], items[i], center);  // neighbours fall into one bin: three in turn need not wait for each other
+        put(bins[i % 3][b[widest]], items[i], centre);  // neighbours fall into one bin: three in turn need not wait for each other
       } else {
-        for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], center);
+        for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], centre);
       }
     }
     if (one_axis) {
@@ -209,10 +205,10 @@ struct WideBvh::Builder {
     if (best_axis < 0) return split_off(range, widest, half);
     // No branch on what is as likely one way as the other: each item changes places with the first that does not come before the cut.
     std::uint32_t at = range.begin;
-    const __m128i cut = _mm_set1_epi32(best_bin);
+    const Int4 cut = Int4(best_bin);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const __m128i beyond = _mm_cmpgt_epi32(bins_of(items[i].twice_center()), cut);
-      const auto is_before = static_cast<std::uint32_t>(~_mm_movemask_ps(_mm_castsi128_ps(beyond)) >> best_axis & 1);
+      const Int4 beyond = bins_of(items[i].twice_centre()) > cut;
+      const auto is_before = ~sign_bits(beyond) >> best_axis & 1U;
       std::swap(items[i], items[at]);
       at += is_before;
     }
@@ -221,7 +217,7 @@ struct WideBvh::Builder {
     for (int b = 0; b < kBins; ++b) {
       Range& side = b <= best_bin ? left : right;
       side.box.grow(bins[best_axis][b].box);
-      side.centers.grow(bins[best_axis][b].centers);
+      side.centres.grow(bins[best_axis][b].centres);
     }
     return {left, right};
   }
@@ -229,8 +225,8 @@ struct WideBvh::Builder {
   void store_child(Node& node, int c, const FloatBox& box, std::uint32_t child) {
     alignas(16) std::array<float, 4> low;
     alignas(16) std::array<float, 4> high;
-    _mm_store_ps(low.data(), box.low);
-    _mm_store_ps(high.data(), box.high);
+    store(low.data(), box.low);
+    store(high.data(), box.high);
     for (int k = 0; k < 3; ++k) {
       node.low[k][c] = low[k];
       node.high[k][c] = high[k];

@@ -1,10 +1,5 @@
 #pragma once
 
-#ifndef __AVX2__
-#error "core/collision needs AVX2: configure with -DHAPTON_MARCH=x86-64-v3 or a newer CPU"
-#endif
-#include <immintrin.h>
-
 #include <array>
 #include <bit>
 #include <cmath>
@@ -16,6 +11,7 @@
 #include <vector>
 
 #include "core/collision/box.h"
+#include "core/math/float8.h"
 
 namespace hapton {
 
@@ -94,36 +90,36 @@ class WideBvh {
   // All children of a node are on their way into the processor while the first is looked at.
   static void prefetch(const Node& node) {
     const auto* bytes = reinterpret_cast<const char*>(&node);
-    for (std::size_t at = 0; at < sizeof(Node); at += 64) _mm_prefetch(bytes + at, _MM_HINT_T0);
+    for (std::size_t at = 0; at < sizeof(Node); at += 64) __builtin_prefetch(bytes + at);
   }
 
   // Eight boxes, or one of them eight times.
   struct Boxes8 {
-    __m256 low[3];
-    __m256 high[3];
+    Float8 low[3];
+    Float8 high[3];
 
     unsigned overlapping(const Boxes8& other) const {
-      __m256 hit = _mm256_and_ps(_mm256_cmp_ps(low[0], other.high[0], _CMP_LE_OQ), _mm256_cmp_ps(high[0], other.low[0], _CMP_GE_OQ));
+      Float8 hit = (low[0] <= other.high[0]) & (high[0] >= other.low[0]);
       for (int k = 1; k < 3; ++k) {
-        hit = _mm256_and_ps(hit, _mm256_cmp_ps(low[k], other.high[k], _CMP_LE_OQ));
-        hit = _mm256_and_ps(hit, _mm256_cmp_ps(high[k], other.low[k], _CMP_GE_OQ));
+        hit = hit & (low[k] <= other.high[k]);
+        hit = hit & (high[k] >= other.low[k]);
       }
-      return static_cast<unsigned>(_mm256_movemask_ps(hit));
+      return sign_bits(hit);
     }
   };
   static Boxes8 boxes_of(const Node& node) {
     Boxes8 boxes;
     for (int k = 0; k < 3; ++k) {
-      boxes.low[k] = _mm256_load_ps(node.low[k].data());
-      boxes.high[k] = _mm256_load_ps(node.high[k].data());
+      boxes.low[k] = Float8::load(node.low[k].data());
+      boxes.high[k] = Float8::load(node.high[k].data());
     }
     return boxes;
   }
   static Boxes8 box_of(const Node& node, int c) {
     Boxes8 box;
     for (int k = 0; k < 3; ++k) {
-      box.low[k] = _mm256_set1_ps(node.low[k][c]);
-      box.high[k] = _mm256_set1_ps(node.high[k][c]);
+      box.low[k] = Float8(node.low[k][c]);
+      box.high[k] = Float8(node.high[k][c]);
     }
     return box;
   }
@@ -152,25 +148,25 @@ inline float round_up(double x) {
 template <class Visit>
 void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
   if (nodes_.empty()) return;
-  __m256 low[3];
-  __m256 high[3];
+  Float8 low[3];
+  Float8 high[3];
   for (int k = 0; k < 3; ++k) {
     // Finite, whatever the query: an unused child's inverted infinite box must overlap nothing.
-    low[k] = _mm256_set1_ps(detail::round_down(std::clamp(query.low[k], -kFarthest, kFarthest)));
-    high[k] = _mm256_set1_ps(detail::round_up(std::clamp(query.high[k], -kFarthest, kFarthest)));
+    low[k] = Float8(detail::round_down(std::clamp(query.low[k], -kFarthest, kFarthest)));
+    high[k] = Float8(detail::round_up(std::clamp(query.high[k], -kFarthest, kFarthest)));
   }
   std::array<std::uint32_t, kMaxStack> stack;
   int top = 0;
   stack[top++] = 0;
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
-    __m256 hit = _mm256_cmp_ps(_mm256_load_ps(node.low[0].data()), high[0], _CMP_LE_OQ);
-    hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(node.high[0].data()), low[0], _CMP_GE_OQ));
+    Float8 hit = Float8::load(node.low[0].data()) <= high[0];
+    hit = hit & (Float8::load(node.high[0].data()) >= low[0]);
     for (int k = 1; k < 3; ++k) {
-      hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(node.low[k].data()), high[k], _CMP_LE_OQ));
-      hit = _mm256_and_ps(hit, _mm256_cmp_ps(_mm256_load_ps(node.high[k].data()), low[k], _CMP_GE_OQ));
+      hit = hit & (Float8::load(node.low[k].data()) <= high[k]);
+      hit = hit & (Float8::load(node.high[k].data()) >= low[k]);
     }
-    for (auto mask = static_cast<unsigned>(_mm256_movemask_ps(hit)); mask != 0; mask &= mask - 1) {
+    for (auto mask = sign_bits(hit); mask != 0; mask &= mask - 1) {
       const std::uint32_t child = node.child[std::countr_zero(mask)];
       if ((child & kItemBit) != 0) {
         if constexpr (std::is_same_v<decltype(visit(child)), bool>) {
@@ -187,9 +183,9 @@ void WideBvh::for_each_overlapping(const Box& query, Visit&& visit) const {
 }
 
 inline unsigned WideBvh::item_lanes(const Node& node) {
-  const __m256i child = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(node.child.data()));
-  const __m256 used = _mm256_cmp_ps(_mm256_load_ps(node.low[0].data()), _mm256_load_ps(node.high[0].data()), _CMP_LE_OQ);
-  return static_cast<unsigned>(_mm256_movemask_ps(_mm256_and_ps(_mm256_castsi256_ps(child), used)));
+  const Uint32x8 child = Uint32x8::load_unaligned(node.child.data());
+  const Float8 used = Float8::load(node.low[0].data()) <= Float8::load(node.high[0].data());
+  return sign_bits(as_floats(child) & used);
 }
 
 // A node comes before all below it, so a pair is found from the later of its two nodes: what lies below later nodes is left out.
@@ -211,12 +207,12 @@ void WideBvh::for_each_near_pair(double margin, Begin&& begin, Visit&& visit) co
     }
     Boxes8 around;
     for (int k = 0; k < 3; ++k) {
-      around.low[k] = _mm256_set1_ps(detail::round_down(all.low[k] - margin));
-      around.high[k] = _mm256_set1_ps(detail::round_up(all.high[k] + margin));
+      around.low[k] = Float8(detail::round_down(all.low[k] - margin));
+      around.high[k] = Float8(detail::round_up(all.high[k] + margin));
       const double size = std::max(std::abs(all.low[k]), std::abs(all.high[k])) + margin;
-      const __m256 wider = _mm256_set1_ps(detail::round_up(margin + size * 0x1p-22));
-      boxes.low[k] = _mm256_sub_ps(boxes.low[k], wider);
-      boxes.high[k] = _mm256_add_ps(boxes.high[k], wider);
+      const Float8 wider = Float8(detail::round_up(margin + size * 0x1p-22));
+      boxes.low[k] = boxes.low[k] - wider;
+      boxes.high[k] = boxes.high[k] + wider;
     }
     int top = 0;
     stack[top++] = 0;
@@ -246,14 +242,14 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
   // Relative rounding of the subtraction, square and sum is below 8 units of 2^-24; the point's own rounding is below
   // 2^-24 of its magnitude, subtracted from every distance.
   constexpr float kSlack = 1.0F - 16.0F / 16777216.0F;
-  __m256 point[3];
+  Float8 point[3];
   float error = 0.0F;
   for (int k = 0; k < 3; ++k) {
-    point[k] = _mm256_set1_ps(static_cast<float>(p[k]));
+    point[k] = Float8(static_cast<float>(p[k]));
     error = std::max(error, detail::round_up(std::abs(p[k]) / 8388608.0));
   }
-  const __m256 error_8 = _mm256_set1_ps(error);
-  const __m256 zero = _mm256_setzero_ps();
+  const Float8 error_8 = Float8(error);
+  const Float8 zero = Float8(0.0F);
   struct Entry {
     std::uint32_t child;
     float distance_squared;
@@ -269,18 +265,18 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
       continue;
     }
     const Node& node = nodes_[entry.child];
-    __m256 sum = zero;
+    Float8 sum = zero;
     for (int k = 0; k < 3; ++k) {
-      const __m256 below = _mm256_sub_ps(_mm256_load_ps(node.low[k].data()), point[k]);
-      const __m256 above = _mm256_sub_ps(point[k], _mm256_load_ps(node.high[k].data()));
-      const __m256 outside = _mm256_max_ps(_mm256_sub_ps(_mm256_max_ps(below, above), error_8), zero);
-      sum = _mm256_add_ps(sum, _mm256_mul_ps(outside, outside));
+      const Float8 below = Float8::load(node.low[k].data()) - point[k];
+      const Float8 above = point[k] - Float8::load(node.high[k].data());
+      const Float8 outside = max(max(below, above) - error_8, zero);
+      sum = sum + outside * outside;
     }
-    sum = _mm256_mul_ps(sum, _mm256_set1_ps(kSlack));
-    const __m256 bound = _mm256_set1_ps(detail::round_up(bound_squared));
-    auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(sum, bound, _CMP_LT_OQ)));
+    sum = sum * Float8(kSlack);
+    const Float8 bound = Float8(detail::round_up(bound_squared));
+    auto mask = sign_bits(sum < bound);
     alignas(32) std::array<float, kWidth> distance;
-    _mm256_store_ps(distance.data(), sum);
+    store(distance.data(), sum);
     const int first = top;
     for (; mask != 0; mask &= mask - 1) {  // insertion by distance: the nearest ends on top
       const int c = std::countr_zero(mask);
@@ -299,19 +295,19 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
   // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24
   // of the coordinates; times are widened by what the reciprocal and the product round.
   constexpr float kSlack = 16.0F / 16777216.0F;
-  __m256 start[3];
-  __m256 inverse[3];
+  Float8 start[3];
+  Float8 inverse[3];
   float size = 1.0F;
   for (int k = 0; k < 3; ++k) size = std::max(size, detail::round_up(std::abs(p[k]) + std::abs(motion[k])));
-  const __m256 error = _mm256_set1_ps(size / 2097152.0F + detail::round_up(radius));
+  const Float8 error = Float8(size / 2097152.0F + detail::round_up(radius));
   for (int k = 0; k < 3; ++k) {
-    start[k] = _mm256_set1_ps(static_cast<float>(p[k]));
+    start[k] = Float8(static_cast<float>(p[k]));
     const double least = motion[k] < 0.0 ? std::min(motion[k], -1e-30) : std::max(motion[k], 1e-30);
-    inverse[k] = _mm256_set1_ps(static_cast<float>(1.0 / least));
+    inverse[k] = Float8(static_cast<float>(1.0 / least));
   }
-  const __m256 zero = _mm256_setzero_ps();
-  const __m256 sooner = _mm256_set1_ps(1.0F - kSlack);
-  const __m256 later = _mm256_set1_ps(1.0F + kSlack);
+  const Float8 zero = Float8(0.0F);
+  const Float8 sooner = Float8(1.0F - kSlack);
+  const Float8 later = Float8(1.0F + kSlack);
   struct Entry {
     std::uint32_t child;
     float time;
@@ -327,20 +323,20 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
       continue;
     }
     const Node& node = nodes_[entry.child];
-    __m256 enter = zero;
-    __m256 leave = _mm256_set1_ps(detail::round_up(until));
+    Float8 enter = zero;
+    Float8 leave = Float8(detail::round_up(until));
     for (int k = 0; k < 3; ++k) {
-      const __m256 low = _mm256_sub_ps(_mm256_sub_ps(_mm256_load_ps(node.low[k].data()), start[k]), error);
-      const __m256 high = _mm256_add_ps(_mm256_sub_ps(_mm256_load_ps(node.high[k].data()), start[k]), error);
-      const __m256 a = _mm256_mul_ps(low, inverse[k]);
-      const __m256 b = _mm256_mul_ps(high, inverse[k]);
+      const Float8 low = Float8::load(node.low[k].data()) - start[k] - error;
+      const Float8 high = Float8::load(node.high[k].data()) - start[k] + error;
+      const Float8 a = low * inverse[k];
+      const Float8 b = high * inverse[k];
       const bool forward = motion[k] >= 0.0;
-      enter = _mm256_max_ps(enter, _mm256_mul_ps(forward ? a : b, sooner));
-      leave = _mm256_min_ps(leave, _mm256_mul_ps(forward ? b : a, later));
+      enter = max(enter, (forward ? a : b) * sooner);
+      leave = min(leave, (forward ? b : a) * later);
     }
-    auto mask = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(enter, leave, _CMP_LE_OQ)));
+    auto mask = sign_bits(enter <= leave);
     alignas(32) std::array<float, kWidth> time;
-    _mm256_store_ps(time.data(), enter);
+    store(time.data(), enter);
     const int first = top;
     for (; mask != 0; mask &= mask - 1) {  // insertion by time: the first ends on top
       const int c = std::countr_zero(mask);

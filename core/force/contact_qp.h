@@ -17,16 +17,16 @@ struct ContactPlane {
 struct ConstrainedMotion {
   Vec3 motion = Vec3::Zero();
   std::array<int, 3> active = {-1, -1, -1};  // planes that push
-  std::array<double, 3> push = {0, 0, 0};    // how much each: motion - wish = sum of push * normal
+  std::array<double, 3> push = {0, 0, 0};    // how much each: motion - goal = sum of push * normal
   int active_count = 0;
   bool solved = true;  // false: the planes leave no way that rounding can tell from standing still
 };
 
-// The y nearest to `wish` with normal_i . y >= height_i for all planes: the god-object's constrained minimum
+// The y nearest to `goal` with normal_i . y >= height_i for all planes: the god-object's constrained minimum
 // (Zilles & Salisbury 1995), solved exactly over every active set of up to three planes and any number of planes.
 // Incremental as a linear-program-type problem (Sharir & Welzl 1992): a violated plane must be active in the new optimum,
-// so only its seven sets with the three planes that were active are tried; |y - wish| grows each time, which bounds the loop.
-// RT: yes. Pre: heights are small against |wish| or the planes have a common feasible point near zero.
-ConstrainedMotion constrain_motion(const Vec3& wish, std::span<const ContactPlane> planes) noexcept;
+// so only its seven sets with the three planes that were active are tried; |y - goal| grows each time, which bounds the loop.
+// RT: yes. Pre: heights are small against |goal| or the planes have a common feasible point near zero.
+ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlane> planes) noexcept;
 
 }  // namespace hapton

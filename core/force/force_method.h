@@ -63,7 +63,8 @@ struct MethodSettings {
   int reference_substep_limit = 1024;  // reference: where the doubling ends and the step counts as not settled
 };
 
-// Builds the named method over the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene.
+// Builds the named method over the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene, an object
+// without triangles.
 Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene);
 
 // The names make_method knows, "sweep, ...", for help texts. RT: set-up only.

@@ -45,6 +45,9 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
     if (scene.objects[i].mesh == nullptr) {
       return fail("method {}: object {} has no mesh; give it one", settings.name, i);
     }
+    if (scene.objects[i].mesh->triangles.empty()) {
+      return fail("method {}: object {} has no triangles; give it a surface to touch", settings.name, i);
+    }
   }
   for (const Entry& entry : kMethods) {
     if (entry.name == settings.name) {

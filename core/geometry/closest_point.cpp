@@ -51,7 +51,7 @@ bool projects_inside(const PreparedTriangle& triangle, const Vec3& p) {
 
 ClosestPoint closest_on_face(const PreparedTriangle& triangle, const Vec3& p) {
   ClosestPoint found;
-  found.feature = TriangleFeature::kFace;
+  found.feature = TriangleFeature::face;
   const double height = triangle.normal.dot(p - triangle.corner[triangle.base]);
   found.distance = std::abs(height);
   found.direction = height < 0.0 ? Vec3(-triangle.normal) : triangle.normal;
@@ -90,11 +90,11 @@ ClosestPoint closest_on_border(const PreparedTriangle& triangle, const Vec3& p) 
   found.barycentric[best] = 1.0 - nearest.t;
   found.barycentric[(best + 1) % 3] = nearest.t;
   if (nearest.t <= 0.0) {
-    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kVertex0) + best);
+    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::vertex0) + best);
   } else if (nearest.t >= 1.0) {
-    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kVertex0) + (best + 1) % 3);
+    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::vertex0) + (best + 1) % 3);
   } else {
-    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kEdge0) + best);
+    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + best);
   }
   return found;
 }

@@ -8,10 +8,10 @@
 namespace hapton {
 
 // The part of a triangle a point is nearest to. Edge k runs from corner k to corner (k + 1) mod 3.
-enum class TriangleFeature : std::uint8_t { kFace, kEdge0, kEdge1, kEdge2, kVertex0, kVertex1, kVertex2 };
+enum class TriangleFeature : std::uint8_t { face, edge0, edge1, edge2, vertex0, vertex1, vertex2 };
 
-inline bool is_edge(TriangleFeature feature) { return feature >= TriangleFeature::kEdge0 && feature <= TriangleFeature::kEdge2; }
-inline bool is_vertex(TriangleFeature feature) { return feature >= TriangleFeature::kVertex0; }
+inline bool is_edge(TriangleFeature feature) { return feature >= TriangleFeature::edge0 && feature <= TriangleFeature::edge2; }
+inline bool is_vertex(TriangleFeature feature) { return feature >= TriangleFeature::vertex0; }
 
 // A triangle ready to be asked for distances: corners, unit normal and inward edge directions.
 // Any triangle is allowed: needles, caps, zero area, three equal corners. A triangle of exactly zero area has no face, only its edges.
@@ -34,7 +34,7 @@ struct ClosestPoint {
   Vec3 direction = Vec3::Zero();    // unit, from the triangle to the query point; on a face its normal, signed; zero when not defined
   Vec3 barycentric = Vec3::Zero();  // weights of the corners, each in [0, 1], sum 1
   double distance = 0.0;
-  TriangleFeature feature = TriangleFeature::kVertex0;
+  TriangleFeature feature = TriangleFeature::vertex0;
 };
 
 // The point of the triangle nearest to p, to a few roundings of the larger of |p - corner| and the longest edge, whatever the triangle's

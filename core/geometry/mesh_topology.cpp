@@ -84,14 +84,14 @@ class TopologyCounter {
     }
     result_.lowest = box.min();
     result_.highest = box.max();
-    const Vec3 center = box.center();
+    const Vec3 centre = box.center();
     Vec3 area_vector = Vec3::Zero();
-    for (const Triangle& t : mesh_.triangles) count_shape(t, center, area_vector);
+    for (const Triangle& t : mesh_.triangles) count_shape(t, centre, area_vector);
     // From the box's centre, where a small mesh far away keeps its digits, back to the origin; of a closed mesh this adds nothing.
-    result_.signed_volume += center.dot(area_vector) / 3.0;
+    result_.signed_volume += centre.dot(area_vector) / 3.0;
   }
 
-  void count_shape(const Triangle& t, const Vec3& center, Vec3& area_vector) {
+  void count_shape(const Triangle& t, const Vec3& centre, Vec3& area_vector) {
     const Vec3& a = mesh_.vertices[t[0]];
     const Vec3& b = mesh_.vertices[t[1]];
     const Vec3& c = mesh_.vertices[t[2]];
@@ -103,7 +103,7 @@ class TopologyCounter {
       ++result_.degenerate_triangles;
     else if (2.0 * area < kNeedleHeight * longest2)
       ++result_.needle_triangles;
-    result_.signed_volume += (a - center).dot((b - center).cross(c - center)) / 6.0;
+    result_.signed_volume += (a - centre).dot((b - centre).cross(c - centre)) / 6.0;
   }
 
   void count_edges() {

@@ -46,7 +46,7 @@ std::optional<SeamJoiner::Edge> SeamJoiner::find_boundary_edge(std::uint32_t a, 
 bool SeamJoiner::run(std::size_t most_work) {
   most_work_ = most_work;
   boundary_edges_ = seam_.boundary_edges().size();
-  for (int kind = kStraight; kind < kKinds; ++kind) {
+  for (int kind = straight; kind < kind_count; ++kind) {
     kind_ = static_cast<Kind>(kind);
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t before = changes_;
@@ -75,8 +75,8 @@ JoinedParts SeamJoiner::joined() const {
 // Two boundary edges that run side by side from where their vertices `a` of one and `b` of the other lie together: which kind of seam
 // they would make. `a` and `b` may be the same.
 SeamJoiner::Kind SeamJoiner::kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const {
-  if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return kFolded;
-  return (one.from == a) == (other.from == b) ? kFlipped : kStraight;
+  if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return folded;
+  return (one.from == a) == (other.from == b) ? flipped : straight;
 }
 
 void SeamJoiner::find_pairs() {
@@ -322,9 +322,9 @@ bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const 
 
 // f, seen from the vertex, runs as the piece does or against it.
 bool SeamJoiner::is_kind(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const {
-  if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= kFolded;
+  if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= folded;
   const bool is_same_direction = (f.from == vertex) == runs_on;
-  return (is_same_direction ? kFlipped : kStraight) <= kind_;
+  return (is_same_direction ? flipped : straight) <= kind_;
 }
 
 bool SeamJoiner::is_over_strip(const Edge& piece, std::uint32_t vertex, const Edge& f) const {

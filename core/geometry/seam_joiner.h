@@ -51,7 +51,7 @@ class SeamJoiner {
  private:
   using Edge = SeamMesh::Edge;
   // In this order.
-  enum Kind { kStraight, kFlipped, kFolded, kKinds };
+  enum Kind : std::uint8_t { straight, flipped, folded, kind_count };
   struct Pair {
     double squared_distance = 0.0;
     std::uint32_t u = 0;
@@ -117,7 +117,7 @@ class SeamJoiner {
   };
   std::vector<std::uint32_t> welded_;
   std::vector<Cut> cut_;
-  Kind kind_ = kStraight;
+  Kind kind_ = straight;
   std::size_t changes_ = 0;
   double widest_gap_ = 0.0;
   std::size_t boundary_edges_ = 0;

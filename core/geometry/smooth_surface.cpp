@@ -39,7 +39,7 @@ Result<SmoothSurface> make_smooth_surface(const TriangleMesh& mesh, const Smooth
   }
   std::vector<std::uint32_t> source;
   std::vector<std::uint32_t> vertex_source;
-  TriangleMesh clean = mend_mesh(mesh, report.mend, &source, &vertex_source);
+  TriangleMesh clean = repair_mesh(mesh, report.repair, &source, &vertex_source);
   if (clean.triangles.empty()) return fail("smooth surface: none of the mesh's {} triangles has an area", mesh.triangles.size());
   auto simplified = simplify_small(clean, settings.simplify_error_m);
   if (!simplified) return tl::unexpected(simplified.error());
@@ -66,7 +66,7 @@ void SmoothSurface::move_vertices(std::span<const Vec3> vertices) {
 }
 
 std::vector<std::string> SmoothSurfaceReport::lines() const {
-  return {mend.describe(),
+  return {repair.describe(),
           simplify.describe(),
           normals.describe(),
           check.describe(),

@@ -7,8 +7,8 @@
 
 #include "core/base/result.h"
 #include "core/geometry/corner_normals.h"
-#include "core/geometry/mend_mesh.h"
 #include "core/geometry/normal_fans.h"
+#include "core/geometry/repair_mesh.h"
 #include "core/geometry/shaded_mesh.h"
 #include "core/geometry/simplify_small.h"
 #include "core/geometry/split_large.h"
@@ -24,7 +24,7 @@ struct SmoothSurfaceSettings {
 
 // What each pass did.
 struct SmoothSurfaceReport {
-  MendReport mend;
+  RepairReport repair;
   SimplifyReport simplify;
   CornerNormalReport normals;
   NormalCheckReport check;
@@ -37,14 +37,14 @@ struct SmoothSurfaceReport {
 
 // What a triangle of a prepared surface is.
 enum class SurfaceKind : std::uint8_t {
-  kFace,       // a triangle
-  kEdgeFan,    // fake: two different points (fdh-rendering.txt, fig. 1)
-  kCornerFan,  // fake: one point
+  face,        // a triangle
+  edge_fan,    // fake: two different points (fdh-rendering.txt, fig. 1)
+  corner_fan,  // fake: one point
 };
 
-// A mesh prepared for fdh-rendering.txt, section 4.1: mended, every corner with its normal, large triangles split, fake triangles between
+// A mesh prepared for fdh-rendering.txt, section 4.1: repaired, every corner with its normal, large triangles split, fake triangles between
 // normals that disagree. Faces first, then edge fans, then corner fans.
-// The passes run in this order: mend (list of triangles, common edges), simplify, normals, check, split, fans, final check. The paper
+// The passes run in this order: repair (list of triangles, common edges), simplify, normals, check, split, fans, final check. The paper
 // splits after it adds the fake triangles; here it is before, so that nothing fake needs splitting. The result is the same.
 struct SmoothSurface {
   ShadedMesh mesh;
@@ -52,9 +52,9 @@ struct SmoothSurface {
   std::vector<std::uint32_t> vertex_source;  // of the vertices that were not made by splitting: their index in the mesh as it came
 
   SurfaceKind kind(std::size_t triangle) const {
-    if (triangle < face_count) return SurfaceKind::kFace;
+    if (triangle < face_count) return SurfaceKind::face;
     const Triangle& t = mesh.triangles[triangle];
-    return t[0] == t[1] && t[1] == t[2] ? SurfaceKind::kCornerFan : SurfaceKind::kEdgeFan;
+    return t[0] == t[1] && t[1] == t[2] ? SurfaceKind::corner_fan : SurfaceKind::edge_fan;
   }
 
   // The vertices of the mesh as it came have moved: positions and normals follow; what is connected, sharp or split stays as it is.

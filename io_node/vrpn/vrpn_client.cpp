@@ -70,7 +70,7 @@ bool Client::hear_message(const Message& message, Time now) {
   if (message.type < 0 || !is_about_us(message.sender)) return true;
   if (ping_type_ == message.type) append_empty(out_, header(OurType::pong, now));
   if (workspace_type_ == message.type) wants_workspace_ = true;
-  if (contains(force_types_, message.type)) ++refused_forces_;
+  if (contains(force_types_, message.type)) ++rejected_forces_;
   return true;
 }
 
@@ -94,11 +94,11 @@ void Client::hear_udp(const Message& message) {
   const auto* const text = reinterpret_cast<const char*>(message.body.data());
   const std::string_view address(text, std::find(text, text + message.body.size(), '\0') - text);
   if (address.size() > kLongestAddress || message.sender < 1 || message.sender > 65535) return;
-  udp_wish_ = UdpWish{std::string(address), static_cast<std::uint16_t>(message.sender)};
+  udp_request_ = UdpRequest{std::string(address), static_cast<std::uint16_t>(message.sender)};
 }
 
 bool Client::is_about_us(std::int32_t sender) const { return contains(us_, sender); }
 
-bool Client::take_workspace_wish() { return std::exchange(wants_workspace_, false); }
+bool Client::take_workspace_request() { return std::exchange(wants_workspace_, false); }
 
 }  // namespace hapton::vrpn

@@ -21,7 +21,7 @@ constexpr std::int32_t kOurSender = 0;
 
 // One program that speaks VRPN: what it says is understood, and what it must be answered is put into out(). Whatever bytes come, memory and
 // time stay within bounds. Pure: no socket, no clock.
-// Forces that it asks for (vrpn_ForceDevice Plane, Force_Field and the rest) are refused and counted: see docs/vrpn.md.
+// Forces that it asks for (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted: see docs/vrpn.md.
 class Client {
  public:
   // name: of the device, what clients write before the '@'.
@@ -32,15 +32,15 @@ class Client {
 
   // Has shown a cookie that we understand, and was told our names.
   bool is_connected() const { return is_connected_; }
-  // Wishes for UDP: the port, and the address as it wrote it. The caller decides whether to follow.
-  struct UdpWish {
+  // A request for UDP: the port, and the address as it wrote it. The caller decides whether to follow.
+  struct UdpRequest {
     std::string address;
     std::uint16_t port = 0;
   };
-  const std::optional<UdpWish>& udp_wish() const { return udp_wish_; }
-  std::uint64_t refused_forces() const { return refused_forces_; }
+  const std::optional<UdpRequest>& udp_request() const { return udp_request_; }
+  std::uint64_t rejected_forces() const { return rejected_forces_; }
   // Wants to know the workspace since the last call.
-  bool take_workspace_wish();
+  bool take_workspace_request();
 
   Header header(OurType type, Time time) { return {kOurSender, static_cast<std::int32_t>(type), time, ++sequence_}; }
   // To go by TCP; whoever sends it clears it.
@@ -68,8 +68,8 @@ class Client {
   std::optional<std::int32_t> ping_type_;
   std::optional<std::int32_t> workspace_type_;
   bool wants_workspace_ = false;
-  std::optional<UdpWish> udp_wish_;
-  std::uint64_t refused_forces_ = 0;
+  std::optional<UdpRequest> udp_request_;
+  std::uint64_t rejected_forces_ = 0;
 };
 
 }  // namespace hapton::vrpn

@@ -68,10 +68,10 @@ class WatchedDevice final : public Device {
   }
   bool cut() noexcept override { return device_->cut(); }
   void restore() noexcept override { device_->restore(); }
-  void use_guard(GuardPage& page) noexcept override { device_->use_guard(page); }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { device_->use_heartbeat_page(page); }
   DeviceStatus status() const noexcept override { return device_->status(); }
   DeviceCondition condition() const noexcept override { return device_->condition(); }
-  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override { return device_->lead_hand(p_WH); }
+  bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override { return device_->set_hand_target(p_WH); }
 
  private:
   std::unique_ptr<Device> device_;

@@ -66,7 +66,7 @@ struct Server::State final : StreamEndpoint::Listener {
     bool is_open = false;  // TCP is there
     bool is_told = false;  // the log knows it
     bool knows_buttons = false;
-    bool is_refusal_told = false;
+    bool is_rejection_logged = false;
     std::optional<Address> udp;
   };
 
@@ -81,8 +81,8 @@ struct Server::State final : StreamEndpoint::Listener {
   StreamEndpoint::Id give_up_for_another() override;
 
   void answer(StreamEndpoint::Id id, Peer& peer);
-  void follow_udp_wish(Peer& peer);
-  void drop_silent(std::int64_t now_ns);
+  void follow_udp_request(Peer& peer);
+  void drop_timed_out(std::int64_t now_ns);
   void take_samples();
   void report();
   void report_to(Peer& peer, Time time);
@@ -115,7 +115,7 @@ void Server::State::run() {
     if (!is_watched) newest = told = std::nullopt;
     endpoint->wait(is_watched ? next_ns : clock.now_ns() + kIdleNs, *this);
     const std::int64_t now_ns = clock.now_ns();
-    drop_silent(now_ns);
+    drop_timed_out(now_ns);
     if (now_ns < next_ns) continue;
     next_ns = std::max(next_ns + period_ns, now_ns);
     take_samples();
@@ -142,12 +142,11 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
   if (peer.client.is_connected() && !std::exchange(peer.is_told, true)) {
     log_info("a VRPN client at {} sees {}", to_string(peer.address), options.name);
   }
-  if (peer.client.refused_forces() > 0 && !std::exchange(peer.is_refusal_told, true)) {
-    log_warning("the VRPN client at {} asks for forces; they are refused: forces come from the haptics node alone",
-                to_string(peer.address));
+  if (peer.client.rejected_forces() > 0 && !std::exchange(peer.is_rejection_logged, true)) {
+    log_warning("the VRPN client at {} requests forces; rejected: only the haptics node sends forces", to_string(peer.address));
   }
-  follow_udp_wish(peer);
-  if (peer.client.take_workspace_wish()) {
+  follow_udp_request(peer);
+  if (peer.client.take_workspace_request()) {
     append_workspace(peer.client.out(), peer.client.header(OurType::workspace, to_time_of_day(clock.now_ns())),
                      options.limits.workspace_min_m, options.limits.workspace_max_m);
   }
@@ -155,11 +154,11 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
 }
 
 // Datagrams go to nobody but who has the connection.
-void Server::State::follow_udp_wish(Peer& peer) {
-  if (!peer.client.udp_wish() || peer.udp) return;
-  if (!names_itself(peer.client.udp_wish()->address, peer.address)) return;
+void Server::State::follow_udp_request(Peer& peer) {
+  if (!peer.client.udp_request() || peer.udp) return;
+  if (!names_itself(peer.client.udp_request()->address, peer.address)) return;
   peer.udp = peer.address;
-  peer.udp->port = peer.client.udp_wish()->port;
+  peer.udp->port = peer.client.udp_request()->port;
 }
 
 void Server::State::answer(StreamEndpoint::Id id, Peer& peer) {
@@ -203,7 +202,7 @@ StreamEndpoint::Id Server::State::give_up_for_another() {
 }
 
 // Who takes a place and says nothing.
-void Server::State::drop_silent(std::int64_t now_ns) {
+void Server::State::drop_timed_out(std::int64_t now_ns) {
   for (const auto& [id, peer] : peers) {
     if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookiePatienceNs) endpoint->close(id);
   }
@@ -278,14 +277,15 @@ Result<std::unique_ptr<Server>> Server::open(Feed& feed, const Options& options)
   const bool is_name_good = !options.name.empty() && options.name.size() <= kLongestName &&
                             std::all_of(options.name.begin(), options.name.end(),
                                         [](unsigned char letter) { return std::isalnum(letter) != 0 || letter == '_' || letter == '-'; });
-  if (!is_name_good) return fail("'{}' is no name for a VRPN device; take letters, digits, '-' and '_'", options.name);
+  if (!is_name_good) return fail("'{}' is not a valid VRPN device name; use letters, digits, '-' and '_'", options.name);
   auto endpoint = StreamEndpoint::open(options.address, kPort);
   if (!endpoint) return tl::unexpected(endpoint.error());
   const Address at = (*endpoint)->local_address();
   log_info("VRPN: {}@{}", options.name, to_string(at));
   if (!is_loopback(at)) {
-    log_warning("VRPN knows no passwords: whoever reaches {} sees where the hand is; bind it to 127.0.0.1, or to a network of your own",
-                to_string(at));
+    log_warning(
+        "VRPN has no authentication: anyone who reaches {} can read the hand's position; bind it to 127.0.0.1 or to a private network",
+        to_string(at));
   }
   auto state = std::make_unique<State>(feed, options, std::move(*endpoint));
   State& running = *state;

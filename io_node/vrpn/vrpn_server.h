@@ -19,7 +19,7 @@ namespace hapton::vrpn {
 constexpr std::uint16_t kPort = 3883;
 
 // Shows one device to programs that speak VRPN, as NAME@host: Tracker, Button, Analog and ForceDevice. It takes nothing from them: forces
-// that they ask for are refused. A thread of its own, of low priority, that the servo never waits for: it takes samples from a Feed.
+// that they ask for are rejected. A thread of its own, of low priority, that the servo never waits for: it takes samples from a Feed.
 // RT: no. Threads: made and ended by one.
 class Server {
  public:

@@ -173,7 +173,7 @@ void List::thread_is_missed_by_nobody(const std::string& name, const std::string
       const auto watched = bed->observer().watch(1.0);
       note(row, watched);
       row.is_broken = watched.force_share == 0.0 && !bed->observer().await_force(TestBed::kForceN, 30.0);
-      row.note = row.is_broken ? "no force any more" : "touch goes on";
+      row.note = row.is_broken ? "no force afterwards" : "touch goes on";
     });
   }
   finish(row);
@@ -280,9 +280,9 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
   const double asked = of("forces_in_time") + of("late") + of("lost") + of("superseded");
   const double late_share = asked > 0.0 ? (asked - of("forces_in_time")) / asked : 1.0;
-  row.note =
-      fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k refused or dropped",
-                  1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share, 1e-3 * (of("strangers") + of("dropped_by_kernel")));
+  row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k refused or dropped",
+                         1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share,
+                         1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
   if (!bed->io().is_running()) {
     row.is_broken = true;
     row.note = "io_node died; " + row.note;

@@ -28,6 +28,11 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "hapton_motors: process %d is no io_node with a simulated device and a watchdog, or another user's\n", process);
     return 2;
   }
+  // Without a force there is nothing to see.
+  if (!observer.await_force(0.5, 30.0)) {
+    std::fprintf(stderr, "hapton_motors: no force came within 30 s\n");
+    return 3;
+  }
   // Started before this thread takes a policy that its children must not have.
   const auto hog = what == "hog" ? std::make_unique<attack::RealtimeHog>() : nullptr;
   if (hog != nullptr && !hog->is_running()) {
@@ -42,10 +47,6 @@ int main(int argc, char** argv) {
         "{\"oldest_force_ms\": %.2f, \"longest_same_ms\": %.2f, \"strongest_n\": %.2f, \"force_share\": %.3f, \"blind_ms\": %.2f}\n",
         seen.oldest_force_ms, seen.longest_same_ms, seen.strongest_n, seen.force_share, seen.blind_ms);
     return 0;
-  }
-  if (!observer.await_force(0.5, 30.0)) {
-    std::fprintf(stderr, "hapton_motors: no force came within 30 s\n");
-    return 3;
   }
   const auto seen = observer.release_after([&] { ::kill(process, what == "freeze" ? SIGSTOP : SIGKILL); });
   double after_n = 0.0;

@@ -20,7 +20,7 @@ DeviceExchange::Reading ready_at(std::int64_t time_ns, const Vec3& p = Vec3::Zer
   return reading;
 }
 
-TEST(DeviceExchange, the_newest_sample_and_the_newest_wrench_pass) {
+TEST(DeviceExchange, TheNewestSampleAndTheNewestWrenchPass) {
   DeviceExchange exchange;
   exchange.publish(ready_at(1000 * kMs));
   exchange.publish(ready_at(1001 * kMs, Vec3(1, 2, 3)));
@@ -38,7 +38,7 @@ TEST(DeviceExchange, the_newest_sample_and_the_newest_wrench_pass) {
   EXPECT_EQ(wrench.torque_nm, Vec3(0.01, 0, 0));
 }
 
-TEST(DeviceExchange, a_device_that_has_become_ready_gets_its_force_over_the_ramp) {
+TEST(DeviceExchange, ADeviceThatHasBecomeReadyGetsItsForceOverTheRamp) {
   DeviceExchange exchange;
   exchange.publish(ready_at(0));
   double before_n = 0.0;
@@ -51,7 +51,7 @@ TEST(DeviceExchange, a_device_that_has_become_ready_gets_its_force_over_the_ramp
   EXPECT_DOUBLE_EQ(before_n, 2.0);
 }
 
-TEST(DeviceExchange, nothing_pushes_while_the_device_is_not_ready) {
+TEST(DeviceExchange, NothingPushesWhileTheDeviceIsNotReady) {
   for (const DeviceStatus status : {DeviceStatus::calibrating, DeviceStatus::away, DeviceStatus::fault, DeviceStatus::ended}) {
     DeviceExchange exchange;
     DeviceExchange::Reading reading = ready_at(0);
@@ -65,7 +65,7 @@ TEST(DeviceExchange, nothing_pushes_while_the_device_is_not_ready) {
   }
 }
 
-TEST(DeviceExchange, a_servo_that_fell_silent_pushes_no_longer_and_ramps_in_again) {
+TEST(DeviceExchange, AServoThatFellSilentPushesNoLongerAndRampsInAgain) {
   DeviceExchange exchange;
   std::int64_t t = 0;
   exchange.publish(ready_at(0));
@@ -77,7 +77,7 @@ TEST(DeviceExchange, a_servo_that_fell_silent_pushes_no_longer_and_ramps_in_agai
   EXPECT_LT(exchange.wrench((t + 40) * kMs).force_n.norm(), 0.5);
 }
 
-TEST(DeviceExchange, a_servo_that_only_reads_holds_its_force) {
+TEST(DeviceExchange, AServoThatOnlyReadsHoldsItsForce) {
   DeviceExchange exchange;
   exchange.publish(ready_at(0));
   exchange.write({.force_n = Vec3(0, 0, 2)}, 0);
@@ -89,7 +89,7 @@ TEST(DeviceExchange, a_servo_that_only_reads_holds_its_force) {
   EXPECT_EQ(exchange.wrench(400 * kMs).force_n, Vec3(0, 0, 2));
 }
 
-TEST(DeviceExchange, a_driver_that_fell_silent_is_away_and_its_last_sample_stays) {
+TEST(DeviceExchange, ADriverThatFellSilentIsAwayAndItsLastSampleStays) {
   DeviceExchange exchange;
   exchange.publish(ready_at(1000 * kMs, Vec3(1, 2, 3)));
   EXPECT_EQ(exchange.read(1100 * kMs).p_WD, Vec3(1, 2, 3));
@@ -101,7 +101,7 @@ TEST(DeviceExchange, a_driver_that_fell_silent_is_away_and_its_last_sample_stays
   EXPECT_EQ(exchange.status(), DeviceStatus::ready);
 }
 
-TEST(DeviceExchange, a_fault_stays_a_fault) {
+TEST(DeviceExchange, AFaultStaysAFault) {
   DeviceExchange exchange;
   DeviceExchange::Reading reading = ready_at(0);
   reading.status = DeviceStatus::fault;
@@ -119,7 +119,7 @@ void use_both_ends(DeviceExchange& exchange) {
   }
 }
 
-TEST(DeviceExchange, takes_nothing_from_the_heap) {
+TEST(DeviceExchange, TakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   const auto exchange = std::make_unique<DeviceExchange>();
   const AllocationGuard guard;
@@ -127,7 +127,7 @@ TEST(DeviceExchange, takes_nothing_from_the_heap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(DeviceExchange, asks_nothing_of_the_kernel) {
+TEST(DeviceExchange, AsksNothingOfTheKernel) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<DeviceExchange> exchange;
   EXPECT_EQ(SystemCallGuard::run([&] { exchange = std::make_unique<DeviceExchange>(); }, [&] { use_both_ends(*exchange); }), "");

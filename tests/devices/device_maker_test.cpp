@@ -18,7 +18,7 @@ std::string refusal_of(const DeviceSettings& settings) {
   return made ? "it was made" : made.error().what;
 }
 
-TEST(DeviceMaker, makes_what_is_named) {
+TEST(DeviceMaker, MakesWhatIsNamed) {
   EXPECT_EQ((*make_device({}))->name(), "simulated");
   const ScratchFolder scratch;
   DeviceSettings settings;
@@ -28,17 +28,17 @@ TEST(DeviceMaker, makes_what_is_named) {
   EXPECT_EQ((*make_device(settings))->name(), "replay");
 }
 
-TEST(DeviceMaker, puts_the_device_where_it_stands) {
+TEST(DeviceMaker, PutsTheDeviceWhereItStands) {
   DeviceSettings settings;
   const Vec3 here = (*make_device(settings))->read(0).p_WD;
   settings.X_WB.translation() = Vec3(0.2, 0.0, 0.0);
   EXPECT_LT(((*make_device(settings))->read(0).p_WD - here - Vec3(0.2, 0.0, 0.0)).norm(), 1e-12);
 }
 
-TEST(DeviceMaker, says_what_is_missing) {
+TEST(DeviceMaker, SaysWhatIsMissing) {
   DeviceSettings settings;
   settings.trajectory = "t.csv";
-  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory goes with --device replay"));
+  EXPECT_THAT(refusal_of(settings), HasSubstr("--trajectory applies to --device replay"));
   settings.name = "replay";
   EXPECT_THAT(refusal_of(settings), HasSubstr("t.csv"));
   settings.trajectory = "";
@@ -48,7 +48,7 @@ TEST(DeviceMaker, says_what_is_missing) {
   for (const std::string& name : device_names()) EXPECT_THAT(refusal_of(settings), HasSubstr(name));
 }
 
-TEST(DeviceMaker, ignores_no_setting) {
+TEST(DeviceMaker, IgnoresNoSetting) {
   DeviceSettings settings;
   settings.id = "7";
   EXPECT_THAT(refusal_of(settings), HasSubstr("--device-id"));
@@ -60,7 +60,7 @@ TEST(DeviceMaker, ignores_no_setting) {
   EXPECT_THAT(refusal_of(settings), HasSubstr("--loop"));
 }
 
-TEST(DeviceMaker, knows_every_kind_once_and_says_what_it_is) {
+TEST(DeviceMaker, KnowsEveryKindOnceAndSaysWhatItIs) {
   std::set<std::string_view> names;
   for (const DeviceMaker& maker : device_makers()) {
     EXPECT_TRUE(names.insert(maker.name).second) << maker.name;

@@ -49,7 +49,7 @@ struct ForceDimension : testing::Test {
   }
 };
 
-TEST_F(ForceDimension, limits_go_by_the_type) {
+TEST_F(ForceDimension, LimitsGoByTheType) {
   open();
   EXPECT_EQ(device->limits().max_force_n, 12.0);
   EXPECT_EQ(device->limits().max_torque_nm, 0.0);
@@ -60,7 +60,7 @@ TEST_F(ForceDimension, limits_go_by_the_type) {
   EXPECT_EQ(device->limits().max_torque_nm, 0.4);
 }
 
-TEST_F(ForceDimension, an_unknown_type_gets_little_and_is_told_of) {
+TEST_F(ForceDimension, AnUnknownTypeGetsLittleAndIsToldOf) {
   board->system_type = 999;
   testing::internal::CaptureStderr();
   open();
@@ -68,7 +68,7 @@ TEST_F(ForceDimension, an_unknown_type_gets_little_and_is_told_of) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("type 999"));
 }
 
-TEST_F(ForceDimension, its_axes_become_those_of_the_world) {
+TEST_F(ForceDimension, ItsAxesBecomeThoseOfTheWorld) {
   board->follows_hand = 0;
   const double towards_user = 0.01, right = 0.02, up = 0.03;
   board->hand_m[0] = towards_user;
@@ -85,7 +85,7 @@ TEST_F(ForceDimension, its_axes_become_those_of_the_world) {
   EXPECT_NEAR(board->force[0], 0.3, 1e-12);
 }
 
-TEST_F(ForceDimension, its_orientation_turns_with_the_axes) {
+TEST_F(ForceDimension, ItsOrientationTurnsWithTheAxes) {
   board->turn_rad[2] = std::numbers::pi / 2;  // about the device's z, which points up
   open();
   ASSERT_TRUE(serve_until_ready());
@@ -93,21 +93,21 @@ TEST_F(ForceDimension, its_orientation_turns_with_the_axes) {
   EXPECT_LT(hand.sample().q_WT.angularDistance(expected), 1e-9);
 }
 
-TEST_F(ForceDimension, torques_turn_with_the_axes_too) {
+TEST_F(ForceDimension, TorquesTurnWithTheAxesToo) {
   board->system_type = 104;
   open();
   ASSERT_TRUE(serve_until_ready());
   EXPECT_TRUE(serve_until([&] { return std::abs(board->torque[2] - 0.1) < 1e-12; }, {.torque_nm = Vec3(0, 0.1, 0)}));
 }
 
-TEST_F(ForceDimension, the_firmwares_watchdog_is_set) {
+TEST_F(ForceDimension, TheFirmwaresWatchdogIsSet) {
   open();
   ASSERT_TRUE(serve_until_ready());
   EXPECT_EQ(board->watchdog, 255);
   EXPECT_EQ(board->enabled, 1);
 }
 
-TEST_F(ForceDimension, time_guard_and_saturation_are_no_errors) {
+TEST_F(ForceDimension, TimeGuardAndSaturationAreNoErrors) {
   open();
   for (const int result : {1, 2}) {
     board->result = result;
@@ -118,7 +118,7 @@ TEST_F(ForceDimension, time_guard_and_saturation_are_no_errors) {
   EXPECT_EQ(board->closed, 0U);
 }
 
-TEST_F(ForceDimension, calibrates_by_motor_after_having_said_so) {
+TEST_F(ForceDimension, CalibratesByMotorAfterHavingSaidSo) {
   board->calibration = 1;
   testing::internal::CaptureStderr();
   open();
@@ -131,7 +131,7 @@ TEST_F(ForceDimension, calibrates_by_motor_after_having_said_so) {
   EXPECT_THAT(said, HasSubstr("is calibrated"));
 }
 
-TEST_F(ForceDimension, that_cannot_calibrate_pushes_nothing) {
+TEST_F(ForceDimension, ThatCannotCalibratePushesNothing) {
   board->calibration = 1;
   board->updates_until_good = 0;
   open();
@@ -142,7 +142,7 @@ TEST_F(ForceDimension, that_cannot_calibrate_pushes_nothing) {
   EXPECT_EQ(board->pushed_ticks, 0U);
 }
 
-TEST_F(ForceDimension, a_falcon_is_calibrated_by_hand) {
+TEST_F(ForceDimension, AFalconIsCalibratedByHand) {
   board->system_type = dhd::kFalcon;
   board->calibration = 2;
   board->updates_until_good = 50;
@@ -154,7 +154,7 @@ TEST_F(ForceDimension, a_falcon_is_calibrated_by_hand) {
   EXPECT_EQ(device->limits().max_force_n, 8.0);
 }
 
-TEST_F(ForceDimension, a_force_that_the_firmware_let_go_is_told_with_its_cause_and_comes_back) {
+TEST_F(ForceDimension, AForceThatTheFirmwareLetGoIsToldWithItsCauseAndComesBack) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());
@@ -166,7 +166,7 @@ TEST_F(ForceDimension, a_force_that_the_firmware_let_go_is_told_with_its_cause_a
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("velocity threshold"));
 }
 
-TEST_F(ForceDimension, a_force_that_the_person_switched_off_stays_off) {
+TEST_F(ForceDimension, AForceThatThePersonSwitchedOffStaysOff) {
   open();
   ASSERT_TRUE(serve_until_ready());
   board->force_off_cause = 1;
@@ -175,7 +175,7 @@ TEST_F(ForceDimension, a_force_that_the_person_switched_off_stays_off) {
   EXPECT_EQ(board->force_off_cause, 1);
 }
 
-TEST_F(ForceDimension, unplugged_in_contact_it_is_away_and_found_again) {
+TEST_F(ForceDimension, UnpluggedInContactItIsAwayAndFoundAgain) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());
@@ -190,29 +190,29 @@ TEST_F(ForceDimension, unplugged_in_contact_it_is_away_and_found_again) {
   EXPECT_EQ(board->wrong_calls, 0U);
 }
 
-TEST_F(ForceDimension, a_servo_that_dies_leaves_no_force) {
+TEST_F(ForceDimension, AServoThatDiesLeavesNoForce) {
   open();
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
   EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[0] == 0.0; }));
 }
 
-TEST_F(ForceDimension, none_there_or_another_number_is_told) {
-  EXPECT_THAT(make("1").error().what, HasSubstr("asks for number 1"));
+TEST_F(ForceDimension, NoneThereOrAnotherNumberIsTold) {
+  EXPECT_THAT(make("1").error().what, HasSubstr("is number 1"));
   EXPECT_THAT(make("left").error().what, HasSubstr("not 'left'"));
   EXPECT_THAT(make("-1").error().what, HasSubstr("not '-1'"));
   board->is_plugged = 0;
-  EXPECT_THAT(make().error().what, HasSubstr("sees 0 devices"));
+  EXPECT_THAT(make().error().what, HasSubstr("finds 0 devices"));
 }
 
-TEST_F(ForceDimension, one_that_somebody_has_is_told) {
+TEST_F(ForceDimension, OneThatSomebodyHasIsTold) {
   open();
   const std::string what = make().error().what;
   EXPECT_THAT(what, HasSubstr("another program"));
   EXPECT_THAT(what, HasSubstr("the stand-in's own words"));
 }
 
-TEST_F(ForceDimension, the_servos_side_takes_nothing_from_the_heap) {
+TEST_F(ForceDimension, TheServosSideTakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());

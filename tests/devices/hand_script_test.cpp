@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 namespace hapton {
@@ -9,7 +10,7 @@ namespace {
 
 HandScript::Options box(std::uint64_t seed) { return {seed, Vec3(-0.1, -0.1, -0.2), Vec3(0.1, 0.1, 0.2), Vec3(0.0, 0.0, 0.18)}; }
 
-TEST(HandScript, moves_smoothly_and_stays_in_the_workspace_where_there_is_nothing_to_touch) {
+TEST(HandScript, MovesSmoothlyAndStaysInTheWorkspaceWhereThereIsNothingToTouch) {
   HandScript script(box(9));
   Vec3 last = box(9).start_m;
   for (int step = 0; step < 60'000; ++step) {
@@ -21,7 +22,7 @@ TEST(HandScript, moves_smoothly_and_stays_in_the_workspace_where_there_is_nothin
   }
 }
 
-TEST(HandScript, survives_a_force_that_makes_no_sense) {
+TEST(HandScript, SurvivesAForceThatMakesNoSense) {
   HandScript script(box(2));
   const Vec3 forces[] = {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, -8), Vec3(0, 8, 0), Vec3::Zero()};
   Vec3 last = box(2).start_m;
@@ -31,7 +32,7 @@ TEST(HandScript, survives_a_force_that_makes_no_sense) {
   }
 }
 
-TEST(HandScript, follows_a_lead_and_returns_to_its_script) {
+TEST(HandScript, FollowsALeadAndReturnsToItsScript) {
   HandScript script(box(1));
   Vec3 last = box(1).start_m;
   script.lead(Vec3(0.05, -0.05, 0.0));
@@ -47,7 +48,62 @@ TEST(HandScript, follows_a_lead_and_returns_to_its_script) {
   EXPECT_GT((last - Vec3(0.05, -0.05, 0.0)).norm(), 1e-3);
 }
 
-TEST(HandScript, letting_go_without_a_lead_changes_nothing) {
+TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {
+  HandScript script(box(1));
+  Vec3 last = box(1).start_m;
+  HandIntention before;
+  for (int step = 0; step < 700; ++step) before = script.step(last, Vec3::Zero()), last = before.p_WH;
+  ASSERT_GT(before.gimbal_rad.norm(), 0.01);
+  script.lead(Vec3(0.05, -0.05, 0.0));
+  for (int step = 0; step < 1000; ++step) EXPECT_EQ(script.step(last, Vec3::Zero()).gimbal_rad, before.gimbal_rad);
+  script.lead(std::nullopt);
+  const HandIntention after = script.step(last, Vec3::Zero());
+  EXPECT_NE(after.gimbal_rad, before.gimbal_rad);
+  EXPECT_LT((after.gimbal_rad - before.gimbal_rad).norm(), 0.01) << "without a jump";
+}
+
+// A pin of 2 mm that stands aside, which no blind search meets within seconds.
+// A surface felt from within its reach, whose normal leads out of it: away from there is as far as the border only.
+TEST(HandScript, LeavesASurfaceAtTheBorderOfItsReach) {
+  HandScript script(box(4));
+  const Vec3 border(0.0, -0.1, 0.0);
+  Vec3 last = box(4).start_m;
+  script.lead(border);
+  for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3(0, -1, 0)).p_WH;
+  ASSERT_EQ(last, border);
+  script.lead(std::nullopt);
+  for (int step = 0; step < 20'000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
+  EXPECT_GT((last - border).norm(), 0.01);
+}
+
+TEST(HandScript, GoesToWhereItIsToldThatThereIsSomething) {
+  const Vec3 pin(0.07, -0.08, 0.05);
+  const auto seconds_until_touch = [&](bool is_told) {
+    HandScript script(box(3));
+    Vec3 last = box(3).start_m;
+    if (is_told) script.aim(std::array{pin, Vec3(9, 9, 9), Vec3(pin + Vec3(0, 0.001, 0))});
+    for (int step = 0; step < 20'000; ++step) {
+      last = script.step(last, Vec3::Zero()).p_WH;
+      if ((last - pin).head<2>().norm() < 0.002 && last.z() <= pin.z()) return 1e-3 * step;
+    }
+    return 1e9;
+  };
+  EXPECT_LT(seconds_until_touch(true), 4.0);
+  EXPECT_GT(seconds_until_touch(false), 10.0);
+}
+
+TEST(HandScript, AimsOutOfItsReachLeaveItAsItWas) {
+  HandScript script(box(1)), other(box(1));
+  Vec3 a = box(1).start_m, b = a;
+  for (int step = 0; step < 3000; ++step) {
+    script.aim(std::array{Vec3(5, 0, 0), Vec3(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()))});
+    a = script.step(a, Vec3::Zero()).p_WH;
+    b = other.step(b, Vec3::Zero()).p_WH;
+  }
+  EXPECT_EQ(a, b);
+}
+
+TEST(HandScript, LettingGoWithoutALeadChangesNothing) {
   HandScript script(box(1)), other(box(1));
   Vec3 a = box(1).start_m, b = a;
   for (int step = 0; step < 3000; ++step) {

@@ -9,7 +9,7 @@
 namespace hapton::haply {
 namespace {
 
-TEST(HaplyMessages, axes_become_those_of_the_world) {
+TEST(HaplyMessages, AxesBecomeThoseOfTheWorld) {
   EXPECT_TRUE(to_w(Vec3(0, -0.12, 0.15)).isZero()) << "home";
   EXPECT_TRUE(to_w(Vec3(0.01, -0.12, 0.15)).isApprox(Vec3(0.01, 0, 0), 1e-12)) << "right";
   EXPECT_TRUE(to_w(Vec3(0, -0.12, 0.16)).isApprox(Vec3(0, 0.01, 0), 1e-12)) << "up";
@@ -17,19 +17,19 @@ TEST(HaplyMessages, axes_become_those_of_the_world) {
   EXPECT_EQ(force_from_w(Vec3(1, 2, 3)), Vec3(1, -3, 2));
 }
 
-TEST(HaplyMessages, forces_and_positions_turn_alike) {
+TEST(HaplyMessages, ForcesAndPositionsTurnAlike) {
   const Vec3 f_W(0.3, -0.2, 0.5);
   const Vec3 f = force_from_w(f_W);
   EXPECT_TRUE((to_w(f) - to_w(Vec3(Vec3::Zero()))).isApprox(f_W, 1e-12));
 }
 
-TEST(HaplyMessages, orientations_turn_with_the_axes) {
+TEST(HaplyMessages, OrientationsTurnWithTheAxes) {
   // A quarter turn about the service's z, which is up: about W's y.
   const Quat q(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
   EXPECT_LT(to_w(q).angularDistance(Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()))), 1e-12);
 }
 
-TEST(HaplyMessages, a_state_gives_cursor_grip_and_calibration) {
+TEST(HaplyMessages, AStateGivesCursorGripAndCalibration) {
   const auto state = read_state(R"({"session_id":7,
     "inverse3":[{"device_id":"049D","config":{"type":"inverse3x","extended_firmware_version":"7.4"},
                  "state":{"cursor_position":{"x":0.01,"y":-0.12,"z":0.15}},"status":{"calibrated":false}}],
@@ -45,7 +45,7 @@ TEST(HaplyMessages, a_state_gives_cursor_grip_and_calibration) {
   EXPECT_EQ(state->grip->buttons, 5U);
 }
 
-TEST(HaplyMessages, what_is_missing_or_of_another_kind_is_left_out) {
+TEST(HaplyMessages, WhatIsMissingOrOfAnotherKindIsLeftOut) {
   for (const char* text : {"{}", R"({"inverse3":7})", R"({"inverse3":[7,null,{}]})", R"({"inverse3":[{"device_id":"a"}]})",
                            R"({"inverse3":[{"device_id":"a","state":{"cursor_position":{"x":"1","y":0,"z":0}}}]})",
                            R"({"inverse3":[{"device_id":"","state":{"cursor_position":{"x":1,"y":0,"z":0}}}]})",
@@ -60,21 +60,21 @@ TEST(HaplyMessages, what_is_missing_or_of_another_kind_is_left_out) {
   EXPECT_EQ(state->grip->q_WT.coeffs(), Quat::Identity().coeffs()) << "an orientation that is none";
 }
 
-TEST(HaplyMessages, what_is_no_object_is_an_error) {
+TEST(HaplyMessages, WhatIsNoObjectIsAnError) {
   for (const char* text : {"", "7", "[]", "{", "null", "\xff"}) EXPECT_FALSE(read_state(text)) << text;
 }
 
-TEST(HaplyMessages, the_first_says_who_we_are_and_which_axes_and_pushes_nothing) {
+TEST(HaplyMessages, TheFirstSaysWhoWeAreAndWhichAxesAndPushesNothing) {
   EXPECT_EQ(first_message("049D"), R"({"session":{"configure":{"profile":{"name":"org.hapton:io_node"},"basis":{"permutation":"XYZ"}}},)"
                                    R"("inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":0,"y":0,"z":0}}}}]})");
 }
 
-TEST(HaplyMessages, the_others_carry_the_force_alone) {
+TEST(HaplyMessages, TheOthersCarryTheForceAlone) {
   EXPECT_EQ(force_message("049D", Vec3(1, 0.5, -0.25)),
             R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":1,"y":0.25,"z":0.5}}}}]})");
 }
 
-TEST(HaplyMessages, an_id_cannot_break_out_of_its_quotes) {
+TEST(HaplyMessages, AnIdCannotBreakOutOfItsQuotes) {
   EXPECT_THAT(force_message("a\"},{\"", Vec3::Zero()), testing::HasSubstr(R"("device_id":"a\"},{\"")"));
 }
 

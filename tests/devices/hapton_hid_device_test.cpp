@@ -140,7 +140,7 @@ TEST_F(HaptonHid, ThatComesBackAsAnotherDeviceIsNotDriven) {
   hapton_hid_limits limits = maker_limits();
   limits.max_force_n = 60.0f;
   give(limits);
-  EXPECT_THAT(begin().error().what, HasSubstr("not the device that was there before"));
+  EXPECT_THAT(begin().error().what, HasSubstr("not the same device as before"));
   limits = maker_limits();
   limits.serial = "8";
   give(limits);

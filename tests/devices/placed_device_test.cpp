@@ -21,7 +21,7 @@ class StillDevice final : public Device {
   DeviceSample read(std::int64_t) noexcept override { return sample; }
   void write(const Wrench& wrench, std::int64_t) noexcept override { written = wrench; }
   DeviceStatus status() const noexcept override { return DeviceStatus::calibrating; }
-  bool lead_hand(const std::optional<Vec3>& p_WH) noexcept override {
+  bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override {
     led_to = p_WH;
     return true;
   }
@@ -47,31 +47,31 @@ struct PlacedDevices : testing::Test {
   PlacedDevice device{std::unique_ptr<Device>(inner), quarter_turn_beside()};
 };
 
-TEST_F(PlacedDevices, are_read_in_the_world) {
+TEST_F(PlacedDevices, AreReadInTheWorld) {
   const DeviceSample sample = device.read(5);
   EXPECT_LT((sample.p_WD - Vec3(1.03, 0.02, -0.01)).norm(), 1e-12);
   EXPECT_LT((sample.q_WT * Vec3::UnitZ() - Vec3::UnitX()).norm(), 1e-12);
 }
 
-TEST_F(PlacedDevices, get_the_wrench_in_their_own_frame) {
+TEST_F(PlacedDevices, GetTheWrenchInTheirOwnFrame) {
   device.write({.force_n = Vec3(0, 0, -2), .torque_nm = Vec3(3, 0, 0)}, 5);
   EXPECT_LT((inner->written.force_n - Vec3(2, 0, 0)).norm(), 1e-12);
   EXPECT_LT((inner->written.torque_nm - Vec3(0, 0, 3)).norm(), 1e-12);
 }
 
-TEST_F(PlacedDevices, are_led_to_a_place_in_the_world) {
-  EXPECT_TRUE(device.lead_hand(Vec3(1.03, 0.02, -0.01)));
+TEST_F(PlacedDevices, AreLedToAPlaceInTheWorld) {
+  EXPECT_TRUE(device.set_hand_target(Vec3(1.03, 0.02, -0.01)));
   EXPECT_LT((*inner->led_to - Vec3(0.01, 0.02, 0.03)).norm(), 1e-12);
-  device.lead_hand(std::nullopt);
+  device.set_hand_target(std::nullopt);
   EXPECT_FALSE(inner->led_to);
 }
 
-TEST_F(PlacedDevices, have_their_workspace_in_the_world) {
+TEST_F(PlacedDevices, HaveTheirWorkspaceInTheWorld) {
   EXPECT_LT((device.limits().workspace_min_m - Vec3(0.7, -0.2, -0.1)).norm(), 1e-12);
   EXPECT_LT((device.limits().workspace_max_m - Vec3(1.3, 0.2, 0.1)).norm(), 1e-12);
 }
 
-TEST_F(PlacedDevices, are_otherwise_as_they_were) {
+TEST_F(PlacedDevices, AreOtherwiseAsTheyWere) {
   EXPECT_EQ(device.name(), "still");
   EXPECT_EQ(device.status(), DeviceStatus::calibrating);
 }

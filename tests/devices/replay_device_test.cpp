@@ -12,7 +12,7 @@ std::vector<TrajectoryRow> two_rows() {
   return rows;
 }
 
-TEST(ReplayDevice, interpolates_to_the_servo_rate_and_ends) {
+TEST(ReplayDevice, InterpolatesToTheServoRateAndEnds) {
   ReplayDevice device(two_rows(), {});
   EXPECT_EQ(device.read(777).p_WD, Vec3::Zero());
   const DeviceSample quarter = device.read(777 + 2'500'000);
@@ -25,7 +25,7 @@ TEST(ReplayDevice, interpolates_to_the_servo_rate_and_ends) {
   EXPECT_TRUE(device.read(777 + 99'000'000).p_WD.isApprox(Vec3(0.01, 0.02, -0.03)));
 }
 
-TEST(ReplayDevice, loops) {
+TEST(ReplayDevice, Loops) {
   ReplayDevice device(two_rows(), {.loop = true});
   device.read(0);
   for (std::int64_t round = 0; round < 5; ++round) {
@@ -34,7 +34,7 @@ TEST(ReplayDevice, loops) {
   }
 }
 
-TEST(ReplayDevice, a_loop_that_does_not_close_is_away_for_the_read_that_jumps) {
+TEST(ReplayDevice, ALoopThatDoesNotCloseIsAwayForTheReadThatJumps) {
   ReplayDevice device(two_rows(), {.loop = true});
   device.read(0);
   device.read(9'000'000);
@@ -52,7 +52,7 @@ TEST(ReplayDevice, a_loop_that_does_not_close_is_away_for_the_read_that_jumps) {
   }
 }
 
-TEST(ReplayDevice, one_row_is_a_place_to_stand) {
+TEST(ReplayDevice, OneRowIsAPlaceToStand) {
   std::vector<TrajectoryRow> rows = {two_rows()[1]};
   ReplayDevice device(rows, {.loop = true});
   EXPECT_EQ(device.read(0).p_WD, rows[0].p_WD);
@@ -60,9 +60,9 @@ TEST(ReplayDevice, one_row_is_a_place_to_stand) {
   EXPECT_EQ(device.status(), DeviceStatus::ready);
 }
 
-TEST(ReplayDevice, no_hand_to_lead) {
+TEST(ReplayDevice, NoHandToLead) {
   ReplayDevice device(two_rows(), {});
-  EXPECT_FALSE(device.lead_hand(Vec3(1, 2, 3)));
+  EXPECT_FALSE(device.set_hand_target(Vec3(1, 2, 3)));
 }
 
 }  // namespace

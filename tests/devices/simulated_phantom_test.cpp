@@ -19,13 +19,13 @@ Vec3 wall_force(const Vec3& p_WD) { return {0.0, 0.0, std::max(0.0, -1000.0 * p_
 
 Vec3 held(const Vec3& force) { return force.norm() > model_a::kMaxForceN ? Vec3(force.normalized() * model_a::kMaxForceN) : force; }
 
-TEST(SimulatedPhantom, has_the_memos_data) {
+TEST(SimulatedPhantom, HasTheMemosData) {
   SimulatedPhantom device({});
   EXPECT_NEAR(device.limits().max_force_n, 8.4516, 1e-4);
   EXPECT_TRUE((device.limits().workspace_max_m - device.limits().workspace_min_m).isApprox(Vec3(0.2667, 0.1905, 0.381), 1e-12));
 }
 
-TEST(SimulatedPhantom, reports_positions_on_the_800_dpi_grid_and_angles_on_512_counts) {
+TEST(SimulatedPhantom, ReportsPositionsOnThe800DpiGridAndAnglesOn512Counts) {
   SimulatedPhantom device({});
   std::set<long> seen;
   for (std::int64_t now = 5; now < 3000 * kMs; now += kMs) {
@@ -47,7 +47,7 @@ TEST(SimulatedPhantom, reports_positions_on_the_800_dpi_grid_and_angles_on_512_c
   EXPECT_GT(seen.size(), 10U);
 }
 
-TEST(SimulatedPhantom, trajectory_does_not_depend_on_the_servo_rate) {
+TEST(SimulatedPhantom, TrajectoryDoesNotDependOnTheServoRate) {
   const auto run = [](std::int64_t dt) {
     SimulatedPhantom device({.seed = 5, .stylus = {}});
     for (std::int64_t now = 0; now <= 4000 * kMs; now += dt) {
@@ -64,7 +64,7 @@ TEST(SimulatedPhantom, trajectory_does_not_depend_on_the_servo_rate) {
   }
 }
 
-TEST(SimulatedPhantom, same_seed_same_motion_other_seed_other_motion) {
+TEST(SimulatedPhantom, SameSeedSameMotionOtherSeedOtherMotion) {
   const auto run = [](std::uint64_t seed) {
     SimulatedPhantom device({.seed = seed, .stylus = {}});
     for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) device.write({.force_n = wall_force(device.read(now).p_WD)}, now + 100'000);
@@ -74,12 +74,12 @@ TEST(SimulatedPhantom, same_seed_same_motion_other_seed_other_motion) {
   EXPECT_GT((run(3) - run(4)).norm(), 1e-3);
 }
 
-TEST(SimulatedPhantom, force_pushes_the_hand_back_by_its_stiffness) {
+TEST(SimulatedPhantom, ForcePushesTheHandBackByItsStiffness) {
   StylusModel frictionless;
   frictionless.friction_n = 0.0;
   SimulatedPhantom device({.seed = 1, .stylus = frictionless});
   const Vec3 place(0.01, 0.02, 0.05);
-  device.lead_hand(place);
+  device.set_hand_target(place);
   for (std::int64_t now = 0; now < 3000 * kMs; now += kMs) device.read(now);
   EXPECT_LT((device.exact_position_m() - place).norm(), 1e-6);
   device.write({.force_n = Vec3(0.0, 0.0, 4.0)}, 3000 * kMs);
@@ -89,9 +89,9 @@ TEST(SimulatedPhantom, force_pushes_the_hand_back_by_its_stiffness) {
   EXPECT_NEAR(device.exact_position_m().z() - place.z(), give, 1e-6);
 }
 
-TEST(SimulatedPhantom, stays_in_the_workspace_whatever_pushes) {
+TEST(SimulatedPhantom, StaysInTheWorkspaceWhateverPushes) {
   SimulatedPhantom device({});
-  device.lead_hand(Vec3(10.0, -10.0, 10.0));
+  device.set_hand_target(Vec3(10.0, -10.0, 10.0));
   for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) {
     device.write({.force_n = Vec3(8.0, -8.0, 8.0)}, now);
     const Vec3 p = device.read(now).p_WD;
@@ -132,7 +132,7 @@ Exploration explore(std::uint64_t seed, std::int64_t dt, std::int64_t delay, dou
   return seen;
 }
 
-TEST(SimulatedPhantom, script_finds_a_wall_it_does_not_know_and_goes_through_its_programme) {
+TEST(SimulatedPhantom, ScriptFindsAWallItDoesNotKnowAndGoesThroughItsProgramme) {
   for (const double wall_z : {-0.15, 0.0, 0.1}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const Exploration seen = explore(seed, kMs, kMs / 10, wall_z);
@@ -146,7 +146,7 @@ TEST(SimulatedPhantom, script_finds_a_wall_it_does_not_know_and_goes_through_its
   }
 }
 
-TEST(SimulatedPhantom, a_wall_stays_stable_at_every_rate) {
+TEST(SimulatedPhantom, AWallStaysStableAtEveryRate) {
   for (const std::int64_t dt : {100'000L, 250'000L, 1'000'000L, 4'000'000L}) {
     const Exploration seen = explore(2, dt, 100'000L, 0.0);
     EXPECT_GT(seen.contacts, 2) << dt;
@@ -155,7 +155,7 @@ TEST(SimulatedPhantom, a_wall_stays_stable_at_every_rate) {
   }
 }
 
-TEST(SimulatedPhantom, a_long_pause_is_cut) {
+TEST(SimulatedPhantom, ALongPauseIsCut) {
   SimulatedPhantom paused({}), ran({});
   paused.read(0);
   ran.read(0);

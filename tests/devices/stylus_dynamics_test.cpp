@@ -21,7 +21,7 @@ StylusModel apart() {
   return model;
 }
 
-TEST(StylusDynamics, free_mass_with_damper_approaches_its_final_speed) {
+TEST(StylusDynamics, FreeMassWithDamperApproachesItsFinalSpeed) {
   StylusModel model = apart();
   model.device_damping_n_s_per_m = 0.5;
   const StylusDynamics dynamics(model);
@@ -36,7 +36,7 @@ TEST(StylusDynamics, free_mass_with_damper_approaches_its_final_speed) {
   }
 }
 
-TEST(StylusDynamics, hand_follows_a_step_of_its_intention_as_a_mass_spring_damper) {
+TEST(StylusDynamics, HandFollowsAStepOfItsIntentionAsAMassSpringDamper) {
   const StylusModel model = apart();
   const StylusDynamics dynamics(model);
   const double mass = model.stylus_mass_kg + model.hand_mass_kg;
@@ -52,7 +52,7 @@ TEST(StylusDynamics, hand_follows_a_step_of_its_intention_as_a_mass_spring_dampe
   }
 }
 
-TEST(StylusDynamics, hand_follows_a_ramp_without_lag_at_the_end) {
+TEST(StylusDynamics, HandFollowsARampWithoutLagAtTheEnd) {
   const StylusDynamics dynamics(apart());
   AxisState state;
   for (std::int64_t now = 0; now < 3000 * kMs; now += kMs) {
@@ -73,7 +73,7 @@ std::complex<double> response(const StylusModel& model, double omega) {
   return 1.0 / (device + bridge * hand / (bridge + hand));
 }
 
-TEST(StylusDynamics, sinusoidal_force_gives_the_transfer_functions_amplitude_and_phase) {
+TEST(StylusDynamics, SinusoidalForceGivesTheTransferFunctionsAmplitudeAndPhase) {
   StylusModel model;
   model.friction_n = 0.0;
   const StylusDynamics dynamics(model);
@@ -99,7 +99,7 @@ TEST(StylusDynamics, sinusoidal_force_gives_the_transfer_functions_amplitude_and
 }
 
 // The memo: "constrained, small amplitude mechanical bandwidth ... 30 Hz". With the stylus held the device mass rings at 30 Hz.
-TEST(StylusDynamics, held_stylus_leaves_a_mode_of_thirty_hertz) {
+TEST(StylusDynamics, HeldStylusLeavesAModeOfThirtyHertz) {
   StylusModel model;
   model.friction_n = 0.0;
   model.device_damping_n_s_per_m = 0.0;
@@ -118,7 +118,7 @@ TEST(StylusDynamics, held_stylus_leaves_a_mode_of_thirty_hertz) {
   EXPECT_NEAR(crossings, 60, 1);
 }
 
-TEST(StylusDynamics, coulomb_friction_stops_a_coasting_mass_where_it_should_and_holds_it) {
+TEST(StylusDynamics, CoulombFrictionStopsACoastingMassWhereItShouldAndHoldsIt) {
   StylusModel model = apart();
   model.friction_n = 0.04;
   model.device_damping_n_s_per_m = 0.0;
@@ -136,7 +136,7 @@ TEST(StylusDynamics, coulomb_friction_stops_a_coasting_mass_where_it_should_and_
   EXPECT_NEAR(state.device_m - held, -0.5 * 0.02 / model.device_mass_kg * 1e-4, 1e-10);
 }
 
-TEST(StylusDynamics, stop_is_hard_and_lets_go) {
+TEST(StylusDynamics, StopIsHardAndLetsGo) {
   StylusModel model = apart();
   model.device_damping_n_s_per_m = 0.0;
   const StylusDynamics dynamics(model);
@@ -148,7 +148,7 @@ TEST(StylusDynamics, stop_is_hard_and_lets_go) {
   EXPECT_NEAR(state.device_m, 0.01 - 0.5 * 0.07 / model.device_mass_kg * 0.01, 1e-9);
 }
 
-TEST(StylusDynamics, result_does_not_depend_on_the_step) {
+TEST(StylusDynamics, ResultDoesNotDependOnTheStep) {
   const StylusDynamics dynamics{StylusModel{}};
   const AxisStops stops{-0.02, 0.02};
   const auto input_at = [](std::int64_t ms) {
@@ -175,7 +175,7 @@ TEST(StylusDynamics, result_does_not_depend_on_the_step) {
   }
 }
 
-TEST(StylusDynamics, energy_never_grows_when_nobody_drives_it) {
+TEST(StylusDynamics, EnergyNeverGrowsWhenNobodyDrivesIt) {
   const StylusDynamics dynamics{StylusModel{}};
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> draw(-1.0, 1.0);
@@ -195,7 +195,7 @@ TEST(StylusDynamics, energy_never_grows_when_nobody_drives_it) {
 }
 
 // A plain fine-stepped integration of the same equations, friction smoothed by nothing: only its step is small.
-TEST(StylusDynamics, agrees_with_brute_force_integration) {
+TEST(StylusDynamics, AgreesWithBruteForceIntegration) {
   const StylusModel model;
   const StylusDynamics dynamics(model);
   const double k = model.structure_stiffness_n_per_m(), b = model.structure_damping_n_s_per_m();

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 class WoodenSettingsFile : public ::testing::Test {
  protected:
   Result<WoodenSettings> read(std::string_view text) { return read_wooden_settings(folder_.write("wooden.toml", text)); }
-  std::string refusal(std::string_view text) {
+  std::string rejection(std::string_view text) {
     const auto settings = read(text);
     return settings ? "taken" : settings.error().what;
   }
@@ -74,15 +74,15 @@ offset_deg = 180
 }
 
 TEST_F(WoodenSettingsFile, WhatMakesNoSenseIsRefusedWithItsLine) {
-  EXPECT_THAT(refusal("\nmax_force = 5\n"), HasSubstr("wooden.toml:2"));
-  EXPECT_THAT(refusal("max_force_n = 1e9"), HasSubstr("max_force_n"));
-  EXPECT_THAT(refusal("max_force_n = nan"), HasSubstr("max_force_n"));
-  EXPECT_THAT(refusal("[body_a]\ncapstan_diameter_m = 0"), HasSubstr("wooden.toml:2"));
-  EXPECT_THAT(refusal("[body_b]\ndirection = 0.5"), HasSubstr("'direction' is 1, or -1"));
-  EXPECT_THAT(refusal("report_bytes = 9"), HasSubstr("'report_bytes' is 8 or 14"));
-  EXPECT_THAT(refusal("[[wrist]]\naxis = [1, 0, 0]"), HasSubstr("three times"));
-  EXPECT_THAT(refusal("[[wrist]]\naxis = [0, 0, 0]\n[[wrist]]\naxis = [0, 0, 1]\n[[wrist]]\naxis = [0, 1, 0]"), HasSubstr("no direction"));
-  EXPECT_THAT(refusal("[[wrist]]\n[[wrist]]\n[[wrist]]\n"), HasSubstr("axis"));
+  EXPECT_THAT(rejection("\nmax_force = 5\n"), HasSubstr("wooden.toml:2"));
+  EXPECT_THAT(rejection("max_force_n = 1e9"), HasSubstr("max_force_n"));
+  EXPECT_THAT(rejection("max_force_n = nan"), HasSubstr("max_force_n"));
+  EXPECT_THAT(rejection("[body_a]\ncapstan_diameter_m = 0"), HasSubstr("wooden.toml:2"));
+  EXPECT_THAT(rejection("[body_b]\ndirection = 0.5"), HasSubstr("'direction' is 1, or -1"));
+  EXPECT_THAT(rejection("report_bytes = 9"), HasSubstr("'report_bytes' is 8 or 14"));
+  EXPECT_THAT(rejection("[[wrist]]\naxis = [1, 0, 0]"), HasSubstr("three times"));
+  EXPECT_THAT(rejection("[[wrist]]\naxis = [0, 0, 0]\n[[wrist]]\naxis = [0, 0, 1]\n[[wrist]]\naxis = [0, 1, 0]"), HasSubstr("zero length"));
+  EXPECT_THAT(rejection("[[wrist]]\n[[wrist]]\n[[wrist]]\n"), HasSubstr("axis"));
 }
 
 TEST_F(WoodenSettingsFile, OneThatIsNotThereIsAnErrorInOneLine) {

@@ -43,7 +43,7 @@ struct Faults : testing::Test {
   std::optional<SimulatedSystem> system;
 };
 
-TEST_F(Faults, haptics_killed_in_contact_leaves_no_force_after_20_ms) {
+TEST_F(Faults, HapticsKilledInContactLeavesNoForceAfter20Ms) {
   press();
   system->kill_haptics();
   const std::int64_t killed_ns = now_ns();
@@ -55,7 +55,7 @@ TEST_F(Faults, haptics_killed_in_contact_leaves_no_force_after_20_ms) {
   expect_bounded(system->device);
 }
 
-TEST_F(Faults, haptics_restarted_in_contact_is_felt_again_within_200_ms) {
+TEST_F(Faults, HapticsRestartedInContactIsFeltAgainWithin200Ms) {
   for (const std::int64_t away_ns : {1 * kMs, 40 * kMs, 60 * kMs, 1500 * kMs}) {
     press();
     system->kill_haptics();
@@ -72,7 +72,7 @@ TEST_F(Faults, haptics_restarted_in_contact_is_felt_again_within_200_ms) {
   }
 }
 
-TEST_F(Faults, haptics_frozen_leaves_no_force_and_thawed_ramps_it_in) {
+TEST_F(Faults, HapticsFrozenLeavesNoForceAndThawedRampsItIn) {
   for (const std::int64_t frozen_for_ns : {100 * kMs, 3000 * kMs}) {
     press();
     system->network.freeze(system->haptics->address(), true);
@@ -90,7 +90,7 @@ TEST_F(Faults, haptics_frozen_leaves_no_force_and_thawed_ramps_it_in) {
   }
 }
 
-TEST_F(Faults, hub_restarted_is_found_again_within_500_ms) {
+TEST_F(Faults, HubRestartedIsFoundAgainWithin500Ms) {
   press();
   system->start_hub();
   const std::int64_t restarted_ns = now_ns();
@@ -104,7 +104,7 @@ TEST_F(Faults, hub_restarted_is_found_again_within_500_ms) {
   EXPECT_LT(system->device.written[before].force_n.norm(), 0.1);
 }
 
-TEST_F(Faults, hub_frozen_and_thawed_goes_on_with_a_ramp) {
+TEST_F(Faults, HubFrozenAndThawedGoesOnWithARamp) {
   for (const std::int64_t frozen_for_ns : {30 * kMs, 700 * kMs, 5000 * kMs}) {
     press();
     const std::size_t before = system->device.written.size();
@@ -125,7 +125,7 @@ std::vector<std::pair<double, std::int64_t>> felt_of(const PressingDevice& devic
   return felt;
 }
 
-TEST_F(Faults, no_vision_node_changes_a_force_whatever_becomes_of_it) {
+TEST_F(Faults, NoVisionNodeChangesAForceWhateverBecomesOfIt) {
   press();
   system->run_for_ns(2500 * kMs);
   const auto alone = felt_of(system->device);
@@ -147,7 +147,7 @@ TEST_F(Faults, no_vision_node_changes_a_force_whatever_becomes_of_it) {
   }
 }
 
-TEST_F(Faults, a_storm_leaves_the_force_bounded_and_the_session_alive) {
+TEST_F(Faults, AStormLeavesTheForceBoundedAndTheSessionAlive) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     press(seed);
     const LinkFaults storm{.jitter_ns = 20 * kMs, .loss = 0.3, .burst_share = 0.05, .reorder = 0.1, .duplicate = 0.1, .corrupt = 0.05};
@@ -161,16 +161,16 @@ TEST_F(Faults, a_storm_leaves_the_force_bounded_and_the_session_alive) {
   }
 }
 
-TEST_F(Faults, jitter_alone_within_the_silence_limit_keeps_the_contact) {
+TEST_F(Faults, JitterAloneWithinTheSilenceLimitKeepsTheContact) {
   press();
   system->set_faults({.jitter_ns = 5 * kMs}, {.jitter_ns = 5 * kMs});
-  const std::uint64_t silences = system->stats().governor.counters.silences;
+  const std::uint64_t command_timeouts = system->stats().governor.counters.command_timeouts;
   system->run_for_ns(3000 * kMs);
-  EXPECT_EQ(system->stats().governor.counters.silences, silences);
+  EXPECT_EQ(system->stats().governor.counters.command_timeouts, command_timeouts);
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
 }
 
-TEST_F(Faults, a_partition_leaves_no_force_and_contact_returns_within_500_ms_of_its_end) {
+TEST_F(Faults, APartitionLeavesNoForceAndContactReturnsWithin500MsOfItsEnd) {
   for (const std::int64_t cut_for_ns : {100 * kMs, 600 * kMs, 3000 * kMs}) {
     press();
     system->set_faults({.partition = true}, {.partition = true});
@@ -188,7 +188,7 @@ TEST_F(Faults, a_partition_leaves_no_force_and_contact_returns_within_500_ms_of_
   }
 }
 
-TEST_F(Faults, a_partition_of_one_way_is_survived_too) {
+TEST_F(Faults, APartitionOfOneWayIsSurvivedToo) {
   for (const bool is_up : {true, false}) {
     press();
     const LinkFaults cut{.partition = true};
@@ -203,14 +203,14 @@ TEST_F(Faults, a_partition_of_one_way_is_survived_too) {
 }
 
 // Nodes compare times of one clock only. What the other's clock shows, and that it leaps, makes no difference to the force.
-TEST_F(Faults, a_clock_that_steps_at_the_haptics_node_is_not_felt) {
+TEST_F(Faults, AClockThatStepsAtTheHapticsNodeIsNotFelt) {
   press();
   for (const std::int64_t step_ns : {3600'000'000'000LL, -7200'000'000'000LL, 1LL, -1'000'000LL}) {
     system->haptics->clock.step_ns(step_ns);
-    const std::uint64_t silences = system->stats().governor.counters.silences;
+    const std::uint64_t command_timeouts = system->stats().governor.counters.command_timeouts;
     const std::uint64_t forces = system->stats().forces;
     system->run_for_ns(1500 * kMs);
-    EXPECT_EQ(system->stats().governor.counters.silences, silences) << step_ns;
+    EXPECT_EQ(system->stats().governor.counters.command_timeouts, command_timeouts) << step_ns;
     EXPECT_NEAR(static_cast<double>(system->stats().forces - forces), 1500.0, 5.0) << step_ns;
     EXPECT_NEAR(system->force_n().z(), 2.0, 0.05) << step_ns;
   }
@@ -218,7 +218,7 @@ TEST_F(Faults, a_clock_that_steps_at_the_haptics_node_is_not_felt) {
 }
 
 // The machine of the hub sleeps for an hour: its clock leaps, and the last force is not held.
-TEST_F(Faults, a_clock_that_leaps_at_the_hub_lets_go_and_begins_anew) {
+TEST_F(Faults, AClockThatLeapsAtTheHubLetsGoAndBeginsAnew) {
   press();
   const std::size_t before = system->device.written.size();
   system->clock.advance_ns(3600'000'000'000LL);
@@ -233,7 +233,7 @@ TEST_F(Faults, a_clock_that_leaps_at_the_hub_lets_go_and_begins_anew) {
 }
 
 // Changed twice a second instead of every two minutes; the force is the same as with one key for the whole time, to the last bit.
-TEST_F(Faults, a_change_of_keys_in_contact_is_not_felt) {
+TEST_F(Faults, AChangeOfKeysInContactIsNotFelt) {
   std::vector<std::vector<PressingDevice::Written>> written;
   for (const std::int64_t every_ns : {SealedClient::kRekeyEveryNs, 500 * kMs}) {
     SealedClient::Options sealing;
@@ -242,12 +242,12 @@ TEST_F(Faults, a_change_of_keys_in_contact_is_not_felt) {
     system->start_haptics(sealing);
     system->run_for_ns(500 * kMs);
     ASSERT_NEAR(system->force_n().z(), 2.0, 0.05);
-    const SampleLedger::Counts before = system->stats().ledger;
+    const ResponseTracker::Counts before = system->stats().responses;
     system->run_for_ns(10'000 * kMs);
     const ServoStats& stats = system->stats();
-    EXPECT_EQ(stats.ledger.late, before.late);
-    EXPECT_EQ(stats.ledger.lost, before.lost);
-    EXPECT_EQ(stats.governor.counters.silences, 0U);
+    EXPECT_EQ(stats.responses.late, before.late);
+    EXPECT_EQ(stats.responses.lost, before.lost);
+    EXPECT_EQ(stats.governor.counters.command_timeouts, 0U);
     EXPECT_EQ(system->haptics->sessions() > 15, every_ns == 500 * kMs);
     written.push_back(system->device.written);
   }
@@ -256,7 +256,7 @@ TEST_F(Faults, a_change_of_keys_in_contact_is_not_felt) {
 }
 
 // Captured on the line and sent again 200 times a cycle, from the node's own address and from others.
-TEST_F(Faults, replayed_handshakes_by_the_hundred_a_cycle_are_not_felt) {
+TEST_F(Faults, ReplayedHandshakesByTheHundredACycleAreNotFelt) {
   press();
   const LinkKey key = system->key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 9, AgreementWorker::Where::caller);
@@ -264,7 +264,7 @@ TEST_F(Faults, replayed_handshakes_by_the_hundred_a_cycle_are_not_felt) {
   node.ask(1);
   std::vector<std::byte> request(seal::kRequestBytes);
   ASSERT_EQ(node.poll(request), ClientHandshake::Finished::request);
-  const SampleLedger::Counts before = system->stats().ledger;
+  const ResponseTracker::Counts before = system->stats().responses;
   const std::uint64_t sent = system->stats().seal.retries;
   for (int cycle = 0; cycle < 1000; ++cycle) {
     for (int n = 0; n < 200; ++n) {
@@ -277,12 +277,12 @@ TEST_F(Faults, replayed_handshakes_by_the_hundred_a_cycle_are_not_felt) {
   const ServoStats& stats = system->stats();
   EXPECT_EQ(stats.seal.retries, sent + 1) << "once it was new";
   EXPECT_GT(stats.seal.replayed_handshakes, 100'000U);
-  EXPECT_EQ(stats.governor.counters.silences, 0U);
-  EXPECT_EQ(stats.ledger.lost, before.lost);
+  EXPECT_EQ(stats.governor.counters.command_timeouts, 0U);
+  EXPECT_EQ(stats.responses.lost, before.lost);
   EXPECT_EQ(stats.seal.handshakes, 1U);
 }
 
-TEST_F(Faults, junk_by_the_hundred_a_cycle_is_not_felt) {
+TEST_F(Faults, JunkByTheHundredACycleIsNotFelt) {
   press();
   std::vector<std::byte> junk(100);
   std::uint64_t salt = 0;
@@ -294,8 +294,8 @@ TEST_F(Faults, junk_by_the_hundred_a_cycle_is_not_felt) {
     system->run_for_ns(kMs);
   }
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
-  EXPECT_EQ(system->stats().governor.counters.silences, 0U);
-  EXPECT_GT(system->stats().seal.refused(), 90'000U);
+  EXPECT_EQ(system->stats().governor.counters.command_timeouts, 0U);
+  EXPECT_GT(system->stats().seal.rejected(), 90'000U);
 }
 
 }  // namespace

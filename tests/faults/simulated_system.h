@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "devices/model_a.h"
-#include "haptics_node/answer_loop.h"
+#include "haptics_node/reply_loop.h"
 #include "io_node/servo.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
@@ -49,7 +49,7 @@ class PressingDevice final : public Device {
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   std::vector<Written> written;
 
@@ -98,7 +98,7 @@ class SimulatedHaptics {
   HubClient client_;
   HapticsStep step_;
   MethodBuilder builder_;
-  AnswerLoop loop_;
+  ReplyLoop loop_;
 };
 
 // A vision node that says of every state at once that it has drawn it, and so many times more.

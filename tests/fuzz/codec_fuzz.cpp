@@ -1,4 +1,4 @@
-// Any bytes as a datagram: refused, or a message that can be said again and is then understood.
+// Any bytes as a datagram: rejected, or a message that can be said again and is then understood.
 #include "link/codec.h"
 #include "link/endpoint.h"
 #include "tests/fuzz/fuzz_target.h"

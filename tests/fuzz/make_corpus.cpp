@@ -65,7 +65,7 @@ bool write_sealed() {
          write("sealed", "vision",
                sealed({{kVision, Hello{NodeRole::vision}}, {kVision, ViewTransform()}, {kVision, Drawn()}, {kVision, HandTarget()}})) &&
          write("sealed", "tool",
-               sealed({{kTool, Hello{NodeRole::tool}}, {kTool, Settings{.servo_rate_hz = 1000.0}}, {kTool, ReportAsk()}})) &&
+               sealed({{kTool, Hello{NodeRole::tool}}, {kTool, Settings{.servo_rate_hz = 1000.0}}, {kTool, ReportRequest()}})) &&
          write("sealed", "operator", sealed({{kOperator, Hello{NodeRole::tool}}, {kOperator, Settings{.reset_faults = true}}})) &&
          write("sealed", "wrong_role",
                sealed({{kVision, Hello{NodeRole::haptics}}, {kVision, Hello{NodeRole::vision}}, {kVision, force}})) &&
@@ -75,6 +75,7 @@ bool write_sealed() {
                sealed({{kToNode, Welcome{true, 1000.0}},
                        {kToNode, DeviceState()},
                        {kToNode, ViewTransform()},
+                       {kToNode, ViewRejected{1}},
                        {kToNode, Settings()},
                        {kToNode, Bye()}}));
 }

@@ -52,4 +52,7 @@ inline void require_sound(Result<RawMesh> raw) {
 // No file lies there, so that a mesh can name no other.
 constexpr const char* kNoFolder = "/nonexistent/hapton";
 
+// Of a file with instances: a few bytes can ask for any number of triangles up to the limit.
+constexpr std::size_t kMostTriangles = 1U << 16;
+
 }  // namespace hapton::fuzz

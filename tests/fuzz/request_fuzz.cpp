@@ -11,10 +11,10 @@ namespace hapton::fuzz {
 namespace {
 
 void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::map<std::uint8_t, std::ptrdiff_t>& owed) {
-  const std::uint64_t refused = line.hub().seal_counts().refused();
+  const std::uint64_t rejected = line.hub().seal_counts().rejected();
   const std::size_t sent = line.from_hub().size();
   require(line.deliver(datagram) == 0);
-  const bool is_refused = line.hub().seal_counts().refused() == refused + 1;
+  const bool is_refused = line.hub().seal_counts().rejected() == rejected + 1;
   const bool is_answered = line.from_hub().size() == sent + 1;
   require(is_refused != is_answered);
   owed[datagram.node()] += static_cast<std::ptrdiff_t>(datagram.bytes.size());

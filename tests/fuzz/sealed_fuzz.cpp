@@ -73,9 +73,9 @@ class Sessions {
     const PeerEvent event =
         hub_.handle_datagram(payload, fuzz::address_of_node(datagram.node()), clock_.now_ns(), message, datagram.role());
     fuzz::require(hub_.counts().received == before + 1);
-    while (hub_.drop_silent(clock_.now_ns()).kind != PeerEvent::Kind::none) {
+    while (hub_.drop_timed_out(clock_.now_ns()).kind != PeerEvent::Kind::none) {
     }
-    if (event.kind == PeerEvent::Kind::none || event.kind == PeerEvent::Kind::refused) return;
+    if (event.kind == PeerEvent::Kind::none || event.kind == PeerEvent::Kind::rejected) return;
     const Peer& peer = hub_.peer(event.peer);
     fuzz::require(peer.key_role == datagram.role() && event.role == peer.role && event.role == allowed_role(datagram.role()));
     if (event.kind == PeerEvent::Kind::message) check(message, datagram.role());

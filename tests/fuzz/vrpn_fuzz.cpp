@@ -15,9 +15,9 @@ FUZZ_TARGET(vrpn) {
     const auto now = rest.first(std::min(piece, rest.size()));
     rest = rest.subspan(now.size());
     goes_on = client.hear(std::as_bytes(now), {1, 2});
-    client.take_workspace_wish();
+    client.take_workspace_request();
     // A reply is no longer than what asked for it, and our names.
     fuzz::require(client.out().size() <= bytes.size() + 1024);
-    fuzz::require(!client.udp_wish() || (client.udp_wish()->port != 0 && client.udp_wish()->address.size() <= 64));
+    fuzz::require(!client.udp_request() || (client.udp_request()->port != 0 && client.udp_request()->address.size() <= 64));
   }
 }

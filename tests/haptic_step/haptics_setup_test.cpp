@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-TEST(HapticsSetup, names_scene_method_and_build_and_fits_a_datagram) {
+TEST(HapticsSetup, NamesSceneMethodAndBuildAndFitsADatagram) {
   const HapticsSetup setup = make_haptics_setup(std::string(2000, 'd') + "/car.toml", {.unit = Unit::mm}, 42, {.name = "sweep"});
   EXPECT_EQ(setup.scene_hash, 42U);
   EXPECT_EQ(from_code(setup.scene_loading), SceneLoading{.unit = Unit::mm});
@@ -25,7 +25,7 @@ TEST(HapticsSetup, names_scene_method_and_build_and_fits_a_datagram) {
   EXPECT_EQ(codec.decode(std::span(bytes).first(size), datagram), DecodeStatus::ok);
 }
 
-TEST(HapticsSetup, what_is_not_printable_is_replaced) {
+TEST(HapticsSetup, WhatIsNotPrintableIsReplaced) {
   HapticsSetup::Text text;
   put_text("a\nb\x7f", text);
   EXPECT_STREQ(text.data(), "a?b?");

@@ -5,12 +5,12 @@
 namespace hapton {
 namespace {
 
-TEST(MethodText, leaves_out_what_is_as_by_default) {
+TEST(MethodText, LeavesOutWhatIsAsByDefault) {
   EXPECT_EQ(to_text({}), "name=proxy");
   EXPECT_EQ(to_text({.name = "sweep", .grid_division = {8, 9, 10}}), "name=sweep grid_division=8x9x10");
 }
 
-TEST(MethodText, gives_back_every_setting_to_the_last_bit) {
+TEST(MethodText, GivesBackEverySettingToTheLastBit) {
   const MethodSettings settings{.name = "smooth",
                                 .grid_division = {1, 2, 3},
                                 .offset_m = 0.1 + 0.2,
@@ -37,7 +37,7 @@ TEST(MethodText, gives_back_every_setting_to_the_last_bit) {
   EXPECT_EQ(read->reference_substep_limit, 512);
 }
 
-TEST(MethodText, refuses_what_it_does_not_write) {
+TEST(MethodText, RefusesWhatItDoesNotWrite) {
   for (const char* text : {"name", "name=", "speed=3", "set_size=many", "set_size=3x", "grid_division=0", "shading="}) {
     const auto read = parse_method_text(text);
     ASSERT_FALSE(read) << text;

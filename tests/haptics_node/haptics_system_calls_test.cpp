@@ -19,7 +19,7 @@ namespace {
 
 class HapticsSystemCalls : public testing::TestWithParam<const char*> {};
 
-TEST_P(HapticsSystemCalls, a_slide_in_and_out_of_contact_makes_none) {
+TEST_P(HapticsSystemCalls, ASlideInAndOutOfContactMakesNone) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<HapticsStep> step;
   std::unique_ptr<Codec> codec;

@@ -31,9 +31,9 @@ std::unique_ptr<BuiltMethod> wait_for_method(MethodBuilder& builder) {
   return nullptr;
 }
 
-const RefusedMethod* wait_for_refusal(MethodBuilder& builder) {
+const RejectedMethod* wait_for_refusal(MethodBuilder& builder) {
   for (int i = 0; i < 500; ++i) {
-    if (const RefusedMethod* refused = builder.take_refusal()) return refused;
+    if (const RejectedMethod* rejected = builder.take_rejection()) return rejected;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return nullptr;
@@ -53,22 +53,22 @@ TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
 
 TEST(MethodBuilder, WhatCannotBeBuiltIsToldWithItsReasonAndBuildsNothing) {
   MethodBuilder builder({.probe_radius_m = 0.001}, one_sphere());
-  EXPECT_EQ(builder.take_refusal(), nullptr);
+  EXPECT_EQ(builder.take_rejection(), nullptr);
   std::uint32_t ask = 6;
   for (const auto& [name, reason] : {std::pair("sixteen letters!", "'sixteen letters!' is not known"), std::pair("sweep", "radius")}) {
     builder.request(name_of(name), ++ask);
-    const RefusedMethod* refused = wait_for_refusal(builder);
-    ASSERT_NE(refused, nullptr);
-    EXPECT_EQ(refused->ask, ask);
-    EXPECT_NE(std::string_view(refused->why.data()).find(reason), std::string_view::npos) << refused->why.data();
-    EXPECT_EQ(builder.take_refusal(), nullptr);
+    const RejectedMethod* rejected = wait_for_refusal(builder);
+    ASSERT_NE(rejected, nullptr);
+    EXPECT_EQ(rejected->ask, ask);
+    EXPECT_NE(std::string_view(rejected->why.data()).find(reason), std::string_view::npos) << rejected->why.data();
+    EXPECT_EQ(builder.take_rejection(), nullptr);
     EXPECT_EQ(builder.take(), nullptr);
   }
   builder.request(name_of("proxy"), 42);
   const auto built = wait_for_method(builder);
   ASSERT_NE(built, nullptr);
   EXPECT_EQ(built->ask, 42U);
-  EXPECT_EQ(builder.take_refusal(), nullptr);
+  EXPECT_EQ(builder.take_rejection(), nullptr);
 }
 
 TEST(MethodBuilder, WhatNobodyTookIsFreed) {

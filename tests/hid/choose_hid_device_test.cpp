@@ -19,7 +19,7 @@ HidDescription device(std::string path, std::uint16_t vid, std::uint16_t pid, st
 
 HidDescription wooden(std::string path, std::string serial = "") { return device(std::move(path), 0x1234, 0x0006, std::move(serial)); }
 
-std::string refusal(const Result<HidDescription>& chosen) { return chosen ? "chose " + chosen->path : chosen.error().what; }
+std::string rejection(const Result<HidDescription>& chosen) { return chosen ? "chose " + chosen->path : chosen.error().what; }
 
 TEST(ChooseHidDevice, TheOnlyOneOfItsKindNeedsNoName) {
   const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "A")};
@@ -31,20 +31,21 @@ TEST(ChooseHidDevice, SeveralAreToldApartBySerialNumberPathOrPlace) {
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "B")->path, "/dev/hidraw4");
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "/dev/hidraw1")->path, "/dev/hidraw1");
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "1")->path, "/dev/hidraw4");
-  const std::string line = refusal(choose_hid_device(devices, HidKind::wooden_haptics, ""));
+  const std::string line = rejection(choose_hid_device(devices, HidKind::wooden_haptics, ""));
   EXPECT_THAT(line, HasSubstr("say which"));
   EXPECT_THAT(line, HasSubstr("/dev/hidraw1 (A), /dev/hidraw4 (B)"));
 }
 
 TEST(ChooseHidDevice, ANameThatNobodyHasListsWhatThereIs) {
   const std::vector devices = {wooden("/dev/hidraw1", "A")};
-  EXPECT_THAT(refusal(choose_hid_device(devices, HidKind::wooden_haptics, "C")), HasSubstr("'C'; plugged in are: /dev/hidraw1 (A)"));
-  EXPECT_THAT(refusal(choose_hid_device(devices, HidKind::wooden_haptics, "1")), HasSubstr("'1'"));
+  EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::wooden_haptics, "C")), HasSubstr("'C'; plugged in are: /dev/hidraw1 (A)"));
+  EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::wooden_haptics, "1")), HasSubstr("'1'"));
 }
 
 TEST(ChooseHidDevice, NoneOfItsKindSaysHowManyOthersThereAre) {
   const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077)};
-  EXPECT_THAT(refusal(choose_hid_device(devices, HidKind::hapton_hid, "")), HasSubstr("no Hapton HID is plugged in, among 1 HID devices"));
+  EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::hapton_hid, "")),
+              HasSubstr("no Hapton HID is plugged in, among 1 HID devices"));
 }
 
 TEST(ChooseHidDevice, AHaptonHidDeviceIsFoundByAnyOfItsUsages) {

@@ -52,7 +52,7 @@ Bytes feature(std::uint8_t id, const hapton_hid_limits& limits = maker_limits())
   return report;
 }
 
-std::string refusal(const hapton_hid_limits& limits) {
+std::string rejection(const hapton_hid_limits& limits) {
   const auto decoded = decode_limits(feature(kLimitsId, limits));
   return decoded ? "taken" : decoded.error().what;
 }
@@ -98,9 +98,9 @@ TEST(HaptonHidReports, LimitsThatMakeNoSenseAreRefusedInWords) {
   const auto with = [](auto&& change) {
     hapton_hid_limits limits = maker_limits();
     change(limits);
-    return refusal(limits);
+    return rejection(limits);
   };
-  EXPECT_EQ(refusal(maker_limits()), "taken");
+  EXPECT_EQ(rejection(maker_limits()), "taken");
   EXPECT_THAT(with([](auto& l) { l.watchdog_ms = 0; }), HasSubstr("watchdog takes 0 ms"));
   EXPECT_THAT(with([](auto& l) { l.watchdog_ms = 500; }), HasSubstr("watchdog takes 500 ms"));
   EXPECT_THAT(with([](auto& l) { l.rate_hz = 10; }), HasSubstr("10 times a second"));

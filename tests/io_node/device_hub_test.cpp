@@ -29,7 +29,7 @@ struct DeviceHubs : testing::Test {
   IoOptions options;
 };
 
-TEST_F(DeviceHubs, stand_side_by_side_in_one_process) {
+TEST_F(DeviceHubs, StandSideBySideInOneProcess) {
   options.name = "left";
   const auto left = DeviceHub::open(options, clock);
   options.name = "right";
@@ -39,7 +39,7 @@ TEST_F(DeviceHubs, stand_side_by_side_in_one_process) {
   EXPECT_NE((*left)->address().port, (*right)->address().port);
 }
 
-TEST_F(DeviceHubs, run_and_report) {
+TEST_F(DeviceHubs, RunAndReport) {
   options.seconds = 0.05;
   options.out = (scratch.path() / "out").string();
   const StopSignal stop;
@@ -50,7 +50,7 @@ TEST_F(DeviceHubs, run_and_report) {
   EXPECT_TRUE(std::filesystem::exists(scratch.path() / "out/report.json"));
 }
 
-TEST_F(DeviceHubs, say_why_they_cannot_be) {
+TEST_F(DeviceHubs, SayWhyTheyCannotBe) {
   const auto there = DeviceHub::open(options, clock);
   ASSERT_TRUE(there);
   options.bind = to_string((*there)->address());

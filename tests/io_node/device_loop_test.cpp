@@ -39,7 +39,7 @@ class StillDevice final : public Device {
   }
   void restore() noexcept override { is_cut = false; }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   double force_n() const { return is_cut || written.empty() ? 0.0 : written.back().first.norm(); }
   Vec3 place = Vec3(0.01, 0.02, 0.03);
@@ -70,13 +70,13 @@ struct DeviceLoops : testing::Test {
 
   SimulatedClock clock;
   StillDevice device;
-  GuardPage page;
+  HeartbeatPage page;
   DeviceLoop loop{device, clock, {}};
   DeviceCycle newest;
 };
 
 // Who holds the dead man's switch may have let it go between the request and the cycle that grants it.
-TEST_F(DeviceLoops, a_reset_that_needs_the_switch_takes_effect_only_while_it_is_held) {
+TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
   DeviceLoop held(device, clock, {.hold_button = 1});
   const auto run = [&](int cycles) {
     for (int n = 0; n < cycles; ++n) {
@@ -88,44 +88,44 @@ TEST_F(DeviceLoops, a_reset_that_needs_the_switch_takes_effect_only_while_it_is_
   };
   device.buttons = 1U << 1;
   run(100);
-  EXPECT_TRUE(held.look().is_switch_held);
+  EXPECT_TRUE(held.latest().is_switch_held);
   const auto latch = [&] {
     device.place.x() = -device.place.x();
     run(20);
-    ASSERT_NE(held.look().governor.fault, SafetyFault::none);
+    ASSERT_NE(held.latest().governor.fault, SafetyFault::none);
   };
   device.place.x() = 0.08;
   run(1000);
-  (void)held.look();
+  (void)held.latest();
   latch();
   device.buttons = 0;
   held.reset_faults(ResetPresence::while_held);  // asked for while the newest cycle still had it held
-  EXPECT_TRUE(held.look().is_switch_held);
+  EXPECT_TRUE(held.latest().is_switch_held);
   run(5);
-  EXPECT_NE(held.look().governor.fault, SafetyFault::none);
-  EXPECT_FALSE(held.look().is_switch_held);
+  EXPECT_NE(held.latest().governor.fault, SafetyFault::none);
+  EXPECT_FALSE(held.latest().is_switch_held);
   EXPECT_EQ(held.collect_stats().resets_denied, 1U);
   held.reset_faults(ResetPresence::known);
   run(5);
-  EXPECT_EQ(held.look().governor.fault, SafetyFault::none) << "who is known to be here needs no switch";
+  EXPECT_EQ(held.latest().governor.fault, SafetyFault::none) << "who is known to be here needs no switch";
   device.buttons = 1U << 1;
   run(1000);
   latch();
   held.reset_faults(ResetPresence::while_held);
   run(5);
-  EXPECT_EQ(held.look().governor.fault, SafetyFault::none);
+  EXPECT_EQ(held.latest().governor.fault, SafetyFault::none);
   EXPECT_EQ(held.collect_stats().resets_denied, 1U);
 }
 
-TEST_F(DeviceLoops, a_posted_force_is_governed_and_written_at_once) {
+TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   press();
-  const DeviceSide& side = loop.look();
+  const DeviceSide& side = loop.latest();
   EXPECT_EQ(side.command, 200U);
   EXPECT_EQ(side.written.force_n, Vec3(0, 0, 2));
   EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
 }
 
-TEST_F(DeviceLoops, needs_nobody_to_come_to_zero_in_time) {
+TEST_F(DeviceLoops, NeedsNobodyToComeToZeroInTime) {
   press();
   const std::int64_t sample_ns = newest.sample.time_ns;
   while (device.force_n() > 0.0 && clock.now_ns() - sample_ns < 100 * kMs) cycle(std::nullopt);
@@ -134,7 +134,7 @@ TEST_F(DeviceLoops, needs_nobody_to_come_to_zero_in_time) {
 }
 
 // The old force used to stay for one or two cycles: the first one after a stall took it for this cycle's.
-TEST_F(DeviceLoops, the_first_cycle_after_a_stall_writes_zero_before_it_does_anything_else) {
+TEST_F(DeviceLoops, TheFirstCycleAfterAStallWritesZeroBeforeItDoesAnythingElse) {
   for (const std::int64_t stall_ns : {21 * kMs, 50 * kMs, 1116 * kMs}) {
     press();
     clock.advance_ns(stall_ns);
@@ -147,7 +147,7 @@ TEST_F(DeviceLoops, the_first_cycle_after_a_stall_writes_zero_before_it_does_any
   }
 }
 
-TEST_F(DeviceLoops, a_force_that_was_long_on_its_way_is_not_held_for_longer) {
+TEST_F(DeviceLoops, AForceThatWasLongOnItsWayIsNotHeldForLonger) {
   press();
   // Forces come 15 ms after their samples, then none any more.
   std::vector<std::int64_t> samples;
@@ -166,7 +166,7 @@ TEST_F(DeviceLoops, a_force_that_was_long_on_its_way_is_not_held_for_longer) {
 }
 
 // The network side is displaced in the middle of a write and does not come back: the device side neither waits nor fails.
-TEST_F(DeviceLoops, a_network_side_stuck_in_the_middle_of_a_write_does_not_keep_the_force) {
+TEST_F(DeviceLoops, ANetworkSideStuckInTheMiddleOfAWriteDoesNotKeepTheForce) {
   press();
   const std::int64_t sample_ns = newest.sample.time_ns;
   int turns = 0;
@@ -192,7 +192,7 @@ TEST_F(DeviceLoops, a_network_side_stuck_in_the_middle_of_a_write_does_not_keep_
   press();
 }
 
-TEST_F(DeviceLoops, a_force_posted_while_a_cycle_runs_is_served_at_its_end) {
+TEST_F(DeviceLoops, AForcePostedWhileACycleRunsIsServedAtItsEnd) {
   press();
   std::uint64_t number = 0;
   clock.sleep_until_ns(loop.tick_ns());
@@ -201,14 +201,14 @@ TEST_F(DeviceLoops, a_force_posted_while_a_cycle_runs_is_served_at_its_end) {
   device.within_write = [&] {
     device.within_write = nullptr;
     number = loop.post({{.force_n = Vec3(0, 0, 2)}, clock.now_ns() - 1});
-    EXPECT_NE(loop.look().command, number) << "within another's write";
+    EXPECT_NE(loop.latest().command, number) << "within another's write";
   };
   ASSERT_TRUE(loop.run_cycle());
-  EXPECT_EQ(loop.look().command, number);
+  EXPECT_EQ(loop.latest().command, number);
 }
 
-TEST_F(DeviceLoops, what_the_watchdog_process_cut_comes_back_with_a_ramp_and_only_from_zero) {
-  loop.set_guard(&page);
+TEST_F(DeviceLoops, WhatTheWatchdogProcessCutComesBackWithARampAndOnlyFromZero) {
+  loop.set_heartbeat_page(&page);
   press();
   EXPECT_GT(page.heartbeat_ns.load(), 0);
   EXPECT_EQ(page.force_sample_ns.load(), newest.sample.time_ns);
@@ -223,7 +223,7 @@ TEST_F(DeviceLoops, what_the_watchdog_process_cut_comes_back_with_a_ramp_and_onl
   EXPECT_LT(device.force_n(), 0.1);
 }
 
-TEST_F(DeviceLoops, a_network_side_that_is_far_behind_loses_cycles_but_not_the_newest_order) {
+TEST_F(DeviceLoops, ANetworkSideThatIsFarBehindLosesCyclesButNotTheNewestOrder) {
   for (std::size_t n = 0; n < 2 * DeviceLoop::kCyclesKept; ++n) {
     clock.sleep_until_ns(loop.tick_ns());
     loop.begin_cycle();
@@ -236,10 +236,10 @@ TEST_F(DeviceLoops, a_network_side_that_is_far_behind_loses_cycles_but_not_the_n
     ++count;
   }
   EXPECT_EQ(count, DeviceLoop::kCyclesKept);
-  EXPECT_EQ(loop.collect_stats().cycles_untold, DeviceLoop::kCyclesKept);
+  EXPECT_EQ(loop.collect_stats().cycles_unreported, DeviceLoop::kCyclesKept);
 }
 
-TEST_F(DeviceLoops, asks_for_neither_heap_nor_system_calls) {
+TEST_F(DeviceLoops, AsksForNeitherHeapNorSystemCalls) {
   if (AllocationGuard::is_available()) {
     AllocationGuard guard;
     press();
@@ -250,7 +250,7 @@ TEST_F(DeviceLoops, asks_for_neither_heap_nor_system_calls) {
 }
 
 // Two threads, no network, and the network side stops for good: what the whole design is for.
-TEST(DeviceThreads, lets_go_when_the_network_side_stops) {
+TEST(DeviceThreads, LetsGoWhenTheNetworkSideStops) {
   SteadyClock clock;
   SimulatedPhantom device({});
   const auto loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});
@@ -268,11 +268,11 @@ TEST(DeviceThreads, lets_go_when_the_network_side_stops) {
   while (loop->force_sample_ns() != 0 && clock.now_ns() < end_ns + 5000 * kMs) clock.sleep_until_ns(clock.now_ns() + kMs);
   EXPECT_EQ(loop->force_sample_ns(), 0);
   thread.stop();
-  EXPECT_GE(loop->collect_stats().governor.counters.silences, 1U);
+  EXPECT_GE(loop->collect_stats().governor.counters.command_timeouts, 1U);
 }
 
 // As fast as both can: nothing is lost, nobody waits for ever, and ThreadSanitizer has something to look at.
-TEST(DeviceThreads, cycles_and_forces_from_two_threads_never_meet_in_the_device) {
+TEST(DeviceThreads, CyclesAndForcesFromTwoThreadsNeverMeetInTheDevice) {
   SteadyClock clock;
   StillDevice device;
   std::atomic<int> within{0};
@@ -288,7 +288,7 @@ TEST(DeviceThreads, cycles_and_forces_from_two_threads_never_meet_in_the_device)
   const std::int64_t end_ns = clock.now_ns() + 500 * kMs;
   while (clock.now_ns() < end_ns) number = loop->post({{.force_n = Vec3(0, 0, 1)}, clock.now_ns()});
   thread.stop();
-  EXPECT_EQ(loop->look().command, number) << "the last force was left lying";
+  EXPECT_EQ(loop->latest().command, number) << "the last force was left lying";
   EXPECT_EQ(meetings.load(), 0);
 }
 

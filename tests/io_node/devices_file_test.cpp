@@ -20,7 +20,7 @@ struct DevicesFiles : testing::Test {
     std::ofstream(path) << text;
     return read_devices_file(path, common);
   }
-  std::string refusal(const std::string& text) {
+  std::string rejection(const std::string& text) {
     const auto devices = read(text);
     return devices ? "it was read" : devices.error().what;
   }
@@ -29,7 +29,7 @@ struct DevicesFiles : testing::Test {
   std::filesystem::path path = scratch.path() / "devices.toml";
 };
 
-TEST_F(DevicesFiles, may_give_each_device_a_vrpn_server_of_its_own) {
+TEST_F(DevicesFiles, MayGiveEachDeviceAVrpnServerOfItsOwn) {
   const auto devices = read(kLeft + "vrpn = \"127.0.0.1:3883\"\nvrpn_name = \"left\"\n" + kRight);
   ASSERT_TRUE(devices) << devices.error().what;
   EXPECT_EQ((*devices)[0].vrpn, "127.0.0.1:3883");
@@ -37,7 +37,7 @@ TEST_F(DevicesFiles, may_give_each_device_a_vrpn_server_of_its_own) {
   EXPECT_EQ((*devices)[1].vrpn, "");
 }
 
-TEST_F(DevicesFiles, give_each_device_its_options_and_the_rest_in_common) {
+TEST_F(DevicesFiles, GiveEachDeviceItsOptionsAndTheRestInCommon) {
   IoOptions common;
   common.out = "out";
   common.rate_hz = 500.0;
@@ -64,14 +64,14 @@ TEST_F(DevicesFiles, give_each_device_its_options_and_the_rest_in_common) {
   EXPECT_EQ(right.device.X_WB.matrix(), Pose::Identity().matrix());
 }
 
-TEST_F(DevicesFiles, turn_about_x_then_y_then_z_of_the_world) {
+TEST_F(DevicesFiles, TurnAboutXThenYThenZOfTheWorld) {
   const auto devices = read(kLeft + "rotation_deg = [90, 90, 0]\n");
   ASSERT_TRUE(devices) << devices.error().what;
   // y goes to z by the first turn and to x by the second.
   EXPECT_LT((devices->front().device.X_WB * Vec3::UnitY() - Vec3::UnitX()).norm(), 1e-12);
 }
 
-TEST_F(DevicesFiles, name_other_files_from_their_own_folder) {
+TEST_F(DevicesFiles, NameOtherFilesFromTheirOwnFolder) {
   const auto devices =
       read("[[device]]\nname = \"a\"\ndevice = \"replay\"\nbind = \"127.0.0.1:0\"\ntrajectory = \"sub/t.csv\"\nloop = true\n");
   ASSERT_TRUE(devices) << devices.error().what;
@@ -79,27 +79,28 @@ TEST_F(DevicesFiles, name_other_files_from_their_own_folder) {
   EXPECT_TRUE(devices->front().device.loop);
 }
 
-TEST_F(DevicesFiles, say_what_is_wrong_where_and_how_to_mend_it) {
-  EXPECT_THAT(refusal(""), HasSubstr("add one for each device"));
-  EXPECT_THAT(refusal("[device]\nname = \"left\"\n"), HasSubstr("[[device]]"));
-  EXPECT_THAT(refusal("rate = 1000\n" + kLeft), HasSubstr("devices.toml:1: unknown key 'rate'"));
-  EXPECT_THAT(refusal("[[device]]\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'name' is missing in [[device]] 1"));
-  EXPECT_THAT(refusal("[[device]]\nname = \"a\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'device' is missing"));
-  EXPECT_THAT(refusal("[[device]]\nname = \"a\"\ndevice = \"simulated\"\n"), HasSubstr("'bind' is missing"));
-  EXPECT_THAT(refusal("[[device]]\nname = \"../a\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr(":2: 'name' is '../a'"));
-  EXPECT_THAT(refusal("[[device]]\nname = \"a\"\ndevice = \"sofa\"\nbind = \"127.0.0.1:0\"\n"),
-              HasSubstr("there is no device 'sofa'; take simulated"));
-  EXPECT_THAT(refusal(kLeft + "max_force_n = -1\n"), HasSubstr("'max_force_n' in [[device]] 1 is -1"));
-  EXPECT_THAT(refusal(kLeft + "position_m = [0, 0, 1e9]\n"), HasSubstr("number 3 of 'position_m'"));
-  EXPECT_THAT(refusal(kLeft + "posiiton_m = [0, 0, 0]\n"), HasSubstr(":5: unknown key 'posiiton_m' in [[device]] 1"));
-  EXPECT_THAT(refusal(kLeft + kLeft), HasSubstr("two devices 'left'"));
-  EXPECT_THAT(refusal(kLeft + "[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:4950\"\n"),
+TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToMendIt) {
+  EXPECT_THAT(rejection(""), HasSubstr("add one for each device"));
+  EXPECT_THAT(rejection("[device]\nname = \"left\"\n"), HasSubstr("[[device]]"));
+  EXPECT_THAT(rejection("rate = 1000\n" + kLeft), HasSubstr("devices.toml:1: unknown key 'rate'"));
+  EXPECT_THAT(rejection("[[device]]\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'name' is missing in [[device]] 1"));
+  EXPECT_THAT(rejection("[[device]]\nname = \"a\"\nbind = \"127.0.0.1:0\"\n"), HasSubstr("'device' is missing"));
+  EXPECT_THAT(rejection("[[device]]\nname = \"a\"\ndevice = \"simulated\"\n"), HasSubstr("'bind' is missing"));
+  EXPECT_THAT(rejection("[[device]]\nname = \"../a\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:0\"\n"),
+              HasSubstr(":2: 'name' is '../a'"));
+  EXPECT_THAT(rejection("[[device]]\nname = \"a\"\ndevice = \"sofa\"\nbind = \"127.0.0.1:0\"\n"),
+              HasSubstr("unknown device 'sofa'; choose one of simulated"));
+  EXPECT_THAT(rejection(kLeft + "max_force_n = -1\n"), HasSubstr("'max_force_n' in [[device]] 1 is -1"));
+  EXPECT_THAT(rejection(kLeft + "position_m = [0, 0, 1e9]\n"), HasSubstr("number 3 of 'position_m'"));
+  EXPECT_THAT(rejection(kLeft + "posiiton_m = [0, 0, 0]\n"), HasSubstr(":5: unknown key 'posiiton_m' in [[device]] 1"));
+  EXPECT_THAT(rejection(kLeft + kLeft), HasSubstr("two devices 'left'"));
+  EXPECT_THAT(rejection(kLeft + "[[device]]\nname = \"right\"\ndevice = \"simulated\"\nbind = \"127.0.0.1:4950\"\n"),
               HasSubstr(":8: 'left' and 'right' both listen at 127.0.0.1:4950"));
-  EXPECT_THAT(refusal(kLeft + "record = \"a\"\n" + kRight + "record = \"a\"\n"), HasSubstr("name two files"));
+  EXPECT_THAT(rejection(kLeft + "record = \"a\"\n" + kRight + "record = \"a\"\n"), HasSubstr("name two files"));
   EXPECT_THAT(read_devices_file(scratch.path() / "none.toml", {}).error().what, HasSubstr("none.toml"));
 }
 
-TEST_F(DevicesFiles, of_the_package_are_right) {
+TEST_F(DevicesFiles, OfThePackageAreRight) {
   const auto devices = read_devices_file(HAPTON_SOURCE_DIR "/deploy/etc/devices.toml", {});
   ASSERT_TRUE(devices) << devices.error().what;
   EXPECT_EQ(devices->size(), 2U);

@@ -34,7 +34,7 @@ struct Probe : testing::Test {
   }
 };
 
-TEST_F(Probe, measures_the_round_trip_of_a_datagram_as_long_as_a_device_state) {
+TEST_F(Probe, MeasuresTheRoundTripOfADatagramAsLongAsADeviceState) {
   answer_after(20 * kUs);
   for (int n = 0; n < 10; ++n) probe.probe(clock.now_ns() + 300 * kUs);
   EXPECT_EQ(probe.counts().answered, 10U);
@@ -43,7 +43,7 @@ TEST_F(Probe, measures_the_round_trip_of_a_datagram_as_long_as_a_device_state) {
   EXPECT_LT(bytes, 200U);
 }
 
-TEST_F(Probe, a_late_answer_is_counted_and_not_taken_for_the_next_one) {
+TEST_F(Probe, ALateAnswerIsCountedAndNotTakenForTheNextOne) {
   answer_after(500 * kUs);
   const std::int64_t begin = clock.now_ns();
   probe.probe(begin + 300 * kUs);
@@ -55,7 +55,7 @@ TEST_F(Probe, a_late_answer_is_counted_and_not_taken_for_the_next_one) {
   EXPECT_EQ(probe.round_trip().max_ns(), 250 * kUs);
 }
 
-TEST_F(Probe, strangers_are_not_taken_for_the_responder) {
+TEST_F(Probe, StrangersAreNotTakenForTheResponder) {
   endpoint.on_send_raw = [this](const Address&, std::span<const std::byte> sent) {
     const auto reply = reply_to(sent);
     endpoint.arrive_raw(clock.now_ns() + kUs, Address{{2}, 7}, reply);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(EventRing, hands_over_in_order_between_threads_and_counts_what_it_drops) {
+TEST(EventRing, HandsOverInOrderBetweenThreadsAndCountsWhatItDrops) {
   EventRing ring;
   constexpr int kEvents = 100'000;
   std::thread writer([&] {
@@ -26,7 +26,7 @@ TEST(EventRing, hands_over_in_order_between_threads_and_counts_what_it_drops) {
   EXPECT_EQ(popped + ring.dropped(), static_cast<std::uint64_t>(kEvents));
 }
 
-TEST(EventRing, full_drops_the_newest) {
+TEST(EventRing, FullDropsTheNewest) {
   EventRing ring;
   for (int n = 0; n < 70; ++n) ring.push({ServoEvent::Kind::rate_changed, NodeRole::tool, {}, static_cast<double>(n), {}});
   EXPECT_EQ(ring.dropped(), 6U);

@@ -13,7 +13,7 @@ std::variant<IoOptions, int> parse(std::vector<const char*> arguments) {
   return parse_io_options(static_cast<int>(arguments.size()), arguments.data());
 }
 
-TEST(IoOptions, has_the_defaults_of_a_single_host) {
+TEST(IoOptions, HasTheDefaultsOfASingleHost) {
   const auto options = std::get<IoOptions>(parse({}));
   EXPECT_EQ(options.bind, "127.0.0.1:4950");
   EXPECT_EQ(options.device.name, "simulated");
@@ -22,7 +22,7 @@ TEST(IoOptions, has_the_defaults_of_a_single_host) {
   EXPECT_EQ(options.realtime.mode, RealtimeMode::attempt);
 }
 
-TEST(IoOptions, reads_flags) {
+TEST(IoOptions, ReadsFlags) {
   const auto options = std::get<IoOptions>(
       parse({"--rate", "4000",        "--device", "replay",        "--trajectory", "t.csv",        "--loop",      "--rt",
              "off",    "--seed",      "42",       "--max-force",   "2.5",          "--echo-probe", "127.0.0.1:9", "--cpu",
@@ -40,7 +40,7 @@ TEST(IoOptions, reads_flags) {
   EXPECT_EQ(options.echo_probe, "127.0.0.1:9");
 }
 
-TEST(IoOptions, vrpn_is_off_unless_an_address_is_given) {
+TEST(IoOptions, VrpnIsOffUnlessAnAddressIsGiven) {
   EXPECT_EQ(std::get<IoOptions>(parse({})).vrpn, "");
   const auto options = std::get<IoOptions>(parse({"--vrpn", "127.0.0.1:3883", "--vrpn-name", "left"}));
   EXPECT_EQ(options.vrpn, "127.0.0.1:3883");
@@ -48,7 +48,7 @@ TEST(IoOptions, vrpn_is_off_unless_an_address_is_given) {
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--vrpn"})));
 }
 
-TEST(IoOptions, refuses_what_makes_no_sense) {
+TEST(IoOptions, RefusesWhatMakesNoSense) {
   for (const std::vector<const char*>& wrong : std::vector<std::vector<const char*>>{{"--rate", "249"},
                                                                                      {"--rate", "10001"},
                                                                                      {"--rate", "nan"},
@@ -69,7 +69,7 @@ TEST(IoOptions, refuses_what_makes_no_sense) {
   EXPECT_EQ(std::get<int>(parse({"--help"})), 0);
 }
 
-TEST(IoOptions, reads_a_config_file_that_the_command_line_overrides) {
+TEST(IoOptions, ReadsAConfigFileThatTheCommandLineOverrides) {
   const std::string path = testing::TempDir() + "io_options_test.toml";
   std::ofstream(path) << "rate = 2000\nseed = 9\n";
   const auto options = std::get<IoOptions>(parse({"--config", path.c_str(), "--seed", "3"}));

@@ -19,9 +19,9 @@ std::unique_ptr<ServoStats> two_seconds() {
   stats->forces = 1900;
   stats->contact_samples = 700;
   stats->missed_cycles = 10;
-  stats->ledger.lost = 3;
+  stats->responses.lost = 3;
   stats->hub.undecodable = 2;
-  stats->hub.strangers = 5;
+  stats->hub.unknown_peers = 5;
   for (int n = 0; n < 1000; ++n) {
     stats->round_trip.record(n < 950 ? 30'000 : 90'000);
     stats->bare_echo.record(n < 950 ? 20'000 : 30'000);
@@ -29,7 +29,7 @@ std::unique_ptr<ServoStats> two_seconds() {
   return stats;
 }
 
-TEST(IoReport, holds_hops_rates_counters_and_the_ratio_to_the_bare_echo) {
+TEST(IoReport, HoldsHopsRatesCountersAndTheRatioToTheBareEcho) {
   IoOptions options;
   options.echo_probe = "127.0.0.1:9";
   options.device.seed = 17;
@@ -48,7 +48,7 @@ TEST(IoReport, holds_hops_rates_counters_and_the_ratio_to_the_bare_echo) {
   EXPECT_EQ(report.hops.back().name, "bare_echo");
 }
 
-TEST(IoReport, says_what_the_device_says_of_itself) {
+TEST(IoReport, SaysWhatTheDeviceSaysOfItself) {
   auto stats = two_seconds();
   stats->device_status = DeviceStatus::calibrating;
   stats->device = {.model = "Touch", .serial = "SN1", .firmware = "192", .is_calibrated = false, .motor_temperature = 0.25};
@@ -62,7 +62,27 @@ TEST(IoReport, says_what_the_device_says_of_itself) {
   EXPECT_FALSE(make_io_report(*two_seconds(), {}, "").notes.contains("motor_temperature"));
 }
 
-TEST(IoReport, claims_no_echo_that_was_not_measured) {
+TEST(IoReport, SaysWhichSceneWasTouchedAndWithWhat) {
+  auto stats = two_seconds();
+  EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene"));
+  stats->setup.scene_hash = 0xBEEF;
+  stats->setup.scene_loading = 1 + 2 + 4 + (3U << 3U);
+  std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());
+  std::copy_n("name=proxy", 10, stats->setup.method.begin());
+  stats->status = ProbeStatus::device_away;
+  stats->reach = SceneReach::out_of_reach;
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  EXPECT_EQ(report.notes.at("scene"), "/a/part.stl");
+  EXPECT_EQ(report.notes.at("scene_hash"), "000000000000beef");
+  EXPECT_EQ(report.notes.at("scene_unit"), "mm");
+  EXPECT_EQ(report.notes.at("scene_sealed"), "yes");
+  EXPECT_EQ(report.notes.at("scene_fitted"), "yes");
+  EXPECT_EQ(report.notes.at("method"), "name=proxy");
+  EXPECT_EQ(report.notes.at("status_now"), "no force: the device is away");
+  EXPECT_THAT(report.notes.at("reach"), HasSubstr("out of the device's reach"));
+}
+
+TEST(IoReport, ClaimsNoEchoThatWasNotMeasured) {
   auto stats = two_seconds();
   stats->bare_echo.clear();
   const LatencyReport report = make_io_report(*stats, {}, "");
@@ -71,7 +91,7 @@ TEST(IoReport, claims_no_echo_that_was_not_measured) {
   EXPECT_THAT(describe_run(*stats), ::testing::Not(HasSubstr("echo")));
 }
 
-TEST(IoReport, says_what_the_governor_does) {
+TEST(IoReport, SaysWhatTheGovernorDoes) {
   auto stats = two_seconds();
   stats->governor.state = GovernorState::latched;
   stats->governor.fault = SafetyFault::speed;
@@ -83,7 +103,7 @@ TEST(IoReport, says_what_the_governor_does) {
   const LatencyReport report = make_io_report(*stats, {}, "");
   EXPECT_EQ(report.notes.at("governor"), "latched");
   EXPECT_EQ(report.notes.at("safety_fault"), "speed");
-  EXPECT_THAT(report.notes.at("safety_fault_is"), HasSubstr("faster"));
+  EXPECT_THAT(report.notes.at("safety_fault_text"), HasSubstr("faster"));
   EXPECT_EQ(report.counters.at("faults_latched"), 2);
   EXPECT_EQ(report.counters.at("faults_reset"), 1);
   EXPECT_EQ(report.ratios.at("fault_latched_now"), 1.0);
@@ -92,9 +112,9 @@ TEST(IoReport, says_what_the_governor_does) {
   EXPECT_THAT(describe_run(*stats), HasSubstr("faults: 2 latched, 1 reset"));
 }
 
-TEST(IoReport, names_the_nodes_that_are_there_and_how_far_their_clock_is_off) {
+TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
   auto stats = two_seconds();
-  PeerFigures& haptics = stats->peers[0];
+  PeerStats& haptics = stats->peers[0];
   haptics.present = true;
   haptics.role = NodeRole::haptics;
   haptics.address = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 10, 0, 0, 2}, 4444};
@@ -102,40 +122,40 @@ TEST(IoReport, names_the_nodes_that_are_there_and_how_far_their_clock_is_off) {
   haptics.sent = 1000;
   haptics.heard.received = 990;
   haptics.heard.lost = 10;
-  stats->ways.is_offset_known = true;
-  stats->ways.clock_offset_ns = -1'500'000;
-  stats->ways.clock_error_ns = 20'000;
+  stats->hops.is_offset_known = true;
+  stats->hops.clock_offset_ns = -1'500'000;
+  stats->hops.clock_error_ns = 20'000;
   const LatencyReport report = make_io_report(*stats, {}, "");
   ASSERT_EQ(report.nodes.size(), 1U);
   EXPECT_EQ(report.nodes[0].role, "haptics");
   EXPECT_EQ(report.nodes[0].address, "10.0.0.2:4444");
   EXPECT_EQ(report.nodes[0].seconds, 1.0);
   EXPECT_EQ(report.nodes[0].lost, 10);
-  EXPECT_EQ(report.notes.at("haptics_clock_ahead"), "-1500.0 us, within 20.0 us");
-  EXPECT_EQ(report.notes.at("haptics_clock_ahead_ns"), "-1500000");
+  EXPECT_EQ(report.notes.at("haptics_clock_offset"), "-1500.0 us, within 20.0 us");
+  EXPECT_EQ(report.notes.at("haptics_clock_offset_ns"), "-1500000");
   EXPECT_EQ(report.notes.at("haptics_clock_error_ns"), "20000");
 }
 
-TEST(IoReport, tells_people_the_run_in_lines) {
+TEST(IoReport, TellsPeopleTheRunInLines) {
   const std::string text = describe_run(*two_seconds());
   EXPECT_THAT(text, HasSubstr("1990 samples (995 Hz)"));
   EXPECT_THAT(text, HasSubstr("lost 3"));
   EXPECT_THAT(text, HasSubstr("missed cycles 10"));
 }
 
-TEST(IoReport, tells_people_the_age_at_every_hop) {
+TEST(IoReport, TellsPeopleTheAgeAtEveryHop) {
   auto stats = two_seconds();
-  stats->ways.wire_out.record(12'000);
+  stats->hops.wire_out.record(12'000);
   stats->device_to_drawn.record(30'000'000);
   const std::string text = describe_run(*stats);
   for (const char* part : {"p99.9", "\nwire_out ", "\nround_trip ", "\nbare_echo ", "\ndevice_to_drawn "}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
-  EXPECT_THAT(text, HasSubstr("the round trip is 1.50 times as long as the bare echo at p50, 2.99 times at p99"));
+  EXPECT_THAT(text, HasSubstr("the round trip takes 1.50 times as long as the bare echo at p50, 2.99 times at p99"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("wire_back"))) << "it was not measured";
 }
 
-TEST(IoReport, names_no_duration_where_nothing_was_measured) {
+TEST(IoReport, NamesNoDurationWhereNothingWasMeasured) {
   const std::string text = describe_run(ServoStats{});
   EXPECT_THAT(text, HasSubstr("0 samples"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("p50")));

@@ -84,7 +84,7 @@ struct Sessions : testing::Test {
   std::uint64_t forces = 0;
 };
 
-TEST_F(Sessions, runs_for_its_time_and_leaves_a_report) {
+TEST_F(Sessions, RunsForItsTimeAndLeavesAReport) {
   SimulatedPhantom device({});
   const auto ended = run(device);
   ASSERT_TRUE(ended) << ended.error().what;
@@ -93,7 +93,7 @@ TEST_F(Sessions, runs_for_its_time_and_leaves_a_report) {
   EXPECT_TRUE(std::filesystem::exists(folder / "latency.csv"));
 }
 
-TEST_F(Sessions, ends_with_its_recording) {
+TEST_F(Sessions, EndsWithItsRecording) {
   options.seconds = 0.0;
   ReplayDevice device({{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3::UnitX(), Quat::Identity()}}, {});
   EXPECT_TRUE(run(device));
@@ -117,7 +117,7 @@ class Wayward final : public Device {
     if (reads_ < 200) return DeviceStatus::calibrating;
     return forces_after == 0 ? DeviceStatus::ready : DeviceStatus::ended;
   }
-  bool lead_hand(const std::optional<Vec3>&) noexcept override { return false; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   int forces_before = 0;
   int forces_after = 0;
@@ -127,7 +127,7 @@ class Wayward final : public Device {
   int reads_ = 0;
 };
 
-TEST_F(Sessions, goes_on_while_the_device_is_away_or_being_calibrated) {
+TEST_F(Sessions, GoesOnWhileTheDeviceIsAwayOrBeingCalibrated) {
   options.seconds = 0.0;
   Wayward device;
   EXPECT_TRUE(run(device));
@@ -135,7 +135,7 @@ TEST_F(Sessions, goes_on_while_the_device_is_away_or_being_calibrated) {
   EXPECT_GT(device.forces_after, 0);
 }
 
-TEST_F(Sessions, ends_when_told_and_reports_on_request) {
+TEST_F(Sessions, EndsWhenToldAndReportsOnRequest) {
   options.seconds = 0.0;
   SimulatedPhantom device({});
   std::atomic<bool> seen{false};
@@ -153,7 +153,7 @@ TEST_F(Sessions, ends_when_told_and_reports_on_request) {
   EXPECT_TRUE(seen);
 }
 
-TEST_F(Sessions, a_report_that_cannot_be_written_is_an_error) {
+TEST_F(Sessions, AReportThatCannotBeWrittenIsAnError) {
   options.out = "/proc/nowhere";
   options.seconds = 0.1;
   SimulatedPhantom device({});

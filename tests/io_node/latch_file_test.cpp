@@ -17,7 +17,7 @@ struct Latch : testing::Test {
   LatchFile file{folder / "hapton" / "latched"};
 };
 
-TEST_F(Latch, keeps_each_fault_until_it_is_forgotten) {
+TEST_F(Latch, KeepsEachFaultUntilItIsForgotten) {
   EXPECT_EQ(file.read(), SafetyFault::none);
   for (int n = 1; n < kSafetyFaults; ++n) {
     ASSERT_TRUE(file.keep(static_cast<SafetyFault>(n)));
@@ -32,7 +32,7 @@ TEST_F(Latch, keeps_each_fault_until_it_is_forgotten) {
   file.forget();
 }
 
-TEST_F(Latch, what_is_not_understood_is_no_fault) {
+TEST_F(Latch, WhatIsNotUnderstoodIsNoFault) {
   for (const char* text : {"", "none\n", "speed", "SPEED\n", "speed\nspeed\n", "no such fault\n"}) {
     std::filesystem::create_directories(file.path().parent_path());
     std::ofstream(file.path()) << text;
@@ -43,14 +43,14 @@ TEST_F(Latch, what_is_not_understood_is_no_fault) {
   EXPECT_EQ(file.read(), SafetyFault::none);
 }
 
-TEST_F(Latch, without_a_place_keeps_nothing_and_says_when_it_cannot) {
+TEST_F(Latch, WithoutAPlaceKeepsNothingAndSaysWhenItCannot) {
   const LatchFile nowhere{std::filesystem::path()};
   EXPECT_TRUE(nowhere.keep(SafetyFault::speed));
   EXPECT_EQ(nowhere.read(), SafetyFault::none);
   EXPECT_FALSE(LatchFile("/proc/hapton/latched").keep(SafetyFault::speed));
 }
 
-TEST_F(Latch, has_a_file_for_each_device_and_hub) {
+TEST_F(Latch, HasAFileForEachDeviceAndHub) {
   ::setenv("RUNTIME_DIRECTORY", folder.c_str(), 1);
   EXPECT_EQ(find_latch_file("haply", "127.0.0.1:4950"), folder / "latched-haply-127.0.0.1_4950");
   EXPECT_EQ(find_latch_file("../x", "[::]:1/2"), folder / "latched-.._x-_____1_2");

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "devices/simulated_phantom.h"
-#include "watchdog/guard_page.h"
+#include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 namespace {
@@ -14,8 +14,8 @@ constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
 struct ReleaseWatchTest : testing::Test {
   ReleaseWatchTest() {
-    device.use_guard(*page);
-    loop->set_guard(page.get());
+    device.use_heartbeat_page(*page);
+    loop->set_heartbeat_page(page.get());
   }
   // So many cycles, each answered by a force.
   void press(int cycles) {
@@ -30,7 +30,7 @@ struct ReleaseWatchTest : testing::Test {
 
   SimulatedClock clock;
   SimulatedPhantom device{{}};
-  std::unique_ptr<GuardPage> page = std::make_unique<GuardPage>();
+  std::unique_ptr<HeartbeatPage> page = std::make_unique<HeartbeatPage>();
   std::unique_ptr<DeviceLoop> loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});
   ReleaseWatch watch{*loop, clock};
 };
@@ -38,7 +38,7 @@ struct ReleaseWatchTest : testing::Test {
 TEST_F(ReleaseWatchTest, LeavesALivingLoopAlone) {
   for (int n = 0; n < 500; ++n) {
     press(1);
-    watch.look();
+    watch.check();
   }
   EXPECT_FALSE(is_cut());
   EXPECT_EQ(loop->collect_stats().cuts, 0U);
@@ -49,7 +49,7 @@ TEST_F(ReleaseWatchTest, CutsInTimeWhenTheLoopStandsStill) {
   press(200);
   const std::int64_t sample_ns = loop->force_sample_ns();
   ASSERT_NE(sample_ns, 0);
-  for (std::int64_t due_ns = watch.look(); !is_cut() && clock.now_ns() - sample_ns < 1000 * kMs; due_ns = watch.look()) {
+  for (std::int64_t due_ns = watch.check(); !is_cut() && clock.now_ns() - sample_ns < 1000 * kMs; due_ns = watch.check()) {
     clock.sleep_until_ns(due_ns);
   }
   EXPECT_TRUE(is_cut());
@@ -58,7 +58,7 @@ TEST_F(ReleaseWatchTest, CutsInTimeWhenTheLoopStandsStill) {
 }
 
 TEST_F(ReleaseWatchTest, WithoutAForceItLooksSoonAgain) {
-  EXPECT_LE(watch.look() - clock.now_ns(), ReleaseWatch::kIdleNs);
+  EXPECT_LE(watch.check() - clock.now_ns(), ReleaseWatch::kIdleNs);
   EXPECT_FALSE(is_cut());
 }
 
@@ -69,9 +69,9 @@ TEST_F(ReleaseWatchTest, WhatItCutComesBackWithARampWhileForcesComeAllTheTime) {
   ASSERT_TRUE(is_cut());
   press(3);
   EXPECT_FALSE(is_cut());
-  EXPECT_LT(loop->look().written.force_n.norm(), 0.1) << "a ramp, no jump";
+  EXPECT_LT(loop->latest().written.force_n.norm(), 0.1) << "a ramp, no jump";
   press(200);
-  EXPECT_GT(loop->look().written.force_n.norm(), 1.0);
+  EXPECT_GT(loop->latest().written.force_n.norm(), 1.0);
 }
 
 TEST_F(ReleaseWatchTest, EndsWhenItIsTold) {

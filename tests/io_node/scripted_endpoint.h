@@ -59,7 +59,7 @@ class ScriptedEndpoint final : public Endpoint {
 
   Address local_address() const override { return {{}, 4950}; }
 
-  // What a sealed endpoint would have refused.
+  // What a sealed endpoint would have rejected.
   std::optional<Flood> flood;
   std::optional<Flood> take_flood(std::int64_t) noexcept override { return std::exchange(flood, std::nullopt); }
   SealCounts seal;

@@ -18,13 +18,13 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
   SimulatedClock clock;
   FixedEndpoint endpoint(clock);
   MeteredEndpoint metered(endpoint, clock);
-  WayMeter ways(metered);
-  ReportDesk desk;
-  desk.publish(std::string(5000, 'j'), "csv");
+  HopMeter ways(metered);
+  ReportServer report_server;
+  report_server.publish(std::string(5000, 'j'), "csv");
   HubPeers peers(metered, clock, 5, 1000.0);
   const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{}, nullptr, tap);
-  servo->set_way_meter(&ways);
-  servo->set_report_desk(&desk);
+  servo->set_hop_meter(&ways);
+  servo->set_report_server(&report_server);
   Settings settings{2000.0, {'p', 'r', 'o', 'x', 'y'}, true};
   AllocationGuard guard;
   for (int n = 0; n < 3000; ++n) {
@@ -49,37 +49,37 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
         endpoint.say(3, settings, now);
         break;
       case 47:
-        endpoint.say(3, ReportAsk{ReportDocument::json, 1, 2}, now);
+        endpoint.say(3, ReportRequest{ReportDocument::json, 1, 2}, now);
         break;
       default:
         break;
     }
-    if (n % 500 == 0) servo->ask_for_snapshot();
+    if (n % 500 == 0) servo->request_snapshot();
     servo->step();
   }
   servo->finish();
   const std::uint64_t taken = guard.count();
   EXPECT_GT(servo->collect_stats().forces, 2000U);
   EXPECT_EQ(servo->rate_hz(), 2000.0);
-  EXPECT_GT(servo->collect_stats().ways.encode.count(), 2000U);
+  EXPECT_GT(servo->collect_stats().hops.encode.count(), 2000U);
   EXPECT_TRUE(servo->take_snapshot());
   peers.set_tap(nullptr);
   return taken;
 }
 
-TEST(ServoHeap, a_session_with_the_simulated_device_allocates_nothing) {
+TEST(ServoHeap, ASessionWithTheSimulatedDeviceAllocatesNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   SimulatedPhantom device({});
   EXPECT_EQ(allocations_of_a_session(device), 0U);
 }
 
-TEST(ServoHeap, a_session_with_a_replay_allocates_nothing) {
+TEST(ServoHeap, ASessionWithAReplayAllocatesNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ReplayDevice device({{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3::UnitX(), Quat::Identity()}}, {.loop = true});
   EXPECT_EQ(allocations_of_a_session(device), 0U);
 }
 
-TEST(ServoHeap, a_recorded_session_allocates_nothing_in_the_servos_thread) {
+TEST(ServoHeap, ARecordedSessionAllocatesNothingInTheServosThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ScratchFolder scratch;
   const SteadyClock clock;
@@ -91,7 +91,7 @@ TEST(ServoHeap, a_recorded_session_allocates_nothing_in_the_servos_thread) {
   EXPECT_GT(recorder.counts().entries, 9000U);
 }
 
-TEST(ServoHeap, the_guard_sees_an_allocation) {
+TEST(ServoHeap, TheGuardSeesAnAllocation) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   AllocationGuard guard;
   ::operator delete(::operator new(100));

@@ -31,14 +31,14 @@ struct Session {
       if (n % 50 == 0) endpoint.say(1, Hello{NodeRole::haptics}, now);
       if (n % 50 == 10) endpoint.say(2, Hello{NodeRole::vision}, now);
       if (n % 50 == 20) endpoint.say(2, ViewTransform{}, now);
-      if (n % 500 == 0) servo.ask_for_snapshot();
+      if (n % 500 == 0) servo.request_snapshot();
       servo.step();
     }
     servo.finish();
   }
 };
 
-TEST(ServoSystemCalls, a_recorded_session_makes_none) {
+TEST(ServoSystemCalls, ARecordedSessionMakesNone) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<Session> session;
   EXPECT_EQ(SystemCallGuard::run([&] { session = std::make_unique<Session>(); },
@@ -49,7 +49,7 @@ TEST(ServoSystemCalls, a_recorded_session_makes_none) {
             "");
 }
 
-TEST(ServoSystemCalls, the_guard_sees_one) {
+TEST(ServoSystemCalls, TheGuardSeesOne) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   EXPECT_EQ(SystemCallGuard::run([] {}, [] { (void)getppid(); }), "system call " + std::to_string(SYS_getppid));
 }

@@ -47,7 +47,7 @@ struct Recorders : testing::Test {
   }
 };
 
-TEST_F(Recorders, write_all_that_happens_in_order) {
+TEST_F(Recorders, WriteAllThatHappensInOrder) {
   auto recorder = make({file, {}});
   ASSERT_TRUE(recorder.start());
   recorder.on_sent(kPeer, kBytes, 5);
@@ -71,7 +71,7 @@ TEST_F(Recorders, write_all_that_happens_in_order) {
   EXPECT_EQ(recorder.counts().file_bytes, std::filesystem::file_size(file));
 }
 
-TEST_F(Recorders, never_wait_for_room_but_count_what_found_none) {
+TEST_F(Recorders, NeverWaitForRoomButCountWhatFoundNone) {
   auto recorder = make({.record = file, .ring_bytes = 1024});
   for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // nobody drains before start
   ASSERT_TRUE(recorder.start());
@@ -83,7 +83,7 @@ TEST_F(Recorders, never_wait_for_room_but_count_what_found_none) {
   EXPECT_EQ(entries.back().dropped, recorder.counts().dropped);
 }
 
-TEST_F(Recorders, take_nothing_from_the_heap_of_the_servos_thread) {
+TEST_F(Recorders, TakeNothingFromTheHeapOfTheServosThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   auto recorder = make({file, flights});
   ASSERT_TRUE(recorder.start());
@@ -98,7 +98,7 @@ TEST_F(Recorders, take_nothing_from_the_heap_of_the_servos_thread) {
   ASSERT_TRUE(recorder.stop());
 }
 
-TEST_F(Recorders, a_fault_leaves_the_last_two_seconds_under_its_name) {
+TEST_F(Recorders, AFaultLeavesTheLastTwoSecondsUnderItsName) {
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());
   for (int n = 0; n < 5000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n * kMs);
@@ -114,7 +114,7 @@ TEST_F(Recorders, a_fault_leaves_the_last_two_seconds_under_its_name) {
   EXPECT_EQ(SessionReader::open(files[0])->header().fault, "silence");
 }
 
-TEST_F(Recorders, a_fault_is_followed_for_a_while_and_then_written_without_waiting_for_the_end) {
+TEST_F(Recorders, AFaultIsFollowedForAWhileAndThenWrittenWithoutWaitingForTheEnd) {
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());
   const std::int64_t fault_ns = clock.now_ns();
@@ -131,7 +131,7 @@ TEST_F(Recorders, a_fault_is_followed_for_a_while_and_then_written_without_waiti
   ASSERT_TRUE(recorder.stop());
 }
 
-TEST_F(Recorders, flight_records_are_few) {
+TEST_F(Recorders, FlightRecordsAreFew) {
   auto recorder = make({{}, flights});
   ASSERT_TRUE(recorder.start());
   const auto fault_and_wait = [&](std::int64_t time_ns) {
@@ -153,7 +153,7 @@ TEST_F(Recorders, flight_records_are_few) {
   EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMostFlights));
 }
 
-TEST_F(Recorders, a_folder_keeps_the_newest_flight_records_and_whatever_else_is_in_it) {
+TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndWhateverElseIsInIt) {
   std::filesystem::create_directories(flights);
   for (std::size_t n = 0; n < SessionRecorder::kMostKept + 5; ++n) {
     scratch.write(fmt::format("flight/flight-20000101T0000{:02}.000Z-clamped.hapton", n), "old");
@@ -168,7 +168,7 @@ TEST_F(Recorders, a_folder_keeps_the_newest_flight_records_and_whatever_else_is_
   EXPECT_TRUE(std::filesystem::exists(flights / "a letter"));
 }
 
-TEST_F(Recorders, a_file_that_cannot_be_written_is_an_error_at_the_start) {
+TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
   auto recorder = make({"/proc/nowhere/session.hapton", {}});
   const auto started = recorder.start();
   ASSERT_FALSE(started);
@@ -177,7 +177,7 @@ TEST_F(Recorders, a_file_that_cannot_be_written_is_an_error_at_the_start) {
   EXPECT_FALSE(other.start());
 }
 
-TEST_F(Recorders, a_folder_nobody_named_is_made_when_there_is_something_to_write) {
+TEST_F(Recorders, AFolderNobodyNamedIsMadeWhenThereIsSomethingToWrite) {
   auto recorder = make({.flight_folder = flights, .makes_flight_folder = false});
   ASSERT_TRUE(recorder.start());
   EXPECT_FALSE(std::filesystem::exists(flights));
@@ -186,7 +186,7 @@ TEST_F(Recorders, a_folder_nobody_named_is_made_when_there_is_something_to_write
   EXPECT_EQ(flight_files().size(), 1U);
 }
 
-TEST_F(Recorders, a_disk_that_is_full_ends_the_recording_and_is_told) {
+TEST_F(Recorders, ADiskThatIsFullEndsTheRecordingAndIsTold) {
   auto recorder = make({"/dev/full", {}});
   const auto started = recorder.start();
   ASSERT_FALSE(started);

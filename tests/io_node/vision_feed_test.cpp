@@ -20,7 +20,7 @@ struct Feed : testing::Test {
   HubPeers peers{endpoint, clock, kSession, 1000.0};
   std::unique_ptr<ServoStats> stats = std::make_unique<ServoStats>();
   VisionFeed feed{peers, *stats, 1000.0};
-  ProbeMemory memory;
+  ProbeHistory memory;
   DeviceSide side;
   DeviceCycle cycle;
   std::vector<ProbeState> heard;
@@ -48,12 +48,12 @@ struct Feed : testing::Test {
     memory.note_sample(cycle.number, cycle.sample);
     side.written.force_n = Vec3(0, 0, x_m);
     side.is_silent = true;
-    feed.tell(memory, side, cycle, 3, clock.now_ns());
+    feed.send(memory, side, cycle, 3, ProbeStatus::ok, clock.now_ns());
   }
   Drawn drawn() const { return {heard.back().sample, heard.back().sample_time_ns, 60.0F}; }
 };
 
-TEST_F(Feed, tells_the_probe_as_it_is_and_the_next_one_when_it_is_drawn) {
+TEST_F(Feed, TellsTheProbeAsItIsAndTheNextOneWhenItIsDrawn) {
   tell(0.01);
   ASSERT_EQ(heard.size(), 1U);
   EXPECT_EQ(heard[0].p_WD.x(), 0.01);
@@ -70,7 +70,7 @@ TEST_F(Feed, tells_the_probe_as_it_is_and_the_next_one_when_it_is_drawn) {
   EXPECT_EQ(stats->frame_rate_hz, 60.0);
 }
 
-TEST_F(Feed, a_word_about_what_was_never_sent_is_passed_over) {
+TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
   tell(0.01);
   for (const Drawn& lie : {Drawn{0, clock.now_ns(), 60.0F}, Drawn{99, clock.now_ns(), 60.0F}, Drawn{1, clock.now_ns() + kMs, 60.0F},
                            Drawn{1, stats->start_ns - kMs, 60.0F}}) {
@@ -79,12 +79,12 @@ TEST_F(Feed, a_word_about_what_was_never_sent_is_passed_over) {
   EXPECT_EQ(stats->drawn, 0U);
 }
 
-TEST_F(Feed, tells_the_rate_of_the_samples_since_the_last_figures) {
+TEST_F(Feed, TellsTheRateOfTheSamplesSinceTheLastFigures) {
   for (int n = 0; n < 500; ++n) {
     tell(0.001 * n);
     if (!heard.empty()) feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());
   }
-  feed.refresh_figures(cycle.number, clock.now_ns());
+  feed.refresh_statistics(cycle.number, clock.now_ns());
   for (int n = 0; n < 200; ++n) tell(0.5 + 0.001 * n);
   EXPECT_NEAR(static_cast<double>(heard.back().servo_rate_hz), 1000.0, 1.0);
 }

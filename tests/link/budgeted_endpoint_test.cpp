@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
-TEST(BudgetedEndpoint, hands_out_so_many_and_then_sleeps_to_the_deadline) {
+TEST(BudgetedEndpoint, HandsOutSoManyAndThenSleepsToTheDeadline) {
   SimulatedClock clock;
   ScriptedEndpoint inner(clock);
   BudgetedEndpoint budget(inner, clock);
@@ -29,7 +29,7 @@ TEST(BudgetedEndpoint, hands_out_so_many_and_then_sleeps_to_the_deadline) {
   EXPECT_EQ(budget.receive(into, begin_ns + 2 * kMs).bytes, 1U);
 }
 
-TEST(BudgetedEndpoint, a_deadline_that_has_passed_is_slept_for_a_moment_all_the_same) {
+TEST(BudgetedEndpoint, ADeadlineThatHasPassedIsSleptForAMomentAllTheSame) {
   SimulatedClock clock;
   ScriptedEndpoint inner(clock);
   BudgetedEndpoint budget(inner, clock);
@@ -40,7 +40,7 @@ TEST(BudgetedEndpoint, a_deadline_that_has_passed_is_slept_for_a_moment_all_the_
   EXPECT_EQ(clock.now_ns(), begin_ns + BudgetedEndpoint::kShortestSleepNs);
 }
 
-TEST(BudgetedEndpoint, waiting_in_vain_costs_nothing) {
+TEST(BudgetedEndpoint, WaitingInVainCostsNothing) {
   SimulatedClock clock;
   ScriptedEndpoint inner(clock);
   BudgetedEndpoint budget(inner, clock);

@@ -59,7 +59,7 @@ struct Wire {
   std::unique_ptr<Endpoint> stranger = std::move(*open_udp_endpoint("127.0.0.1:0"));
 };
 
-TEST(FloodFilter, keeps_strangers_out_in_the_kernel_and_lets_data_of_known_nodes_pass) {
+TEST(FloodFilter, KeepsStrangersOutInTheKernelAndLetsDataOfKnownNodesPass) {
   Wire wire;
   const Bytes data = sealed(seal::Kind::data);
   wire.hub->expect(wire.node->local_address(), kConnection);
@@ -79,7 +79,7 @@ TEST(FloodFilter, keeps_strangers_out_in_the_kernel_and_lets_data_of_known_nodes
   EXPECT_GT(wire.hub->socket_counts().dropped, 2000U);
 }
 
-TEST(FloodFilter, knows_nodes_by_ipv6_as_well) {
+TEST(FloodFilter, KnowsNodesByIpv6AsWell) {
   if (!open_udp_endpoint("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
   Wire wire("[::1]:0");
   wire.node = std::move(*open_udp_endpoint("[::1]:0"));
@@ -90,7 +90,7 @@ TEST(FloodFilter, knows_nodes_by_ipv6_as_well) {
   EXPECT_LT(wire.passed(*wire.stranger, sealed(seal::Kind::data), 2000), 1000);
 }
 
-TEST(FloodFilter, oversized_and_empty_datagrams_are_counted) {
+TEST(FloodFilter, OversizedAndEmptyDatagramsAreCounted) {
   Wire wire;
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in to = {};
@@ -108,8 +108,8 @@ TEST(FloodFilter, oversized_and_empty_datagrams_are_counted) {
 
 // Pure from here on: time and the kernel's count are handed in.
 struct Judged : testing::Test {
-  FloodFilter::Action window(std::uint64_t strangers, std::uint32_t dropped_more = 0) {
-    for (std::uint64_t n = 0; n < strangers; ++n) filter.note_received(stranger, junk, false);
+  FloodFilter::Action window(std::uint64_t unknown_peers, std::uint32_t dropped_more = 0) {
+    for (std::uint64_t n = 0; n < unknown_peers; ++n) filter.note_received(stranger, junk, false);
     now_ns += FloodFilter::kWindowNs;
     dropped += dropped_more;
     return filter.judge(dropped, now_ns);
@@ -122,13 +122,13 @@ struct Judged : testing::Test {
   std::uint32_t dropped = 0xFFFFFFF0;  // it wraps
 };
 
-TEST_F(Judged, a_few_strangers_are_no_flood) {
+TEST_F(Judged, AFewStrangersAreNoFlood) {
   window(0);
   for (int n = 0; n < 100; ++n) ASSERT_EQ(window(FloodFilter::kFlood - 1), FloodFilter::Action::none);
   EXPECT_EQ(filter.counts().floods, 0U);
 }
 
-TEST_F(Judged, a_flood_shuts_and_its_end_opens_after_a_while) {
+TEST_F(Judged, AFloodShutsAndItsEndOpensAfterAWhile) {
   window(0);
   EXPECT_EQ(window(500), FloodFilter::Action::install);
   EXPECT_TRUE(filter.is_shut());
@@ -146,7 +146,7 @@ TEST_F(Judged, a_flood_shuts_and_its_end_opens_after_a_while) {
   EXPECT_EQ(filter.counts().floods, 2U);
 }
 
-TEST_F(Judged, a_node_that_joins_during_a_flood_gets_a_new_program) {
+TEST_F(Judged, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);
   const std::size_t before = filter.program().size();
@@ -161,7 +161,7 @@ TEST_F(Judged, a_node_that_joins_during_a_flood_gets_a_new_program) {
   EXPECT_EQ(window(500), FloodFilter::Action::install);
 }
 
-TEST_F(Judged, what_is_agreed_on_without_end_displaces_nobody_who_is_sent_data) {
+TEST_F(Judged, WhatIsAgreedOnWithoutEndDisplacesNobodyWhoIsSentData) {
   const Bytes data = sealed(seal::Kind::data);
   filter.note_sent(node_at(77), data, now_ns);
   for (std::uint16_t n = 0; n < 1000; ++n) {
@@ -169,14 +169,14 @@ TEST_F(Judged, what_is_agreed_on_without_end_displaces_nobody_who_is_sent_data) 
     filter.note_expected(stranger, n, now_ns);
   }
   filter.note_received(node_at(77), data, false);
-  EXPECT_EQ(filter.counts().strangers, 0U) << "it was sent data a second ago";
+  EXPECT_EQ(filter.counts().unknown_peers, 0U) << "it was sent data a second ago";
   now_ns += FloodFilter::kKnownNs;
   for (std::uint16_t n = 0; n < 1000; ++n) filter.note_expected(stranger, 5000 + n, now_ns + n);
   filter.note_received(node_at(77), data, false);
-  EXPECT_EQ(filter.counts().strangers, 1U) << "that is too long ago";
+  EXPECT_EQ(filter.counts().unknown_peers, 1U) << "that is too long ago";
 }
 
-TEST_F(Judged, what_the_kernel_keeps_out_in_a_flood_is_told_apart_from_what_it_has_no_room_for) {
+TEST_F(Judged, WhatTheKernelKeepsOutInAFloodIsToldApartFromWhatItHasNoRoomFor) {
   window(0);
   EXPECT_EQ(window(0, 500), FloodFilter::Action::install);
   EXPECT_EQ(filter.counts().kept_out, 0U);
@@ -185,7 +185,7 @@ TEST_F(Judged, what_the_kernel_keeps_out_in_a_flood_is_told_apart_from_what_it_h
   EXPECT_EQ(filter.counts().dropped, 980U);
 }
 
-TEST_F(Judged, the_most_nodes_fit_into_a_program_and_an_attacker_cannot_crowd_them_out) {
+TEST_F(Judged, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemOut) {
   for (std::uint16_t n = 1; n <= 100; ++n) {
     filter.note_sent({{0x20, 1, 0xd, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, n}, sealed(seal::Kind::data), now_ns);
     // Retries to strangers make nobody known.
@@ -195,10 +195,10 @@ TEST_F(Judged, the_most_nodes_fit_into_a_program_and_an_attacker_cannot_crowd_th
   ASSERT_EQ(window(500), FloodFilter::Action::install);
   EXPECT_LT(filter.program().size(), FloodFilter::kMostInstructions);
   filter.note_received(stranger, sealed(seal::Kind::data), false);
-  EXPECT_GT(filter.counts().strangers, 500U);
+  EXPECT_GT(filter.counts().unknown_peers, 500U);
 }
 
-TEST_F(Judged, takes_nothing_from_the_heap) {
+TEST_F(Judged, TakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   AllocationGuard guard;
   for (int n = 0; n < 100; ++n) window(n % 2 == 0 ? 500 : 0, 5000);

@@ -229,7 +229,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRefusedAndTakesOverWhenTheFirstDies) {
     run(1, 1);
     EXPECT_FALSE(second.receive(datagram, 0));
   }
-  EXPECT_EQ(second.state(), JoinState::refused);
+  EXPECT_EQ(second.state(), JoinState::rejected);
   EXPECT_EQ(client_->state(), JoinState::joined);
   EXPECT_FALSE(second.send(ForceCommand{}));
   // The first dies without a word: 50 ms of silence and one Hello period later the second has its place.
@@ -281,7 +281,7 @@ TEST_F(HubClientTest, StaysJoinedAndCountsOnABadNetwork) {
   run(5000, 1);
   EXPECT_EQ(client_->state(), JoinState::joined);
   const SequenceCounts& counts = client_->sequence_counts();
-  const double sent = static_cast<double>(hub_->peer(HubPeers::kHapticsPlace).sent);
+  const double sent = static_cast<double>(hub_->peer(HubPeers::kHapticsSlot).sent);
   EXPECT_NEAR(static_cast<double>(counts.lost), 0.05 * sent, 0.01 * sent);
   EXPECT_NEAR(static_cast<double>(counts.duplicate), 0.02 * sent, 0.01 * sent);
   EXPECT_GT(counts.reordered, 100U);

@@ -114,18 +114,18 @@ TEST_F(HubPeersTest, RefusesASecondHapticsNodeWhileTheFirstLives) {
   RawNode first = raw_node(2, 20);
   RawNode second = raw_node(3, 30);
   send(first, Hello{NodeRole::haptics}, 0);
-  EXPECT_EQ(event().peer, HubPeers::kHapticsPlace);
-  clock_.advance_ns(HubPeers::kHapticsSilenceNs);
+  EXPECT_EQ(event().peer, HubPeers::kHapticsSlot);
+  clock_.advance_ns(HubPeers::kHapticsTimeoutNs);
   send(second, Hello{NodeRole::haptics}, 0);
-  EXPECT_EQ(event().kind, Kind::refused);
+  EXPECT_EQ(event().kind, Kind::rejected);
   const std::vector<Datagram> answers = received_by(second);
   ASSERT_EQ(answers.size(), 1U);
   EXPECT_FALSE(std::get<Welcome>(answers[0].message).accepted);
-  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).sender, 20U);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).sender, 20U);
 
   send(second, ForceCommand{});
   EXPECT_TRUE(events().empty());
-  EXPECT_EQ(hub_->counts().strangers, 1U);
+  EXPECT_EQ(hub_->counts().unknown_peers, 1U);
 }
 
 TEST_F(HubPeersTest, AnAnsweringHapticsNodeKeepsItsPlaceBetweenHellos) {
@@ -137,11 +137,11 @@ TEST_F(HubPeersTest, AnAnsweringHapticsNodeKeepsItsPlaceBetweenHellos) {
     send(first, ForceCommand{.echo_sample = 1});
     send(second, Hello{NodeRole::haptics}, 0);
   }
-  int refused = 0;
+  int rejected = 0;
   for (const PeerEvent& e : events()) {
-    refused += e.kind == Kind::refused ? 1 : 0;
+    rejected += e.kind == Kind::rejected ? 1 : 0;
   }
-  EXPECT_EQ(refused, 200);
+  EXPECT_EQ(rejected, 200);
 }
 
 TEST_F(HubPeersTest, AfterFiftyMillisecondsOfSilenceTheHapticsPlaceIsFree) {
@@ -149,12 +149,12 @@ TEST_F(HubPeersTest, AfterFiftyMillisecondsOfSilenceTheHapticsPlaceIsFree) {
   RawNode second = raw_node(3, 30);
   send(first, Hello{NodeRole::haptics}, 0);
   event();
-  clock_.advance_ns(HubPeers::kHapticsSilenceNs + 1);
+  clock_.advance_ns(HubPeers::kHapticsTimeoutNs + 1);
   send(second, Hello{NodeRole::haptics}, 0);
   const PeerEvent joined = event();
   EXPECT_EQ(joined.kind, Kind::joined);
   EXPECT_TRUE(joined.replaced);
-  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).sender, 30U);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).sender, 30U);
 }
 
 TEST_F(HubPeersTest, AByeFreesTheHapticsPlaceAtOnce) {
@@ -231,13 +231,13 @@ TEST_F(HubPeersTest, CountsAndDropsWhatDoesNotBelong) {
   send(thief, Drawn{});
   send(thief, Hello{NodeRole::vision});
   EXPECT_TRUE(events().empty());
-  EXPECT_EQ(hub_->counts().strangers, 2U);
+  EXPECT_EQ(hub_->counts().unknown_peers, 2U);
 
   send(node, ForceCommand{.force_n = Vec3(1, 0, 0)});
   send(node, DeviceState{});
   send(node, Welcome{});
   EXPECT_TRUE(events().empty());
-  EXPECT_EQ(hub_->counts().misplaced, 3U);
+  EXPECT_EQ(hub_->counts().wrong_role, 3U);
 
   const std::array<std::byte, 3> rubbish = {std::byte{0x08}, std::byte{0x09}, std::byte{1}};
   node.endpoint->send(hub_endpoint_->local_address(), rubbish);
@@ -263,7 +263,7 @@ TEST_F(HubPeersTest, DropsDuplicatesAndMarksTheOvertaken) {
   node.sequence = 5;
   send(node, ForceCommand{});
   EXPECT_TRUE(events().empty());
-  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).tracker.counts().duplicate, 1U);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).tracker.counts().duplicate, 1U);
 }
 
 TEST_F(HubPeersTest, AFullTableRefusesButKeepsThePlaceOfTheHapticsNode) {
@@ -274,7 +274,7 @@ TEST_F(HubPeersTest, AFullTableRefusesButKeepsThePlaceOfTheHapticsNode) {
   }
   EXPECT_EQ(events().size(), HubPeers::kCapacity);
   EXPECT_EQ(hub_->count(NodeRole::vision), HubPeers::kCapacity - 1);
-  EXPECT_EQ(hub_->counts().refusals, 1U);
+  EXPECT_EQ(hub_->counts().rejections, 1U);
   RawNode haptics = raw_node(2, 20);
   send(haptics, Hello{NodeRole::haptics}, 0);
   EXPECT_EQ(event().kind, Kind::joined);
@@ -302,8 +302,8 @@ TEST_F(HubPeersTest, AFloodFromOneAddressTakesOnePlaceAndNoHeap) {
     ASSERT_NE(e.kind, Kind::message);
   }
   EXPECT_EQ(hub_->count(NodeRole::tool), 1U);
-  EXPECT_EQ(hub_->peer(HubPeers::kHapticsPlace).sender, 20U);
-  EXPECT_GT(hub_->counts().strangers, 1000U);
+  EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).sender, 20U);
+  EXPECT_GT(hub_->counts().unknown_peers, 1000U);
   EXPECT_GT(hub_->counts().other_session, 1000U);
   if (AllocationGuard::is_available()) {
     EXPECT_EQ(allocations, 0U);
@@ -353,7 +353,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
   const std::vector<std::pair<Message, NodeRole>> messages = {{ForceCommand{}, NodeRole::haptics}, {HapticsSetup{}, NodeRole::haptics},
                                                               {ViewTransform{}, NodeRole::vision}, {Drawn{}, NodeRole::vision},
                                                               {HandTarget{}, NodeRole::vision},    {Settings{}, NodeRole::tool},
-                                                              {ReportAsk{}, NodeRole::tool}};
+                                                              {ReportRequest{}, NodeRole::tool}};
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -364,7 +364,46 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
-  EXPECT_EQ(hub_->counts().misplaced, 14U);
+  EXPECT_EQ(hub_->counts().wrong_role, 14U);
+  // Two roles have a scene.
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);
+    EXPECT_EQ(say(nodes[n].second, SceneFacts{}, 100 + n, at).kind == Kind::message, nodes[n].first != NodeRole::tool);
+  }
+}
+
+TEST_F(HubPeersTest, ReportsARejectedViewToItsSender) {
+  RawNode vision = raw_node(2, 20);
+  RawNode other = raw_node(3, 30);
+  RawNode tool = raw_node(4, 40);
+  send(vision, Hello{NodeRole::vision}, 0);
+  send(other, Hello{NodeRole::vision}, 0);
+  send(tool, Hello{NodeRole::tool}, 0);
+  EXPECT_EQ(events().size(), 3U);
+  received_by(vision);
+  received_by(other);
+  received_by(tool);
+  const ViewTransform scaled{.revision = 7, .X_WS = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0}};
+  send(vision, scaled, kSession);
+  EXPECT_TRUE(events().empty());
+  const std::vector<Datagram> told = received_by(vision);
+  ASSERT_EQ(told.size(), 1U);
+  ASSERT_TRUE(std::holds_alternative<ViewRejected>(told[0].message));
+  EXPECT_EQ(std::get<ViewRejected>(told[0].message).revision, 7U);
+  EXPECT_TRUE(received_by(other).empty());
+  EXPECT_EQ(hub_->counts().views_rejected, 1U);
+  EXPECT_EQ(hub_->counts().undecodable, 1U);
+  // Who may not send a view, or has not joined, gets no reply.
+  send(tool, scaled, kSession);
+  EXPECT_TRUE(events().empty());
+  EXPECT_TRUE(received_by(tool).empty());
+  RawNode stranger = raw_node(5, 50);
+  send(stranger, scaled, kSession);
+  EXPECT_TRUE(events().empty());
+  EXPECT_TRUE(received_by(stranger).empty());
+  EXPECT_EQ(hub_->counts().views_rejected, 1U);
+  EXPECT_EQ(hub_->counts().wrong_role, 1U);
+  EXPECT_EQ(hub_->counts().unknown_peers, 1U);
 }
 
 TEST_F(HubPeersTest, SaysByeToEveryoneWhenItGoes) {

@@ -39,7 +39,7 @@ class LinkKeyTest : public testing::Test {
     return path;
   }
 
-  static std::string refusal(const std::filesystem::path& path) {
+  static std::string rejection(const std::filesystem::path& path) {
     const auto key = read_key_file(path);
     EXPECT_FALSE(key) << path;
     if (key) return {};
@@ -74,7 +74,7 @@ TEST_F(LinkKeyTest, LeavesAFileThatIsThereAsItIs) {
   const auto path = folder_.write("key", "something dear");
   const auto made = make_key_file(path);
   ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().what, HasSubstr("there already"));
+  EXPECT_THAT(made.error().what, HasSubstr("already exists"));
   EXPECT_EQ(std::filesystem::file_size(path), 14U);
   // Not through a link either.
   std::filesystem::create_symlink(folder_.path() / "elsewhere", folder_.path() / "link");
@@ -90,7 +90,7 @@ TEST_F(LinkKeyTest, APlaceThatIsNotThereIsAnError) {
 
 TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
   for (const std::size_t bytes : {0U, 1U, 31U, 33U, 47U, 49U, 4096U}) {
-    const std::string told = refusal(write_key("key", bytes, 0600));
+    const std::string told = rejection(write_key("key", bytes, 0600));
     EXPECT_THAT(told, HasSubstr(std::to_string(bytes)));
     EXPECT_THAT(told, HasSubstr("hapton keygen"));
   }
@@ -98,7 +98,7 @@ TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
 
 TEST_F(LinkKeyTest, RefusesAModeThatLetsOthersInWithTheRemedy) {
   for (const mode_t mode : {0644, 0640, 0660, 0666, 0604, 0601, 0777}) {
-    EXPECT_THAT(refusal(write_key("key", kKeyFileBytes, mode)), HasSubstr("chmod 600"));
+    EXPECT_THAT(rejection(write_key("key", kKeyFileBytes, mode)), HasSubstr("chmod 600"));
   }
   for (const mode_t mode : {0600, 0400}) EXPECT_TRUE(read_key_file(write_key("key", kKeyFileBytes, mode)));
 }
@@ -111,41 +111,41 @@ TEST_F(LinkKeyTest, TakesWhatSystemdHandsToAService) {
   const auto key = read_key_file(path);
   EXPECT_TRUE(key) << key.error().what;
   ASSERT_EQ(chown(path.c_str(), 0, 12345), 0);
-  EXPECT_THAT(refusal(path), HasSubstr("chmod 600"));
+  EXPECT_THAT(rejection(path), HasSubstr("chmod 600"));
 }
 
 TEST_F(LinkKeyTest, RefusesAnotherUsersFileWithTheRemedy) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   const auto path = write_key("key", kKeyFileBytes, 0600);
   ASSERT_EQ(chown(path.c_str(), 12345, 12345), 0);
-  EXPECT_THAT(refusal(path), HasSubstr("chown"));
+  EXPECT_THAT(rejection(path), HasSubstr("chown"));
 }
 
 TEST_F(LinkKeyTest, RefusesWhatIsNoRegularFile) {
-  EXPECT_THAT(refusal(folder_.path()), HasSubstr("regular"));
+  EXPECT_THAT(rejection(folder_.path()), HasSubstr("regular"));
   const auto fifo = folder_.path() / "fifo";
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-  EXPECT_THAT(refusal(fifo), HasSubstr("regular"));
-  EXPECT_THAT(refusal(folder_.path() / "gone"), HasSubstr("hapton keygen"));
+  EXPECT_THAT(rejection(fifo), HasSubstr("regular"));
+  EXPECT_THAT(rejection(folder_.path() / "gone"), HasSubstr("hapton keygen"));
 }
 
 TEST_F(LinkKeyTest, RefusesAKeyWhoseBytesAreAllTheSame) {
   for (const char byte : {'\0', 'k', '\xff'}) {
     const auto path = folder_.write("key", std::string("hapton-master\0\0\0", 16) + std::string(32, byte));
     ASSERT_EQ(chmod(path.c_str(), 0600), 0);
-    EXPECT_THAT(refusal(path), HasSubstr("all bytes of the key are the same"));
+    EXPECT_THAT(rejection(path), HasSubstr("all bytes of the key are the same"));
   }
 }
 
 TEST_F(LinkKeyTest, RefusesAKeyOfAnOlderHaptonAndSaysWhatToDo) {
-  const std::string told = refusal(write_key("key", 32, 0600));
+  const std::string told = rejection(write_key("key", 32, 0600));
   EXPECT_THAT(told, HasSubstr("older Hapton"));
   EXPECT_THAT(told, HasSubstr("hapton keygen --role"));
 }
 
 TEST_F(LinkKeyTest, RefusesAFileOfTheRightLengthThatIsNoKey) {
   for (const std::string role : {"io", "Master", "vision2", ""}) {
-    EXPECT_THAT(refusal(write_key("key", kKeyFileBytes, 0600, role)), HasSubstr("no key file")) << role;
+    EXPECT_THAT(rejection(write_key("key", kKeyFileBytes, 0600, role)), HasSubstr("not a Hapton key file")) << role;
   }
 }
 
@@ -163,10 +163,10 @@ TEST_F(LinkKeyTest, RefusesAFolderThatEveryoneMayChange) {
   ASSERT_TRUE(make_key_file(path));
   EXPECT_TRUE(read_key_file(path));
   ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
-  EXPECT_THAT(refusal(path), HasSubstr("chmod o-w " + open_folder.string()));
+  EXPECT_THAT(rejection(path), HasSubstr("chmod o-w " + open_folder.string()));
   // A way round by a link leads to the same folder.
   std::filesystem::create_symlink(path, folder_.path() / "link");
-  EXPECT_THAT(refusal(folder_.path() / "link"), HasSubstr("chmod o-w"));
+  EXPECT_THAT(rejection(folder_.path() / "link"), HasSubstr("chmod o-w"));
   ASSERT_EQ(chmod(open_folder.c_str(), 0755), 0);
   EXPECT_TRUE(read_key_file(path));
   // And a link that everyone may change leads wherever they like.
@@ -174,7 +174,7 @@ TEST_F(LinkKeyTest, RefusesAFolderThatEveryoneMayChange) {
   std::filesystem::create_symlink(good, open_folder / "way");
   EXPECT_TRUE(read_key_file(open_folder / "way"));
   ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
-  EXPECT_THAT(refusal(open_folder / "way"), HasSubstr("chmod o-w " + open_folder.string()));
+  EXPECT_THAT(rejection(open_folder / "way"), HasSubstr("chmod o-w " + open_folder.string()));
   EXPECT_TRUE(read_key_file(good));
 }
 
@@ -190,12 +190,13 @@ TEST_F(LinkKeyTest, ARolesKeyIsGoodForThatRoleAlone) {
   EXPECT_EQ(key->role(), KeyRole::vision);
   EXPECT_EQ(key->bytes(), read_role_key_file(master_path, KeyRole::vision)->bytes());
   EXPECT_NE(key->bytes(), read_role_key_file(master_path, KeyRole::haptics)->bytes());
-  EXPECT_THAT(refusal(path), HasSubstr("the hub needs the master key"));
+  EXPECT_THAT(rejection(path), HasSubstr("the hub needs the master key"));
   for (const KeyRole other : {KeyRole::haptics, KeyRole::tool, KeyRole::operator_role}) {
-    const auto refused = read_role_key_file(path, other);
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().what, HasSubstr("is the key of role vision, and this needs that of role " + std::string(to_string(other))));
-    EXPECT_THAT(refused.error().what, HasSubstr("hapton keygen --role"));
+    const auto rejected = read_role_key_file(path, other);
+    ASSERT_FALSE(rejected);
+    EXPECT_THAT(rejected.error().what,
+                HasSubstr("is the key of role vision, and this needs that of role " + std::string(to_string(other))));
+    EXPECT_THAT(rejected.error().what, HasSubstr("hapton keygen --role"));
   }
   EXPECT_FALSE(make_role_key_file(path, master, KeyRole::tool)) << "what is there stays";
 }

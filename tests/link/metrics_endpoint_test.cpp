@@ -111,9 +111,9 @@ TEST(MetricsEndpointTest, StaysOnThisMachine) {
   }
   const auto taken = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(taken);
-  const auto refused = MetricsEndpoint::open(to_string((*taken)->local_address()));
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().what, HasSubstr("cannot serve metrics"));
+  const auto rejected = MetricsEndpoint::open(to_string((*taken)->local_address()));
+  ASSERT_FALSE(rejected);
+  EXPECT_THAT(rejected.error().what, HasSubstr("cannot serve metrics"));
 }
 
 }  // namespace

@@ -159,7 +159,7 @@ TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
     EXPECT_NE(liar->client.state(), JoinState::joined);
     EXPECT_GT(peers_->counts().role_violations, violations);
     // Joined as what the key says, it still sends no force.
-    const std::uint64_t misplaced = peers_->counts().misplaced;
+    const std::uint64_t wrong_role = peers_->counts().wrong_role;
     const NodeRole own = key_role == KeyRole::vision ? NodeRole::vision : NodeRole::tool;
     const auto member = make_member(key_role, own, static_cast<std::uint8_t>(host + 100));
     run(300, [&] {
@@ -167,7 +167,7 @@ TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
       member->client.send(ForceCommand{.echo_sample = sample_, .force_n = Vec3(kFalseForceN, 0, 0)});
     });
     EXPECT_EQ(member->client.state(), JoinState::joined);
-    EXPECT_GT(peers_->counts().misplaced, misplaced);
+    EXPECT_GT(peers_->counts().wrong_role, wrong_role);
   }
   EXPECT_EQ(false_forces_, 0);
   EXPECT_GT(true_forces_, 1700);

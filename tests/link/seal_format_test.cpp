@@ -35,7 +35,7 @@ void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kM
 void lengthen(ForceCommand& m) { m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64}; }
 void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
 void lengthen(ProbeState& m) {
-  m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32};
+  m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
 }
 void lengthen(Drawn& m) { m = {kMost64, kLeastTime, kRate, kMost32}; }
 void lengthen(HandTarget& m) { m = {true, kVector}; }
@@ -44,16 +44,21 @@ void lengthen(Settings& m) {
   m.method.fill('x');
   m.report_now = true;
   m.reset_faults = true;
-  m.method_ask = kMost32;
+  m.method_request = kMost32;
 }
 void lengthen(HapticsSetup& m) {
   m = {kMost32, kMost32, kPose, kMost64, {}, {}, {}, kMost32, {}, kMost32};
   fill_text(m.scene);
   fill_text(m.build);
   fill_text(m.method);
-  fill_text(m.refusal);
+  fill_text(m.rejection);
 }
-void lengthen(ReportAsk& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
+void lengthen(SceneFacts& m) {
+  m = {kMost64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMostPoints, {}};
+  m.points_m.fill({3, 3, 3});
+}
+void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
+void lengthen(ViewRejected& m) { m = {kMost32}; }
 void lengthen(ReportPart& m) {
   m.document = ReportDocument::csv;
   m.revision = kMost32;

@@ -43,7 +43,7 @@ struct BothSides {
   }
 };
 
-TEST(SealSystemCalls, a_datagram_sealed_and_opened_makes_none) {
+TEST(SealSystemCalls, ADatagramSealedAndOpenedMakesNone) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<BothSides> sides;
   EXPECT_EQ(SystemCallGuard::run([&] { sides = std::make_unique<BothSides>(); },

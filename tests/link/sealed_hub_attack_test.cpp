@@ -78,7 +78,7 @@ TEST_F(SealedHubTest, AFloodIsNamed) {
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
   ASSERT_TRUE(flood);
-  EXPECT_EQ(flood->refusal, Refusal::replayed_handshake);
+  EXPECT_EQ(flood->rejection, Rejection::replayed_handshake);
   EXPECT_EQ(flood->from, memory_address(66, 6));
   EXPECT_NEAR(flood->per_second, 5000.0, 1.0);
 }
@@ -89,11 +89,11 @@ TEST_F(SealedHubTest, AFloodOfOverlongDatagramsIsCountedAndNamed) {
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
   ASSERT_TRUE(flood);
-  EXPECT_EQ(flood->refusal, Refusal::oversized);
+  EXPECT_EQ(flood->rejection, Rejection::oversized);
   EXPECT_EQ(flood->from, memory_address(66, 6));
   EXPECT_NEAR(flood->per_second, 740'000.0, 1.0);
   EXPECT_EQ(hub_->seal_counts().oversized, 740'000U);
-  EXPECT_EQ(hub_->seal_counts().refused(), 740'000U);
+  EXPECT_EQ(hub_->seal_counts().rejected(), 740'000U);
   clock_.advance_ns(kNanosecondsPerSecond);
   EXPECT_FALSE(hub_->take_flood(clock_.now_ns())) << "it is over";
 }
@@ -106,7 +106,7 @@ TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
   ASSERT_TRUE(flood);
-  EXPECT_EQ(flood->refusal, Refusal::malformed);
+  EXPECT_EQ(flood->rejection, Rejection::malformed);
   EXPECT_NEAR(flood->per_second, 200'000.0, 1e-3);
   EXPECT_TRUE(flood->is_kept_out);
 }
@@ -203,9 +203,9 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
     return haptics->endpoint.heard().back().bytes;
   };
   ASSERT_TRUE(intruder.read_retry(ask(1)));
-  const std::uint64_t refused = hub_->seal_counts().no_place;
+  const std::uint64_t rejected = hub_->seal_counts().no_place;
   ask(2);
-  EXPECT_EQ(hub_->seal_counts().no_place, refused + 1);
+  EXPECT_EQ(hub_->seal_counts().no_place, rejected + 1);
   EXPECT_TRUE(answer(*haptics, "still yours"));
   EXPECT_EQ(node_hears(*haptics), std::vector<std::string>{"still yours"});
 }
@@ -245,7 +245,7 @@ TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
     EXPECT_GE(sealed.seal_counts().handshakes, 15U);
     for (int turn = kWarmUp; turn < kTurns; ++turn) ASSERT_EQ(answered[turn], 1) << turn;
     EXPECT_LE(latest_ns, 4 * kMs + 2 * jitter_ns + (jitter_ns == 0 ? 0 : 4 * kMs) + 2 * kMs);
-    EXPECT_EQ(sealed.seal_counts().refused(), 0U);
+    EXPECT_EQ(sealed.seal_counts().rejected(), 0U);
     EXPECT_EQ(hub_->seal_counts().forged + hub_->seal_counts().unknown_session, 0U);
   }
 }

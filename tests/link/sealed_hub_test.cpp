@@ -26,7 +26,7 @@ TEST_F(SealedHubTest, TheFirstWordIsHeldUntilThereIsASession) {
   EXPECT_EQ(node_hears(*node), std::vector<std::string>{"hello node"});
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
-  EXPECT_EQ(hub_->seal_counts().refused(), 0U);
+  EXPECT_EQ(hub_->seal_counts().rejected(), 0U);
 }
 
 TEST_F(SealedHubTest, NoWordIsReadableOnTheWire) {
@@ -47,7 +47,7 @@ TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
   node_hears(*nodes[0]);
   nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.heard().back().bytes);
   EXPECT_TRUE(node_hears(*nodes[1]).empty());
-  EXPECT_GT(nodes[1]->sealed.seal_counts().refused(), 0U);
+  EXPECT_GT(nodes[1]->sealed.seal_counts().rejected(), 0U);
 }
 
 TEST_F(SealedHubTest, WithAnotherKeyThereIsSilenceAndACount) {
@@ -139,12 +139,12 @@ TEST_F(SealedHubTest, WordsReflectedToWhoSaidThemAreNotHeard) {
   EXPECT_EQ(hub_hears().size(), 1U);
   node->endpoint.put_in(hub_at_, hub_endpoint_.heard().back().bytes);
   EXPECT_TRUE(node_hears(*node).empty());
-  EXPECT_EQ(node->sealed.seal_counts().refused(), 1U);
+  EXPECT_EQ(node->sealed.seal_counts().rejected(), 1U);
   ASSERT_TRUE(answer(*node, "down"));
   node_hears(*node);
   hub_endpoint_.put_in(node->endpoint.local_address(), node->endpoint.heard().back().bytes);
   EXPECT_TRUE(hub_hears().empty());
-  EXPECT_EQ(hub_->seal_counts().refused(), 1U);
+  EXPECT_EQ(hub_->seal_counts().rejected(), 1U);
 }
 
 TEST_F(SealedHubTest, ASessionIsGoodForItsAddressOnly) {
@@ -174,10 +174,10 @@ TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRefusedAndCounted) 
   const Received received = hub_endpoint_.receive(into, 0);
   const Bytes sealed(into.begin(), into.begin() + static_cast<std::ptrdiff_t>(received.bytes));
   const auto expect_refused = [&](const Bytes& bytes) {
-    const std::uint64_t before = hub_->seal_counts().refused();
+    const std::uint64_t before = hub_->seal_counts().rejected();
     hub_endpoint_.put_in(received.from, bytes);
     ASSERT_TRUE(hub_hears().empty());
-    ASSERT_EQ(hub_->seal_counts().refused(), before + 1);
+    ASSERT_EQ(hub_->seal_counts().rejected(), before + 1);
   };
   const std::size_t sent = hub_endpoint_.sent();
   for (std::size_t size = 1; size < sealed.size(); ++size) {
@@ -247,7 +247,7 @@ TEST_F(SealedHubTest, ANodeThatWasBusyForLongAsksForNothing) {
 TEST_F(SealedHubTest, WhileTheHubHasNotHeardTheNewSessionItIsHeardInTheOldOne) {
   const auto node = make_node(2);
   join(*node);
-  clock_.advance_ns(SealedClient::kSilenceNs);
+  clock_.advance_ns(SealedClient::kPeerTimeoutNs);
   node_hears(*node);  // asks
   hub_hears();        // cookie
   say(*node, "lost on the way");
@@ -343,10 +343,10 @@ TEST_F(SealedHubTest, AFloodIsBoundedAndHoldsNoPoll) {
   }
   std::array<std::byte, kMaxDatagramBytes> into;
   EXPECT_EQ(hub_->receive(into, 0).bytes, 0U);
-  EXPECT_LT(hub_->seal_counts().refused(), 100U);
+  EXPECT_LT(hub_->seal_counts().rejected(), 100U);
   say(*node, "through it all");
   EXPECT_GT(hub_->receive(into, clock_.now_ns() + 5 * kMs).bytes, 0U);
-  EXPECT_EQ(hub_->seal_counts().refused(), 1000U);
+  EXPECT_EQ(hub_->seal_counts().rejected(), 1000U);
 }
 
 // Endpoints that keep nothing, so that only sealing's own heap use counts.

@@ -175,7 +175,7 @@ TEST_F(SealedSessionTest, ASecondHapticsNodeIsToldThatThePlaceIsTaken) {
   const auto second = make_node(3);
   run({first.get(), second.get()}, 500);
   EXPECT_EQ(first->client.state(), JoinState::joined);
-  EXPECT_EQ(second->client.state(), JoinState::refused);
+  EXPECT_EQ(second->client.state(), JoinState::rejected);
 }
 
 TEST_F(SealedSessionTest, AStrangerLearnsNothingAndDisturbsNobody) {

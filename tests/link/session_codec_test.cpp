@@ -51,7 +51,7 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
 
 constexpr std::array kKinds = {Kind::received, Kind::sent, Kind::cycle, Kind::fault, Kind::dropped};
 
-TEST(SessionCodec, gives_back_every_kind_of_entry) {
+TEST(SessionCodec, GivesBackEveryKindOfEntry) {
   SessionCodec codec;
   for (const Kind kind : kKinds) {
     std::string bytes;
@@ -64,7 +64,7 @@ TEST(SessionCodec, gives_back_every_kind_of_entry) {
   }
 }
 
-TEST(SessionCodec, gives_back_a_header) {
+TEST(SessionCodec, GivesBackAHeader) {
   SessionCodec codec;
   const SessionHeader header{"0.1.0", 5, 6, 7, "silence", {{"rate", "1000"}, {"device", "simulated"}}};
   std::string bytes;
@@ -79,7 +79,7 @@ TEST(SessionCodec, gives_back_a_header) {
   EXPECT_EQ(read.settings, header.settings);
 }
 
-TEST(SessionCodec, every_cut_is_seen) {
+TEST(SessionCodec, EveryCutIsSeen) {
   SessionCodec codec;
   for (const Kind kind : kKinds) {
     std::string bytes;
@@ -91,7 +91,7 @@ TEST(SessionCodec, every_cut_is_seen) {
   }
 }
 
-TEST(SessionCodec, every_changed_bit_is_seen) {
+TEST(SessionCodec, EveryChangedBitIsSeen) {
   SessionCodec codec;
   for (const Kind kind : kKinds) {
     std::string bytes;

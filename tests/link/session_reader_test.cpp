@@ -38,7 +38,7 @@ struct SessionReaders : testing::Test {
   ScratchFolder scratch;
 };
 
-TEST_F(SessionReaders, read_every_entry_of_a_file_longer_than_the_buffer) {
+TEST_F(SessionReaders, ReadEveryEntryOfAFileLongerThanTheBuffer) {
   auto reader = SessionReader::open(scratch.write("s", make_file(5000)));
   ASSERT_TRUE(reader) << reader.error().what;
   EXPECT_EQ(reader->header().settings.at(0).second, "1000");
@@ -46,7 +46,7 @@ TEST_F(SessionReaders, read_every_entry_of_a_file_longer_than_the_buffer) {
   EXPECT_EQ(reader->problem(), "");
 }
 
-TEST_F(SessionReaders, wait_for_no_pipe) {
+TEST_F(SessionReaders, WaitForNoPipe) {
   const auto pipe = scratch.path() / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   for (const std::filesystem::path& path : {pipe, std::filesystem::path("/dev/null")}) {
@@ -56,7 +56,7 @@ TEST_F(SessionReaders, wait_for_no_pipe) {
   }
 }
 
-TEST_F(SessionReaders, give_what_stands_before_a_cut_and_say_where_it_is) {
+TEST_F(SessionReaders, GiveWhatStandsBeforeACutAndSayWhereItIs) {
   const std::string whole = make_file(10);
   auto reader = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - 1)));
   ASSERT_TRUE(reader);
@@ -64,7 +64,7 @@ TEST_F(SessionReaders, give_what_stands_before_a_cut_and_say_where_it_is) {
   EXPECT_NE(reader->problem().find("cut short after 9 entries"), std::string::npos) << reader->problem();
 }
 
-TEST_F(SessionReaders, give_what_stands_before_a_damaged_entry) {
+TEST_F(SessionReaders, GiveWhatStandsBeforeADamagedEntry) {
   std::string bytes = make_file(10);
   bytes[bytes.size() - 1000] ^= 1;
   auto reader = SessionReader::open(scratch.write("s", bytes));
@@ -73,7 +73,7 @@ TEST_F(SessionReaders, give_what_stands_before_a_damaged_entry) {
   EXPECT_NE(reader->problem().find("damaged after 8 entries"), std::string::npos) << reader->problem();
 }
 
-TEST_F(SessionReaders, survive_whatever_is_in_the_file) {
+TEST_F(SessionReaders, SurviveWhateverIsInTheFile) {
   std::mt19937_64 random(20261120);
   const std::string whole = make_file(20);
   for (int n = 0; n < 500; ++n) {
@@ -89,13 +89,13 @@ TEST_F(SessionReaders, survive_whatever_is_in_the_file) {
   }
 }
 
-TEST_F(SessionReaders, refuse_in_one_line_what_is_no_session) {
+TEST_F(SessionReaders, RefuseInOneLineWhatIsNoSession) {
   const std::string whole = make_file(1);
   const struct {
     std::string bytes;
     std::string says;
-  } kCases[] = {{"", "no recorded session"},
-                {"t_s,x_m\n", "no recorded session"},
+  } kCases[] = {{"", "not a recorded session"},
+                {"t_s,x_m\n", "not a recorded session"},
                 {"hapton.session/2\n....", "another schema"},
                 {whole.substr(0, kSessionMagic.size() + 2), "header"}};
   for (const auto& [bytes, says] : kCases) {

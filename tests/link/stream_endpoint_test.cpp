@@ -63,7 +63,7 @@ bool until(const std::vector<Party*>& parties, const std::function<bool()>& hold
   return true;
 }
 
-TEST(StreamEndpoint, two_connect_speak_and_part) {
+TEST(StreamEndpoint, TwoConnectSpeakAndPart) {
   Party server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   ASSERT_NE(id, 0U);
@@ -79,7 +79,7 @@ TEST(StreamEndpoint, two_connect_speak_and_part) {
   EXPECT_FALSE(client.endpoint->send(id, bytes_of("gone")));
 }
 
-TEST(StreamEndpoint, much_arrives_whole) {
+TEST(StreamEndpoint, MuchArrivesWhole) {
   Party server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   const std::string much(200'000, 'x');
@@ -87,7 +87,7 @@ TEST(StreamEndpoint, much_arrives_whole) {
   EXPECT_TRUE(until({&server, &client}, [&] { return !server.heard.empty() && server.heard.begin()->second == much; }));
 }
 
-TEST(StreamEndpoint, datagrams_come_at_the_same_port) {
+TEST(StreamEndpoint, DatagramsComeAtTheSamePort) {
   Party server, client;
   ASSERT_TRUE(client.endpoint->send_datagram(server.endpoint->local_address(), bytes_of("call me")));
   ASSERT_TRUE(until({&server}, [&] { return !server.datagrams.empty(); }));
@@ -95,7 +95,7 @@ TEST(StreamEndpoint, datagrams_come_at_the_same_port) {
   EXPECT_EQ(server.last_from, client.endpoint->local_address());
 }
 
-TEST(StreamEndpoint, a_connection_to_nobody_is_closed) {
+TEST(StreamEndpoint, AConnectionToNobodyIsClosed) {
   Party client;
   Address nobody;
   {
@@ -108,7 +108,7 @@ TEST(StreamEndpoint, a_connection_to_nobody_is_closed) {
   }
 }
 
-TEST(StreamEndpoint, who_does_not_read_is_cut_off) {
+TEST(StreamEndpoint, WhoDoesNotReadIsCutOff) {
   Party server, client;
   client.endpoint->connect(server.endpoint->local_address());
   ASSERT_TRUE(until({&server, &client}, [&] { return !server.peers.empty(); }));
@@ -123,7 +123,7 @@ TEST(StreamEndpoint, who_does_not_read_is_cut_off) {
   EXPECT_EQ(server.closed.size(), 1U);
 }
 
-TEST(StreamEndpoint, one_too_many_is_let_go) {
+TEST(StreamEndpoint, OneTooManyIsLetGo) {
   Party server;
   std::vector<std::unique_ptr<Party>> clients;
   std::vector<Party*> all = {&server};
@@ -141,7 +141,7 @@ TEST(StreamEndpoint, one_too_many_is_let_go) {
 }
 
 // A caller that cannot be let in for want of a descriptor used to wake every wait at once, for ever.
-TEST(StreamEndpoint, does_not_spin_when_no_descriptor_is_left) {
+TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   Party server;
   const int caller = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   rlimit before = {};
@@ -166,7 +166,7 @@ TEST(StreamEndpoint, does_not_spin_when_no_descriptor_is_left) {
   ::close(caller);
 }
 
-TEST(StreamEndpoint, a_wait_ends_when_it_is_woken) {
+TEST(StreamEndpoint, AWaitEndsWhenItIsWoken) {
   Party party;
   SteadyClock clock;
   std::thread other([&] { party.endpoint->wake(); });
@@ -174,7 +174,7 @@ TEST(StreamEndpoint, a_wait_ends_when_it_is_woken) {
   other.join();
 }
 
-TEST(StreamEndpoint, what_cannot_be_opened_is_told) {
+TEST(StreamEndpoint, WhatCannotBeOpenedIsTold) {
   const Party first;
   const auto second = StreamEndpoint::open(to_string(first.endpoint->local_address()), 3883);
   ASSERT_FALSE(second);
@@ -183,7 +183,7 @@ TEST(StreamEndpoint, what_cannot_be_opened_is_told) {
   EXPECT_THAT(StreamEndpoint::open("127.0.0.1:x", 1).error().what, HasSubstr("port 'x'"));
 }
 
-TEST(StreamEndpoint, speaks_ipv6_as_well) {
+TEST(StreamEndpoint, SpeaksIpv6AsWell) {
   Party server("[::1]:0");
   if (!server.endpoint) GTEST_SKIP() << "this machine has no IPv6";
   Party client("[::1]:0");

@@ -49,18 +49,18 @@ TEST(UdpEndpointLimits, TooFewDescriptorsAreOneClearLine) {
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
   const int next = ::dup(0);
   ::close(next);
-  int refused = 0;
+  int rejected = 0;
   for (int more = 0; more < 12; ++more) {
     const rlimit few = {.rlim_cur = static_cast<rlim_t>(next + more), .rlim_max = before.rlim_max};
     ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
     const auto endpoint = open_udp_endpoint("127.0.0.1:0");
     ::setrlimit(RLIMIT_NOFILE, &before);
     if (endpoint) continue;
-    ++refused;
+    ++rejected;
     EXPECT_THAT(endpoint.error().what, HasSubstr("ulimit -n")) << more;
   }
-  EXPECT_GT(refused, 3);
-  EXPECT_LT(refused, 12);
+  EXPECT_GT(rejected, 3);
+  EXPECT_LT(rejected, 12);
 }
 
 TEST_F(UdpEndpointTest, CarriesDatagramsBothWaysAndNamesTheSender) {
@@ -147,7 +147,7 @@ TEST_F(UdpEndpointTest, IgnoresThatAPeerIsNotThere) {
   const Address gone = open("127.0.0.1:0")->local_address();
   for (int i = 0; i < 5; ++i) {
     EXPECT_TRUE(a->send(gone, bytes_of("anyone?")));
-    EXPECT_EQ(receive(*a, kMs), "");  // the refusal comes back here
+    EXPECT_EQ(receive(*a, kMs), "");  // the rejection comes back here
   }
   a->send(gone, bytes_of("anyone?"));
   EXPECT_TRUE(a->send(b->local_address(), bytes_of("hello")));
@@ -205,10 +205,10 @@ TEST_F(UdpEndpointTest, SaysInOneLineWhyItCannotListen) {
   const auto holder = open("127.0.0.1:0");
   const std::string taken = to_string(holder->local_address());
   const auto expect_refused = [](const std::string& address, const char* reason) {
-    const Result<std::unique_ptr<Endpoint>> refused = open_udp_endpoint(address);
-    ASSERT_FALSE(refused) << address;
-    EXPECT_THAT(refused.error().what, HasSubstr(reason));
-    EXPECT_EQ(refused.error().what.find('\n'), std::string::npos);
+    const Result<std::unique_ptr<Endpoint>> rejected = open_udp_endpoint(address);
+    ASSERT_FALSE(rejected) << address;
+    EXPECT_THAT(rejected.error().what, HasSubstr(reason));
+    EXPECT_EQ(rejected.error().what.find('\n'), std::string::npos);
   };
   expect_refused(taken, "another program holds this port");
   expect_refused("192.0.2.1:4950", "this host has no such address");

@@ -138,7 +138,7 @@ const std::vector<BadCall> kHapticsNode = {
     {"NoHubInAllItsSeconds",
      "haptics_node",
      {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:TAKEN_PORT", "--seconds", "0.2", "--rt", "off"},
-     "no hub let it join at 127.0.0.1:TAKEN_PORT in 0.2 s; start io_node there"},
+     "no hub at 127.0.0.1:TAKEN_PORT accepted it within 0.2 s; start io_node there"},
     {"ConfigMissing", "haptics_node", {"--config", "FOLDER/gone.toml"}, "gone.toml"},
     {"ConfigIsAPipe", "haptics_node", {"--config", "FOLDER/pipe"}, "not a regular file"},
     {"SceneIsAPipe", "haptics_node", {"--scene", "FOLDER/pipe"}, "not a regular file"},
@@ -335,13 +335,13 @@ const std::vector<BadCall> kThreaded = {
      "io_node",
      {"--bind", "127.0.0.1:0", "--seconds", "0.2", "--rt", "off", "--watchdog", "off", "--metrics", "127.0.0.1:0", "--vrpn", "127.0.0.1:0",
       "--record", "FOLDER/record"},
-     "starts no more threads"},
+     "cannot start another thread"},
     {"HapticsNode",
      "haptics_node",
      {"--scene", HAPTON_SOURCE_DIR "/scenes/car_front.toml", "--hub", "127.0.0.1:9", "--seconds", "0.2", "--rt", "off"},
-     "starts no more threads"},
-    {"HaptonGovernor", "hapton", {"governor", "--threads", "3", "--steps", "1000"}, "starts no more threads"},
-    {"HaptonStress", "hapton", {"stress", "--threads", "3", "--steps", "100", "--body", "box"}, "starts no more threads"},
+     "cannot start another thread"},
+    {"HaptonGovernor", "hapton", {"governor", "--threads", "3", "--steps", "1000"}, "cannot start another thread"},
+    {"HaptonStress", "hapton", {"stress", "--threads", "3", "--steps", "100", "--body", "box"}, "cannot start another thread"},
 };
 INSTANTIATE_TEST_SUITE_P(Programs, FewThreads, ::testing::ValuesIn(kThreaded),
                          [](const ::testing::TestParamInfo<BadCall>& call) { return call.param.name; });
@@ -353,7 +353,7 @@ TEST(FewThreadsAlone, TheWatchdogSaysSo) {
   const auto ended = run("io_node", {"--bind", "127.0.0.1:0", "--seconds", "3", "--rt", "off"}, folder.path());
   ASSERT_TRUE(ended) << "still runs";
   EXPECT_EQ(ended->exit_code, 0) << ended->err;
-  EXPECT_THAT(ended->err, ::testing::HasSubstr("hapton_watchdog: the system starts no more threads"));
+  EXPECT_THAT(ended->err, ::testing::HasSubstr("hapton_watchdog: cannot start another thread"));
   EXPECT_THAT(ended->err, ::testing::HasSubstr("the watchdog process had ended"));
 }
 #endif

@@ -63,7 +63,7 @@ TEST_F(TwoHands, TouchEachByItself) {
       << io->out() << io->err();
   // The right hand goes on when the left one's haptics node is gone.
   haptics["left"]->kill();
-  ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "silence_events") > 0; })) << io->err();
+  ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "command_timeouts") > 0; })) << io->err();
   const std::int64_t felt = count(report_of("right"), "contact_samples");
   ASSERT_TRUE(wait_for([&](const Json&, const Json& right) { return count(right, "contact_samples") > felt; })) << io->err();
   io->send_signal(SIGTERM);
@@ -158,7 +158,7 @@ TEST(Devices, AFileThatIsWrongIsOneLine) {
   const auto ended = run("io_node", {"--devices", (folder.path() / "bad.toml").string()}, folder.path());
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->exit_code, 1);
-  EXPECT_THAT(ended->err, HasSubstr("bad.toml:3: there is no device 'sofa'; take simulated"));
+  EXPECT_THAT(ended->err, HasSubstr("bad.toml:3: unknown device 'sofa'; choose one of simulated"));
   const auto both = run("io_node", {"--devices", (folder.path() / "bad.toml").string(), "--device", "simulated"}, folder.path());
   ASSERT_TRUE(both);
   EXPECT_EQ(both->exit_code, 2);

@@ -77,11 +77,11 @@ TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
   EXPECT_GT(watched.felt, 0);
   const Json report = system.ask_for_report();
   expect_sane(report);
-  EXPECT_GT(count(report, "refused_forged") + count(report, "refused_malformed") + count(report, "refused_unknown_session") +
-                count(report, "refused_wrong_version"),
+  EXPECT_GT(count(report, "rejected_forged") + count(report, "rejected_malformed") + count(report, "rejected_unknown_session") +
+                count(report, "rejected_wrong_version"),
             0)
       << "what was spoilt is noticed";
-  EXPECT_GT(count(report, "refused_replayed"), 0) << "copies are noticed";
+  EXPECT_GT(count(report, "rejected_replayed"), 0) << "copies are noticed";
   for (const char* node : {"haptics_node", "relay", "io_node"}) system.end(node);
   const Json relay = Json::parse(read_text(system.relay_report_path()));
   for (const char* way : {"to_hub", "to_nodes"}) {
@@ -102,7 +102,7 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   Onlooker onlooker(system);
   ProbeState state;
   ASSERT_TRUE(onlooker.see_until(true, state));
-  const auto was_cut_twice = [](const Json& report) { return count(report, "silence_events") >= 2; };
+  const auto was_cut_twice = [](const Json& report) { return count(report, "command_timeouts") >= 2; };
   ASSERT_TRUE(waits_for(system, was_cut_twice));
   EXPECT_TRUE(feels_on(system, 100)) << "no contact after the cut";
   EXPECT_THAT(system["relay"].out(), HasSubstr("phase cut"));
@@ -237,7 +237,7 @@ TEST(Hub, AnotherVersionIsMetWithSilenceAndCounted) {
     bytes[1] = static_cast<std::byte>(version);
     ASSERT_TRUE(stranger.send(std::span(bytes).first(size)));
   }
-  EXPECT_TRUE(waits_for(system, [](const Json& report) { return count(report, "refused_wrong_version") == 3; }));
+  EXPECT_TRUE(waits_for(system, [](const Json& report) { return count(report, "rejected_wrong_version") == 3; }));
   EXPECT_EQ(stranger.hear(100 * kNanosecondsPerMillisecond), 0U);
   system.end("io_node");
 }
@@ -318,16 +318,16 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
   EXPECT_TRUE(System::wait_until([&] { return std::regex_search(system["io_node"].err(), kNamed); })) << system["io_node"].err();
   const Json report = system.ask_for_report();
   std::printf("junk: %.0f datagrams a second; %ld of %ld forces lost, %ld late, %ld silences\n", flood.stop() + other.stop(),
-              count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "silence_events"));
+              count(report, "lost"), count(report, "samples"), count(report, "late"), count(report, "command_timeouts"));
   // Once a second at most.
   const std::string told = system["io_node"].err();
   const auto lines = std::distance(std::sregex_iterator(told.begin(), told.end(), kNamed), std::sregex_iterator());
   EXPECT_LE(lines, 1 + std::chrono::ceil<std::chrono::seconds>(std::chrono::steady_clock::now() - begin).count()) << told;
   expect_sane(report);
-  EXPECT_GT(count(report, "refused_malformed") + count(report, "refused_wrong_version") + count(report, "refused_wrong_key") +
-                count(report, "refused_unknown_session") + count(report, "dropped_by_kernel"),
+  EXPECT_GT(count(report, "rejected_malformed") + count(report, "rejected_wrong_version") + count(report, "rejected_wrong_key") +
+                count(report, "rejected_unknown_session") + count(report, "dropped_by_kernel"),
             kFloodPerSecond / 10);
-  EXPECT_EQ(count(report, "joins_refused"), 0);
+  EXPECT_EQ(count(report, "joins_rejected"), 0);
   system.end_all();
 }
 

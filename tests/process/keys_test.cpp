@@ -79,15 +79,15 @@ TEST(Keys, AKeyOfAnotherRoleOrOfAnOlderVersionIsRefusedInALine) {
   const auto old = system.folder() / "old.key";
   std::ofstream(old) << "thirty-two bytes of an older key";
   std::filesystem::permissions(old, std::filesystem::perms(0600));
-  const auto refusal = [&](const std::string& program, const std::string& key) {
+  const auto rejection = [&](const std::string& program, const std::string& key) {
     const auto ended = run(program, {"--key", key, "--seconds", "0.1"}, system.folder());
     EXPECT_TRUE(ended && ended->exit_code == 1);
     return ended ? ended->err : std::string();
   };
-  EXPECT_THAT(refusal("io_node", vision), ::testing::HasSubstr("the hub needs the master key"));
-  EXPECT_THAT(refusal("haptics_node", vision), ::testing::HasSubstr("is the key of role vision"));
+  EXPECT_THAT(rejection("io_node", vision), ::testing::HasSubstr("the hub needs the master key"));
+  EXPECT_THAT(rejection("haptics_node", vision), ::testing::HasSubstr("is the key of role vision"));
   for (const char* program : {"io_node", "haptics_node"}) {
-    EXPECT_THAT(refusal(program, old.string()), ::testing::HasSubstr("is a key of an older Hapton"));
+    EXPECT_THAT(rejection(program, old.string()), ::testing::HasSubstr("is a key of an older Hapton"));
   }
 }
 
@@ -99,12 +99,12 @@ TEST(Keys, ANodeWithAnotherOneIsMetWithSilenceAndTheHubSaysSo) {
   Program stranger("haptics_node",
                    {"--hub", system.hub(), "--scene", (system.folder() / "cube.toml").string(), "--key", make_key(system, "other.key")},
                    system.folder());
-  const auto is_refused = [](const Json& report) { return count(report, "refused_wrong_key") > 0; };
+  const auto is_refused = [](const Json& report) { return count(report, "rejected_wrong_key") > 0; };
   const Json refused = system.wait_for_report(is_refused);
   EXPECT_TRUE(is_refused(refused)) << refused;
-  EXPECT_EQ(count(refused, "joins_refused"), 0);
+  EXPECT_EQ(count(refused, "joins_rejected"), 0);
   EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("hapton keygen --role ROLE") != std::string::npos; }));
-  EXPECT_TRUE(System::wait_until([&] { return stranger.err().find("no hub answers") != std::string::npos; }));
+  EXPECT_TRUE(System::wait_until([&] { return stranger.err().find("no reply from a hub") != std::string::npos; }));
   const auto goes_on = [&](const Json& report) { return count(report, "contact_samples") > count(refused, "contact_samples") + 100; };
   EXPECT_TRUE(goes_on(system.wait_for_report(goes_on)));
   stranger.send_signal(SIGTERM);

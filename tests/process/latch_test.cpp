@@ -29,10 +29,10 @@ struct Latched : testing::Test {
   std::string hub = "127.0.0.1:" + find_free_port();
 
   Program start(const std::string& trajectory) {
-    return Program(
-        "io_node",
-        {"--bind", hub, "--rt", "off", "--watchdog", "off", "--max-speed", "1", "--device", "replay", "--trajectory", (folder.path() / trajectory).string()},
-        folder.path());
+    return Program("io_node",
+                   {"--bind", hub, "--rt", "off", "--watchdog", "off", "--max-speed", "1", "--device", "replay", "--trajectory",
+                    (folder.path() / trajectory).string()},
+                   folder.path());
   }
   bool says(const Program& program, const std::string& text) {
     for (int tries = 0; tries < 2000 && program.err().find(text) == std::string::npos; ++tries) {
@@ -46,8 +46,8 @@ struct Latched : testing::Test {
 TEST_F(Latched, OutlivesTheProcessUntilItIsReset) {
   write_trajectory(folder.path() / "leaps.csv", true);
   write_trajectory(folder.path() / "rests.csv", false);
-  const std::string kLatched = "no force any more";
-  const std::string kStill = "a fault from before this start has not been reset: the device's position leapt";
+  const std::string kLatched = "fault latched, no force";
+  const std::string kStill = "a fault latched before this start has not been reset: the device's position jumped";
   {
     Program io = start("leaps.csv");
     ASSERT_TRUE(says(io, kLatched)) << io.err();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,8 @@ constexpr Seconds kRunPatience = 3 * kPatience;
 class RunScript : public ::testing::Test {
  protected:
   Program start(const std::vector<std::string>& more, const std::string& display = "") {
-    std::vector<std::string> words = {"--bin", HAPTON_BIN_DIR, "--out", out().string()};
+    std::vector<std::string> words = {"--bin", HAPTON_BIN_DIR};
+    if (std::find(more.begin(), more.end(), "--out") == more.end()) words.insert(words.end(), {"--out", out().string()});
     words.insert(words.end(), more.begin(), more.end());
     return Program(HAPTON_SOURCE_DIR "/deploy/run", words, folder_.path(), display);
   }
@@ -84,6 +86,35 @@ TEST_F(RunScript, TouchesAMeshInAnyUnitAndItsRecordingReplays) {
     ASSERT_TRUE(replayed);
     EXPECT_EQ(replayed->exit_code, 0) << replayed->out << replayed->err;
   }
+}
+
+// Two pins far apart: a hand that does not know where they are meets nothing for a long time.
+TEST_F(RunScript, TouchesASmallThingThatLiesAside) {
+  const std::filesystem::path mesh = folder_.path() / "pins.obj";
+  std::ofstream file(mesh);
+  for (const double x : {-1.0, 1.0}) file << "v " << x << " 0.4 0\nv " << x + 0.02 << " 0.4 0\nv " << x << " 0.42 0\n";
+  file << "f 1 2 3\nf 4 5 6\n";
+  file.close();
+  Program script = start({"--headless", "--seconds", "5", "--scene", mesh.string()});
+  const auto ended = script.wait(kRunPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
+  EXPECT_THAT(ended->out, HasSubstr("\nrun: touched " + mesh.string()));
+}
+
+TEST_F(RunScript, RefusesAtOnceWhatItCouldNotWriteAtTheEnd) {
+  std::ofstream(folder_.path() / "file") << "in the way";
+  const auto ended = start({"--headless", "--out", (folder_.path() / "file").string()}).wait(Seconds(20));
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 1);
+  EXPECT_THAT(ended->err, HasSubstr("cannot be written"));
+}
+
+TEST_F(RunScript, NamesTheOptionThatWasMeant) {
+  const auto ended = start({"--sceen", "x"}).wait(Seconds(20));
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 2);
+  EXPECT_THAT(ended->err, HasSubstr("did you mean --scene?"));
 }
 
 TEST_F(RunScript, WithoutATimeIsStoppedBySignalsAsItShouldBe) {

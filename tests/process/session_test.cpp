@@ -55,7 +55,7 @@ TEST_F(Sessions, EveryForceOfARecordedSessionIsFeltAgainToTheLastBit) {
 
   const Ended exported = session({"export", file.string(), "--out", (scratch.path() / "tables").string()});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
-  EXPECT_THAT(read_text(scratch.path() / "tables/trajectory.csv"), HasSubstr("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"));
+  EXPECT_THAT(read_text(scratch.path() / "tables/trajectory.csv"), HasSubstr("t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n"));
   for (const char* table : {"forces.csv", "cycles.csv"}) EXPECT_GT(read_text(scratch.path() / "tables" / table).size(), 1000U);
 }
 

@@ -30,11 +30,11 @@ bool is_drawn(const Json& report) { return count(report, "drawn") > 0; }
 
 void expect_sane(const Json& report) {
   ASSERT_TRUE(report.is_object()) << report;
-  EXPECT_EQ(report.at("schema"), "hapton.report/1");
+  EXPECT_EQ(report.at("schema"), "hapton.report/2");
   EXPECT_EQ(report.at("program"), "io_node");
   EXPECT_GT(report.at("seconds").get<double>(), 0.0);
   for (const auto& [name, value] : report.at("counters").items()) EXPECT_GE(value.get<std::int64_t>(), 0) << name;
-  for (const char* never : {"not_finite", "duplicate", "unknown_echo", "refused_future", "bad_settings"})
+  for (const char* never : {"not_finite", "duplicate", "unknown_echo", "rejected_future", "bad_settings"})
     EXPECT_EQ(count(report, never), 0) << never;
   EXPECT_LE(count(report, "forces"), count(report, "states_sent"));
   EXPECT_LE(count(report, "contact_samples"), count(report, "forces"));

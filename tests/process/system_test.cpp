@@ -48,11 +48,21 @@ std::string order_name(const ::testing::TestParamInfo<std::vector<std::string>>&
 
 INSTANTIATE_TEST_SUITE_P(All, JoiningOrder, ::testing::ValuesIn(all_orders()), order_name);
 
+// "haptics_node: 1983 samples answered, ..."
+std::int64_t answered_by(Program& haptics_node) {
+  const std::string out = haptics_node.out();
+  const std::size_t at = out.find("haptics_node: ");
+  return at == std::string::npos ? -1 : std::stoll(out.substr(at + std::string("haptics_node: ").size()));
+}
+
 TEST(SystemRun, ReportsWhatItMeasured) {
   System system({"--seconds", "2"});
   system.start("haptics_node");
+  const SteadyClock clock;
+  const std::int64_t begin_ns = clock.now_ns();
   system.start("io_node");
   const auto ended = system["io_node"].wait(kPatience);
+  const double elapsed_s = 1e-9 * static_cast<double>(clock.now_ns() - begin_ns);
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->exit_code, 0) << ended->err;
   system.end("haptics_node");
@@ -61,7 +71,14 @@ TEST(SystemRun, ReportsWhatItMeasured) {
   expect_sane(report);
   EXPECT_GT(count(report, "contact_samples"), 0);
   EXPECT_NEAR(report.at("seconds").get<double>(), 2.0, 0.5);
-  EXPECT_EQ(count(report, "samples") + count(report, "missed_cycles"), std::llround(report.at("seconds").get<double>() * 1000.0));
+  // Measured by others: the time by this process, the samples by the haptics node.
+  EXPECT_LE(report.at("seconds").get<double>(), elapsed_s);
+  EXPECT_LE(count(report, "samples") + count(report, "missed_cycles"), std::llround(1000.0 * elapsed_s));
+  EXPECT_GE(count(report, "samples"), 1000) << "less than half of the rate: the machine is overloaded or the loop is broken";
+  const std::int64_t answered = answered_by(system["haptics_node"]);
+  EXPECT_GE(answered, count(report, "forces"));
+  EXPECT_LE(answered, count(report, "states_sent"));
+  EXPECT_GE(count(report, "forces"), 9 * answered / 10) << "loopback loses no force";
   // Every answered sample has one round trip.
   EXPECT_EQ(report.at("hops").at("round_trip").at("n").get<std::int64_t>(), count(report, "forces"));
 
@@ -98,7 +115,7 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
 
   const Json alone = system.ask_for_report();
   expect_sane(alone);
-  EXPECT_GE(count(alone, "silence_events"), 1);
+  EXPECT_GE(count(alone, "command_timeouts"), 1);
 
   system.start("haptics_node");
   ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
@@ -114,8 +131,8 @@ TEST(Haptics, TheSecondOneWaitsUntilTheFirstIsGone) {
   system.start("haptics_node");
   ASSERT_TRUE(has_contact(system.wait_for_report(has_contact)));
   const auto second = system.start_another("haptics_node");
-  const Json refused = system.wait_for_report([](const Json& report) { return count(report, "joins_refused") > 0; });
-  EXPECT_GT(count(refused, "joins_refused"), 0);
+  const Json refused = system.wait_for_report([](const Json& report) { return count(report, "joins_rejected") > 0; });
+  EXPECT_GT(count(refused, "joins_rejected"), 0);
   EXPECT_TRUE(second->is_running());
   EXPECT_TRUE(system["haptics_node"].is_running());
 

@@ -40,7 +40,7 @@ TEST(Top, WithoutAHubSaysSo) {
   System system;
   const Ended none = hapton(system, {"top", "--hub", system.hub(), "--once"});
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.err, HasSubstr("no hub answers at " + system.hub()));
+  EXPECT_THAT(none.err, HasSubstr("no reply from a hub at " + system.hub()));
 }
 
 // What GET /metrics gives there; empty when nobody serves.
@@ -96,7 +96,7 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
   const Ended ran = hapton(system, {"latency", "--seconds", "1.5", "--out", out, "--scene", scene, "--size", "300"});
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   for (const char* part :
-       {"wire_out", "wire_back", "decode", "jitter", "bare_echo", "verdict at 1 kHz", "fit for 10 kHz", "one clock", "bare timer"}) {
+       {"wire_out", "wire_back", "decode", "jitter", "bare_echo", "verdict at 1 kHz", "fit for 10 kHz", "same clock", "bare timer"}) {
     EXPECT_THAT(ran.out, HasSubstr(part));
   }
   const Json report = Json::parse(read_text(system.folder() / "a" / "report.json"), nullptr, false);

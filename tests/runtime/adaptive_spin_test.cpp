@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
 
-TEST(AdaptiveSpin, without_a_limit_of_its_own_it_never_spins) {
+TEST(AdaptiveSpin, WithoutALimitOfItsOwnItNeverSpins) {
   AdaptiveSpin spin;
   for (int n = 0; n < 100; ++n) spin.note_wake_up(50'000);
   EXPECT_EQ(spin.margin_ns(kPeriodNs), 0);
 }
 
-TEST(AdaptiveSpin, the_margin_settles_where_one_wake_up_in_a_hundred_is_later) {
+TEST(AdaptiveSpin, TheMarginSettlesWhereOneWakeUpInAHundredIsLater) {
   std::mt19937_64 random(7);
   std::exponential_distribution<double> lateness(1.0 / 20'000.0);
   AdaptiveSpin spin(0.5);
@@ -31,7 +31,7 @@ TEST(AdaptiveSpin, the_margin_settles_where_one_wake_up_in_a_hundred_is_later) {
   EXPECT_NEAR(static_cast<double>(spin.margin_ns(kPeriodNs)), 20'000.0 * std::log(100.0), 30'000.0);
 }
 
-TEST(AdaptiveSpin, it_takes_no_more_than_its_share) {
+TEST(AdaptiveSpin, ItTakesNoMoreThanItsShare) {
   AdaptiveSpin spin(0.1);
   for (int n = 0; n < 1000; ++n) spin.note_wake_up(500'000);
   EXPECT_EQ(spin.margin_ns(kPeriodNs), 100'000);
@@ -40,14 +40,14 @@ TEST(AdaptiveSpin, it_takes_no_more_than_its_share) {
   EXPECT_EQ(spin.margin_ns(kPeriodNs), 0);
 }
 
-TEST(AdaptiveSpin, a_machine_that_wakes_in_time_is_not_spun_for) {
+TEST(AdaptiveSpin, AMachineThatWakesInTimeIsNotSpunFor) {
   AdaptiveSpin spin(0.1);
   for (int n = 0; n < 20; ++n) spin.note_wake_up(30'000);
   for (int n = 0; n < 5000; ++n) spin.note_wake_up(0);
   EXPECT_EQ(spin.margin_ns(kPeriodNs), 0);
 }
 
-TEST(AdaptiveSpin, adds_up_what_was_spun) {
+TEST(AdaptiveSpin, AddsUpWhatWasSpun) {
   AdaptiveSpin spin(0.1);
   spin.note_spun(5);
   spin.note_spun(6);

@@ -24,7 +24,7 @@ class SleepyClock final : public Clock {
   int sleeps_ = 0;
 };
 
-TEST(BareTimers, a_punctual_machine_misses_nothing) {
+TEST(BareTimers, APunctualMachineMissesNothing) {
   SimulatedClock clock;
   const BareTimer timer = run_bare_timer(clock, 1000.0, 2.0);
   EXPECT_EQ(timer.ticks, 2000U);
@@ -32,7 +32,7 @@ TEST(BareTimers, a_punctual_machine_misses_nothing) {
   EXPECT_EQ(timer.lateness.max_ns(), 0);
 }
 
-TEST(BareTimers, a_late_wake_up_within_its_period_is_late_and_misses_nothing) {
+TEST(BareTimers, ALateWakeUpWithinItsPeriodIsLateAndMissesNothing) {
   SleepyClock clock(kMs - 1);
   const BareTimer timer = run_bare_timer(clock, 1000.0, 1.0);
   EXPECT_EQ(timer.ticks, 1000U);
@@ -40,7 +40,7 @@ TEST(BareTimers, a_late_wake_up_within_its_period_is_late_and_misses_nothing) {
   EXPECT_EQ(timer.lateness.max_ns(), kMs - 1);
 }
 
-TEST(BareTimers, whole_periods_overslept_are_missed) {
+TEST(BareTimers, WholePeriodsOversleptAreMissed) {
   SleepyClock clock(2 * kMs + kMs / 2);
   const BareTimer timer = run_bare_timer(clock, 1000.0, 1.2);
   EXPECT_EQ(timer.ticks, 1000U);
@@ -48,7 +48,7 @@ TEST(BareTimers, whole_periods_overslept_are_missed) {
   EXPECT_DOUBLE_EQ(timer.missed_share(), 1.0 / 6.0);
 }
 
-TEST(BareTimers, two_of_them_add_up) {
+TEST(BareTimers, TwoOfThemAddUp) {
   SleepyClock clock(kMs);
   BareTimer timer = run_bare_timer(clock, 1000.0, 1.1);
   timer.merge(run_bare_timer(clock, 1000.0, 1.1));
@@ -56,13 +56,13 @@ TEST(BareTimers, two_of_them_add_up) {
   EXPECT_EQ(timer.ticks + timer.missed, 2200U);
 }
 
-TEST(BareTimers, a_real_one_ticks_as_often_as_asked_but_for_what_it_misses) {
+TEST(BareTimers, ARealOneTicksAsOftenAsAskedButForWhatItMisses) {
   const auto timer = measure_bare_timer({.mode = RealtimeMode::off, .lock_memory = false, .low_dma_latency = false}, 500.0, 0.1);
   ASSERT_TRUE(timer);
   EXPECT_GE(timer->ticks + timer->missed, 50U);
 }
 
-TEST(BareTimers, nothing_measured_misses_nothing) { EXPECT_EQ(BareTimer().missed_share(), 0.0); }
+TEST(BareTimers, NothingMeasuredMissesNothing) { EXPECT_EQ(BareTimer().missed_share(), 0.0); }
 
 }  // namespace
 }  // namespace hapton

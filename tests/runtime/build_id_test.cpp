@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(BuildId, names_version_and_build_in_one_line) {
+TEST(BuildId, NamesVersionAndBuildInOneLine) {
   const std::string id = build_id();
   EXPECT_TRUE(std::isdigit(static_cast<unsigned char>(id.front()))) << id;
   EXPECT_EQ(id.find('\n'), std::string::npos);

@@ -20,7 +20,7 @@ std::vector<std::string> drain(ByteRing& ring) {
   return records;
 }
 
-TEST(ByteRing, gives_back_what_was_pushed_in_order) {
+TEST(ByteRing, GivesBackWhatWasPushedInOrder) {
   ByteRing ring(256);
   EXPECT_TRUE(ring.push(bytes_of("head"), bytes_of("body")));
   EXPECT_TRUE(ring.push(bytes_of("x"), {}));
@@ -29,7 +29,7 @@ TEST(ByteRing, gives_back_what_was_pushed_in_order) {
   EXPECT_TRUE(drain(ring).empty());
 }
 
-TEST(ByteRing, keeps_records_whole_across_its_end) {
+TEST(ByteRing, KeepsRecordsWholeAcrossItsEnd) {
   ByteRing ring(128);
   for (int n = 0; n < 1000; ++n) {
     const std::string record(static_cast<std::size_t>(n) % 50, static_cast<char>('a' + n % 26));
@@ -39,7 +39,7 @@ TEST(ByteRing, keeps_records_whole_across_its_end) {
   EXPECT_EQ(ring.dropped(), 0U);
 }
 
-TEST(ByteRing, drops_and_counts_what_finds_no_room_and_goes_on) {
+TEST(ByteRing, DropsAndCountsWhatFindsNoRoomAndGoesOn) {
   ByteRing ring(64);
   EXPECT_TRUE(ring.push(bytes_of(std::string(40, 'a')), {}));
   EXPECT_FALSE(ring.push(bytes_of(std::string(40, 'b')), {}));
@@ -50,7 +50,7 @@ TEST(ByteRing, drops_and_counts_what_finds_no_room_and_goes_on) {
   EXPECT_EQ(drain(ring), std::vector<std::string>{"d"});
 }
 
-TEST(ByteRing, pushing_takes_nothing_from_the_heap) {
+TEST(ByteRing, PushingTakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ByteRing ring(1024);
   const std::string record(100, 'r');
@@ -60,7 +60,7 @@ TEST(ByteRing, pushing_takes_nothing_from_the_heap) {
   EXPECT_GT(ring.dropped(), 0U);
 }
 
-TEST(ByteRing, two_threads_lose_nothing_but_what_was_counted) {
+TEST(ByteRing, TwoThreadsLoseNothingButWhatWasCounted) {
   ByteRing ring(4096);
   constexpr std::uint64_t kRecords = 200'000;
   std::thread writer([&] {

@@ -101,7 +101,26 @@ TEST_F(ConfigTest, TheCommandLineWins) {
 
 TEST_F(ConfigTest, NamesAnUnknownKeyWithFileAndLine) {
   EXPECT_EQ(parse({"--config", file("rate = 2000\n\nraet = 1\n")}), 2);
-  expect_one_error(path_.string() + ":3: unknown key 'raet'");
+  expect_one_error(path_.string() + ":3: unknown key 'raet'; did you mean 'rate'?");
+}
+
+TEST_F(ConfigTest, NamesTheFlagThatWasMeant) {
+  EXPECT_EQ(parse({"--raet", "500"}), 2);
+  expect_one_error("; did you mean '--rate'?; see io_node --help");
+  EXPECT_EQ(parse({"--headles"}), 2);
+  expect_one_error("did you mean '--headless'?");
+  EXPECT_EQ(parse({"--gaisn=3"}), 2);
+  expect_one_error("did you mean '--gains'?");
+  EXPECT_EQ(parse({"--zzzzzz"}), 2);
+  expect_one_error("--zzzzzz; see io_node --help");
+}
+
+TEST_F(ConfigTest, NamesTheFlagOfACommandThatWasMeant) {
+  CLI::App* command = app_.add_subcommand("replay");
+  std::string out;
+  command->add_option_group("what is written")->add_option("--out", out);
+  EXPECT_EQ(parse({"replay", "--ott", "x"}), 2);
+  expect_one_error("did you mean '--out'?");
 }
 
 TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {
@@ -111,9 +130,9 @@ TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {
 
 TEST_F(ConfigTest, RefusesSectionsAndDates) {
   EXPECT_EQ(parse({"--config", file("[rate]\nvalue = 3\n")}), 2);
-  expect_one_error(":1: 'rate' is no text, number, true or false");
+  expect_one_error(":1: 'rate' is not a text, number, true or false");
   EXPECT_EQ(parse({"--config", file("rate = 2020-01-01\n")}), 2);
-  expect_one_error(":1: 'rate' is no text");
+  expect_one_error(":1: 'rate' is not a text");
   EXPECT_EQ(parse({"--config", file("gains = [1, [2]]\n")}), 2);
   expect_one_error("an element of 'gains'");
 }

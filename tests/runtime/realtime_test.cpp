@@ -88,7 +88,7 @@ TEST(RealtimeTest, ARefusalIsReportedWithItsRemedyAndOnlyRequireFails) {
 
   const Outcome required = enter_in_a_thread({.mode = RealtimeMode::require, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
   ASSERT_FALSE(*required.report);
-  EXPECT_THAT(required.report->error().what, HasSubstr("refuses cpu 1000"));
+  EXPECT_THAT(required.report->error().what, HasSubstr("not granted: cpu 1000"));
   EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
 }
 

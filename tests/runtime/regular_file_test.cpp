@@ -19,7 +19,7 @@ class RegularFileTest : public testing::Test {
   RegularFileTest() { std::filesystem::create_directories(folder_); }
   ~RegularFileTest() override { std::filesystem::remove_all(folder_); }
 
-  std::string refusal(const std::filesystem::path& path, std::size_t max_bytes = 1000) {
+  std::string rejection(const std::filesystem::path& path, std::size_t max_bytes = 1000) {
     const auto read = read_regular_file(path, "a test's file", max_bytes);
     EXPECT_FALSE(read) << path;
     return read ? "" : read.error().what;
@@ -42,13 +42,13 @@ TEST_F(RegularFileTest, WhatIsNoneIsRefusedInOneLine) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   std::filesystem::create_symlink("pipe", folder_ / "link");
   for (const std::filesystem::path& path : {folder_ / "pipe", folder_ / "link", std::filesystem::path("/dev/zero")}) {
-    EXPECT_THAT(refusal(path),
+    EXPECT_THAT(rejection(path),
                 AllOf(StartsWith(path.string() + ": cannot be read: "), HasSubstr("not a regular file"), HasSubstr("; a test's file")));
   }
-  EXPECT_THAT(refusal(folder_), HasSubstr("folder"));
-  EXPECT_THAT(refusal(folder_ / "gone"), HasSubstr("No such file"));
+  EXPECT_THAT(rejection(folder_), HasSubstr("folder"));
+  EXPECT_THAT(rejection(folder_ / "gone"), HasSubstr("No such file"));
   std::ofstream(folder_ / "long") << std::string(1001, 'x');
-  EXPECT_THAT(refusal(folder_ / "long"), HasSubstr("1001 bytes"));
+  EXPECT_THAT(rejection(folder_ / "long"), HasSubstr("1001 bytes"));
 }
 
 }  // namespace

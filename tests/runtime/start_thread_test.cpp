@@ -13,8 +13,8 @@ TEST(StartThreadTest, RunsWhatItIsGiven) {
 }
 
 TEST(StartThreadDeathTest, ARefusalIsOneLineAndEndsTheProgram) {
-  const std::system_error refusal(std::make_error_code(std::errc::resource_unavailable_try_again));
-  EXPECT_EXIT(end_without_thread(refusal), testing::ExitedWithCode(1), "^[a-z_]+: the system starts no more threads .*ulimit -u.*\n$");
+  const std::system_error rejection(std::make_error_code(std::errc::resource_unavailable_try_again));
+  EXPECT_EXIT(end_without_thread(rejection), testing::ExitedWithCode(1), "^[a-z_]+: cannot start another thread .*ulimit -u.*\n$");
 }
 
 }  // namespace

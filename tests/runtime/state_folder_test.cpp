@@ -25,7 +25,7 @@ struct StateFolders : testing::Test {
   std::map<std::string, std::optional<std::string>> before;
 };
 
-TEST_F(StateFolders, follow_the_variables_in_their_order) {
+TEST_F(StateFolders, FollowTheVariablesInTheirOrder) {
   EXPECT_EQ(find_state_folder(), "");
   setenv("HOME", "/home/ada", 1);
   EXPECT_EQ(find_state_folder(), "/home/ada/.local/state/hapton");
@@ -35,7 +35,7 @@ TEST_F(StateFolders, follow_the_variables_in_their_order) {
   EXPECT_EQ(find_state_folder(), "/var/lib/hapton");
 }
 
-TEST_F(StateFolders, what_ends_with_the_machine_has_another) {
+TEST_F(StateFolders, WhatEndsWithTheMachineHasAnother) {
   EXPECT_EQ(find_runtime_folder(), "");
   setenv("XDG_RUNTIME_DIR", "/run/user/7", 1);
   EXPECT_EQ(find_runtime_folder(), "/run/user/7/hapton");
@@ -45,7 +45,7 @@ TEST_F(StateFolders, what_ends_with_the_machine_has_another) {
   EXPECT_EQ(find_runtime_folder(), "/run/user/7/hapton");
 }
 
-TEST_F(StateFolders, relative_paths_are_passed_over) {
+TEST_F(StateFolders, RelativePathsArePassedOver) {
   setenv("XDG_STATE_HOME", "state", 1);
   EXPECT_EQ(find_state_folder(), "");
 }

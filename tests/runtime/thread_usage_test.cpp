@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-TEST(ThreadUsage, of_a_thread_that_works_grows) {
+TEST(ThreadUsage, OfAThreadThatWorksGrows) {
   const auto before = read_thread_usage(current_thread_id());
   ASSERT_TRUE(before);
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -29,9 +29,9 @@ TEST(ThreadUsage, of_a_thread_that_works_grows) {
   EXPECT_GE(after->stolen_s, 0.0);
 }
 
-TEST(ThreadUsage, of_a_thread_that_is_gone_is_none) { EXPECT_FALSE(read_thread_usage(-1)); }
+TEST(ThreadUsage, OfAThreadThatIsGoneIsNone) { EXPECT_FALSE(read_thread_usage(-1)); }
 
-TEST(RealtimeShare, is_a_share_where_the_system_tells) {
+TEST(RealtimeShare, IsAShareWhereTheSystemTells) {
   const auto share = read_realtime_share();
   if (!share) GTEST_SKIP() << "this kernel does not say how it throttles real-time threads";
   EXPECT_GE(*share, 0.0);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(TickTimer, waits_until_the_time_that_was_set_last) {
+TEST(TickTimer, WaitsUntilTheTimeThatWasSetLast) {
   SteadyClock clock;
   TickTimer timer;
   ASSERT_TRUE(timer.open());
@@ -19,7 +19,7 @@ TEST(TickTimer, waits_until_the_time_that_was_set_last) {
   EXPECT_LT(clock.now_ns() - begin_ns, 400 * kNanosecondsPerMillisecond);
 }
 
-TEST(TickTimer, a_time_that_has_passed_or_was_never_set_is_not_waited_for) {
+TEST(TickTimer, ATimeThatHasPassedOrWasNeverSetIsNotWaitedFor) {
   SteadyClock clock;
   TickTimer timer;
   ASSERT_TRUE(timer.open());

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(TrajectoryCsv, reads_positions) {
+TEST(TrajectoryCsv, ReadsPositions) {
   const auto rows = parse_trajectory_csv("# made by hand\nt_s,x_m,y_m,z_m\n0,1,2,3\n\n# half way\n0.5, +1e-3 ,-2.5,.25\r\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
   ASSERT_EQ(rows->size(), 2U);
@@ -21,13 +21,13 @@ TEST(TrajectoryCsv, reads_positions) {
   EXPECT_EQ((*rows)[1].q_WT.coeffs(), Quat::Identity().coeffs());
 }
 
-TEST(TrajectoryCsv, reads_what_is_far_out_but_within_reach) {
+TEST(TrajectoryCsv, ReadsWhatIsFarOutButWithinReach) {
   const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m\n-1e9,1e6,-1e6,1e-300\n1e9,0,0,0\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
   EXPECT_EQ((*rows)[0].p_WD, Vec3(1e6, -1e6, 1e-300));
 }
 
-TEST(TrajectoryCsv, reads_and_normalises_quaternions) {
+TEST(TrajectoryCsv, ReadsAndNormalisesQuaternions) {
   const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0.6,0.8001,0,0\n", "a.csv");
   ASSERT_TRUE(rows) << rows.error().what;
   EXPECT_NEAR((*rows)[0].q_WT.norm(), 1.0, 1e-15);
@@ -40,7 +40,7 @@ struct Bad {
   const char* reason;
 };
 
-TEST(TrajectoryCsv, says_what_is_wrong_and_where) {
+TEST(TrajectoryCsv, SaysWhatIsWrongAndWhere) {
   const Bad cases[] = {
       {"", "a.csv:", "empty"},
       {"# only a comment\n", "a.csv:", "empty"},
@@ -56,9 +56,9 @@ TEST(TrajectoryCsv, says_what_is_wrong_and_where) {
       {"t_s,x_m,y_m,z_m\n0,nan,2,3\n", "a.csv:2:", "x_m"},
       {"t_s,x_m,y_m,z_m\n0,1,inf,3\n", "a.csv:2:", "y_m"},
       {"t_s,x_m,y_m,z_m\n0,1,1e999,3\n", "a.csv:2:", "y_m"},
-      {"t_s,x_m,y_m,z_m\n0,1e308,2,3\n", "a.csv:2:", "x_m is '1e308', where no device reaches"},
-      {"t_s,x_m,y_m,z_m\n0,1,-1000001,3\n", "a.csv:2:", "y_m is '-1000001', where no device reaches"},
-      {"t_s,x_m,y_m,z_m\n0,1,2,3\n1,1,2,1.1e6\n", "a.csv:3:", "z_m is '1.1e6', where no device reaches"},
+      {"t_s,x_m,y_m,z_m\n0,1e308,2,3\n", "a.csv:2:", "x_m is '1e308', beyond the reach of any device"},
+      {"t_s,x_m,y_m,z_m\n0,1,-1000001,3\n", "a.csv:2:", "y_m is '-1000001', beyond the reach of any device"},
+      {"t_s,x_m,y_m,z_m\n0,1,2,3\n1,1,2,1.1e6\n", "a.csv:3:", "z_m is '1.1e6', beyond the reach of any device"},
       {"t_s,x_m,y_m,z_m\n0,1,2,3\n1e10,1,2,3\n", "a.csv:3:", "t_s is '1e10'"},
       {"t_s,x_m,y_m,z_m\n0,1,2,3\n0,1,2,3\n", "a.csv:3:", "rise"},
       {"t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n", "a.csv:2:", "length"},
@@ -73,7 +73,7 @@ TEST(TrajectoryCsv, says_what_is_wrong_and_where) {
   }
 }
 
-TEST(TrajectoryCsv, reads_a_file_and_names_a_missing_one) {
+TEST(TrajectoryCsv, ReadsAFileAndNamesAMissingOne) {
   const std::string path = testing::TempDir() + "trajectory_csv_test.csv";
   std::ofstream(path) << "t_s,x_m,y_m,z_m\n0,1,2,3\n";
   EXPECT_TRUE(read_trajectory_csv(path));
@@ -82,6 +82,16 @@ TEST(TrajectoryCsv, reads_a_file_and_names_a_missing_one) {
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().what, HasSubstr(path));
   EXPECT_FALSE(read_trajectory_csv(testing::TempDir()));
+}
+
+TEST(TrajectoryCsv, PassesOverTheSampleNumberOfAnExport) {
+  const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n0,1,2,3,1,0,0,0,17\n0.5,1,2,4,1,0,0,0,18\n", "t.csv");
+  ASSERT_TRUE(rows) << rows.error().what;
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_EQ((*rows)[1].p_WD, Vec3(1, 2, 4));
+  EXPECT_TRUE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,17\n", "t.csv"));
+  EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3\n", "t.csv"));
+  EXPECT_FALSE(parse_trajectory_csv("t_s,x_m,y_m,z_m,sample\n0,1,2,3,x\n", "t.csv"));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ void give(EnergyBudget& budget, double force_n, double moved_m) {
   budget.observe(kMaxN, wrench, Vec3(0, 0, moved_m), Vec3::Zero());
 }
 
-TEST(EnergyBudget, counts_what_is_given_and_what_is_taken) {
+TEST(EnergyBudget, CountsWhatIsGivenAndWhatIsTaken) {
   EnergyBudget budget;
   give(budget, 5.0, 0.002);
   EXPECT_NEAR(budget.spent_j(), 0.010 - 2e-5, 1e-12);
@@ -22,7 +22,7 @@ TEST(EnergyBudget, counts_what_is_given_and_what_is_taken) {
   EXPECT_NEAR(budget.spent_j(), 0.005 - 4e-5, 1e-12);
 }
 
-TEST(EnergyBudget, takes_the_mean_of_the_forces_between_two_samples) {
+TEST(EnergyBudget, TakesTheMeanOfTheForcesBetweenTwoSamples) {
   EnergyBudget budget;
   budget.held({Vec3(0, 0, 2), Vec3::Zero()}, 0.75e-3);
   budget.held({Vec3(0, 0, 6), Vec3::Zero()}, 0.25e-3);
@@ -30,20 +30,20 @@ TEST(EnergyBudget, takes_the_mean_of_the_forces_between_two_samples) {
   EXPECT_NEAR(budget.spent_j(), 0.003 - 2e-5, 1e-12);
 }
 
-TEST(EnergyBudget, counts_torque_and_turn) {
+TEST(EnergyBudget, CountsTorqueAndTurn) {
   EnergyBudget budget;
   budget.held({Vec3::Zero(), Vec3(0, 0.5, 0)}, 1e-3);
   budget.observe(kMaxN, {}, Vec3::Zero(), Vec3(0, 0.1, 0));
   EXPECT_NEAR(budget.spent_j(), 0.05 - 2e-5, 1e-12);
 }
 
-TEST(EnergyBudget, what_time_does_not_tell_the_wrench_of_now_does) {
+TEST(EnergyBudget, WhatTimeDoesNotTellTheWrenchOfNowDoes) {
   EnergyBudget budget;
   budget.observe(kMaxN, {Vec3(0, 0, 3), Vec3::Zero()}, Vec3(0, 0, 0.01), Vec3::Zero());
   EXPECT_NEAR(budget.spent_j(), 0.03, 1e-12);
 }
 
-TEST(EnergyBudget, nothing_is_done_about_what_is_free) {
+TEST(EnergyBudget, NothingIsDoneAboutWhatIsFree) {
   EnergyBudget budget;
   give(budget, 5.0, 0.02);
   ASSERT_LT(budget.spent_j(), EnergyBudget::free_j(kMaxN));
@@ -51,7 +51,7 @@ TEST(EnergyBudget, nothing_is_done_about_what_is_free) {
   EXPECT_EQ(budget.share(kMaxN), 1.0);
 }
 
-TEST(EnergyBudget, damping_takes_the_excess_back_in_its_time) {
+TEST(EnergyBudget, DampingTakesTheExcessBackInItsTime) {
   EnergyBudget budget;
   give(budget, 5.0, 0.021);
   const double excess_j = budget.spent_j() - 0.1;
@@ -62,7 +62,7 @@ TEST(EnergyBudget, damping_takes_the_excess_back_in_its_time) {
   EXPECT_EQ(budget.damping_n_s_per_m(kMaxN, 0.0, 5.0), 0.0);
 }
 
-TEST(EnergyBudget, the_force_sinks_to_nothing_and_comes_back_with_time) {
+TEST(EnergyBudget, TheForceSinksToNothingAndComesBackWithTime) {
   EnergyBudget budget;
   give(budget, 10.0, 0.02);
   EXPECT_NEAR(budget.share(kMaxN), 0.5, 1e-3);
@@ -73,7 +73,7 @@ TEST(EnergyBudget, the_force_sinks_to_nothing_and_comes_back_with_time) {
   EXPECT_EQ(budget.share(kMaxN), 1.0);
 }
 
-TEST(EnergyBudget, saves_no_more_than_a_press) {
+TEST(EnergyBudget, SavesNoMoreThanAPress) {
   EnergyBudget budget;
   for (int n = 0; n < 10'000; ++n) give(budget, -10.0, 0.001);
   EXPECT_NEAR(budget.spent_j(), -0.1, 1e-12);

@@ -31,7 +31,7 @@ using Source = std::function<Vec3(const Vec3& p_WD, const Vec3& v)>;
 Touch touch(SafetyGovernor* governor, const Source& source, double seconds, std::uint64_t seed, std::size_t lag = 0) {
   SimulatedPhantom device({.seed = seed, .stylus = {}});
   Touch touch;
-  std::deque<WantedWrench> answers;
+  std::deque<WrenchCommand> answers;
   Wrench out;
   Vec3 exact_before = device.exact_position_m();
   Vec3 before = exact_before;
@@ -77,7 +77,7 @@ Source pump(double gain_n_s_per_m) {
   return [=](const Vec3&, const Vec3& v) { return Vec3(gain_n_s_per_m * v); };
 }
 
-TEST(GovernedTouch, a_wall_of_1000_newtons_a_metre_is_felt_as_it_is) {
+TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsFeltAsItIs) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SafetyGovernor governor(model_a::limits());
     const Touch felt = touch(&governor, wall(1000.0), 30.0, seed);
@@ -92,7 +92,7 @@ TEST(GovernedTouch, a_wall_of_1000_newtons_a_metre_is_felt_as_it_is) {
   }
 }
 
-TEST(GovernedTouch, so_it_is_when_the_answers_are_late) {
+TEST(GovernedTouch, SoItIsWhenTheAnswersAreLate) {
   for (const std::size_t lag : {1U, 3U}) {
     SafetyGovernor governor(model_a::limits());
     touch(&governor, wall(1000.0), 20.0, 1, lag);
@@ -100,7 +100,7 @@ TEST(GovernedTouch, so_it_is_when_the_answers_are_late) {
   }
 }
 
-TEST(GovernedTouch, a_source_of_energy_is_bounded) {
+TEST(GovernedTouch, ASourceOfEnergyIsBounded) {
   constexpr double kSeconds = 20.0;
   for (const double gain : {8.0, 20.0, 100.0}) {
     const Touch wild = touch(nullptr, pump(gain), kSeconds, 1);
@@ -117,7 +117,7 @@ TEST(GovernedTouch, a_source_of_energy_is_bounded) {
   }
 }
 
-TEST(GovernedTouch, a_wall_that_buzzes_is_calmed) {
+TEST(GovernedTouch, AWallThatBuzzesIsCalmed) {
   // Ten samples late 1000 N/m are not stable.
   const Touch wild = touch(nullptr, wall(1000.0), 20.0, 1, 10);
   SafetyGovernor governor(model_a::limits());

@@ -42,7 +42,7 @@ void expect_no_looser(const DeviceLimits& after, const DeviceLimits& before) {
   }
 }
 
-TEST(SafetyLimits, every_field_can_be_tightened_and_none_loosened) {
+TEST(SafetyLimits, EveryFieldCanBeTightenedAndNoneLoosened) {
   for (const auto field : kFields) {
     SafetyLimits limits(full());
     const double own = limits.now().*field;
@@ -69,7 +69,7 @@ TEST(SafetyLimits, every_field_can_be_tightened_and_none_loosened) {
   }
 }
 
-TEST(SafetyLimits, workspaces_shrink_to_what_both_have) {
+TEST(SafetyLimits, WorkspacesShrinkToWhatBothHave) {
   SafetyLimits limits(full());
   DeviceLimits wanted;
   wanted.workspace_min_m = Vec3(-0.05, -1.0, 0.5);
@@ -79,7 +79,7 @@ TEST(SafetyLimits, workspaces_shrink_to_what_both_have) {
   EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: they have nothing in common
 }
 
-TEST(SafetyLimits, no_sequence_of_wishes_loosens_anything) {
+TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {
   SplitMix random(7);
   for (int round = 0; round < 200; ++round) {
     SafetyLimits limits(full());
@@ -102,7 +102,7 @@ TEST(SafetyLimits, no_sequence_of_wishes_loosens_anything) {
   }
 }
 
-TEST(SafetyLimits, what_makes_no_sense_gives_nothing) {
+TEST(SafetyLimits, WhatMakesNoSenseGivesNothing) {
   for (const double nonsense : {kNan, kInf, 0.0, -1.0, 1e10, 5e-324}) {
     DeviceLimits device = full();
     device.max_force_n = nonsense;
@@ -127,7 +127,7 @@ TEST(SafetyLimits, what_makes_no_sense_gives_nothing) {
   }
 }
 
-TEST(SafetyLimits, a_device_too_slow_to_let_go_gets_the_slew_that_does) {
+TEST(SafetyLimits, ADeviceTooSlowToLetGoGetsTheSlewThatDoes) {
   DeviceLimits device = full();
   device.max_slew_n_per_s = 1.0;
   device.max_torque_slew_nm_per_s = 0.0;
@@ -135,7 +135,7 @@ TEST(SafetyLimits, a_device_too_slow_to_let_go_gets_the_slew_that_does) {
   EXPECT_EQ(SafetyLimits(device).now().max_torque_slew_nm_per_s, 50.0);
 }
 
-TEST(SafetyLimits, an_axis_without_ends_has_none) {
+TEST(SafetyLimits, AnAxisWithoutEndsHasNone) {
   DeviceLimits device = full();
   device.workspace_max_m = Vec3(-0.1, kNan, 0.1);
   const SafetyLimits limits(device);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(SlewLimit, follows_with_its_haste_and_arrives_exactly) {
+TEST(SlewLimit, FollowsAtItsRateAndArrivesExactly) {
   SlewLimit slew;
   EXPECT_NEAR(slew.follow(Vec3(0, 0, 1), 10.0, {0.4, 0.4}).z(), 0.4, 1e-9);
   EXPECT_TRUE(slew.was_cut());
@@ -16,10 +16,10 @@ TEST(SlewLimit, follows_with_its_haste_and_arrives_exactly) {
   EXPECT_FALSE(slew.was_cut());
 }
 
-TEST(SlewLimit, comes_into_the_ball_before_it_follows) {
+TEST(SlewLimit, ComesIntoTheBallBeforeItFollows) {
   SlewLimit slew;
   slew.follow(Vec3(4, 0, 0), 10.0, {10.0, 10.0});
-  // The goal is aside; all haste goes into the ball.
+  // The goal is aside; the whole step goes into coming within the limit.
   const Vec3 v = slew.follow(Vec3(0, 3, 0), 3.0, {1.0, 1.0});
   EXPECT_NEAR(v.x(), 3.0, 1e-9);
   EXPECT_NEAR(v.y(), 0.0, 1e-9);
@@ -27,32 +27,32 @@ TEST(SlewLimit, comes_into_the_ball_before_it_follows) {
   EXPECT_NEAR(slew.follow(Vec3(0, 3, 0), 1.0, {0.1, 1.5}).norm(), 1.5, 1e-9);
 }
 
-TEST(SlewLimit, nothing_is_exactly_nothing) {
+TEST(SlewLimit, NothingIsExactlyNothing) {
   SlewLimit slew;
   slew.follow(Vec3(0.3, 0.1, -0.7), 10.0, {10.0, 10.0});
   for (int n = 0; n < 20; ++n) slew.follow(Vec3::Zero(), 0.0, {0.05, 0.05});
   EXPECT_EQ(slew.value(), Vec3::Zero());
 }
 
-TEST(SlewLimit, keeps_ball_and_haste_whatever_is_asked) {
+TEST(SlewLimit, KeepsLimitAndRatesForAnyGoal) {
   SplitMix random(5);
   SlewLimit slew;
   for (int n = 0; n < 100'000; ++n) {
     const Vec3 before = slew.value();
     const double ball = random.once_in(5) ? 0.0 : random.uniform(0.0, 8.0);
-    const SlewLimit::Haste haste{random.uniform(0.0, 1.0), random.uniform(1.0, 2.0)};
+    const SlewLimit::Rates rates{random.uniform(0.0, 1.0), random.uniform(1.0, 2.0)};
     const double size = random.once_in(10) ? 1e300 : 10.0;
-    const Vec3 after = slew.follow(random.vector(size), ball, haste);
+    const Vec3 after = slew.follow(random.vector(size), ball, rates);
     ASSERT_TRUE(after.allFinite());
-    ASSERT_LE((after - before).norm(), haste.letting_go + 1e-9);
-    ASSERT_LE(after.norm(), std::max(ball, before.norm() - haste.letting_go) + 1e-9);
-    if ((after - before).norm() > haste.towards_goal + 1e-9) {
+    ASSERT_LE((after - before).norm(), rates.release + 1e-9);
+    ASSERT_LE(after.norm(), std::max(ball, before.norm() - rates.release) + 1e-9);
+    if ((after - before).norm() > rates.towards_goal + 1e-9) {
       ASSERT_LE(after.norm(), before.norm());
     }
   }
 }
 
-TEST(VectorLimit, lengths_are_exact_where_squares_are_not) {
+TEST(VectorLimit, LengthsAreExactWhereSquaresAreNot) {
   EXPECT_DOUBLE_EQ(length_of(Vec3(3e300, 4e300, 0)), 5e300);
   EXPECT_DOUBLE_EQ(length_of(Vec3(3e-300, 4e-300, 0)), 5e-300);
   EXPECT_EQ(length_of(Vec3::Zero()), 0.0);

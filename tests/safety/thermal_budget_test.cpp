@@ -7,13 +7,13 @@ namespace {
 
 const DeviceLimits kLimits{.max_force_n = 8.0, .max_slew_n_per_s = 1e4, .continuous_force_n = 2.0, .peak_s = 5.0};
 
-TEST(ThermalBudget, bears_the_peak_for_as_long_as_the_device_says) {
+TEST(ThermalBudget, BearsThePeakForAsLongAsTheDeviceSays) {
   ThermalBudget budget(kLimits);
   for (int n = 0; n < 5000; ++n) budget.held(Vec3(0, 8, 0), 1e-3);
   EXPECT_NEAR(budget.load(kLimits), 1.0, 1e-9);
 }
 
-TEST(ThermalBudget, bears_the_continuous_force_without_end) {
+TEST(ThermalBudget, BearsTheContinuousForceWithoutEnd) {
   ThermalBudget budget(kLimits);
   for (int n = 0; n < 100'000; ++n) budget.held(Vec3(0, 0, 2), 0.01);
   EXPECT_NEAR(budget.load(kLimits), 1.0, 1e-4);
@@ -21,7 +21,7 @@ TEST(ThermalBudget, bears_the_continuous_force_without_end) {
   EXPECT_GE(budget.allowed_n(kLimits), 2.0 - 1e-9);
 }
 
-TEST(ThermalBudget, does_not_depend_on_how_time_is_cut) {
+TEST(ThermalBudget, DoesNotDependOnHowTimeIsCut) {
   ThermalBudget fine(kLimits);
   ThermalBudget coarse(kLimits);
   for (int n = 0; n < 30'000; ++n) fine.held(Vec3(4, 0, 0), 1e-4);
@@ -29,7 +29,7 @@ TEST(ThermalBudget, does_not_depend_on_how_time_is_cut) {
   EXPECT_NEAR(fine.load(kLimits), coarse.load(kLimits), 1e-7);
 }
 
-TEST(ThermalBudget, what_is_allowed_sinks_from_the_peak_to_the_continuous_force) {
+TEST(ThermalBudget, WhatIsAllowedSinksFromThePeakToTheContinuousForce) {
   ThermalBudget budget(kLimits);
   EXPECT_EQ(budget.allowed_n(kLimits), 8.0);
   double before = 8.0;
@@ -43,7 +43,7 @@ TEST(ThermalBudget, what_is_allowed_sinks_from_the_peak_to_the_continuous_force)
   EXPECT_EQ(before, 2.0);
 }
 
-TEST(ThermalBudget, counts_no_more_than_a_second_of_a_gap) {
+TEST(ThermalBudget, CountsNoMoreThanASecondOfAGap) {
   ThermalBudget budget(kLimits);
   budget.held(Vec3(0, 0, 8), 3600.0);
   ThermalBudget second(kLimits);
@@ -51,7 +51,7 @@ TEST(ThermalBudget, counts_no_more_than_a_second_of_a_gap) {
   EXPECT_EQ(budget.load(kLimits), second.load(kLimits));
 }
 
-TEST(ThermalBudget, a_device_that_bears_everything_has_none) {
+TEST(ThermalBudget, ADeviceThatBearsEverythingHasNone) {
   for (const DeviceLimits& limits : {DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 1.0, .continuous_force_n = 8.0, .peak_s = 5.0},
                                      DeviceLimits{.max_force_n = 8.0, .max_slew_n_per_s = 1.0, .continuous_force_n = 2.0, .peak_s = 0.0}}) {
     ThermalBudget budget(limits);

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/geometry/corner_normals.h"
-#include "core/geometry/mend_mesh.h"
 #include "core/geometry/mesh_shapes.h"
+#include "core/geometry/repair_mesh.h"
 #include "scene/mesh_file.h"
 #include "scene/mesh_report.h"
 #include "scene/scene_file.h"
@@ -184,8 +184,8 @@ TEST(AuthoredNormals, StayWithTheirTrianglesWhenAMeshIsMended) {
   mesh.authored_normals.insert(mesh.authored_normals.begin() + 9, mesh.authored_normals[4]);
   std::swap(mesh.triangles[20][1], mesh.triangles[20][2]);
   std::swap(mesh.authored_normals[20][1], mesh.authored_normals[20][2]);
-  MendReport report;
-  const TriangleMesh mended = mend_mesh(mesh, report);
+  RepairReport report;
+  const TriangleMesh mended = repair_mesh(mesh, report);
   EXPECT_EQ(report.dropped_duplicates, 1U);
   EXPECT_EQ(report.turned, 1U);
   expect_radial(mended);

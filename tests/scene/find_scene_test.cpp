@@ -20,21 +20,21 @@ struct FindScene : testing::Test {
   std::filesystem::path share = scratch.path() / "share/hapton";
 };
 
-TEST_F(FindScene, is_in_the_installed_folder_when_there_is_none_here) {
+TEST_F(FindScene, IsInTheInstalledFolderWhenThereIsNoneHere) {
   EXPECT_EQ(find_scene("scenes/a_scene_of_this_test.toml", bin), share / "scenes/a_scene_of_this_test.toml");
 }
 
-TEST_F(FindScene, is_in_the_source_tree_of_a_build) {
+TEST_F(FindScene, IsInTheSourceTreeOfABuild) {
   EXPECT_EQ(find_scene("scenes/a_scene_of_this_test.toml", scratch.path() / "build/release/bin"),
             scratch.path() / "scenes/a_scene_of_this_test.toml");
 }
 
-TEST_F(FindScene, here_comes_first) {
+TEST_F(FindScene, HereComesFirst) {
   const auto relative = std::filesystem::relative(scratch.path() / "scenes/a_scene_of_this_test.toml");
   EXPECT_EQ(find_scene(relative, bin), relative);
 }
 
-TEST_F(FindScene, what_is_nowhere_or_absolute_stays_as_it_was_named) {
+TEST_F(FindScene, WhatIsNowhereOrAbsoluteStaysAsItWasNamed) {
   EXPECT_EQ(find_scene("scenes/none.toml", bin), "scenes/none.toml");
   EXPECT_EQ(find_scene("/scenes/a_scene_of_this_test.toml", bin), "/scenes/a_scene_of_this_test.toml");
   EXPECT_EQ(find_scene("scenes/none_at_all.toml"), "scenes/none_at_all.toml");

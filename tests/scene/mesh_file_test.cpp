@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "tests/scene/sample_files.h"
@@ -263,6 +265,24 @@ TEST(MeshFile, GivesAPartByItsName) {
   const auto none = extract_part(*file, "pipe_3");
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().what, AllOf(HasSubstr("'pipe_3'"), HasSubstr("'pipe_1'")));
+}
+
+// Buffers and pictures alike, so that every other program can open what we ship.
+TEST(MeshFile, ThoseThatAreShippedNameNoFileThatIsNotThere) {
+  const std::filesystem::path folder = HAPTON_SOURCE_DIR "/meshes";
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".gltf") continue;
+    ++files;
+    std::ifstream in(entry.path());
+    const auto json = nlohmann::json::parse(in);
+    for (const char* kind : {"buffers", "images"}) {
+      for (const auto& item : json.value(kind, nlohmann::json::array())) {
+        EXPECT_TRUE(std::filesystem::exists(folder / item.value("uri", "?"))) << entry.path() << " " << item;
+      }
+    }
+  }
+  EXPECT_GT(files, 0);
 }
 
 }  // namespace

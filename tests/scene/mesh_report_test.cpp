@@ -115,6 +115,18 @@ TEST(MeshReport, TellsDuplicatesFromDoubleFaces) {
   EXPECT_THAT(to_text(both_sides->flaws), Not(HasSubstr("duplicates")));
 }
 
+TEST(MeshReport, SaysThatABodyIsInsideOut) {
+  const ScratchFolder folder;
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const auto right = make_mesh_report(folder.write("right.obj", vertices + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"), std::nullopt);
+  const auto wrong = make_mesh_report(folder.write("wrong.obj", vertices + "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n"), std::nullopt);
+  ASSERT_TRUE(right && wrong);
+  EXPECT_THAT(to_text(*right), Not(HasSubstr("inside out")));
+  EXPECT_THAT(to_text(*wrong), HasSubstr("1 of 1 closed body is inside out"));
+  EXPECT_THAT(to_text(wrong->flaws), HasSubstr("bodies inside out 1"));
+  EXPECT_EQ(nlohmann::json::parse(to_json(*wrong))["bodies_inside_out"], 1);
+}
+
 // Two squares side by side, a ten-thousandth apart: six edges look out, two at each other.
 TEST(MeshReport, TellsCracksFromBorders) {
   const ScratchFolder folder;

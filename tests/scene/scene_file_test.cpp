@@ -135,7 +135,7 @@ TEST_F(SceneFile, TakesOnePartOfAFile) {
   EXPECT_EQ(scene->objects[0].name, "two");
   EXPECT_THAT(scene->objects[0].mesh->triangles, SizeIs(2));
   EXPECT_THAT(scene->objects[0].mesh->vertices, SizeIs(3));
-  EXPECT_THAT(error_of("[[object]]\nmesh = 'two.obj'\npart = 'three'\n"), AllOf(HasSubstr("line 1"), HasSubstr("no part 'three'")));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'two.obj'\npart = 'three'\n"), AllOf(HasSubstr("line 3"), HasSubstr("no part 'three'")));
 }
 
 TEST_F(SceneFile, TakesAPlainMeshFile) {
@@ -178,15 +178,15 @@ TEST_F(SceneFile, RefusesAbsurdObjects) {
   EXPECT_THAT(object_error("color = [0, 0, 2]"), HasSubstr("at most 1"));
   EXPECT_THAT(object_error("material = 'none'"), HasSubstr("no [material.none]"));
   EXPECT_THAT(error_of("[[object]]\nname = 'a'\n"), HasSubstr("has no 'mesh'"));
-  EXPECT_THAT(error_of("[[object]]\nmesh = 'none.obj'\n"), AllOf(HasSubstr("line 1"), HasSubstr("no such file")));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'none.obj'\n"), AllOf(HasSubstr("line 2"), HasSubstr("no such file")));
   EXPECT_THAT(error_of("[[object]]\nmesh = 3\n"), HasSubstr("text in quotes"));
 }
 
 TEST_F(SceneFile, RefusesWhatIsNoScene) {
   EXPECT_THAT(error_of("# nothing\n"), HasSubstr("no [[object]]"));
   EXPECT_THAT(error_of("object = []\n"), HasSubstr("no [[object]]"));
-  EXPECT_THAT(error_of("object = 1\n"), HasSubstr("no [[object]]"));
-  EXPECT_THAT(error_of("object = [1, {mesh = 'a.obj'}]\n"), HasSubstr("no [[object]]"));
+  EXPECT_THAT(error_of("object = 1\n"), HasSubstr("line 1: 'object' must be tables that begin with [[object]]"));
+  EXPECT_THAT(error_of("object = [1, {mesh = 'a.obj'}]\n"), HasSubstr("line 1: 'object' must be tables that begin with [[object]]"));
   EXPECT_THAT(error_of("material = 1\n"), HasSubstr("[material.steel]"));
   EXPECT_THAT(error_of("[[object]\n"), HasSubstr("line 1"));
   EXPECT_THAT(error_of("fit_m = [0, 1, 1]\n[[object]]\nmesh = 'a.obj'\n"), HasSubstr("number 1 of 'fit_m'"));
@@ -246,6 +246,47 @@ TEST(ShippedScenes, TheAssemblyHasSixObjects) {
   ASSERT_TRUE(scene) << scene.error().what;
   EXPECT_THAT(scene->objects, SizeIs(6));
   EXPECT_NE(scene->objects[0].material.stiffness_n_per_m, scene->objects[2].material.stiffness_n_per_m);
+}
+
+// What is seen and what is felt of one file are the same scene, however cracks are treated; another unit, pose or mesh is another one.
+TEST(SceneAsGiven, HasAHashOfWhatTheFilesGive) {
+  const ScratchFolder folder;
+  folder.write("a.stl", sample::binary_stl(sample::tetrahedron()));
+  folder.write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto hash_of = [&](const std::string& text, CrackSealing sealing = CrackSealing::on) {
+    const auto scene = load_scene(folder.write("s.toml", text), {.sealing = sealing});
+    return scene ? scene->given_hash : 0;
+  };
+  const std::string plain = "[[object]]\nmesh = 'a.stl'\n";
+  EXPECT_NE(hash_of(plain), 0U);
+  EXPECT_EQ(hash_of(plain), hash_of(plain, CrackSealing::off));
+  EXPECT_EQ(hash_of(plain), hash_of(plain + "material = 'm'\n[material.m]\nstiffness_n_per_m = 5\n"));
+  for (const char* other :
+       {"unit = 'mm'\n", "scale = 2.0\n", "position_m = [0, 0, 1]\n", "rotation_deg = [0, 0, 1]\n", "[[object]]\nmesh = 'b.obj'\n"}) {
+    EXPECT_NE(hash_of(plain), hash_of(plain + other)) << other;
+  }
+  EXPECT_NE(hash_of(plain), hash_of("fit_m = [1, 1, 1]\n" + plain));
+  const auto path = folder.path() / "a.stl";
+  const auto felt = load_scene(path, {.fit = MeshFit::workspace});
+  const auto seen = load_scene(path, {.sealing = CrackSealing::off, .fit = MeshFit::workspace});
+  const auto unfitted = load_scene(path, {});
+  ASSERT_TRUE(felt && seen && unfitted);
+  EXPECT_EQ(felt->given_hash, seen->given_hash);
+  EXPECT_NE(felt->given_hash, unfitted->given_hash);
+}
+
+TEST(SceneAsGiven, NamesTheLineAtFault) {
+  const ScratchFolder folder;
+  folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const auto error_of = [&](const std::string& text) {
+    const auto scene = load_scene(folder.write("s.toml", text));
+    return scene ? "it was read" : scene.error().what;
+  };
+  EXPECT_THAT(error_of("[[object]]\nname = 'x'\n\nmesh = 'none.obj'\n"), HasSubstr("line 4: "));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'a.obj'\nscale = 2\nmaterial = 'stel'\n[material.steel]\n"),
+              HasSubstr("line 4: there is no [material.stel]"));
+  EXPECT_THAT(error_of("[[object]]\nmesh = 'a.obj'\n\npart = 'wheel'\n"), HasSubstr("line 4: "));
+  EXPECT_THAT(error_of("# one\n\n[object]\nmesh = 'a.obj'\n"), HasSubstr("line 3: 'object' must be"));
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ std::uint64_t hash_of(const TriangleMesh& mesh, const Material& material = {}) {
   return hash_scene({{{std::make_shared<const TriangleMesh>(mesh), material}}});
 }
 
-TEST(SceneHash, equal_scenes_have_equal_hashes) { EXPECT_EQ(hash_of(corner()), hash_of(corner())); }
+TEST(SceneHash, EqualScenesHaveEqualHashes) { EXPECT_EQ(hash_of(corner()), hash_of(corner())); }
 
-TEST(SceneHash, whatever_can_be_felt_changes_it) {
+TEST(SceneHash, WhateverCanBeFeltChangesIt) {
   std::set<std::uint64_t> hashes = {hash_of(corner())};
   TriangleMesh moved = corner();
   moved.vertices[1].x() = 1.0 + 1e-15;

@@ -29,6 +29,8 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"hid", {"core/base", "core/math", "runtime"}},
     {"scene", {"core"}},
     {"bench", {"core", "runtime", "link"}},
+    // Frames a second of the picture itself, beside VTK's.
+    {"bench/frames", {"core", "runtime", "scene", "vision_node"}},
     {"watchdog", {"core/base", "runtime"}},
     {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog"}},
     {"safety", {"core/math", "devices/device.h", "link/key_role.h"}},
@@ -147,7 +149,7 @@ TEST(Layers, ForceMethodsDoNotIncludeEachOther) {
   EXPECT_FALSE(may_know_method("core/force/reference/a.cpp", "core/force/proxy/b.h")) << "the reference shares no code with the proxy";
 }
 
-// A refusal by the system must end in one line, not in an abort.
+// A rejection by the system must end in one line, not in an abort.
 TEST(Layers, EveryThreadIsStartedByStartThread) {
   static const std::regex kStarted(R"(std::j?thread(\s+\w+)?\s*[({]|vector<std::j?thread> \w+\(|std::async)");
   std::vector<std::string> wrong;
@@ -189,11 +191,20 @@ TEST(Layers, OnlyEndpointFilesSeeSockets) {
               IsEmpty());
 }
 
+TEST(Layers, OnlyFloat8SeesVectorInstructions) {
+  EXPECT_THAT(find_wrong(kFolders,
+                         [](const SourceFile& file, const Include& include) {
+                           return include.path.ends_with("intrin.h") && file.path != "core/math/float8_avx2.h";
+                         }),
+              IsEmpty());
+}
+
 // A haptics node, which reads the same scenes, must load no GL.
 TEST(Layers, OnlyVisionAndBenchPeersSeeVtk) {
   EXPECT_THAT(find_wrong(kFolders,
                          [](const SourceFile& file, const Include& include) {
-                           return is_vtk(include.path) && !is_under(file.path, "vision_node") && !is_under(file.path, "bench/peers");
+                           return is_vtk(include.path) && !is_under(file.path, "vision_node") && !is_under(file.path, "bench/peers") &&
+                                  !is_under(file.path, "bench/frames");
                          }),
               IsEmpty());
 }
@@ -251,6 +262,8 @@ const std::map<std::string, std::string> kTestedElsewhere = {
     {"core/force/touch_scene.h", "plain data"},
     {"core/geometry/shaded_mesh.h", "plain data: corner_normals and split_large fill it"},
     {"core/geometry/triangle_mesh.h", "plain data"},
+    {"core/math/float8_avx2.h", "tested by float8_test against its scalar twin"},
+    {"core/math/float8_scalar.h", "tested by float8_test against AVX2"},
     {"core/math/types.h", "names for Eigen's types"},
 };
 

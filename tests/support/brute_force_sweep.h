@@ -1,25 +1,29 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <tuple>
 #include <vector>
 
-#include "core/collision/sweep_line.h"
 #include "core/force/force_method.h"
 
 namespace hapton::made {
 
-// The same rule over all triangles of the scene, without a grid.
+// The rule of method sweep over all triangles of the scene, without a grid and without the product's collision code: signed volumes in long
+// double (E. Segura and F. Feito 2001) instead of a plane in double and a crossings test. Equal to the product but for rounding.
 class BruteForceSweep {
  public:
   BruteForceSweep(const TouchScene& scene, double offset_m) : offset_m_(offset_m) {
     for (const TouchObject& object : scene.objects) {
       for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
-        if (const auto plane = compute_triangle_plane(object.mesh->corner(t, 0), object.mesh->corner(t, 1), object.mesh->corner(t, 2))) {
-          planes_.push_back(*plane);
-          stiffness_.push_back(object.material.stiffness_n_per_m);
-        }
+        Face face{wide(object.mesh->corner(t, 0)), wide(object.mesh->corner(t, 1)), wide(object.mesh->corner(t, 2)), Wide::Zero(),
+                  object.material.stiffness_n_per_m};
+        if (!has_plane(face)) continue;
+        face.normal = (face.b - face.a).cross(face.c - face.a).normalized();
+        faces_.push_back(face);
       }
     }
   }
@@ -27,12 +31,9 @@ class BruteForceSweep {
   void reset(const Vec3& p) { last_ = p; }
 
   MethodOutput step(const Vec3& p) {
-    std::vector<std::tuple<double, double, std::size_t, SweepCollision>> found;
-    for (std::size_t t = 0; t < planes_.size(); ++t) {
-      SweepCollision hit;
-      if (compute_collision({last_, p}, planes_[t], hit) == SweepEnd::collision) {
-        found.emplace_back(hit.t, -hit.depth, t, hit);
-      }
+    std::vector<std::tuple<long double, long double, std::size_t, Hit>> found;
+    for (std::size_t t = 0; t < faces_.size(); ++t) {
+      if (const auto hit = find_hit(faces_[t], wide(last_), wide(p))) found.emplace_back(hit->t, -hit->depth, t, *hit);
     }
     collisions = found.size();
     MethodOutput output;
@@ -42,9 +43,9 @@ class BruteForceSweep {
       const auto& [t, depth, id, hit] = *std::min_element(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return std::tie(std::get<0>(a), std::get<1>(a), std::get<2>(a)) < std::tie(std::get<0>(b), std::get<1>(b), std::get<2>(b));
       });
-      last_ = hit.point + offset_m_ * hit.normal;
-      output.force_n = stiffness_[id] * hit.depth * hit.normal;
-      output.p_SP = hit.point;
+      last_ = (hit.point + offset_m_ * hit.normal).template cast<double>();
+      output.force_n = (faces_[id].stiffness_n_per_m * hit.depth * hit.normal).template cast<double>();
+      output.p_SP = hit.point.template cast<double>();
       output.contact = output.force_n != Vec3::Zero();
     }
     return output;
@@ -53,9 +54,52 @@ class BruteForceSweep {
   std::size_t collisions = 0;  // of the last step
 
  private:
+  using Wide = Eigen::Matrix<long double, 3, 1>;
+  struct Face {
+    Wide a, b, c;
+    Wide normal;
+    long double stiffness_n_per_m;
+  };
+  struct Hit {
+    long double t;
+    long double depth;
+    Wide point;
+    Wide normal;
+  };
+
+  static Wide wide(const Vec3& v) { return v.cast<long double>(); }
+  static long double volume(const Wide& u, const Wide& v, const Wide& w) { return u.dot(v.cross(w)); }
+
+  // A triangle thinner than the rounding of its corners in double has no plane.
+  static bool has_plane(const Face& face) {
+    const Wide ab = face.b - face.a;
+    const Wide ac = face.c - face.a;
+    const long double size = std::max(ab.cwiseAbs().maxCoeff(), ac.cwiseAbs().maxCoeff());
+    return size > 0 && (ab / size).cross(ac / size).norm() > 4 * static_cast<long double>(std::numeric_limits<double>::epsilon());
+  }
+
+  // A point on the plane counts as above it: of two lines that share an end there exactly one collides.
+  static std::optional<Hit> find_hit(const Face& face, const Wide& from, const Wide& to) {
+    const long double height_from = face.normal.dot(from - face.a);
+    const long double height_to = face.normal.dot(to - face.a);
+    if ((height_from >= 0) == (height_to >= 0)) return std::nullopt;
+    const Wide way = to - from;
+    const long double ab = volume(way, face.a - from, face.b - from);
+    const long double bc = volume(way, face.b - from, face.c - from);
+    const long double ca = volume(way, face.c - from, face.a - from);
+    // Within the rounding of double beside an edge belongs to the triangle.
+    const long double size = (face.a - from).norm() + (face.b - from).norm() + (face.c - from).norm();
+    const long double tolerance = 8 * static_cast<long double>(std::numeric_limits<double>::epsilon()) * size * size * way.norm();
+    const bool is_inside =
+        (ab >= -tolerance && bc >= -tolerance && ca >= -tolerance) || (ab <= tolerance && bc <= tolerance && ca <= tolerance);
+    if (!is_inside) return std::nullopt;
+    const long double t = height_from / (height_from - height_to);
+    const Wide outward = height_from >= 0 ? face.normal : Wide(-face.normal);
+    return Hit{t, std::abs(height_to), from + t * way, outward};
+  }
+
   double offset_m_;
-  std::vector<TrianglePlane> planes_;
-  std::vector<double> stiffness_;
+  std::vector<Face> faces_;
   Vec3 last_ = Vec3::Zero();
 };
 

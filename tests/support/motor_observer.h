@@ -12,7 +12,7 @@
 #include <string>
 
 #include "runtime/clock.h"
-#include "watchdog/guard_memory.h"
+#include "watchdog/heartbeat_memory.h"
 
 namespace hapton {
 
@@ -46,7 +46,7 @@ class MotorObserver {
     return false;
   }
 
-  GuardPage& page() const { return memory_.page(); }
+  HeartbeatPage& page() const { return memory_.page(); }
   double force_n() const {
     if (page().is_cut.load() != 0 || page().is_cut_within.load() != 0) return 0.0;
     return std::hypot(page().motors_n[0].load(), page().motors_n[1].load(), page().motors_n[2].load());
@@ -119,7 +119,7 @@ class MotorObserver {
   }
 
  private:
-  GuardMemory memory_;
+  HeartbeatMemory memory_;
   SteadyClock clock_;
   int process_ = 0;
 };

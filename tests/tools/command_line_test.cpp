@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 class CommandLineTest : public testing::Test {
  protected:
   // Nothing when it is understood, else why not.
-  std::string refusal(const std::string& words) {
+  std::string rejection(const std::string& words) {
     try {
       app_.parse(words);
     } catch (const CLI::ParseError& error) {
@@ -51,7 +51,7 @@ TEST_F(CommandLineTest, FillsVariablesOfEveryKind) {
   line_.add_option("--left-out", left_out, "");
   line_.add_option("--words", words, "").again_for_more();
   line_.add_flag("--flag", flag, "");
-  EXPECT_EQ(refusal("w --path a/b --whole -3 --number 2.5 --half 4 --given 7 --words x --words y --flag"), "");
+  EXPECT_EQ(rejection("w --path a/b --whole -3 --number 2.5 --half 4 --given 7 --words x --words y --flag"), "");
   EXPECT_EQ(text, "w");
   EXPECT_EQ(path, "a/b");
   EXPECT_EQ(whole, -3);
@@ -76,13 +76,13 @@ TEST_F(CommandLineTest, SaysWhatAnOptionTakesWhenItIsRefused) {
   line_.add_option("--friction", friction, "").not_negative();
   line_.add_option("--mode", mode, "").one_of({"try", "off"});
   line_.add_option("--folder", folder, "").existing_folder();
-  EXPECT_THAT(refusal("--cpu 8"), HasSubstr("--cpu: 8 is out of range; give -1 to 7"));
-  EXPECT_THAT(refusal("--share 1.5"), HasSubstr("--share: 1.5 is out of range; give 0 to 1"));
-  EXPECT_THAT(refusal("--stiffness 0"), HasSubstr("--stiffness: 0 is not above zero"));
-  EXPECT_THAT(refusal("--friction -0.1"), HasSubstr("--friction: -0.1 is below zero"));
-  EXPECT_THAT(refusal("--mode maybe"), HasSubstr("{try,off}"));
-  EXPECT_THAT(refusal("--folder /no/such/folder"), HasSubstr("/no/such/folder"));
-  EXPECT_EQ(refusal("--cpu -1 --share 1 --stiffness 1e-9 --friction 0 --mode off --folder /"), "");
+  EXPECT_THAT(rejection("--cpu 8"), HasSubstr("--cpu: 8 is out of range; give -1 to 7"));
+  EXPECT_THAT(rejection("--share 1.5"), HasSubstr("--share: 1.5 is out of range; give 0 to 1"));
+  EXPECT_THAT(rejection("--stiffness 0"), HasSubstr("--stiffness: 0 is not above zero"));
+  EXPECT_THAT(rejection("--friction -0.1"), HasSubstr("--friction: -0.1 is below zero"));
+  EXPECT_THAT(rejection("--mode maybe"), HasSubstr("{try,off}"));
+  EXPECT_THAT(rejection("--folder /no/such/folder"), HasSubstr("/no/such/folder"));
+  EXPECT_EQ(rejection("--cpu -1 --share 1 --stiffness 1e-9 --friction 0 --mode off --folder /"), "");
 }
 
 TEST_F(CommandLineTest, HoldsOptionsTogetherAndApart) {
@@ -94,10 +94,10 @@ TEST_F(CommandLineTest, HoldsOptionsTogetherAndApart) {
   const CommandOption hosts = line_.add_option("--host", host, "");
   line_.add_option("--key", key, "").needs(hosts);
   hosts.excludes(line_.add_option("--own", own, ""));
-  EXPECT_THAT(refusal(""), HasSubstr("--needed"));
-  EXPECT_THAT(refusal("--needed n --key k"), HasSubstr("--host"));
-  EXPECT_THAT(refusal("--needed n --host h --own o"), HasSubstr("--own"));
-  EXPECT_EQ(refusal("--needed n --host h --key k"), "");
+  EXPECT_THAT(rejection(""), HasSubstr("--needed"));
+  EXPECT_THAT(rejection("--needed n --key k"), HasSubstr("--host"));
+  EXPECT_THAT(rejection("--needed n --host h --own o"), HasSubstr("--own"));
+  EXPECT_EQ(rejection("--needed n --host h --key k"), "");
 }
 
 TEST_F(CommandLineTest, WantsAsManyOfAGroupAsWasSaid) {
@@ -106,9 +106,9 @@ TEST_F(CommandLineTest, WantsAsManyOfAGroupAsWasSaid) {
   const CommandLine source = line_.add_group("source").require_options(1, 1);
   source.add_option("--mesh", mesh, "");
   source.add_option("--shape", shape, "");
-  EXPECT_NE(refusal(""), "");
-  EXPECT_NE(refusal("--mesh m --shape s"), "");
-  EXPECT_EQ(refusal("--shape s"), "");
+  EXPECT_NE(rejection(""), "");
+  EXPECT_NE(rejection("--mesh m --shape s"), "");
+  EXPECT_EQ(rejection("--shape s"), "");
 }
 
 TEST_F(CommandLineTest, ShowsInItsHelpWhatAVariableHolds) {
@@ -123,9 +123,9 @@ TEST_F(CommandLineTest, RunsTheCommandThatWasGivenAndNoOther) {
   top.on_run([&] { ran += top.has_subcommand() ? "top of below " : "top "; });
   top.add_subcommand("below", "").on_run([&] { ran += "below "; });
   line_.add_subcommand("other", "").on_run([&] { ran += "other "; });
-  EXPECT_EQ(refusal("top"), "");
+  EXPECT_EQ(rejection("top"), "");
   EXPECT_EQ(ran, "top ");
-  EXPECT_EQ(refusal("top below"), "");
+  EXPECT_EQ(rejection("top below"), "");
   EXPECT_EQ(ran, "top below top of below ");
 }
 

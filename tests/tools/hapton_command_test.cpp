@@ -16,6 +16,7 @@ namespace hapton {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // What a person sees of a command.
 struct Seen {
@@ -81,7 +82,7 @@ TEST_F(HaptonCommandTest, KeygenMakesAKeyOnceAndSaysHowToUseIt) {
   EXPECT_EQ(std::filesystem::status(path("key")).permissions(), std::filesystem::perms(0600));
   const Seen again = run({"keygen", path("key")});
   EXPECT_EQ(again.code, 1);
-  EXPECT_THAT(again.err, HasSubstr("there already"));
+  EXPECT_THAT(again.err, HasSubstr("already exists"));
   EXPECT_EQ(run({"keygen"}).code, 2);
 }
 
@@ -116,6 +117,21 @@ TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
   EXPECT_EQ(seen.err, "hapton: unknown command 'replya'; did you mean 'replay'?\n");
   EXPECT_EQ(run({}).code, 2);
   EXPECT_EQ(run({"--no-such-flag"}).code, 2);
+}
+
+TEST_F(HaptonCommandTest, UnknownFlagsAreHinted) {
+  const Seen seen = run({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("did you mean '--trajectory'?"));
+  const Seen grouped = run(replay({"--mehs", path("t.obj")}));
+  EXPECT_EQ(grouped.code, 2);
+  EXPECT_THAT(grouped.err, HasSubstr("did you mean '--mesh'?"));
+}
+
+TEST_F(HaptonCommandTest, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
+  const Seen seen = run({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("cannot be a folder"));
 }
 
 TEST_F(HaptonCommandTest, ReplayWritesWhatWasFelt) {
@@ -170,8 +186,16 @@ TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatItTookForSharp) {
   EXPECT_THAT(seen.out, HasSubstr("faces turn by more than 70 degrees"));
 }
 
-TEST_F(HaptonCommandTest, JudgeLabelsAShadedForce) {
-  const Seen seen = run({"judge", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
+TEST_F(HaptonCommandTest, EvaluateIsStillFoundUnderItsOldName) {
+  const Seen seen = run({"judge", "--shape", "torus", "--rows", "50", "--threads", "1"});
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.err, HasSubstr("hapton judge is now hapton evaluate"));
+  EXPECT_THAT(seen.out, HasSubstr("force error"));
+  EXPECT_THAT(run({"--help"}).out, Not(HasSubstr("judge")));
+}
+
+TEST_F(HaptonCommandTest, EvaluateLabelsAShadedForce) {
+  const Seen seen = run({"evaluate", "--shape", "torus", "--rows", "100", "--shading", "1", "--threads", "1"});
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("force shading 1: the shaded force against the unshaded reference"));
 }
@@ -193,11 +217,12 @@ TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
   EXPECT_THAT(run({"set", "--hub", "no port:x", "--report"}).err, HasSubstr("no port"));
 }
 
+// It takes the flags of `bench numbers`, and checks its folder before it measures.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
-  const Seen seen = run({"bench", "--out", path("a file/numbers")});
-  EXPECT_EQ(seen.code, 1);
-  EXPECT_THAT(seen.err, HasSubstr("hapton bench numbers: "));
+  const Seen seen = run({"bench", "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
+  EXPECT_EQ(seen.code, 2);
+  EXPECT_THAT(seen.err, HasSubstr("a file is none"));
 }
 
 TEST_F(HaptonCommandTest, StressRefusesADynamicFrictionAboveTheStaticOne) {

@@ -1,6 +1,8 @@
 #include "vision_node/hud_text.h"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -33,8 +35,49 @@ TEST(Hud, NumbersThatAreNoneDoNotBreakIt) {
   EXPECT_NE(compose_hud(facts).find("0.00 N"), std::string::npos);
 }
 
+TEST(Hud, SaysHowFarTheLevelsOfDetailAre) {
+  HudFacts facts;
+  EXPECT_EQ(compose_hud(facts).find("detail"), std::string::npos);
+  facts.detail_progress = 0.42;
+  EXPECT_NE(compose_hud(facts).find("detail 42 %"), std::string::npos);
+}
+
+TEST(Hud, SaysWhyThereIsNoForce) {
+  HudFacts facts;
+  facts.connected = true;
+  const std::pair<ProbeStatus, const char*> statuses[] = {{ProbeStatus::no_haptics, "no haptics_node answers"},
+                                                          {ProbeStatus::fault_latched, "hapton set --reset-faults"},
+                                                          {ProbeStatus::device_away, "the device is away"},
+                                                          {ProbeStatus::calibrating, "being calibrated"}};
+  for (const auto& [status, text] : statuses) {
+    facts.state.status = status;
+    EXPECT_NE(compose_hud(facts).find(text), std::string::npos) << text;
+    EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos) << text;
+  }
+  facts.state.status = ProbeStatus::ok;
+  EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
+}
+
+TEST(Hud, WarnsOfASceneThatCannotBeReachedOrIsNotTheOneFelt) {
+  HudFacts facts;
+  facts.connected = true;
+  const std::string plain = compose_hud(facts);
+  const auto lines = std::count(plain.begin(), plain.end(), '\n');
+  facts.state.status = ProbeStatus::out_of_reach;
+  EXPECT_NE(compose_hud(facts).find("CANNOT REACH"), std::string::npos);
+  EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
+  facts.state.status = ProbeStatus::too_small;
+  EXPECT_NE(compose_hud(facts).find("SPECK"), std::string::npos);
+  facts.state.status = ProbeStatus::ok;
+  facts.is_other_scene = true;
+  const std::string text = compose_hud(facts);
+  EXPECT_NE(text.find("ANOTHER SCENE"), std::string::npos);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), lines + 1);
+}
+
 TEST(Hud, NamesEveryKey) {
-  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q "}) EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
+  for (const char* key : {"x X", "y Y", "z Z", " b ", " s ", " h ", " q ", " m ", " e ", " f ", " r ", " g "})
+    EXPECT_NE(keys_help().find(key), std::string_view::npos) << key;
 }
 
 }  // namespace

@@ -48,20 +48,85 @@ TEST_F(InteractionTest, KeysTurnTheDialsBothWays) {
   EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
 }
 
-TEST_F(InteractionTest, RightDragTurnsAndShiftRolls) {
+TEST_F(InteractionTest, RightDragGoesRoundTheSceneAndTurnsNothingThatIsFelt) {
   give(mouse(Kind::press, 100, 100, Button::right));
   give(mouse(Kind::move, 110, 100));
-  EXPECT_GT(hands_.dials().degrees.y(), 0.0);
-  EXPECT_EQ(hands_.dials().degrees.x(), 0.0);
-  give(mouse(Kind::move, 110, 120));
-  EXPECT_LT(hands_.dials().degrees.x(), 0.0);
-  give(mouse(Kind::move, 130, 120, Button::none, true));
-  EXPECT_LT(hands_.dials().degrees.z(), 0.0);
-  const Vec3 before = hands_.dials().degrees;
-  give(mouse(Kind::release, 130, 120, Button::right));
+  EXPECT_LT(hands_.camera().yaw_rad, 0.0) << "what is seen goes with the mouse";
+  EXPECT_EQ(hands_.camera().pitch_rad, 0.0);
+  give(mouse(Kind::move, 110, 90));
+  EXPECT_GT(hands_.camera().pitch_rad, 0.0);
+  const CameraView before = hands_.camera();
+  give(mouse(Kind::release, 110, 90, Button::right));
   give(mouse(Kind::move, 300, 300));
-  EXPECT_EQ(hands_.dials().degrees, before);
+  EXPECT_EQ(hands_.camera(), before);
+  EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
   EXPECT_FALSE(hands_.take_hand(0)) << "the right button never moves the hand";
+}
+
+TEST_F(InteractionTest, ShiftOrTheMiddleButtonMovesThePictureWithTheMouse) {
+  for (const auto& [button, shift] : {std::pair(Button::right, true), std::pair(Button::middle, false)}) {
+    hands_.camera() = {};
+    const Framing home = frame_sphere(Vec3::Zero(), 0.12, 0.063);
+    give(mouse(Kind::press, 100, 100, button, shift));
+    give(mouse(Kind::move, 130, 90, Button::none, shift));
+    give(mouse(Kind::release, 130, 90, button, shift));
+    const StereoScreen moved = compute_screen(hands_.camera().apply(home), view_.picture);
+    const Vec2 by = project_to_pixel(moved, Eye::centre, view_.picture, Vec3::Zero()) -
+                    project_to_pixel(view_.screen, Eye::centre, view_.picture, Vec3::Zero());
+    EXPECT_LT((by - Vec2(30.0, -10.0)).norm(), 1e-6);
+    EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
+  }
+}
+
+TEST_F(InteractionTest, TheWheelAndKeysZoomAndRComesBack) {
+  WindowEvent notch = mouse(Kind::wheel, 0, 0);
+  notch.wheel = 1;
+  give(notch);
+  EXPECT_GT(hands_.camera().zoom, 1.0);
+  notch.wheel = -1;
+  give(notch);
+  EXPECT_NEAR(hands_.camera().zoom, 1.0, 1e-12);
+  give(key('+'));
+  EXPECT_GT(hands_.camera().zoom, 1.0);
+  give(key('r'));
+  EXPECT_EQ(hands_.camera(), CameraView{});
+}
+
+TEST_F(InteractionTest, TheHandGoesALittleWithinTheSurfaceUnderThePointer) {
+  const Vec3 p_WE = compute_eye_position(view_.screen, Eye::centre);
+  view_.p_WQ = Vec3(0.02, 0.01, 0.05);
+  give(mouse(Kind::press, 100, 100, Button::left));
+  const auto within = [&](const HandTarget& hand) { return (hand.p_WH - *view_.p_WQ).dot((*view_.p_WQ - p_WE).normalized()); };
+  auto hand = hands_.take_hand(0);
+  ASSERT_TRUE(hand);
+  const double first = within(*hand);
+  EXPECT_GT(first, 0.0005);
+  EXPECT_LT(first, 0.01);
+  view_.p_WQ = Vec3(0.03, 0.0, 0.02);
+  give(mouse(Kind::move, 120, 90));
+  hand = hands_.take_hand(kMs);
+  ASSERT_TRUE(hand);
+  EXPECT_NEAR(within(*hand), first, 1e-12) << "as deep on the new surface";
+  EXPECT_LT((hand->p_WH - *view_.p_WQ).norm(), 1.001 * first);
+  WindowEvent notch = mouse(Kind::wheel, 120, 90);
+  notch.wheel = 2;
+  give(notch);
+  hand = hands_.take_hand(2 * kMs);
+  EXPECT_GT(within(*hand), 1.5 * first);
+  notch.wheel = -10;
+  give(notch);
+  hand = hands_.take_hand(3 * kMs);
+  EXPECT_LT(within(*hand), 0.0) << "lifted off";
+  EXPECT_EQ(hands_.camera(), CameraView{}) << "the wheel does not zoom while the hand is held";
+}
+
+TEST_F(InteractionTest, BesideTheSceneTheHandKeepsItsDepth) {
+  view_.p_WQ = Vec3(0.02, 0.01, 0.05);
+  give(mouse(Kind::press, 100, 100, Button::left));
+  const double depth = hands_.take_hand(0)->p_WH.z();
+  view_.p_WQ.reset();
+  give(mouse(Kind::move, 150, 120));
+  EXPECT_NEAR(hands_.take_hand(kMs)->p_WH.z(), depth, 1e-12);
 }
 
 TEST_F(InteractionTest, LeftDragTakesTheHandFromWhereTheProbeIsAndMovesItWithTheMouse) {
@@ -85,6 +150,7 @@ TEST_F(InteractionTest, WheelMovesTheHeldHandInDepth) {
   notch.wheel = 1;
   give(notch);
   EXPECT_FALSE(hands_.take_hand(0)) << "no hand is held";
+  hands_.camera() = {};
   give(mouse(Kind::press, 0, 0, Button::left));
   give(notch);
   const auto hand = hands_.take_hand(0);
@@ -127,13 +193,16 @@ TEST_F(InteractionTest, HLatchesTheHandToTheMouse) {
   EXPECT_FALSE(hands_.hand_active());
 }
 
-TEST_F(InteractionTest, WishesAreToldOnce) {
+TEST_F(InteractionTest, RequestsAreTakenOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
-  const Wishes wishes = hands_.take_wishes();
-  EXPECT_TRUE(wishes.toggle_cull && wishes.screenshot && wishes.quit && wishes.toggle_help);
-  EXPECT_FALSE(hands_.take_wishes().quit);
+  const UserRequests requests = hands_.take_requests();
+  EXPECT_TRUE(requests.toggle_cull && requests.screenshot && requests.quit && requests.toggle_help);
+  for (const char c : {'m', 'e', 'f', 'g'}) give(key(c));
+  const UserRequests more = hands_.take_requests();
+  EXPECT_TRUE(more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues);
+  EXPECT_FALSE(hands_.take_requests().quit);
   give(mouse(Kind::close, 0, 0));
-  EXPECT_TRUE(hands_.take_wishes().quit);
+  EXPECT_TRUE(hands_.take_requests().quit);
 }
 
 }  // namespace

@@ -1,9 +1,12 @@
 #include "vision_node/knob_box.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "runtime/log.h"
 
 namespace hapton {
 namespace {
@@ -86,6 +89,29 @@ TEST(ViewTransformSender, SendsAgainUntilTheHubHasIt) {
   EXPECT_LE(again, 30) << "patiently, not in every turn of the loop";
   sender.confirm(1);
   EXPECT_FALSE(sender.take_due(5000 * kMs));
+}
+
+TEST(ViewTransformSender, SendsARejectedTransformNoMoreAndSaysSoOnce) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  sender.confirm(0);
+  ASSERT_TRUE(sender.take_due(0));
+  start_log("test", LogLevel::info);
+  testing::internal::CaptureStderr();
+  sender.reject(9);  // not ours
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  testing::internal::CaptureStderr();
+  sender.reject(1);
+  sender.reject(1);
+  const std::string logged = testing::internal::GetCapturedStderr();
+  EXPECT_NE(logged.find("rejected view transform 1: not a rigid pose"), std::string::npos) << logged;
+  EXPECT_EQ(std::count(logged.begin(), logged.end(), '\n'), 1);
+  sender.confirm(0);
+  EXPECT_FALSE(sender.take_due(1000 * kMs));
+  Dials dials;
+  dials.turn(1, 40.0);
+  sender.set(dials.compute_pose(Vec3::Zero()));
+  EXPECT_TRUE(sender.take_due(1001 * kMs));
 }
 
 TEST(ViewTransformSender, SendsWhatItHasToAHubThatWasRestarted) {

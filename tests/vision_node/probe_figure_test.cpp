@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/vision_node/made_views.h"
+#include "vision_node/depth_cues.h"
 
 namespace hapton {
 namespace {
@@ -11,6 +12,12 @@ constexpr PictureSize kEye{640, 720};
 
 bool is_tip(const std::uint8_t* rgb) { return rgb[0] > 90 && rgb[2] * 3 < rgb[0] && rgb[1] * 2 > rgb[0]; }
 bool is_arrow(const std::uint8_t* rgb) { return rgb[1] > 90 && rgb[0] * 2 < rgb[1] && rgb[2] < rgb[1]; }
+
+bool is_stylus(const std::uint8_t* rgb) { return rgb[0] > 120 && rgb[1] > 120 && rgb[2] > 120; }
+// Down to where no light falls on it.
+bool is_ball(const std::uint8_t* rgb) { return rgb[0] > 50 && rgb[2] * 3 < rgb[0] && rgb[1] * 2 > rgb[0]; }
+bool is_red(const std::uint8_t* rgb) { return rgb[0] > 120 && rgb[1] * 2 < rgb[0] && rgb[2] * 2 < rgb[0]; }
+bool is_blue(const std::uint8_t* rgb) { return rgb[2] > 120 && rgb[0] * 2 < rgb[2]; }
 
 struct Extent {
   int count = 0;
@@ -104,7 +111,7 @@ TEST(ProbeFigure, ArrowIsSeenWhateverItsDirectionAndGrowsWithForce) {
 
 TEST(ProbeFigure, ArrowIsSeenThroughTheObjectItPointsInto) {
   auto wall = std::make_shared<TriangleMesh>();
-  wall->vertices = {{-1, -1, 0.05}, {1, -1, 0.05}, {0, 1, 0.05}};
+  wall->vertices = {{-1, -1, 0.09}, {1, -1, 0.09}, {0, 1, 0.09}};
   wall->triangles = {{0, 1, 2}};
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {{wall, {0.5, 0.1, 0.1}}});
   ASSERT_TRUE(view);
@@ -116,7 +123,120 @@ TEST(ProbeFigure, ArrowIsSeenThroughTheObjectItPointsInto) {
   const Picture picture = view->read_picture();
   EXPECT_GT(measure(picture, is_arrow, 0, 640).count, 100);
   EXPECT_GT(measure(picture, is_arrow, 640, 1280).count, 100);
-  EXPECT_EQ(measure(picture, is_tip, 0, 1280).count, 0) << "the wall hides the probe itself";
+  EXPECT_EQ(measure(picture, is_stylus, 0, 1280).count, 0) << "the wall hides the stylus";
+  const int through = measure(picture, is_tip, 0, 1280).count;
+  EXPECT_GT(through, 10) << "the tip shows through, dotted";
+  wall->vertices[0].z() = wall->vertices[1].z() = wall->vertices[2].z() = -0.15;
+  auto open_view = open_or_fail(plain_settings(StereoMode::side_by_side, 1280, 720), {{wall, {0.5, 0.1, 0.1}}});
+  ASSERT_TRUE(open_view);
+  open_view->set_probe(probe);
+  open_view->draw();
+  EXPECT_LT(through, 0.7 * measure(open_view->read_picture(), is_tip, 0, 1280).count);
+  EXPECT_GT(measure(open_view->read_picture(), is_stylus, 0, 1280).count, 500);
+}
+
+TEST(ProbeFigure, TheTipIsSeenThoughTheForcePointsAtTheViewer) {
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 720, 720), {});
+  ASSERT_TRUE(view);
+  ProbeShown probe;
+  probe.q_WT = make_lean(0.9);
+  view->set_probe(probe);
+  view->draw();
+  const int alone = measure(view->read_picture(), is_tip, 0, 720).count;
+  probe.force_n = {0.0, 0.0, 2.0};
+  view->set_probe(probe);
+  view->draw();
+  EXPECT_GT(measure(view->read_picture(), is_tip, 0, 720).count, 0.3 * alone);
+}
+
+TEST(ProbeFigure, ABallIsDrawnAsLargeAsItIsFelt) {
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 720, 720), {});
+  ASSERT_TRUE(view);
+  ProbeShown probe;
+  probe.q_WT = make_lean(1.2);
+  const StereoScreen screen = view->screen();
+  const Vec2 centre = project_to_pixel(screen, Eye::centre, {720, 720}, Vec3::Zero());
+  for (const double radius_m : {0.015, 0.005}) {
+    view->set_probe_radius(radius_m);
+    view->set_probe(probe);
+    view->draw();
+    const Extent tip = measure(view->read_picture(), is_ball, 0, 720);
+    EXPECT_NEAR(centre.x() - tip.min_x, radius_m * 720 / screen.width_m, 1.5);
+    EXPECT_NEAR(centre.y() - tip.min_y, radius_m * 720 / screen.width_m, 1.5);
+  }
+  view->set_probe_radius(0.0);
+  view->set_probe(probe);
+  view->draw();
+  EXPECT_NEAR(centre.x() - measure(view->read_picture(), is_ball, 0, 720).min_x, view->probe_sizes().tip_radius_m * 720 / screen.width_m,
+              1.5);
+}
+
+TEST(ProbeFigure, AForceBeyondTheArrowsLengthIsMarkedRed) {
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 720, 720), {});
+  ASSERT_TRUE(view);
+  ProbeShown probe;
+  probe.q_WT = make_lean(0.9);
+  const ProbeSizes sizes = view->probe_sizes();
+  const double most_n = sizes.arrow_max_m / sizes.arrow_m_per_n;
+  for (const auto& [newtons, marked] : {std::pair(0.9 * most_n, false), std::pair(1.1 * most_n, true)}) {
+    probe.force_n = {newtons, 0.0, 0.0};
+    view->set_probe(probe);
+    view->draw();
+    EXPECT_EQ(measure(view->read_picture(), is_red, 0, 720).count > 5, marked) << newtons;
+  }
+}
+
+TEST(ProbeFigure, TheDevicesPlaceIsShownInContactOnly) {
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 720, 720), {});
+  ASSERT_TRUE(view);
+  ProbeState state = state_at({0.0, -0.02, 0.0}, {0.0, 0.02, 0.0});
+  for (const bool contact : {false, true}) {
+    state.contact = contact;
+    view->set_probe(show_probe(state, make_lean(0.9)));
+    view->draw();
+    const Extent red = measure(view->read_picture(), is_red, 0, 720);
+    EXPECT_EQ(red.count > 20, contact);
+    if (!contact) continue;
+    const Vec2 device = project_to_pixel(view->screen(), Eye::centre, {720, 720}, state.p_WD);
+    EXPECT_NEAR(red.min_y, device.y(), 6.0) << "the line ends there";
+  }
+}
+
+TEST(ProbeFigure, TwoHandsHaveTheirOwnColours) {
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 720, 720), {});
+  ASSERT_TRUE(view);
+  ProbeShown probe;
+  probe.q_WT = make_lean(0.9);
+  view->set_other_probe(probe);
+  view->draw();
+  EXPECT_EQ(measure(view->read_picture(), is_tip, 0, 720).count, 0) << "not the first hand's yellow";
+  EXPECT_GT(measure(view->read_picture(), is_blue, 0, 720).count, 20);
+}
+
+TEST(ProbeFigure, TheTipsShadowLiesOnTheGroundBelowIt) {
+  ViewSettings settings = plain_settings(StereoMode::mono, 720, 720);
+  settings.plain = false;
+  settings.framing.pitch_rad = 0.5;
+  auto view = open_or_fail(settings, {});
+  ASSERT_TRUE(view);
+  view->draw();
+  const Picture without = view->read_picture();
+  ProbeShown probe;
+  probe.p_WP = Vec3(0.02, 0.03, 0.01);
+  view->set_probe(probe);
+  view->draw();
+  const Picture with = view->read_picture();
+  const Vec2 at = project_to_pixel(view->screen(), Eye::centre, {720, 720}, *find_shadow(probe.p_WP));
+  const auto brightness = [&](const Picture& picture) {
+    const std::uint8_t* rgb = picture.at(static_cast<int>(at.x()), static_cast<int>(at.y()));
+    return int{rgb[0]} + rgb[1] + rgb[2];
+  };
+  EXPECT_LT(brightness(with), 60);
+  EXPECT_GT(brightness(without), brightness(with));
+  view->set_depth_cues(false);
+  view->set_probe(probe);
+  view->draw();
+  EXPECT_GT(brightness(view->read_picture()), 60) << "no ground, no shadow";
 }
 
 TEST(ProbeFigure, OrientationTurnsTheStylus) {

@@ -104,5 +104,20 @@ TEST_F(Watch, APointInTheEyesPlaneCountsAsMoved) {
   EXPECT_TRUE(watch_.differs(probe_, sizes_, screen_, kSize));
 }
 
+TEST(ShowProbe, KeepsTheDevicesOwnPlace) {
+  ProbeState state;
+  state.p_WD = Vec3(0.01, 0.02, 0.03);
+  state.visual_offset_m = Vec3(0.0, 0.005, 0.0);
+  EXPECT_EQ(show_probe(state).p_WD, state.p_WD);
+}
+
+TEST(ProbeRadius, IsFoundInWhatTheHapticsNodeSays) {
+  EXPECT_EQ(find_probe_radius("name=proxy probe_radius_m=0.015"), 0.015);
+  EXPECT_EQ(find_probe_radius("name=proxy probe_radius_m=5e-4 friction=0.2"), 5e-4);
+  for (const char* said : {"", "name=proxy", "probe_radius_m=", "probe_radius_m=-1", "probe_radius_m=nan", "probe_radius_m=inf"}) {
+    EXPECT_EQ(find_probe_radius(said), 0.0) << said;
+  }
+}
+
 }  // namespace
 }  // namespace hapton

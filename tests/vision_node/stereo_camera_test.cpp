@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace hapton {
@@ -114,6 +116,16 @@ TEST(StereoCamera, FramedSphereIsWhollyInsideThePictureOfEveryEye) {
       const Vec2 pixel = pixel_by_matrices(screen, Eye::centre, p);
       ASSERT_TRUE(pixel.x() > 0.0 && pixel.x() < 640.0 && pixel.y() > 0.0 && pixel.y() < 720.0) << "radius " << radius << " seed " << kSeed;
     }
+  }
+}
+
+// The picture is drawn in single precision: however small the scene, what lies a pixel apart must differ as seen from the eye.
+TEST(StereoCamera, TellsPixelsOfASmallSceneApart) {
+  for (const double radius : {1e-6, 1e-5, 1e-4, 1e-3, 0.1}) {
+    const Framing framing = frame_sphere(Vec3::Zero(), radius, 0.063);
+    const double pixel_m = framing.view_m / 720.0;
+    const auto eye = static_cast<float>(framing.distance_m);
+    EXPECT_GT(pixel_m, 20.0 * static_cast<double>(std::nextafter(eye, 2.0F * eye) - eye)) << radius;
   }
 }
 

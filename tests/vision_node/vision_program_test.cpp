@@ -1,5 +1,6 @@
 #include <sys/wait.h>
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <string>
@@ -85,9 +86,28 @@ TEST(VisionProgram, WithoutAHubItSaysSoAndFails) {
 }
 
 TEST(VisionProgram, BenchSaysItsRate) {
+  const auto begin = std::chrono::steady_clock::now();
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --bench-frames 5");
+  const double elapsed_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_EQ(run.code, 0) << run.output;
-  EXPECT_NE(run.output.find("5 pictures"), std::string::npos) << run.output;
+  const std::size_t at = run.output.find("bench: ");
+  ASSERT_NE(at, std::string::npos) << run.output;
+  int frames = 0;
+  double rate_hz = 0.0;
+  ASSERT_EQ(std::sscanf(run.output.c_str() + at, "bench: %d %*[a-z], %lf Hz", &frames, &rate_hz), 2) << run.output;
+  EXPECT_EQ(frames, 5);
+  const std::size_t drawing = run.output.find("drawing p50 ", at);
+  ASSERT_NE(drawing, std::string::npos) << run.output;
+  double p50_ms = 0.0;
+  double p99_ms = 0.0;
+  ASSERT_EQ(std::sscanf(run.output.c_str() + drawing, "drawing p50 %lf ms p99 %lf ms", &p50_ms, &p99_ms), 2) << run.output;
+  EXPECT_GT(p50_ms, 0.0);
+  EXPECT_GE(p99_ms, p50_ms);
+  // Frames are drawn one after the other, so the rate and the time of a frame say the same: four intervals are within the five times drawn
+  // and what the window takes besides.
+  EXPECT_GT(rate_hz, 0.0);
+  EXPECT_LE(1000.0 / rate_hz, elapsed_ms);
+  EXPECT_GE(1000.0 / rate_hz, 0.5 * p50_ms);
 }
 
 }  // namespace

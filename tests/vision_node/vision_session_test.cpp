@@ -1,15 +1,20 @@
 #include "vision_node/vision_session.h"
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "core/geometry/mesh_shapes.h"
 #include "link/hub_peers.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
 #include "tests/vision_node/made_views.h"
+
+// Last: it brings X's macros.
+#include "tests/vision_node/window_person.h"
 
 namespace hapton {
 namespace {
@@ -34,6 +39,7 @@ class FakeHub {
   // To be looked at after stop().
   std::vector<ViewTransform> transforms;
   std::vector<Drawn> drawn;
+  std::vector<HandTarget> hands;
   std::uint64_t samples = 0;
 
  private:
@@ -63,6 +69,7 @@ class FakeHub {
       state.view_revision = transform->revision;
     }
     if (const auto* picture = std::get_if<Drawn>(&message)) drawn.push_back(*picture);
+    if (const auto* hand = std::get_if<HandTarget>(&message)) hands.push_back(*hand);
   }
 
   SteadyClock clock_;
@@ -72,13 +79,15 @@ class FakeHub {
 };
 
 struct Session {
-  explicit Session(const Address& hub, VisionOptions given = {}) : options(std::move(given)) {
+  explicit Session(const Address& hub, VisionOptions given = {}, bool shows_window = false,
+                   std::shared_ptr<const TriangleMesh> mesh = make_marker(Vec3::Zero(), 0.03))
+      : options(std::move(given)) {
     options.view.width_px = 320;
     options.view.height_px = 180;
-    options.view.offscreen = true;
+    options.view.offscreen = !shows_window;
     if (options.seconds == 0.0) options.seconds = 1.2;
     Scene scene;
-    scene.objects.push_back({"ball", make_marker(Vec3::Zero(), 0.03), {}, {0.8, 0.2, 0.1}});
+    scene.objects.push_back({"ball", std::move(mesh), {}, {0.8, 0.2, 0.1}});
     view = std::move(*open_view(scene, options));
     endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
     client = std::make_unique<HubClient>(*endpoint, clock, NodeRole::vision, hub);
@@ -199,6 +208,53 @@ TEST(VisionSession, OutlivesTheHubAndFindsTheNextOne) {
   person.join();
   EXPECT_EQ(vision.client->state(), JoinState::joining);
   EXPECT_EQ(vision.client->counts().joins, 1u);
+}
+
+TEST(VisionSession, TheMouseLeadsTheHandToTheSurfaceUnderItAndKeysChangeThePicture) {
+  FakeHub hub;
+  hub.moving = false;
+  VisionOptions options;
+  options.seconds = 2.5;
+  options.view_yaw_deg = options.view_pitch_deg = 0.0;
+  Session vision(hub.address(), options, true);
+  vision.view->draw();
+  const double zoomed_out_m = vision.view->screen().width_m;
+  std::thread hands([&vision] {
+    Person person;
+    const auto wait = [&vision](int ms) { vision.clock.sleep_until_ns(vision.clock.now_ns() + ms * kNanosecondsPerMillisecond); };
+    wait(800);
+    person.move(160, 90);
+    person.button(ButtonPress, 1, 160, 90);
+    wait(300);
+    person.button(ButtonRelease, 1, 160, 90);
+    person.press_key(XK_plus, ShiftMask);
+    person.press_key(XK_m);
+  });
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  hands.join();
+  vision.session.reset();
+  hub.stop();
+  const auto led = std::find_if(hub.hands.begin(), hub.hands.end(), [](const HandTarget& hand) { return hand.active; });
+  ASSERT_NE(led, hub.hands.end());
+  // The ball's surface in front of its middle is 30 mm from it; the hand is a little within.
+  EXPECT_LT(led->p_WH.norm(), 0.0302);
+  EXPECT_GT(led->p_WH.norm(), 0.028);
+  EXPECT_GT(led->p_WH.z(), 0.027);
+  EXPECT_FALSE(hub.hands.back().active) << "and was let go of";
+  EXPECT_EQ(vision.view->mode(), StereoMode::side_by_side);
+  EXPECT_LT(vision.view->screen().width_m, zoomed_out_m);
+}
+
+TEST(VisionSession, AtRestTheSceneComesToFullDetailByItself) {
+  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  VisionOptions options;
+  options.seconds = 4.0;
+  const auto mesh = std::make_shared<TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  Session vision(nobody->local_address(), options, false, mesh);
+  ASSERT_TRUE(vision.session->run(vision.stop));
+  ASSERT_EQ(vision.view->detail_progress(), 1.0);
+  EXPECT_LT(vision.view->paint_count().triangles, mesh->triangles.size()) << "a coarser level would do while it moves";
+  for (int part = 0; part < 3; ++part) EXPECT_FALSE(vision.view->refine()) << "nothing is left to do";
 }
 
 TEST(FrameScene, HoldsTheWholeSceneWhateverTheDialsDo) {

@@ -93,6 +93,66 @@ TEST_F(VisionStepTest, DrawsWhatMovesAtMostAtTheLimit) {
   EXPECT_LE(pictures, 101);
 }
 
+TEST_F(VisionStepTest, AMovedCameraIsDrawnAndNotSent) {
+  VisionStep step(settings());
+  step.joined();
+  while (step.take_message(0)) {
+  }
+  ASSERT_TRUE(turn(step, 0));
+  ASSERT_FALSE(turn(step, 20 * kMs));
+  WindowEvent plus;
+  plus.key = '+';
+  step.handle(plus, where_);
+  ASSERT_TRUE(step.wants_picture(40 * kMs, where_));
+  EXPECT_LT(step.compose(40 * kMs).framing.view_m, settings().home.view_m);
+  step.drew(40 * kMs, 45 * kMs, where_);
+  EXPECT_FALSE(turn(step, 60 * kMs));
+  EXPECT_FALSE(step.take_message(60 * kMs)) << "what is felt stays where it is";
+}
+
+TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItWasTurnedThoughTheProbeMovesOn) {
+  VisionStep step(settings());
+  EXPECT_FALSE(step.is_scene_at_rest(1000 * kMs)) << "nothing has been drawn";
+  ASSERT_TRUE(turn(step, 0));
+  step.turn_dials(Vec3(0, 2, 0));
+  EXPECT_FALSE(step.is_scene_at_rest(900 * kMs)) << "turned and not yet drawn";
+  ASSERT_TRUE(turn(step, 1000 * kMs));
+  EXPECT_FALSE(step.is_scene_at_rest(1100 * kMs));
+  for (int ms = 1100; ms < 1300; ms += 20) {
+    step.hear(state_at(0.0005 * ms, static_cast<std::uint64_t>(ms)));
+    turn(step, ms * kMs);
+  }
+  EXPECT_TRUE(step.is_scene_at_rest(1300 * kMs));
+}
+
+TEST_F(VisionStepTest, ThePointersSurfaceIsWantedWhereTheHandIsLed) {
+  VisionStep step(settings());
+  WindowEvent event;
+  event.kind = WindowEvent::Kind::move;
+  EXPECT_FALSE(step.wants_surface(event));
+  event.kind = WindowEvent::Kind::press;
+  event.button = WindowEvent::Button::right;
+  EXPECT_FALSE(step.wants_surface(event));
+  event.button = WindowEvent::Button::left;
+  EXPECT_TRUE(step.wants_surface(event));
+  step.handle(event, where_, Vec3(0.01, 0.0, 0.02));
+  event.kind = WindowEvent::Kind::move;
+  EXPECT_TRUE(step.wants_surface(event));
+}
+
+TEST_F(VisionStepTest, FLooksAtTheSceneWhereItIsTurnedTo) {
+  VisionStepSettings framed = settings();
+  framed.p_SO = Vec3(0.1, 0.0, 0.0);
+  framed.scene_radius_m = 0.03;
+  framed.dials.turn(2, 90.0);
+  VisionStep step(framed);
+  WindowEvent key;
+  key.key = 'f';
+  step.handle(key, where_);
+  step.take_requests();
+  EXPECT_LT((step.compose(0).framing.p_WC - Vec3(0.0, 0.1, 0.0)).norm(), 1e-12);
+}
+
 TEST_F(VisionStepTest, AModeThatAlternatesTheEyesNeverRests) {
   VisionStepSettings alternating = settings();
   alternating.always_changing = true;
@@ -113,7 +173,7 @@ TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
   EXPECT_FALSE(turn(step, 60 * kMs));
   event.key = 'b';
   step.handle(event, where_);
-  step.take_wishes();
+  step.take_requests();
   EXPECT_TRUE(step.wants_picture(80 * kMs, where_));
   EXPECT_FALSE(step.compose(80 * kMs).cull);
   step.drew(80 * kMs, 85 * kMs, where_);

@@ -39,7 +39,7 @@ struct Watched : testing::Test {
     }
     return -1.0;
   }
-  GuardPage page;
+  HeartbeatPage page;
   OuterWatchdog watchdog;
   std::int64_t now_ns = 1000 * kMs;
 };
@@ -115,7 +115,7 @@ TEST(ForceCutterTest, TellsAHidDeviceToBeOffByAHandleOfItsOwn) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
-  const auto page = std::make_unique<GuardPage>();
+  const auto page = std::make_unique<HeartbeatPage>();
   ForceCutter cutter(*page, 0);
   EXPECT_FALSE(cutter.cut()) << "nothing is known of the device yet";
   const std::uint8_t off[] = {2, 0, 0, 7};
@@ -131,7 +131,7 @@ TEST(ForceCutterTest, TellsAHidDeviceToBeOffByAHandleOfItsOwn) {
 
 TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
   ScratchFolder folder;
-  const auto page = std::make_unique<GuardPage>();
+  const auto page = std::make_unique<HeartbeatPage>();
   ForceCutter cutter(*page, 0);
   for (const char* name : {"hidraw0", "hidraw1"}) {
     const std::string path = (folder.path() / name).string();
@@ -143,8 +143,8 @@ TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
 }
 
 TEST(ForceCutterTest, AReportThatIsTooLongMakesItADeviceWithoutMeans) {
-  const auto page = std::make_unique<GuardPage>();
-  page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(GuardPage::kMostReport + 1));
+  const auto page = std::make_unique<HeartbeatPage>();
+  page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(HeartbeatPage::kMostReport + 1));
   EXPECT_EQ(page->means.load(), CutMeans::none);
   ForceCutter cutter(*page, 0);
   EXPECT_FALSE(cutter.cut());
@@ -156,7 +156,7 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
     for (;;) ::pause();
   }
   ::kill(child, SIGSTOP);  // frozen, as it would be
-  const auto page = std::make_unique<GuardPage>();
+  const auto page = std::make_unique<HeartbeatPage>();
   page->set_means(CutMeans::kill);
   ForceCutter cutter(*page, child);
   EXPECT_TRUE(cutter.cut());

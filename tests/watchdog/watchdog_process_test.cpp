@@ -25,7 +25,7 @@ struct WatchdogProcessTest : testing::Test {
     return false;
   }
   SteadyClock clock;
-  GuardMemory memory;
+  HeartbeatMemory memory;
   WatchdogProcess watchdog;
 };
 

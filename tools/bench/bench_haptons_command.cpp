@@ -47,8 +47,8 @@ void add_bench_haptons_command(CommandLine bench, int& exit_code) {
   command.add_option("--seconds", options->settings.seconds, "How long to measure, all ways together")
       .between(0.01, 3600.0)
       .shows_default();
-  command.add_option("--seed", options->settings.pairs.seed, "Of the random pairs").shows_default();
-  command.add_option("--out", options->out, "Folder for haptons.json and haptons.csv; default: none are written");
+  command.add_option("--seed", options->settings.pairs.seed, "Seed of the random pairs").shows_default();
+  command.add_option("--out", options->out, "Folder for haptons.json and haptons.csv; default: none are written").folder_to_write();
   command.on_run([options, &exit_code] { exit_code = run_haptons(*options); });
 }
 

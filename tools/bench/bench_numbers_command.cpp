@@ -131,20 +131,22 @@ void add_bench_numbers_command(CommandLine bench, int& exit_code) {
     command.add_flag("--quick", options->quick, "Smaller spheres, short runs, two seeds: about a minute");
     command.add_option("--mesh", options->files, "Only these meshes, and both spheres (default: every mesh of the folder)");
     command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-    command.add_option("--steps", options->settings.steps, "Of each trajectory").between(100, 10'000'000).shows_default();
-    command.add_option("--mesh-steps", options->settings.meshes.steps, "Of each slide over each mesh")
+    command.add_option("--steps", options->settings.steps, "Steps of each trajectory").between(100, 10'000'000).shows_default();
+    command.add_option("--mesh-steps", options->settings.meshes.steps, "Steps of each slide over each mesh")
         .between(300, 10'000'000)
         .shows_default();
     command.add_option("--seeds", options->seeds, "Slides over each mesh").between(1, 1000).shows_default();
-    command.add_option("--windows", options->settings.meshes.windows, "Of each slide, judged against the reference")
+    command.add_option("--windows", options->settings.meshes.windows, "Windows of each slide that are compared with the reference")
         .between(1, 10000)
         .shows_default();
-    command.add_option("--window-steps", options->settings.meshes.window_steps, "Of each window").between(2, 4000).shows_default();
-    command.add_option("--judged-steps", options->settings.judged_steps, "Judged at every scale against the reference")
+    command.add_option("--window-steps", options->settings.meshes.window_steps, "Steps of each window").between(2, 4000).shows_default();
+    command.add_option("--judged-steps", options->settings.judged_steps, "Steps compared with the reference at every scale")
         .between(10, 10'000'000)
         .shows_default();
-    command.add_option("--seed", options->settings.seed, "Of meshes and trajectories").shows_default();
-    command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv and numbers.json").shows_default();
+    command.add_option("--seed", options->settings.seed, "Seed of meshes and trajectories").shows_default();
+    command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv and numbers.json")
+        .folder_to_write()
+        .shows_default();
   };
   const auto run = [options, &exit_code] {
     const auto done = measure(*options);

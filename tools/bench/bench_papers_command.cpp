@@ -111,8 +111,8 @@ void add_bench_papers_command(CommandLine bench, int& exit_code) {
   command.add_option("--mesh", options->mesh, "For the FDH paper's figures (its models have some 20,000 triangles)").shows_default();
   command.add_option("--car", options->car, "For the memo's (its car has 3300 polygons)").shows_default();
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-  command.add_option("--seed", options->settings.seed, "Of slides and pairs").shows_default();
-  command.add_option("--out", options->out, "Folder for the reports and the nodes' logs").shows_default();
+  command.add_option("--seed", options->settings.seed, "Seed of slides and pairs").shows_default();
+  command.add_option("--out", options->out, "Folder for the reports and the nodes' logs").folder_to_write().shows_default();
   command.on_run([options, &exit_code] { exit_code = run_papers(*options); });
 }
 

@@ -94,12 +94,12 @@ void add_bench_pareto_command(CommandLine bench, int& exit_code) {
   which.add_flag("--all", options->all, "Twelve meshes");
   command.add_flag("--quick", options->quick, "Short runs, over two small meshes unless others are named: less than a minute");
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
-  command.add_option("--steps", options->settings.steps, "Of the slide over each mesh").between(100, 10'000'000).shows_default();
-  command.add_option("--judged-steps", options->settings.judged_steps, "Of them against the reference")
+  command.add_option("--steps", options->settings.steps, "Steps of the slide over each mesh").between(100, 10'000'000).shows_default();
+  command.add_option("--judged-steps", options->settings.judged_steps, "Of these, steps compared with the reference")
       .between(10, 10'000'000)
       .shows_default();
-  command.add_option("--seed", options->settings.seed, "Of the slides").shows_default();
-  command.add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png").required();
+  command.add_option("--seed", options->settings.seed, "Seed of the slides").shows_default();
+  command.add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png").folder_to_write().required();
   command.on_run([options, &exit_code] {
     const auto done = measure(*options);
     if (!done) fmt::print(stderr, "hapton bench pareto: {}\n", done.error().what);

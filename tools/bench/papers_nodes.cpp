@@ -18,7 +18,8 @@ namespace {
 constexpr double kDrawSeconds = 300.0;  // for software rendering on a slow machine
 
 Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, LocalVision& vision, std::string& line) {
-  std::vector<std::string> arguments = {"--scene", settings.scene.string(), "--bench-frames", fmt::format("{}", settings.frames)};
+  std::vector<std::string> arguments = {"--scene",      settings.scene.string(), "--stereo",
+                                        "side_by_side", "--bench-frames",        fmt::format("{}", settings.frames)};
   if (!culls) arguments.emplace_back("--no-cull");
   const auto folder = settings.out / (culls ? "stereo_culled" : "stereo_unculled");
   std::error_code error;

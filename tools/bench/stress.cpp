@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint64_t kStepsOfTheFirstWalk = 10000;
 constexpr std::uint64_t kStepsToEarnAWalk = 40000;
 
-constexpr auto kFaults = static_cast<std::size_t>(StressFault::kCount);
+constexpr auto kFaults = static_cast<std::size_t>(StressFault::count);
 
 StressSettings settings_of(const StressPlan& plan, const StressVariant& variant) {
   StressSettings settings;

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// One place and material every body is tortured in.
+// The placement and material of a stress test of every body.
 struct StressVariant {
   double scale = 1.0;
   double offset_extents = 0.0;

@@ -84,7 +84,7 @@ Result<void> choose_variant(StressOptions& options) {
   return {};
 }
 
-Result<bool> torture(StressOptions& options) {
+Result<bool> run_stress(StressOptions& options) {
   if (auto chosen = choose_variant(options); !chosen) return tl::unexpected(chosen.error());
   const auto bodies = make_bodies(options);
   if (!bodies) return tl::unexpected(bodies.error());
@@ -149,9 +149,9 @@ void add_stress_command(CommandLine app, int& exit_code) {
       .between(1, 10000)
       .shows_default();
   command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();
-  command.add_option("--out", options->out, "Folder for stress.json");
+  command.add_option("--out", options->out, "Folder for stress.json").folder_to_write();
   command.on_run([options, &exit_code] {
-    const auto clean = torture(*options);
+    const auto clean = run_stress(*options);
     if (!clean) fmt::print(stderr, "hapton stress: {}\n", clean.error().what);
     exit_code = clean && *clean ? 0 : 1;
   });

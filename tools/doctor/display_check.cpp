@@ -6,8 +6,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "tools/doctor/ask_in_child.h"
 #include "tools/doctor/display_probe.h"
+#include "tools/doctor/run_in_child.h"
 
 namespace hapton::doctor {
 namespace {
@@ -59,7 +59,7 @@ Findings check_display(const Machine& machine) {
 }
 
 DisplayAnswer try_display() {
-  const ChildAnswer said = ask_in_child(
+  const ChildAnswer said = run_in_child(
       [] {
         const DisplayAnswer answer = probe_display();
         return nlohmann::json({{"error", answer.error},

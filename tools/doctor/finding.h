@@ -10,7 +10,7 @@ namespace hapton::doctor {
 
 enum class Verdict : std::uint8_t {
   ok,
-  note,     // worth knowing, nothing has to be mended
+  note,     // worth knowing, nothing has to be fixed
   warning,  // it works, but not as well as it could
   problem,  // something that a person wants will not work, or not at 1 kHz
 };
@@ -20,7 +20,7 @@ struct Finding {
   std::string subject;  // what: "WoodenHaptics 1234:0006"
   Verdict verdict = Verdict::ok;
   std::string seen;    // how it is
-  std::string remedy;  // the line that mends it; never empty for warnings and problems
+  std::string remedy;  // the line that fixes it; never empty for warnings and problems
 };
 
 using Findings = std::vector<Finding>;

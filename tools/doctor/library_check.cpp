@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/vendor_library.h"
-#include "tools/doctor/ask_in_child.h"
 #include "tools/doctor/plugged_device.h"
+#include "tools/doctor/run_in_child.h"
 
 namespace hapton::doctor {
 namespace {
@@ -70,7 +70,7 @@ LibraryAnswer try_vendor_library(std::string_view name) {
   const auto libraries = known_vendor_libraries();
   const auto library = std::find_if(libraries.begin(), libraries.end(), [&](const KnownVendorLibrary& l) { return l.name == name; });
   if (library == libraries.end()) return {};
-  const ChildAnswer said = ask_in_child(
+  const ChildAnswer said = run_in_child(
       [&] {
         std::vector<FailedLoad> failures;
         const VendorLibrary loaded = VendorLibrary::try_open(*library, "", failures);

@@ -15,84 +15,11 @@
 #include "core/force/smooth/smooth_force.h"
 #include "core/force/smooth/smooth_scene.h"
 #include "core/geometry/mesh_shapes.h"
-
-// Most pictures are cross-sections: the scene is a prism along z, the probe moves in the plane z = kSlice (not 0, where triangles may share
-// an edge). Lengths are drawn in millimetres.
+#include "tools/figures/drawing.h"
 
 namespace hapton {
+namespace figures {
 namespace {
-
-using Outline = std::vector<Eigen::Vector2d>;
-
-constexpr double kSlice = 0.0013;
-constexpr double kPi = 3.14159265358979323846;
-
-constexpr const char* kBlue = "#0050c8";
-constexpr const char* kRed = "#d02020";
-constexpr const char* kGreen = "#009e60";
-constexpr const char* kOrange = "#d07000";
-constexpr const char* kSolid = "#dcdcd4";
-
-// Points of one data block, in metres; written in millimetres.
-class Points {
- public:
-  Points& add(const Vec3& p) {
-    fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g}\n", 1e3 * p.x(), 1e3 * p.y());
-    return *this;
-  }
-  Points& add(const Vec3& from, const Vec3& way) {  // for vectors
-    fmt::format_to(std::back_inserter(text_), "{:.6g} {:.6g} {:.6g} {:.6g}\n", 1e3 * from.x(), 1e3 * from.y(), 1e3 * way.x(),
-                   1e3 * way.y());
-    return *this;
-  }
-  Points& gap() {
-    text_ += "\n";
-    return *this;
-  }
-  Points& line(const Vec3& from, const Vec3& to) { return add(from).add(to).gap(); }
-  std::string block(std::string_view name) const { return fmt::format("${} << EOD\n{}EOD\n", name, text_); }
-
- private:
-  std::string text_;
-};
-
-Points outline_of(const Outline& outline) {
-  Points points;
-  for (const auto& p : outline) points.add({p.x(), p.y(), 0.0});
-  return points.add({outline.front().x(), outline.front().y(), 0.0});
-}
-
-std::string begin(std::string_view name, int width, int height) {
-  return fmt::format(
-      "set terminal pngcairo size {},{} font 'sans,13' background '#ffffff'\n"
-      "set output '{}.png.part'\n"
-      "set border 3 linecolor rgb '#909090'\n"
-      "set tics nomirror textcolor rgb '#404040'\n"
-      "set key below height 1.2 samplen 2 width 1 textcolor rgb '#202020'\n",
-      width, height, name);
-}
-
-TouchScene scene_of(TriangleMesh mesh) {
-  TouchScene scene;
-  scene.objects.push_back({std::make_shared<TriangleMesh>(std::move(mesh)), Material{}});
-  return scene;
-}
-
-Vec3 at(double x_mm, double y_mm) { return {1e-3 * x_mm, 1e-3 * y_mm, kSlice}; }
-
-struct Sample {
-  Vec3 device;
-  MethodOutput felt;
-};
-
-Result<std::vector<Sample>> follow(const MethodSettings& settings, const TouchScene& scene, const std::vector<Vec3>& way) {
-  auto method = make_method(settings, scene);
-  if (!method) return tl::unexpected(method.error());
-  (*method)->reset(way.front());
-  std::vector<Sample> samples;
-  for (const Vec3& p : way) samples.push_back({p, (*method)->step({p, 1e-3})});
-  return samples;
-}
 
 // --- sweep: figure 4 of the memo -------------------------------------------------------------------------------------------------
 
@@ -138,97 +65,6 @@ Result<Figure> draw_sweep() {
   return Figure{"sweep", script};
 }
 
-// --- Fixed Direction Hulls against boxes -----------------------------------------------------------------------------------------
-
-Outline clipped(const Outline& polygon, const Eigen::Vector2d& normal, double limit) {  // keeps normal . p <= limit
-  Outline kept;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d& p = polygon[i];
-    const Eigen::Vector2d& q = polygon[(i + 1) % polygon.size()];
-    const double from = normal.dot(p) - limit;
-    const double to = normal.dot(q) - limit;
-    if (from <= 0.0) kept.push_back(p);
-    if ((from < 0.0) != (to < 0.0) && from != to) kept.push_back(p + from / (from - to) * (q - p));
-  }
-  return kept;
-}
-
-// What the plane z = 0 cuts out of a hull.
-template <int K>
-Outline slice_of(const FdhHull<K>& hull) {
-  Outline polygon = {{hull.low[0], hull.low[1]}, {hull.high[0], hull.low[1]}, {hull.high[0], hull.high[1]}, {hull.low[0], hull.high[1]}};
-  for (int i = 3; i < K / 2; ++i) {
-    const auto& axis = FdhDirections<K>::kAxis[i];
-    const Eigen::Vector2d normal(axis[0], axis[1]);
-    if (!normal.isZero(0.0)) polygon = clipped(clipped(polygon, normal, hull.high[i]), -normal, -hull.low[i]);
-  }
-  return polygon;
-}
-
-double area_of(const Outline& p) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const auto& q = p[(i + 1) % p.size()];
-    twice += p[i].x() * q.y() - p[i].y() * q.x();
-  }
-  return 0.5 * twice;
-}
-
-struct Hulls {
-  FdhHull<6> box;
-  FdhHull<14> hull;
-};
-
-Result<Figure> draw_hulls() {
-  const TriangleMesh mesh = make_torus(0.03, 0.009, 96, 40);
-  constexpr int kParts = 12;
-  std::array<Hulls, kParts> parts;
-  Points cut;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3.0;
-    // Pieces as a tree's level has them: a twelfth of the ring, the outer wall near the plane.
-    if (middle.head<2>().norm() > 0.03 && std::fabs(middle.z()) < 0.004) {
-      const double turn = std::atan2(middle.y(), middle.x()) / (2.0 * kPi) + 1.0;
-      Hulls& part = parts[static_cast<std::size_t>(turn * kParts) % kParts];
-      for (int k = 0; k < 3; ++k) {
-        part.box.add(mesh.corner(t, k));
-        part.hull.add(mesh.corner(t, k));
-      }
-    }
-    std::vector<Vec3> ends;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3& p = mesh.corner(t, k);
-      const Vec3& q = mesh.corner(t, (k + 1) % 3);
-      if ((p.z() < 0.0) != (q.z() < 0.0)) ends.push_back(p + p.z() / (p.z() - q.z()) * (q - p));
-    }
-    if (ends.size() == 2) cut.line(ends[0], ends[1]);
-  }
-  Points boxes, hulls;
-  double box_area = 0.0;
-  double hull_area = 0.0;
-  const auto add = [](Points& points, const Outline& polygon) {
-    for (const auto& p : polygon) points.add({p.x(), p.y(), 0.0});
-    points.add({polygon.front().x(), polygon.front().y(), 0.0}).gap();
-    return area_of(polygon);
-  };
-  for (const Hulls& part : parts) {
-    box_area += add(boxes, slice_of(part.box));
-    hull_area += add(hulls, slice_of(part.hull));
-  }
-  std::string script = begin("hulls", 900, 780) + cut.block("cut") + boxes.block("boxes") + hulls.block("hulls");
-  script += fmt::format(
-      "set title 'Fixed Direction Hulls around twelve pieces of a ring''s outer wall, cut through the middle'\n"
-      "set size ratio -1\n"
-      "set xrange [-42:42]\n"
-      "set yrange [-42:42]\n"
-      "set xlabel 'mm' offset 0,0.4\n"
-      "plot $boxes with lines linewidth 2 dashtype 2 linecolor rgb '{0}' title 'boxes: 6 directions, {3:.0f} mm^2 of the plane', \\\n "
-      "$hulls with filledcurves closed fillcolor rgb '#c8dcf8' notitle, $hulls with lines linewidth 2.5 linecolor rgb '{1}' title 'FDH: 14 "
-      "directions, {4:.0f} mm^2', \\\n $cut with lines linewidth 2 linecolor rgb '{2}' title 'the mesh'\n",
-      kOrange, kBlue, "#202020", 1e6 * box_area, 1e6 * hull_area);
-  return Figure{"hulls", script};
-}
-
 // --- Algorithm 1: edge planes and VCPs --------------------------------------------------------------------------------------------
 
 Result<Figure> draw_algorithm_1() {
@@ -259,7 +95,7 @@ Result<Figure> draw_algorithm_1() {
     scene->for_each_near(P, kRadius, [&](const SetTriangle& t) { kept.push_back(t); });
     for (const SetTriangle& t : kept) {
       const Separation s = separation_from_triangle(P, t.corner[0], t.corner[1], t.corner[2]);
-      if (t.kind != SurfaceKind::kFace || s.distance >= least) continue;
+      if (t.kind != SurfaceKind::face || s.distance >= least) continue;
       least = s.distance;
       nearest = &t;
     }
@@ -331,92 +167,6 @@ Result<Figure> draw_proxy() {
       "'{1}' title 'proxy'\n",
       kSolid, kBlue, kRed, kOrange);
   return Figure{"proxy", script};
-}
-
-// --- proxy: hover -----------------------------------------------------------------------------------------------------------------
-
-// A wall over one edge of a cross-section, in units of hover.
-struct Wall {
-  Vec3 a, b, c;
-  Separation separation(const Vec3& p) const { return separation_from_triangle(p, a, b, c); }
-};
-
-std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& strokes) {
-  std::vector<Wall> walls;
-  for (const auto& stroke : strokes) {
-    for (std::size_t i = 0; i + 1 < stroke.size(); ++i) {
-      const Vec3 p(stroke[i].x(), stroke[i].y(), 0.0);
-      const Vec3 q(stroke[i + 1].x(), stroke[i + 1].y(), 0.0);
-      const Vec3 deep(0.0, 0.0, 40.0);
-      walls.push_back({p - deep, q - deep, q + deep});
-      walls.push_back({p - deep, q + deep, p + deep});
-    }
-  }
-  return walls;
-}
-
-// How far a proxy at hover over the ground gets to the right, as a part of the motion; 1: all the way.
-double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
-  const Clearance clearance = {.rest = 1.0, .slack = 0.5, .tolerance = 0x1p-10};
-  double first = 1.0;
-  for (const Wall& wall : walls) first = std::min(first, time_to_block(wall, from, motion, 1.0, clearance));
-  return first;
-}
-
-Result<Figure> draw_hover() {
-  const std::vector<std::vector<Eigen::Vector2d>> strokes = {
-      {{-14, 0}, {-10.2, 0}}, {{-9.8, 0}, {-7.5, 0}, {-5.0, 3.0}, {-2.5, 0}, {2, 0}, {2, 0.4}, {6, 0.4}, {6, 1.1}, {11, 1.1}}};
-  const std::vector<Wall> walls = walls_over(strokes);
-  Points surface;
-  for (const auto& stroke : strokes) {
-    for (const auto& p : stroke) surface.add(1e-3 * Vec3(p.x(), p.y(), 0.0));
-    surface.gap();
-  }
-  std::string field = "$field << EOD\n";
-  for (double y = -3.0; y <= 5.0; y += 0.1) {
-    for (double x = -14.0; x <= 11.001; x += 0.1) {
-      double nearest = 1e9;
-      for (const Wall& wall : walls) nearest = std::min(nearest, wall.separation({x, y, 0.3}).distance);
-      fmt::format_to(std::back_inserter(field), "{:.3g} {:.3g} {:.4g}\n", x, y, nearest);
-    }
-    field += "\n";
-  }
-  field += "EOD\n";
-  Points ways;
-  const Vec3 low(-1.0, 1.0, 0.3);
-  const double over_low = free_part(walls, low, {5.5, 0.0, 0.0});
-  ways.add(1e-3 * low, 1e-3 * Vec3(5.5 * over_low, 0.0, 0.0));
-  const Vec3 high(3.5, 1.4, 0.3);
-  const double over_high = free_part(walls, high, {5.5, 0.0, 0.0});
-  ways.add(1e-3 * high, 1e-3 * Vec3(5.5 * over_high, 0.0, 0.0));
-  std::string script = begin("hover", 1000, 490) + field + surface.block("surface") + ways.block("ways");
-  script += fmt::format(
-      "set table $levels\n"
-      "set contour base\n"
-      "set cntrparam levels discrete 1\n"
-      "unset surface\n"
-      "splot $field using 1:2:3\n"
-      "unset table\n"
-      "set table $low\n"
-      "set cntrparam levels discrete 0.5\n"
-      "splot $field using 1:2:3\n"
-      "unset table\n"
-      "set title 'A point probe is a sphere of one hover, 2^{{-30}} of the scene: cracks are as tight as faces'\n"
-      "set size ratio -1\n"
-      "set xrange [-14:11]\n"
-      "set yrange [-3:4.6]\n"
-      "set xlabel 'hover' offset 0,0.4\n"
-      "set label 1 \"crack narrower\\nthan hover\" at -10,-1.7 center\n"
-      "set label 2 'ridge' at -5,4.3 center\n"
-      "set label 3 'fold' at -7.6,2.3 right\n"
-      "set label 4 \"step of 0.4 hover:\\n{3}\" at 1.6,-1.7 center\n"
-      "set label 5 \"step of 0.7 hover:\\n{4}\" at 7.8,-1.7 center\n"
-      "plot $levels using 1:2 with lines linewidth 2.5 linecolor rgb '{0}' title 'rest: a proxy in contact is here (distance 1)', \\\n "
-      "$low using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb '{1}' title 'rest - slack: it never comes nearer (distance 1/2)', "
-      "\\\n $surface with lines linewidth 4 linecolor rgb '#303030' title 'surface', \\\n $ways using 1:2:3:4 with vectors head filled "
-      "size 0.35,18 linewidth 3 linecolor rgb '{2}' title 'a motion to the right'\n",
-      kBlue, kRed, kGreen, over_low >= 1.0 ? "passed within the slack" : "stops", over_high >= 1.0 ? "passed" : "stops, then climbs");
-  return Figure{"hover", script};
 }
 
 // --- All methods on one slide ----------------------------------------------------------------------------------------------------
@@ -524,10 +274,12 @@ Result<Figure> draw_slide() {
 }
 
 }  // namespace
+}  // namespace figures
 
 Result<std::vector<Figure>> make_figures() {
+  using namespace figures;
   std::vector<Figure> figures;
-  for (const auto draw : {draw_sweep, draw_hulls, draw_algorithm_1, draw_proxy, draw_hover, draw_slide}) {
+  for (const auto draw : {draw_sweep, draw_hulls, draw_algorithm_1, draw_proxy, draw_contact_offset, draw_slide}) {
     auto figure = draw();
     if (!figure) return tl::unexpected(figure.error());
     figures.push_back(std::move(*figure));

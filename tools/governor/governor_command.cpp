@@ -75,21 +75,22 @@ class GovernorRun {
 };
 
 void print_stages(const GovernorCounters& g) {
-  fmt::print("wrenches: {} accepted, {} not finite, {} old, {} of the future, {} command timeouts\n", g.accepted, g.not_finite,
-             g.refused_old, g.refused_future, g.silences);
-  fmt::print("stages: {} clamped, {} slewed, {} stopped at the workspace's end, {} braked, {} damped, {} cooled, {} released\n", g.clamped,
-             g.slewed, g.stopped, g.braked, g.damped, g.cooled, g.releases);
-  fmt::print("device: {} bad samples; faults: {} latched", g.bad_samples, g.latched);
+  fmt::print("commands: {} accepted, {} not finite, {} old, {} of the future, {} command timeouts\n", g.accepted, g.not_finite,
+             g.rejected_old, g.rejected_future, g.command_timeouts);
+  fmt::print(
+      "stages: {} clamped, {} rate-limited, {} limited by the workspace, {} by speed, {} by energy, {} by heat; switch released {} times\n",
+      g.clamped, g.slewed, g.stopped, g.braked, g.damped, g.cooled, g.releases);
+  fmt::print("device: {} invalid poses; faults: {} latched", g.bad_samples, g.latched);
   for (int fault = 1; fault < kSafetyFaults; ++fault) {
     fmt::print(", {} {}", g.faults[static_cast<std::size_t>(fault)], to_string(static_cast<SafetyFault>(fault)));
   }
-  fmt::print("; {} reset, {} resets refused\n", g.resets, g.resets_refused);
+  fmt::print("; {} reset, {} resets rejected\n", g.resets, g.resets_rejected);
 }
 
 void print_worst(const GovernorWorst& worst) {
   fmt::print("worst, 1 is the limit: force {:.9f}, torque {:.9f}, force slew {:.9f}, torque slew {:.9f}, heat {:.6f}, energy {:.4f}\n",
              worst.force, worst.torque, worst.force_slew, worst.torque_slew, worst.heat, worst.energy);
-  fmt::print("slowest from a gate that shut to zero, with the cycle before: {:.2f} ms\n", worst.release_ms);
+  fmt::print("slowest release after a gate closed, with the cycle before: {:.2f} ms\n", worst.release_ms);
 }
 
 void print_breaches(const GovernorStressCount& count) {
@@ -125,9 +126,9 @@ int run(const GovernorOptions& options) {
 void add_governor_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<GovernorOptions>();
   const CommandLine command =
-      app.add_subcommand("governor", "Hostile programs against io_node's safety governor; exit code 0 only when every limit held");
-  command.add_option("--steps", options->steps, "So many, of all programs together (1e8)").between(1.0, 1e15).shows_default();
-  command.add_option("--seed", options->seed, "Of every program").shows_default();
+      app.add_subcommand("governor", "Run hostile force programs against io_node's safety governor; exit code 0: every limit held");
+  command.add_option("--steps", options->steps, "Steps of all programs together (1e8)").between(1.0, 1e15).shows_default();
+  command.add_option("--seed", options->seed, "Seed of every program").shows_default();
   command.add_option("--threads", options->threads, "Programs at a time").between(1, 1024).shows_default();
   command.add_option("--program", options->program, "Only this one, as a breach names it");
   command.on_run([options, &exit_code] { exit_code = run(*options); });

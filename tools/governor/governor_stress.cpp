@@ -9,9 +9,9 @@ namespace {
 void add_to(GovernorCounters& sum, const GovernorCounters& more) {
   sum.accepted += more.accepted;
   sum.not_finite += more.not_finite;
-  sum.refused_old += more.refused_old;
-  sum.refused_future += more.refused_future;
-  sum.silences += more.silences;
+  sum.rejected_old += more.rejected_old;
+  sum.rejected_future += more.rejected_future;
+  sum.command_timeouts += more.command_timeouts;
   sum.clamped += more.clamped;
   sum.slewed += more.slewed;
   sum.bad_samples += more.bad_samples;
@@ -22,7 +22,7 @@ void add_to(GovernorCounters& sum, const GovernorCounters& more) {
   sum.releases += more.releases;
   sum.latched += more.latched;
   sum.resets += more.resets;
-  sum.resets_refused += more.resets_refused;
+  sum.resets_rejected += more.resets_rejected;
   for (std::size_t fault = 0; fault < sum.faults.size(); ++fault) sum.faults[fault] += more.faults[fault];
 }
 
@@ -62,7 +62,7 @@ void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count)
   HostileProgram program(program_seed);
   SafetyGovernor governor(program.device());
   if (program.button() >= 0) governor.require_button(program.button());
-  GovernorJudge judge(program, governor);
+  GovernorEvaluator judge(program, governor);
   auto breaches = judge.breaches();
   Wrench out;
   for (int turn = 0; turn < program.turns(); ++turn) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/governor/governor_judge.h"
+#include "tools/governor/governor_evaluator.h"
 
 namespace hapton {
 
@@ -18,8 +18,8 @@ struct GovernorStressCount {
   std::uint64_t turns = 0;
   std::uint64_t programs = 0;
   std::uint64_t forceful = 0;  // turns with a force on the motors
-  std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::kCount)> breaches = {};
-  std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::kCount)> findings = {};  // of each breach there is
+  std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)> breaches = {};
+  std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::count)> findings = {};  // of each breach there is
   GovernorCounters governors;  // what the stages did, so that each is seen to have been reached
   GovernorWorst worst;
 

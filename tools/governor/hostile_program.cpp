@@ -61,15 +61,15 @@ double HostileProgram::nasty() noexcept { return kNasty[random_.below(std::size(
 
 void HostileProgram::choose_spell() noexcept {
   left_ = static_cast<int>(5 + random_.below(200));
-  force_ = static_cast<Force>(random_.below(static_cast<std::uint64_t>(Force::kCount)));
+  force_ = static_cast<Force>(random_.below(static_cast<std::uint64_t>(Force::count)));
   // Not too often, or nothing else is seen: the fault stays.
   if (force_ == Force::no_number && !random_.once_in(3)) force_ = Force::active;
   const auto calm_motions = static_cast<std::uint64_t>(Motion::fast);
   motion_ = static_cast<Motion>(
-      random_.below(is_calm_in_motion_ || !random_.once_in(4) ? calm_motions : static_cast<std::uint64_t>(Motion::kCount)));
+      random_.below(is_calm_in_motion_ || !random_.once_in(4) ? calm_motions : static_cast<std::uint64_t>(Motion::count)));
   if (is_physical_) motion_ = Motion::matter;
   time_ = is_calm_in_time_ || random_.once_in(2) ? static_cast<Time>(random_.below(2))
-                                                 : static_cast<Time>(random_.below(static_cast<std::uint64_t>(Time::kCount)));
+                                                 : static_cast<Time>(random_.below(static_cast<std::uint64_t>(Time::count)));
   axis_ = random_.vector(1.0) + Vec3(1e-3, 0, 0);
   axis_.normalize();
   hertz_ = std::pow(10.0, random_.uniform(-0.5, 2.5));
@@ -122,7 +122,7 @@ void HostileProgram::move(const Wrench& out) noexcept {
       move_as_matter(out.force_n, passed_s);
       break;
     case Motion::still:
-    case Motion::kCount:
+    case Motion::count:
       break;
     case Motion::sweep:
       p_m_ += axis_ * (0.5 * speed * std::cos(0.02 * phase) * passed_s);
@@ -189,7 +189,7 @@ Vec3 HostileProgram::wanted_n(double most) noexcept {
   switch (force_) {
     case Force::none:
     case Force::replay:
-    case Force::kCount:
+    case Force::count:
       return Vec3::Zero();
     case Force::spring:  // a wall through the middle
       return axis_ * std::clamp(-1000.0 * axis_.dot(p_m_), 0.0, most);
@@ -219,7 +219,7 @@ Vec3 HostileProgram::wanted_n(double most) noexcept {
 void HostileProgram::ask() noexcept {
   step_.wanted.reset();
   if (force_ == Force::none || random_.once_in(20)) return;
-  WantedWrench& told = told_[static_cast<std::size_t>(turn_) % told_.size()];
+  WrenchCommand& told = told_[static_cast<std::size_t>(turn_) % told_.size()];
   if (force_ == Force::replay) {
     step_.wanted = told_[random_.below(told_.size())];
     return;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "safety/wrench_intake.h"
+#include "safety/command_filter.h"
 
 namespace hapton {
 
@@ -36,7 +36,7 @@ struct HostileStep {
   double temperature = -1.0;
   DeviceSample sample;  // with its own idea of the time
   DeviceStatus status = DeviceStatus::ready;
-  std::optional<WantedWrench> wanted;
+  std::optional<WrenchCommand> wanted;
   std::int64_t now_ns = 0;
 };
 
@@ -63,9 +63,9 @@ class HostileProgram {
   const HostileStep& turn(const Wrench& out) noexcept;
 
  private:
-  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, kCount };
-  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, kCount };
-  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, kCount };
+  enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, count };
+  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, count };
+  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, count };
 
   void choose_device() noexcept;
   void choose_spell() noexcept;
@@ -102,7 +102,7 @@ class HostileProgram {
   Vec3 turn_rad_per_s_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();
   double hertz_ = 1.0;
-  std::array<WantedWrench, 16> told_ = {};
+  std::array<WrenchCommand, 16> told_ = {};
 };
 
 }  // namespace hapton

@@ -55,7 +55,7 @@ void add_echo_command(CommandLine app, int& exit_code) {
   command.add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")
       .one_of({"try", "require", "off"})
       .shows_default();
-  command.add_option("--cpu", options->cpu, "Stay on this CPU, unless --rt is off; -1: any").between(-1, 4095).shows_default();
+  command.add_option("--cpu", options->cpu, "Pin to this CPU, unless --rt is off; -1: any").between(-1, 4095).shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 

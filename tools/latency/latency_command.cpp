@@ -55,6 +55,7 @@ int run_compare(const CompareOptions& options) {
 void add_run_options(CommandLine command, LatencyRunOptions& options) {
   command.add_option("--seconds", options.seconds, "How long").between(0.5, 1e6).shows_default();
   command.add_option("--out", options.out, "Folder for report.json, latency.csv, latency.png, latency.txt and the nodes' logs")
+      .folder_to_write()
       .shows_default();
   const CommandOption hosts =
       command.add_option("--hosts", options.hosts, "Measure the system whose hub runs at HOST[:PORT], instead of starting one here");
@@ -64,13 +65,13 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
       command.add_option("--size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: as many as a device sample's")
           .between(std::size_t{0}, kMaxDatagramBytes)
           .shows_default(),
-      command.add_flag("--vision", options.vision, "A vision node takes part: device to picture, motion to photon"),
+      command.add_flag("--vision", options.vision, "Include a vision node: device to frame, motion to photon"),
       command.add_option("--scene", options.scene, "Scene to touch").shows_default(),
       command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
       command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
           .one_of({"try", "require", "off"})
           .shows_default(),
-      command.add_option("--cpu", options.cpu, "Nodes and echo all stay on this CPU; -1: any; the last one by itself")
+      command.add_option("--cpu", options.cpu, "Pin nodes and echo to this CPU; -1: any; default: the last one")
           .between(-1, 1023)
           .shows_default()};
   for (const CommandOption option : of_our_own) hosts.excludes(option);
@@ -84,7 +85,7 @@ void add_latency_command(CommandLine app, int& exit_code) {
   const CommandLine command = app.add_subcommand("latency", "Measure the force round trip, beside a bare UDP echo; compare runs");
   command.require_subcommands(0, 1);
   add_run_options(command, *options);
-  const CommandLine run_command = command.add_subcommand("run", "As `hapton latency`; the exit code says whether the rate was held");
+  const CommandLine run_command = command.add_subcommand("run", "As `hapton latency`; exit code 0: the rate was held");
   add_run_options(run_command, *options);
   run_command.on_run([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
 
@@ -92,7 +93,7 @@ void add_latency_command(CommandLine app, int& exit_code) {
   const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");
   compare_command.add_option("A", compared->a, "Folder of a run, or its report.json").required();
   compare_command.add_option("B", compared->b, "Another one").required();
-  compare_command.add_option("--json", compared->json, "Write the comparison to this file too");
+  compare_command.add_option("--json", compared->json, "Write the comparison to this file too").file_to_write();
   compare_command.on_run([compared, &exit_code] { exit_code = run_compare(*compared); });
 
   command.on_run([command, options, &exit_code] {

@@ -8,6 +8,7 @@
 
 #include "runtime/regular_file.h"
 #include "runtime/report.h"
+#include "tools/latency/report_upgrade.h"
 
 namespace hapton {
 namespace {
@@ -47,8 +48,9 @@ Result<nlohmann::ordered_json> read_report_json(const std::filesystem::path& pat
   const auto text = read_regular_file(file_path, "a run with --out writes it", kMostReportBytes);
   if (!text) return tl::unexpected(text.error());
   auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
+  upgrade_report(json);
   if (!json.is_object() || json.value("schema", "") != kReportSchema || !json.contains("hops") || !json["hops"].is_object()) {
-    return fail("{}: is no latency report (schema {})", file_path.string(), kReportSchema);
+    return fail("{}: is not a latency report (schema {})", file_path.string(), kReportSchema);
   }
   return json;
 }

@@ -161,7 +161,7 @@ std::string counts_text(const Json& report) {
       fmt::format("on the wire: {:.0f} datagrams/s out ({:.1f} kB/s), {:.0f} in ({:.1f} kB/s)\n", count("datagrams_sent") / seconds,
                   1e-3 * count("bytes_sent") / seconds, count("datagrams_received") / seconds, 1e-3 * count("bytes_received") / seconds);
   return text +
-         fmt::format("haptics' clock ahead of the hub's: {}\n", report.value("notes", Json::object()).value("haptics_clock_ahead", "?"));
+         fmt::format("haptics' clock ahead of the hub's: {}\n", report.value("notes", Json::object()).value("haptics_clock_offset", "?"));
 }
 
 Json to_json(const BareTimer& timer) {

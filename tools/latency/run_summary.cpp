@@ -44,12 +44,13 @@ std::string touched_text(const Json& report, const std::string& what, double con
 // What is not as it should be, worst first.
 std::vector<std::string> find_troubles(const Json& report) {
   std::vector<std::string> troubles;
+  if (const std::string reach = note(report, "reach"); !reach.empty()) troubles.push_back(reach + " (check --unit and --no-fit)");
   const auto count = [&](const char* key) { return number(report, "counters", key); };
   const auto add = [&](const char* key, const char* name) {
     if (count(key) > 0.0) troubles.push_back(fmt::format("{:.0f} {}", count(key), name));
   };
   add("faults_latched", "faults latched");
-  add("silence_events", "command timeouts");
+  add("command_timeouts", "command timeouts");
   add("lost", "forces lost");
   if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");

@@ -12,7 +12,7 @@ struct RunSummary {
   std::string text;      // two lines: what was touched; whether it held, and if not what did not
 };
 
-// Of a report.json (schema hapton.report/1) as read_report_json returns it; keys that are missing count as zero.
+// Of a report.json (schema hapton.report/2) as read_report_json returns it; keys that are missing count as zero.
 // `what`: what was to be touched, for the text. Held: at least 99 % of the servo rate, no force lost, at most 1 % late, no fault latched,
 // no command timeout. RT: no.
 RunSummary summarise_run(const nlohmann::ordered_json& report, const std::string& what);

@@ -24,7 +24,7 @@ struct HubReader::State {
 
   bool wait_for_hub();
   Result<std::string> read(ReportDocument document, std::uint32_t& revision);
-  bool hear_part(const ReportAsk& wanted, ReportPart& part);
+  bool hear_part(const ReportRequest& wanted, ReportPart& part);
 
   SteadyClock clock;
   Address hub;
@@ -41,7 +41,7 @@ bool HubReader::State::wait_for_hub() {
 }
 
 // Until the part has come that was asked for, or the first of a newer report; false when it is time to ask again.
-bool HubReader::State::hear_part(const ReportAsk& wanted, ReportPart& part) {
+bool HubReader::State::hear_part(const ReportRequest& wanted, ReportPart& part) {
   const std::int64_t end_ns = clock.now_ns() + kAskAgainNs;
   Datagram datagram;
   while (client.receive(datagram, end_ns)) {
@@ -57,7 +57,7 @@ bool HubReader::State::hear_part(const ReportAsk& wanted, ReportPart& part) {
 }
 
 Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_t& revision) {
-  ReportAsk wanted{document, revision, 0};
+  ReportRequest wanted{document, revision, 0};
   ReportPart part;
   std::string text;
   std::int64_t end_ns = clock.now_ns() + kPatienceNs;
@@ -71,7 +71,7 @@ Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_
     end_ns = clock.now_ns() + kPatienceNs;
     if (wanted.part == part.parts) return text;
   }
-  return fail("the hub at {} gives no report; see what its terminal says", to_string(hub));
+  return fail("the hub at {} sent no report; see its terminal", to_string(hub));
 }
 
 HubReader::HubReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -86,7 +86,8 @@ Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const
   if (!endpoint) return tl::unexpected(endpoint.error());
   auto state = std::make_unique<State>(std::move(*endpoint), *key, *address);
   if (!state->wait_for_hub()) {
-    return fail("no hub answers at {}; start io_node there, name another place with --hub, or give the hub's --key", to_string(*address));
+    return fail("no reply from a hub at {}; start io_node there, give another address with --hub, or give the hub's --key",
+                to_string(*address));
   }
   return std::unique_ptr<HubReader>(new HubReader(std::move(state)));
 }
@@ -102,7 +103,7 @@ Result<HubReport> HubReader::read() {
     if (!csv) return tl::unexpected(csv.error());
     if (revision == json_revision) return HubReport{std::move(*json), std::move(*csv)};
   }
-  return fail("the hub at {} makes reports faster than they can be read; are there many who ask?", to_string(state_->hub));
+  return fail("the hub at {} makes reports faster than they can be read; too many readers?", to_string(state_->hub));
 }
 
 bool HubReader::idle(double seconds) {

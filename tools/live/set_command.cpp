@@ -66,7 +66,7 @@ Result<Settings> make_settings(const SetOptions& options) {
     return fail("method '{}' is not known; choose one of: {}", options.method, method_names());
   }
   std::copy(options.method.begin(), options.method.end(), settings.method.begin());
-  if (!options.method.empty()) settings.method_ask = static_cast<std::uint32_t>(make_random_id()) | 1U;
+  if (!options.method.empty()) settings.method_request = static_cast<std::uint32_t>(make_random_id()) | 1U;
   return settings;
 }
 
@@ -78,10 +78,10 @@ Result<std::string> confirm_method(HubClient& client, const Clock& clock, const 
   }
   Settings again;
   std::copy(options.method.begin(), options.method.end(), again.method.begin());
-  again.method_ask = ask;
+  again.method_request = ask;
   std::int64_t next_ask_ns = clock.now_ns() + kAskAgainNs;
   const auto is_answered = [&] {
-    if (setup->method_ask == ask) return true;
+    if (setup->method_request == ask) return true;
     if (clock.now_ns() >= next_ask_ns) {
       client.send(again);
       next_ask_ns += kAskAgainNs;
@@ -90,11 +90,12 @@ Result<std::string> confirm_method(HubClient& client, const Clock& clock, const 
   };
   if (!wait_until(client, clock, setup, kBuildPatienceNs, is_answered)) {
     return fail(
-        "the haptics node does not say that it uses {}; it is still building it, another method was asked for since, or it is another "
+        "the haptics node does not confirm method {}: it is still building it, another method was requested since, or it is another "
         "build",
         options.method);
   }
-  if (setup->refusal[0] != '\0') return fail("the haptics node refuses: {}; the method in use stays", setup->refusal.data());
+  if (setup->rejection[0] != '\0')
+    return fail("the haptics node rejected it: {}; the current method stays in use", setup->rejection.data());
   return fmt::format("method {} in use", options.method);
 }
 
@@ -109,17 +110,17 @@ Result<std::string> confirm_reset(const SetOptions& options) {
     const auto report = nlohmann::json::parse(texts->json, nullptr, false);
     const auto notes = report.is_object() ? report.value("notes", nlohmann::json::object()) : nlohmann::json::object();
     const std::string fault = notes.value("safety_fault", "");
-    if (fault == "none") return std::string("no fault is latched, forces ramp in");
-    if (fault.empty()) return fail("the hub tells nothing of its faults; it is another build");
-    what = notes.value("safety_fault_is", fault);
+    if (fault == "none") return std::string("no fault is latched; forces ramp up");
+    if (fault.empty()) return fail("the hub does not report faults; it is another build");
+    what = notes.value("safety_fault_text", fault);
     (*reader)->idle(0.1);
   }
   if (const auto hub = parse_address(options.hub); hub && !is_loopback(*hub)) {
     return fail(
-        "the fault stays: {}; mend its cause (docs/safety.md), then reset again on the hub's host, or while the dead man's switch is held",
+        "the fault remains: {}; fix its cause (docs/safety.md), then reset again on the hub's host, or while the dead man's switch is held",
         what);
   }
-  return fail("the fault stays, its cause is still there: {}; mend that (docs/safety.md), then reset again", what);
+  return fail("the fault remains, as its cause persists: {}; fix that (docs/safety.md), then reset again", what);
 }
 
 Result<std::string> set(const SetOptions& options) {
@@ -144,7 +145,8 @@ Result<std::string> set(const SetOptions& options) {
   HubClient client(sealed, clock, NodeRole::tool, *hub);
   std::optional<HapticsSetup> setup;
   if (!wait_until(client, clock, setup, kPatienceNs, [&] { return client.state() == JoinState::joined; })) {
-    return fail("no hub answers at {}; start io_node there, name another place with --hub, or give the hub's --key", to_string(*hub));
+    return fail("no reply from a hub at {}; start io_node there, give another address with --hub, or give the hub's --key",
+                to_string(*hub));
   }
   if (!client.send(*settings)) {
     return fail("the settings could not be sent to {}", to_string(*hub));
@@ -153,16 +155,16 @@ Result<std::string> set(const SetOptions& options) {
     return options.rate_hz == 0.0 || std::abs(client.servo_rate_hz() - options.rate_hz) <= 1e-3 * options.rate_hz;
   };
   if (!wait_until(client, clock, setup, kPatienceNs, rate_holds)) {
-    return fail("the hub at {} stays at {} Hz; ask for {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
+    return fail("the hub at {} stays at {} Hz; choose {} to {} Hz", to_string(*hub), client.servo_rate_hz(), kMinServoRateHz,
                 kMaxServoRateHz);
   }
   std::string told = fmt::format("hub {}: servo rate {} Hz", to_string(*hub), client.servo_rate_hz());
   if (!options.method.empty()) {
-    const auto method = confirm_method(client, clock, options, settings->method_ask, setup);
+    const auto method = confirm_method(client, clock, options, settings->method_request, setup);
     if (!method) return method;
     told += "; " + *method;
   }
-  if (options.report) told += "; report asked for";
+  if (options.report) told += "; report requested";
   if (!options.reset_faults) return told;
   const auto reset = confirm_reset(options);
   return reset ? Result<std::string>(told + "; " + *reset) : reset;
@@ -187,8 +189,8 @@ void add_set_command(CommandLine app, int& exit_code) {
   command.add_option("--key", options->key_file, kKeyHelp);
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz);
   command.add_option("--method", options->method, "Force method, one of: " + method_names());
-  command.add_flag("--report", options->report, "Have io_node write report.json and latency.csv now; hapton plot draws them");
-  command.add_flag("--reset-faults", options->reset_faults, "What latched the safety governor is mended: let the force ramp in again");
+  command.add_flag("--report", options->report, "Make io_node write report.json and latency.csv now; hapton plot draws them");
+  command.add_flag("--reset-faults", options->reset_faults, "Reset the latched fault, once its cause is fixed: the force ramps up again");
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 

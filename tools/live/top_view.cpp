@@ -58,7 +58,7 @@ std::string safety_text(const Json& report) {
   const Json& notes = section(report, "notes");
   const Json& ratios = section(report, "ratios");
   if (word(notes, "governor").empty()) return "";
-  const std::string fault = word(notes, "safety_fault_is");
+  const std::string fault = word(notes, "safety_fault_text");
   const std::string reset = fault.empty() ? "" : ": " + fault + "; hapton set --reset-faults";
   // The hand may have given more than it got: then nothing is spent.
   const double spent = std::max(0.0, number(ratios, "energy_spent"));
@@ -78,7 +78,7 @@ std::string nodes_text(const Span& span) {
     text += fmt::format("{:<9} {:<28} {:>12.1f} {:>12.1f} {:>8.0f} {:>10.0f} {:>8.0f} s\n", word(node, "role"), word(node, "address"),
                         rate("received"), rate("sent"), number(node, "lost"), number(node, "reordered"), number(node, "seconds"));
   }
-  return section(span.now, "nodes").empty() ? text + "(none has joined)\n" : text;
+  return section(span.now, "nodes").empty() ? text + "(no node has joined)\n" : text;
 }
 
 std::string hops_text(const std::vector<HopCounts>& hops) {
@@ -122,6 +122,8 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
   text +=
       fmt::format("datagrams {:.0f}/s out ({:.1f} kB/s), {:.0f}/s in ({:.1f} kB/s)\n\n", per_second(span, "datagrams_sent"),
                   1e-3 * per_second(span, "bytes_sent"), per_second(span, "datagrams_received"), 1e-3 * per_second(span, "bytes_received"));
+  if (const std::string status = word(section(now.report, "notes"), "status_now"); !status.empty() && status != "ok")
+    text += status + "\n\n";
   if (const std::string safety = safety_text(now.report); !safety.empty()) text += safety + "\n";
   text += nodes_text(span) + "\n";
   text += hops_text(span.before == nullptr ? now.hops : subtract_hops(now.hops, before->hops)) + "\n";

@@ -23,7 +23,7 @@ constexpr std::array kCounts = {
     NamedCount{"duplicated", &RelayCounts::duplicated},
     NamedCount{"corrupted", &RelayCounts::corrupted},
     NamedCount{"overflowed", &RelayCounts::overflowed},
-    NamedCount{"refused", &RelayCounts::refused},
+    NamedCount{"refused", &RelayCounts::rejected},
     NamedCount{"send_failures", &RelayCounts::send_failures},
 };
 

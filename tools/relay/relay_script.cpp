@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/near_miss.h"
 #include "runtime/regular_file.h"
-#include "scene/near_miss.h"
 
 namespace hapton {
 namespace {
@@ -145,7 +145,7 @@ Result<RelayScript> parse_relay_script(std::string_view text, const std::string&
   if (top.error()) return tl::unexpected(*top.error());
   const toml::array* phases = parsed.table().get_as<toml::array>("phase");
   if (phases == nullptr || phases->empty()) {
-    return fail("{}: has no [[phase]]; give at least one, with seconds and what is bad about it", name);
+    return fail("{}: has no [[phase]]; give at least one, with seconds and faults", name);
   }
   for (const toml::node& node : *phases) {
     if (!node.is_table()) return fail("{}:{}: a phase is a table: [[phase]]", name, node.source().begin.line);

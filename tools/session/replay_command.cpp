@@ -116,10 +116,10 @@ void add_replay_command(CommandLine app, int& exit_code) {
   const CommandLine source = command.add_group("what is touched").require_options(1, 1);
   source.add_option("--mesh", options->mesh, "OBJ, STL, PLY, glTF or GLB file");
   source.add_option("--scene", options->scene, "Scene file (TOML)");
-  command.add_option("--unit", options->unit, "What the mesh file's numbers are in: m (default), cm, mm or in");
-  command.add_flag("--no-seal", options->no_seal, "Touch every mesh as it is: cracks up to 1e-4 of its longest side are not sealed");
-  command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz], one row a step").required();
-  command.add_option("--out", options->out, "CSV to write").required();
+  command.add_option("--unit", options->unit, "Unit of the mesh file: m (default), cm, mm or in");
+  command.add_flag("--no-seal", options->no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
+  command.add_option("--trajectory", options->trajectory, "CSV: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,sample], one row a step").required();
+  command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);
   command.add_option("--stiffness", options->stiffness_n_per_m, "N/m (default: 1000, or as the scene says)").positive();
   command.add_option("--friction-static", options->friction_static, "Coulomb coefficient (default: 0, or as the scene says)")

@@ -13,7 +13,7 @@
 #include "scene/scene_hash.h"
 #include "tools/commands.h"
 #include "tools/session/session_export.h"
-#include "tools/session/session_felt.h"
+#include "tools/session/session_replay.h"
 #include "tools/session/session_summary.h"
 
 namespace hapton {
@@ -144,7 +144,7 @@ Result<void> feel_again(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
   RecordedScenes scenes(options);
-  SessionFelt felt(summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); });
+  SessionReplay felt(summary.setups(), [&](const HapticsSetup& setup) { return scenes.make_touch(setup); });
   auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     if (datagram == nullptr || datagram->header.session != reader->header().session) return {};
     if (entry.kind == SessionEntry::Kind::sent) {
@@ -187,7 +187,7 @@ void add_session_command(CommandLine app, int& exit_code) {
 
   const CommandLine tables = session.add_subcommand("export", "Write it as trajectory.csv, forces.csv and cycles.csv");
   tables.add_option("file", options->file, "Recorded session").required();
-  tables.add_option("--out", options->out, "Folder for the tables").required();
+  tables.add_option("--out", options->out, "Folder for the tables").folder_to_write().required();
   tables.on_run([options, &exit_code] { exit_code = report(write_tables(*options), "export"); });
 
   const CommandLine replay = session.add_subcommand("replay", "Replay it through the haptic step and compare every force bit for bit");

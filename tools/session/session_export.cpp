@@ -20,7 +20,7 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
     const char* name;
     const char* columns;
   } tables[] = {
-      {made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n"},
+      {made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n"},
       {made.forces_, "forces.csv", "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us\n"},
       {made.cycles_, "cycles.csv", "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause\n"}};
   for (const auto& table : tables) {
@@ -47,9 +47,9 @@ void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
   if (state != nullptr && entry.kind == SessionEntry::Kind::sent && state->sample > last_sample_) {
     last_sample_ = state->sample;
     ++rows_.trajectory;
-    good_ = good_ && std::fprintf(trajectory_.get(), "%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", seconds(state->sample_time_ns),
-                                  state->p_WD.x(), state->p_WD.y(), state->p_WD.z(), state->q_WT.w(), state->q_WT.x(), state->q_WT.y(),
-                                  state->q_WT.z()) > 0;
+    good_ = good_ && std::fprintf(trajectory_.get(), "%.9f,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%llu\n",
+                                  seconds(state->sample_time_ns), state->p_WD.x(), state->p_WD.y(), state->p_WD.z(), state->q_WT.w(),
+                                  state->q_WT.x(), state->q_WT.y(), state->q_WT.z(), static_cast<unsigned long long>(state->sample)) > 0;
   }
   const auto* force = std::get_if<ForceCommand>(&datagram->message);
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) {

@@ -12,8 +12,9 @@ namespace {
 constexpr std::size_t kFaultsListed = 20;
 
 const char* name_of(const Message& message) {
-  constexpr std::array kNames = {"Hello", "Welcome",    "Bye",      "DeviceState",  "ForceCommand", "ViewTransform", "ProbeState",
-                                 "Drawn", "HandTarget", "Settings", "HapticsSetup", "ReportAsk",    "ReportPart"};
+  constexpr std::array kNames = {"Hello",         "Welcome",       "Bye",        "DeviceState", "ForceCommand",
+                                 "ViewTransform", "ProbeState",    "Drawn",      "HandTarget",  "Settings",
+                                 "HapticsSetup",  "ReportRequest", "ReportPart", "SceneFacts",  "ViewRejected"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }
@@ -85,8 +86,8 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
     const double rate = seconds() > 0.0 ? 1e-3 * static_cast<double>(traffic.bytes) / seconds() : 0.0;
     text += fmt::format("  {:<14} {:>10} {:>10} {:>9.1f}\n", name, traffic.received, traffic.sent, rate);
   }
-  text += fmt::format("forces: {} in contact, strongest requested {:.3f} N, strongest written {:.3f} N\n", contact_, max_force_n_,
-                      max_written_n_);
+  text +=
+      fmt::format("forces: {} in contact, maximum requested {:.3f} N, maximum written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
   if (missed_ + causes_.size() > 0) {

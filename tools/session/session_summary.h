@@ -9,7 +9,7 @@
 #include "link/codec.h"
 #include "link/session_entry.h"
 #include "runtime/latency_histogram.h"
-#include "tools/session/session_felt.h"
+#include "tools/session/session_replay.h"
 
 namespace hapton {
 

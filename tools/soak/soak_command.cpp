@@ -37,7 +37,7 @@ void add_soak_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<SoakOptions>();
   options->cpu = find_shared_cpu();
   const CommandLine command =
-      app.add_subcommand("soak", "Run the nodes for hours and judge whether memory, descriptors, forces and clock stay flat");
+      app.add_subcommand("soak", "Run the nodes for hours and check that memory, descriptors, forces and clock stay flat");
   const CommandOption seconds = command.add_option("--seconds", options->seconds, "How long").between(5.0, 1e7).shows_default();
   command
       .add_number(
@@ -48,14 +48,16 @@ void add_soak_command(CommandLine app, int& exit_code) {
       .between(0.0, 3600.0)
       .shows_default();
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default();
-  command.add_flag("--vision", options->vision, "A vision node takes part");
-  command.add_option("--scene", options->scene, "What is touched").shows_default();
+  command.add_flag("--vision", options->vision, "Include a vision node");
+  command.add_option("--scene", options->scene, "Scene to touch").shows_default();
   command.add_option("--key", options->key_file, kKeyHelp);
-  command.add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports").shows_default();
+  command.add_option("--out", options->out, "Folder for soak.csv, soak.json, soak.png and the nodes' logs and reports")
+      .folder_to_write()
+      .shows_default();
   command.add_option("--rt", options->realtime, "Real-time scheduling of the nodes: try, require or off")
       .one_of({"try", "require", "off"})
       .shows_default();
-  command.add_option("--cpu", options->cpu, "io_node and haptics_node stay on this CPU; -1: any; the last one by itself")
+  command.add_option("--cpu", options->cpu, "Pin io_node and haptics_node to this CPU; -1: any; default: the last one")
       .between(-1, 1023)
       .shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });

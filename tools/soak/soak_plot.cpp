@@ -54,7 +54,7 @@ std::string soak_csv_row(const SoakLook& look) {
   std::string text = fmt::format("{:.3f},{:.2f},{:.2f},{:.2f},{:.2f},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f}", look.seconds,
                                  look.samples_hz, look.forces_hz, look.contacts_hz, look.drawn_hz, look.lost, look.late, look.superseded,
                                  look.missed_cycles, look.round_trip_p50_us, look.round_trip_p99_us, look.round_trip_max_us, look.drift_ms);
-  for (const ProcessFigures& process : look.processes) {
+  for (const ProcessStats& process : look.processes) {
     text += fmt::format(",{},{},{}", process.resident_kib, process.descriptors, process.threads);
   }
   return text + "\n";

@@ -112,7 +112,7 @@ class Watch {
       if (const auto running = nodes_.check_running(); !running) return running;
       idle(kTurn_s);
     }
-    return fail("no force (or, with --vision, no picture) within {:g} s; see the logs", kFirstForce_s);
+    return fail("no force (or, with --vision, no frame) within {:g} s; see the logs", kFirstForce_s);
   }
 
   double seconds() const { return now_s() - first_->time_s; }
@@ -202,7 +202,7 @@ Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch,
     while (watch.seconds() < due_s && run.ended.empty()) {
       watch.idle(std::clamp(due_s - watch.seconds(), 0.0, kTurn_s));
       if (const auto running = nodes.check_running(); !running) run.ended = running.error().what;
-      if (stop.stop_requested()) run.ended = "stopped before its time";
+      if (stop.stop_requested()) run.ended = "stopped early";
     }
     if (!run.ended.empty()) return {};
     auto look = watch.look();
@@ -253,9 +253,9 @@ Result<SoakEnd> run_soak(const SoakOptions& options) {
   if (const auto written = write_file_atomically(options.out / "soak.json", to_json(*run, verdict).dump(2) + "\n"); !written) {
     return tl::unexpected(written.error());
   }
-  const auto picture = run->looks.empty() ? Result<std::filesystem::path>(fail("no look was taken, so no plot is drawn"))
+  const auto picture = run->looks.empty() ? Result<std::filesystem::path>(fail("no observation was made, so no plot is drawn"))
                                           : draw_soak_plot(options.out, run->processes);
-  return SoakEnd{fmt::format("soak: looks in {}, {}\n{}\n", (options.out / "soak.csv").string(),
+  return SoakEnd{fmt::format("soak: observations in {}, {}\n{}\n", (options.out / "soak.csv").string(),
                              picture ? "plot in " + picture->string() : picture.error().what, to_text(*run, verdict)),
                  verdict.flat};
 }

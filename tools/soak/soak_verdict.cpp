@@ -114,7 +114,7 @@ SoakFinding judge_lost(const SoakRun& run) {
 SoakFinding judge_length(const SoakRun& run, std::size_t looks) {
   const double reached_s = run.looks.empty() ? 0.0 : run.looks.back().seconds;
   const bool is_enough = run.ended.empty() && looks >= kFewLooks;
-  const std::string why = run.ended.empty() ? "too few looks to judge" : run.ended;
+  const std::string why = run.ended.empty() ? "too few observations" : run.ended;
   return {"run", "", reached_s, run.seconds, is_enough, is_enough ? "ran its time" : fmt::format("{}, after {:.0f} s", why, reached_s)};
 }
 
@@ -125,8 +125,8 @@ double worst_round_trip_us(const SoakRun& run) {
 }
 
 nlohmann::ordered_json process_json(const SoakRun& run, std::size_t index) {
-  const ProcessFigures& first = run.looks.front().processes[index];
-  const ProcessFigures& last = run.looks.back().processes[index];
+  const ProcessStats& first = run.looks.front().processes[index];
+  const ProcessStats& last = run.looks.back().processes[index];
   return {{"name", run.processes[index]},
           {"resident_kib", {{"first", first.resident_kib}, {"last", last.resident_kib}}},
           {"descriptors", {{"first", first.descriptors}, {"last", last.descriptors}}},

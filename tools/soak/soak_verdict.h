@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/soak/process_figures.h"
+#include "tools/soak/process_stats.h"
 
 namespace hapton {
 
@@ -25,7 +25,7 @@ struct SoakLook {
   double round_trip_p99_us = 0.0;
   double round_trip_max_us = 0.0;
   double drift_ms = 0.0;  // the servo's ticks (cycles run and missed, by their period) ahead of the steady clock
-  std::vector<ProcessFigures> processes;
+  std::vector<ProcessStats> processes;
 };
 
 // What was run and how long it was meant to be.

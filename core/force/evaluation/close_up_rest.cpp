@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kStaysShare = 0.25;  // of half the side: farther than any hover leads, nearer than what is not seen
+constexpr double kStaysShare = 0.25;  // of half the side: farther than any contact offset leads, nearer than what is not seen
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A thing to torture a force method with.
+// A body of the stress test.
 struct StressBody {
   std::string name;
   TriangleMesh touched;  // what the method gets: may have needles, duplicates, cracks, flipped faces

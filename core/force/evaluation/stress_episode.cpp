@@ -23,7 +23,7 @@ std::uint64_t hash_of(std::string_view text) {  // FNV-1a
 }  // namespace
 
 std::string_view name_of(StressMotion motion) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressMotion::kCount)> kNames = {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressMotion::count)> kNames = {
       "slide", "tap-face", "tap-vertex", "tap-edge", "coincident", "near-parallel", "fast", "tiny", "walk", "hostile"};
   return kNames[static_cast<std::size_t>(motion)];
 }
@@ -34,9 +34,9 @@ StressEpisode::StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double
   const std::uint64_t name = hash_of(body);
   std::seed_seq sequence{seed, seed >> 32, name, name >> 32, number, number >> 32};
   random_.seed(sequence);
-  motion_ = static_cast<StressMotion>(random_() % static_cast<std::uint64_t>(StressMotion::kCount));
+  motion_ = static_cast<StressMotion>(random_() % static_cast<std::uint64_t>(StressMotion::count));
   is_long_ = number >= kFirstLongWalk;
-  if (is_long_) motion_ = StressMotion::kWalk;
+  if (is_long_) motion_ = StressMotion::walk;
 }
 
 void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& places) {
@@ -49,24 +49,24 @@ void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::v
   places.push_back(start_);
   if (is_long_) return travel(places);
   switch (motion_) {
-    case StressMotion::kSlide:
+    case StressMotion::slide:
       slide(places);
       break;
-    case StressMotion::kTapFace:
-    case StressMotion::kTapVertex:
-    case StressMotion::kTapEdge:
+    case StressMotion::tap_face:
+    case StressMotion::tap_vertex:
+    case StressMotion::tap_edge:
       tap(places);
       break;
-    case StressMotion::kCoincident:
+    case StressMotion::coincident:
       coincide(places);
       break;
-    case StressMotion::kNearParallel:
+    case StressMotion::near_parallel:
       graze(places);
       break;
-    case StressMotion::kFast:
+    case StressMotion::fast:
       jump(places);
       break;
-    case StressMotion::kTiny:
+    case StressMotion::tiny:
       creep(places);
       break;
     default:
@@ -94,8 +94,8 @@ void StressEpisode::choose_place() {
   double u = uniform(0.0, 1.0), v = uniform(0.0, 1.0);
   if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
   const double quarter = static_cast<double>(1 + random_() % 3) / 4.0;
-  at_ = motion_ == StressMotion::kTapVertex ? a
-        : motion_ == StressMotion::kTapEdge ? Vec3(a + quarter * (b - a))
+  at_ = motion_ == StressMotion::tap_vertex ? a
+        : motion_ == StressMotion::tap_edge ? Vec3(a + quarter * (b - a))
                                             : Vec3(a + u * (b - a) + v * (c - a));
 }
 
@@ -205,7 +205,7 @@ void StressEpisode::walk_round(std::vector<Vec3>& places, int steps) {
   for (int i = 0; i < steps; ++i) {
     velocity += -memory * velocity + speed * std::sqrt(2.0 * memory) * Vec3(normal(), normal(), normal()) - 0.02 * memory * (at - at_);
     at += velocity;
-    places.push_back(motion_ == StressMotion::kHostile && random_() % 16 == 0 ? hostile(at) : at);
+    places.push_back(motion_ == StressMotion::hostile && random_() % 16 == 0 ? hostile(at) : at);
   }
 }
 

@@ -14,17 +14,17 @@ namespace hapton {
 
 // Ways to move the device, each meant to break something.
 enum class StressMotion : std::uint8_t {
-  kSlide,         // over the surface, 1e-5 to 3e-2 of the extent a step, up to 3 % deep
-  kTapFace,       // straight in and out, 10 m/s and slower
-  kTapVertex,     // exactly at vertices
-  kTapEdge,       // exactly at points of edges
-  kCoincident,    // in the very plane of a triangle, over its corners and edges, then in
-  kNearParallel,  // through a face at an angle of 1e-1 down to 1e-15
-  kFast,          // jumps of up to the whole extent
-  kTiny,          // steps of 1e-12 to 1e-6 of the extent at and in the surface
-  kWalk,          // a smooth random walk, in and out as it comes
-  kHostile,       // a walk with NaN, infinite and absurdly far samples in it
-  kCount
+  slide,          // over the surface, 1e-5 to 3e-2 of the extent a step, up to 3 % deep
+  tap_face,       // straight in and out, 10 m/s and slower
+  tap_vertex,     // exactly at vertices
+  tap_edge,       // exactly at points of edges
+  coincident,     // in the very plane of a triangle, over its corners and edges, then in
+  near_parallel,  // through a face at an angle of 1e-1 down to 1e-15
+  fast,           // jumps of up to the whole extent
+  tiny,           // steps of 1e-12 to 1e-6 of the extent at and in the surface
+  walk,           // a smooth random walk, in and out as it comes
+  hostile,        // a walk with NaN, infinite and absurdly far samples in it
+  count
 };
 
 std::string_view name_of(StressMotion motion);

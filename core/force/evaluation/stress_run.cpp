@@ -19,19 +19,20 @@ namespace hapton {
 namespace {
 
 constexpr double kFallShare = 0.0025;
-constexpr double kInsideShare = 1e-6;  // above what a probe hovers by and what a million extents of offset round to
+constexpr double kInsideShare = 1e-6;  // above what the contact offset of a probe is and what a million extents of offset round to
 constexpr double kLockShare = 0.10;
 constexpr double kLockGain = 0.01;
 constexpr double kLagGain = 0.001;
 constexpr double kTieShare = 1e-6;
 constexpr double kOutsideShare = 1e-7;
 constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
-constexpr double kClearShare = 0.05;   // of what a proxy may hover by: above rounding, so the side is beyond doubt
+constexpr double kClearShare = 0.05;   // of the contact offset that a proxy may keep: above rounding, so the side is beyond doubt
 constexpr double kCloseUpShare = 0x1p-10;
-constexpr double kMouthShare = 1e-5;  // at the mouth of a crack: where it is narrower than one of the two hovers, only the other gets in
-constexpr double kRestHovers = 4.0;   // round a rest that may be proved to be one
+constexpr double kMouthShare =
+    1e-5;  // at the mouth of a crack: where it is narrower than one of the two contact offsets, only the other gets in
+constexpr double kRestOffsets = 4.0;  // round a rest that may be proved to be one
 constexpr double kThroughStep = 0.01;
-constexpr double kRelative = 4e-9;        // a method may hover by this share of the extent and leave that out of the force
+constexpr double kRelative = 4e-9;        // a method may keep this share of the extent as contact offset and leave that out of the force
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 
 // Where the segment meets the mesh, well inside a face. Every triangle is asked.
@@ -59,13 +60,13 @@ Vec3 corner_direction(int corner) { return {corner & 1 ? 1.0 : -1.0, corner & 2 
 }  // namespace
 
 std::string_view name_of(StressFault fault) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::kCount)> kNames = {"fall", "inside", "through",    "lock",
-                                                                                                  "lag",  "pop",    "not-finite", "broken"};
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kNames = {"fall", "inside", "through",    "lock",
+                                                                                                 "lag",  "pop",    "not-finite", "broken"};
   return kNames[static_cast<std::size_t>(fault)];
 }
 
 std::string_view meaning_of(StressFault fault) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::kCount)> kMeanings = {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kMeanings = {
       "no force with the device more than 0.25 % of the extent inside; closed bodies",
       "the proxy itself inside; closed bodies",
       "straight through a face from one free place to another, where the reference does not come; open meshes, point probe",
@@ -155,7 +156,7 @@ struct StressRun::Inside {
   // The reference, which asks every triangle, comes there too: round an edge or corner that the straight way cuts.
   bool leads_round(const Vec3& from, const Vec3& to) const { return (judge->settle_from(from, to).p_SP - to).norm() <= kRelative * extent; }
 
-  // A proxy may hover by so much and leave that out of the force.
+  // A proxy may keep so much contact offset and leave that out of the force.
   double play() const { return extent * (kRelative + 1e-15 * settings.offset_extents); }
 
   // Told exactly, however near the surface.
@@ -175,7 +176,8 @@ struct StressRun::Inside {
     return p;
   }
 
-  // From a little farther off as well: begun within a hover of a corner, the reference may take the wrong side of a face for its own.
+  // From a little farther off as well: begun within a contact offset of a corner, the reference may take the wrong side of a face for its
+  // own.
   bool gains_from_outside(const Vec3& p, const Vec3& device) const {
     const Vec3 stretch = p - device;
     const Vec3 start = clear_start(p + (kOutsideShare * extent / stretch.norm()) * stretch);
@@ -192,8 +194,8 @@ struct StressRun::Inside {
   }
 
   // A point is held there for certain, however far the reference gets that climbs by its own lift.
-  bool is_proved(const Vec3& p, const Vec3& device, double hover) const {
-    return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestHovers * hover);
+  bool is_proved(const Vec3& p, const Vec3& device, double contact_offset) const {
+    return probe_radius == 0.0 && is_certain_rest(body.touched, p, device, kRestOffsets * contact_offset);
   }
 
   // What holds the proxy may be lower than the reference lifts itself in the whole body: a point a thousand times smaller tells.
@@ -216,7 +218,7 @@ struct StressRun::Inside {
     if (depth <= kTieShare * extent || is_near_border(p, kMouthShare * extent) || !gains_from_outside(p, device) ||
         !gains_from_beside(p, device) || is_held_closely(p, device))
       return;
-    note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::kLock : StressFault::kLag, gain);
+    note(solid && gain > kLockGain * extent && length > depth + kLockShare * extent ? StressFault::lock : StressFault::lag, gain);
   }
 
   // On the side the device may not be on.
@@ -234,16 +236,16 @@ struct StressRun::Inside {
 
   bool looks_for(StressFault fault) const {
     switch (fault) {
-      case StressFault::kFall:
-      case StressFault::kInside:
+      case StressFault::fall:
+      case StressFault::inside:
         return solid.has_value();
-      case StressFault::kThrough:
+      case StressFault::through:
         return !solid && probe_radius == 0.0;
-      case StressFault::kLock:
+      case StressFault::lock:
         return solid && !rubs();
-      case StressFault::kLag:
+      case StressFault::lag:
         return !rubs();
-      case StressFault::kPop:
+      case StressFault::pop:
         return shows_pops();
       default:
         return true;
@@ -318,11 +320,11 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     count.contact_steps += felt.contact;
     const auto note = [&](StressFault fault, double size) { in.note(count, fault, episode.motion(), number, i, size / extent); };
     if (!felt.force_n.allFinite() || !felt.p_SP.allFinite()) {
-      note(StressFault::kNotFinite, 0.0);
+      note(StressFault::not_finite, 0.0);
       continue;
     }
     if (!device.allFinite()) {
-      if (felt.contact || !felt.force_n.isZero(0.0)) note(StressFault::kBroken, 0.0);
+      if (felt.contact || !felt.force_n.isZero(0.0)) note(StressFault::broken, 0.0);
       continue;
     }
     const double far = (device - in.place).cwiseAbs().maxCoeff();
@@ -335,25 +337,25 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     const double length = stretch.norm();
     const double play = in.play();
     const bool undamped = in.settings.material.damping_ns_per_m == 0.0;
-    if (felt.contact != (felt.force_n.norm() > 0.0)) note(StressFault::kBroken, 0.0);
+    if (felt.contact != (felt.force_n.norm() > 0.0)) note(StressFault::broken, 0.0);
     if (undamped && (felt.force_n - stiffness * stretch).norm() > stiffness * (play + kRelative * length + in.layer))
-      note(StressFault::kBroken, (felt.force_n / stiffness - stretch).norm());
-    if (!felt.contact && length > play) note(StressFault::kBroken, length);
+      note(StressFault::broken, (felt.force_n / stiffness - stretch).norm());
+    if (!felt.contact && length > play) note(StressFault::broken, length);
     if (in.solid) {
       if (!felt.contact && in.is_wrong(device)) {
         const double depth = in.solid->compute_distance(device);
-        if (depth > kFallShare * extent) note(StressFault::kFall, depth);
+        if (depth > kFallShare * extent) note(StressFault::fall, depth);
       }
       const Vec3 outward = length > 0.0 ? Vec3(felt.force_n.normalized()) : Vec3(Vec3::Zero());
       if (felt.contact && in.is_wrong(felt.p_SP + kInsideShare * extent * outward) && in.is_wrong(felt.p_SP)) {
         const double depth = in.solid->compute_distance(felt.p_SP);
-        if (depth > 2.0 * kInsideShare * extent) note(StressFault::kInside, depth);
+        if (depth > 2.0 * kInsideShare * extent) note(StressFault::inside, depth);
       }
     } else if (!felt.contact && !felt_before.contact && in.probe_radius == 0.0 && in.goes_through(felt_before.p_SP, felt.p_SP) &&
                !in.leads_round(felt_before.p_SP, felt.p_SP)) {
       // On the surface to the last digit a place has no side: only ways between places off it are judged.
       if (in.is_on_surface(felt.p_SP, play) || in.is_on_surface(felt_before.p_SP, play)) continue;
-      note(StressFault::kThrough, (device - before).norm());
+      note(StressFault::through, (device - before).norm());
     }
     // Friction holds the proxy short of the minimum; the question has no meaning there.
     const bool suspicious = length > kLockShare * extent;
@@ -364,7 +366,7 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
     if (in.shows_pops() && i > 0 && before.allFinite()) {
       const double jump = (felt.force_n - felt_before.force_n).norm() / stiffness;
       const double above = jump - (device - before).norm() * (1.0 + 1e-6) - 10.0 * play;
-      if (above > 0.0) note(StressFault::kPop, above);
+      if (above > 0.0) note(StressFault::pop, above);
     }
     before = device;
     felt_before = felt;

@@ -17,15 +17,15 @@ namespace hapton {
 
 // What went wrong, in steps. All must be zero. Not every fault can be told everywhere: see StressCount::looked_for.
 enum class StressFault : std::uint8_t {
-  kFall,     // no force with the device more than 0.25 % of the extent on the wrong side
-  kInside,   // the proxy itself on the wrong side of the surface
-  kThrough,  // open meshes: from one free place to another straight through a face, away from any border, where the reference does not come
-  kLock,     // proxy more than 10 % of the extent farther from the device than the surface is, and not at a minimum
-  kLag,      // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
-  kPop,      // convex room: the force changed by more than stiffness times the device's motion
-  kNotFinite,  // NaN or infinite output
-  kBroken,     // force, proxy and contact contradict each other, or a sample that is not finite is felt
-  kCount
+  fall,     // no force with the device more than 0.25 % of the extent on the wrong side
+  inside,   // the proxy itself on the wrong side of the surface
+  through,  // open meshes: from one free place to another straight through a face, away from any border, where the reference does not come
+  lock,     // proxy more than 10 % of the extent farther from the device than the surface is, and not at a minimum
+  lag,      // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
+  pop,      // convex room: the force changed by more than stiffness times the device's motion
+  not_finite,  // NaN or infinite output
+  broken,      // force, proxy and contact contradict each other, or a sample that is not finite is felt
+  count
 };
 
 std::string_view name_of(StressFault fault);
@@ -34,8 +34,8 @@ std::string_view meaning_of(StressFault fault);
 
 // The first fault of a kind, to be found again: body, scale, place, seed, episode and step tell it all.
 struct StressFinding {
-  StressFault fault = StressFault::kFall;
-  StressMotion motion = StressMotion::kSlide;
+  StressFault fault = StressFault::fall;
+  StressMotion motion = StressMotion::slide;
   std::uint64_t episode = 0;
   std::size_t step = 0;
   double size = 0.0;  // what was too large, as a share of the extent
@@ -46,9 +46,9 @@ struct StressCount {
   std::uint64_t contact_steps = 0;
   std::uint64_t episodes = 0;
   std::uint64_t judged_rests = 0;  // steps the reference was asked about
-  std::array<std::uint64_t, static_cast<std::size_t>(StressFault::kCount)> faults{};
-  std::array<bool, static_cast<std::size_t>(StressFault::kCount)> looked_for{};  // false: a zero says nothing
-  std::vector<StressFinding> findings;                                           // the first few of each fault
+  std::array<std::uint64_t, static_cast<std::size_t>(StressFault::count)> faults{};
+  std::array<bool, static_cast<std::size_t>(StressFault::count)> looked_for{};  // false: a zero says nothing
+  std::vector<StressFinding> findings;                                          // the first few of each fault
 
   std::uint64_t total_faults() const;
   void add(const StressCount& other);

@@ -135,7 +135,7 @@ FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
   int count = 0;
   if (!collect_fan(fan, corners, count)) return Next::unclear;
   const Vec3 here = points_[point_count_ - 1];
-  const Vec3 wish = device - here;
+  const Vec3 goal = device - here;
   const double least = margin_ * 0x1p-10;
   Next next = Next::unclear;
   Stand stand;
@@ -146,7 +146,7 @@ FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
     const ContactTriangle& face = shape(fan[i]);
     const int first = corners[i];
     const int last = (corners[i] + 2) % 3;
-    if (!(normal_of(fan[i]).dot(wish) < 0.0)) return Next::unclear;
+    if (!(normal_of(fan[i]).dot(goal) < 0.0)) return Next::unclear;
     const Vec3 foot = foot_on(fan[i], device);
     const bool inside_first = face.inside(first, foot) > 0.0;
     const bool inside_last = face.inside(last, foot) > 0.0;
@@ -160,7 +160,7 @@ FacetDescent::Next FacetDescent::turn_corner(const Vec3& device) {
     // The edge shared with the next facet of the fan.
     const int shared = fan[i]->side > 0.0 ? last : first;
     const Vec3 direction = shared == first ? face.edge(first) : Vec3(-face.edge(last));
-    if (direction.dot(wish) <= least * direction.norm() || face.inside(shared, foot) > 0.0) continue;
+    if (direction.dot(goal) <= least * direction.norm() || face.inside(shared, foot) > 0.0) continue;
     int other_edge = -1;
     const Facet* other = find_other(*fan[i], shared, other_edge);
     if (other == nullptr || other != fan[j]) return Next::unclear;

@@ -62,8 +62,8 @@ bool ProxyMethod::tip_over(const Vec3& device) noexcept {
   if (is_fold) {
     const Vec3& other = touching_[strong[0] == balanced ? strong[1] : strong[0]].separation.normal;
     ways[2] = (other - other.dot(normal) * normal).normalized();
-    const Vec3 wish = device - proxy_;
-    way_count = -wish.dot(ways[2]) <= 2.0 * far / clearance_.rest * wish.norm() ? 3 : 2;  // else it would climb by more
+    const Vec3 goal = device - proxy_;
+    way_count = -goal.dot(ways[2]) <= 2.0 * far / clearance_.rest * goal.norm() ? 3 : 2;  // else it would climb by more
   }
   save(rest_);
   for (const Vec3& sideways : std::span(ways).first(static_cast<std::size_t>(way_count))) {
@@ -111,11 +111,11 @@ void ProxyMethod::find_exits() noexcept {
 
 bool ProxyMethod::leave_corner(const Vec3& device) noexcept {
   find_exits();
-  const Vec3 wish = device - proxy_;
-  const double least = kFlat * wish.norm() + kLeastGain * hover_;
+  const Vec3 goal = device - proxy_;
+  const double least = kFlat * goal.norm() + kLeastGain * hover_;
   for (int i = 0; i < exit_count_; ++i) {
     Exit& exit = exits_[i];
-    const double gain = exit.direction.dot(wish);
+    const double gain = exit.direction.dot(goal);
     if (exit.closed || gain <= least) continue;
     save(rest_);
     if (leave_along(device, gain * exit.direction, exit.closed)) return true;
@@ -131,11 +131,11 @@ bool ProxyMethod::is_jammed(const Vec3& device) const noexcept {
 
 bool ProxyMethod::leave_jam(const Vec3& device) noexcept {
   save(rest_);
-  const Vec3 wish = device - proxy_;
+  const Vec3 goal = device - proxy_;
   for (int i = -1; i < rest_.pushing_count; ++i) {
     const Vec3 normal = i < 0 ? Vec3(Vec3::Zero()) : rest_.separations[i].normal;
     bool closed = false;
-    if (leave_along(device, wish - wish.dot(normal) * normal, closed)) return true;
+    if (leave_along(device, goal - goal.dot(normal) * normal, closed)) return true;
   }
   return false;
 }

@@ -346,10 +346,10 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
   int last_doubt = kMaxIterations;
   for (int i = 0; i < kMaxIterations && sweeps_left_ > 0; ++i) {
     if (touching_count_ == 0 && cross_emptiness(device)) return;
-    Vec3 wish = device - proxy_;
-    const double distance = wish.norm();
+    Vec3 goal = device - proxy_;
+    const double distance = goal.norm();
     const bool arrives = distance <= kLongestMotion;
-    if (distance > kFarthestGoal) wish *= kFarthestGoal / distance;  // a device far away must not cost the digits of what is near
+    if (distance > kFarthestGoal) goal *= kFarthestGoal / distance;  // a device far away must not cost the digits of what is near
     idle = distance < nearest - kRounding ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
     if (idle > kMaxIdle && touching_count_ > 0) {  // caged: moves back and forth within the clearance's slack
@@ -358,7 +358,7 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
       return;
     }
     if (touching_count_ == 0) {
-      if (advance(shortened(wish))) {
+      if (advance(shortened(goal))) {
         free_ = false;
       } else if (arrives) {
         settle_at(device);
@@ -367,8 +367,8 @@ void ProxyMethod::descend(const Vec3& device) noexcept {
       continue;
     }
     ++counters_.iterations;
-    const ConstrainedMotion constrained = next_motion(wish);
-    const Vec3 motion = has_friction_ ? rub(wish, constrained) : constrained.motion;
+    const ConstrainedMotion constrained = next_motion(goal);
+    const Vec3 motion = has_friction_ ? rub(goal, constrained) : constrained.motion;
     if (motion.norm() <= rest_of_motion + kNormalError * distance) {
       if (i < last_doubt && forget_doubtful(constrained)) {
         last_doubt = 0;
@@ -417,19 +417,19 @@ bool ProxyMethod::forget_doubtful(const ConstrainedMotion& held) noexcept {
   return true;
 }
 
-ConstrainedMotion ProxyMethod::next_motion(const Vec3& wish) noexcept {
+ConstrainedMotion ProxyMethod::next_motion(const Vec3& goal) noexcept {
   for (int i = 0; i < touching_count_; ++i) {
     const Separation& s = touching_[i].separation;
     planes_[i] = {s.normal, clearance_.rest - s.distance};
   }
-  return constrain_motion(wish, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(touching_count_)));
+  return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(touching_count_)));
 }
 
 // Coulomb friction: the frictionless goal lies `depth` above the device; the proxy may stay up to mu * depth short of it.
-Vec3 ProxyMethod::rub(const Vec3& wish, const ConstrainedMotion& constrained) noexcept {
+Vec3 ProxyMethod::rub(const Vec3& goal, const ConstrainedMotion& constrained) noexcept {
   const Vec3& motion = constrained.motion;
   const Material material = material_of(constrained);
-  const double depth = (wish - motion).norm();
+  const double depth = (goal - motion).norm();
   const double way = motion.norm();
   const double hold = (sliding_ ? material.friction_dynamic : material.friction_static) * depth;
   if (way <= hold + clearance_.slack) {
@@ -476,45 +476,5 @@ void ProxyMethod::leave_ball() noexcept {
 }
 
 bool ProxyMethod::prepare() { return geometry_.build_wanted(); }
-
-std::string ProxyMethod::describe() const {
-  const std::string what = fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n",
-                                       geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
-                                       static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - hover_) * geometry_.unit_m(),
-                                       hover_ * geometry_.unit_m()) +
-                           fmt::format(
-                               "proxy: a step has {} events, {:g} more for each edge that a way as long crosses on the average, {} at "
-                               "most; the rest is carried over\n",
-                               SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
-  return counters_.steps == 0 ? what : what + describe_steps();
-}
-
-std::string ProxyMethod::describe_steps() const {
-  const auto n = static_cast<double>(counters_.steps);
-  const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
-  std::string text = fmt::format(
-      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
-      "{:.3f} "
-      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged; {} events, {} "
-      "in one step at most, {} flights, {} steps by sweeps, {} out of events\n",
-      counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
-      static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
-      static_cast<double>(counters_.refills) / c,
-      100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
-      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged, surface_.events(),
-      counters_.most_events, counters_.flights, counters_.careful, counters_.exhausted);
-  if (sphere_ != nullptr) {
-    text += fmt::format(
-        "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a "
-        "step\n",
-        static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
-        static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);
-  }
-  if (shading_ > 0.0) {
-    text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
-                        100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);
-  }
-  return text;
-}
 
 }  // namespace hapton

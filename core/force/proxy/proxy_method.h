@@ -168,8 +168,8 @@ class ProxyMethod final : public ForceMethod {
   bool lift(double height, Lift over) noexcept;
   Vec3 normal_to_proxy(std::uint32_t triangle) const noexcept;
   bool is_better(const Vec3& device) const noexcept;
-  ConstrainedMotion next_motion(const Vec3& wish) noexcept;
-  Vec3 rub(const Vec3& wish, const ConstrainedMotion& constrained) noexcept;
+  ConstrainedMotion next_motion(const Vec3& goal) noexcept;
+  Vec3 rub(const Vec3& goal, const ConstrainedMotion& constrained) noexcept;
   bool cross_emptiness(const Vec3& device) noexcept;
   bool advance(const Vec3& motion) noexcept;
   double sweep(const Vec3& from, const Vec3& motion) noexcept;

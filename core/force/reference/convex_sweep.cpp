@@ -14,7 +14,7 @@ constexpr double kLongestStride = 256.0;
 // How fast the point moves across the feature; along an edge the direction is known exactly.
 double speed_across(const PreparedTriangle& triangle, TriangleFeature feature, const Vec3& motion) {
   if (!is_edge(feature)) return motion.norm();
-  const Vec3& edge = triangle.edge[static_cast<int>(feature) - static_cast<int>(TriangleFeature::kEdge0)];
+  const Vec3& edge = triangle.edge[static_cast<int>(feature) - static_cast<int>(TriangleFeature::edge0)];
   return (motion - (motion.dot(edge) / edge.squaredNorm()) * edge).norm();
 }
 
@@ -25,12 +25,12 @@ SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const V
   double t = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const ClosestPoint near = closest_point(triangle, from + t * motion);
-    if (near.distance == 0.0 && near.feature != TriangleFeature::kFace) {  // only where a motion starts on the border itself
+    if (near.distance == 0.0 && near.feature != TriangleFeature::face) {  // only where a motion starts on the border itself
       return triangle.normal.dot(motion) < 0.0 ? SweepHit{t, true, false} : SweepHit{until, false, false};
     }
     const double above = near.distance - limit;
     const double approach = -near.direction.dot(motion);
-    if (near.feature == TriangleFeature::kFace) {
+    if (near.feature == TriangleFeature::face) {
       if (approach <= 0.0) return {until, false, false};
       if (above <= slack) return {t, true, false};
       t += above / approach;

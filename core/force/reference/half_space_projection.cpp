@@ -16,15 +16,15 @@ struct Basis {
 
 Wide normal_of(const HalfSpace& half_space) { return half_space.normal.cast<long double>(); }
 
-// The nearest point to wish on one, two or three planes at once. False when the planes have no such point: parallel, or a zero normal.
-bool meet_planes(const Wide& wish, std::span<const HalfSpace> all, Basis& basis) {
+// The nearest point to goal on one, two or three planes at once. False when the planes have no such point: parallel, or a zero normal.
+bool meet_planes(const Wide& goal, std::span<const HalfSpace> all, Basis& basis) {
   const HalfSpace& first = all[basis.planes[0]];
   const Wide n1 = normal_of(first);
   if (basis.count == 1) {
     const long double length2 = n1.squaredNorm();
     if (!(length2 > 0.0L)) return false;
-    basis.multiplier[0] = (first.gap - n1.dot(wish)) / length2;
-    basis.point = wish + basis.multiplier[0] * n1;
+    basis.multiplier[0] = (first.gap - n1.dot(goal)) / length2;
+    basis.point = goal + basis.multiplier[0] * n1;
     return true;
   }
   const HalfSpace& second = all[basis.planes[1]];
@@ -33,8 +33,8 @@ bool meet_planes(const Wide& wish, std::span<const HalfSpace> all, Basis& basis)
   if (basis.count == 2) {
     const long double along2 = along.squaredNorm();
     if (!(along2 > 0.0L)) return false;
-    basis.point = (along.dot(wish) * along + first.gap * n2.cross(along) + second.gap * along.cross(n1)) / along2;
-    const Wide push = basis.point - wish;
+    basis.point = (along.dot(goal) * along + first.gap * n2.cross(along) + second.gap * along.cross(n1)) / along2;
+    const Wide push = basis.point - goal;
     basis.multiplier[0] = push.cross(n2).dot(along) / along2;
     basis.multiplier[1] = n1.cross(push).dot(along) / along2;
     return true;
@@ -46,7 +46,7 @@ bool meet_planes(const Wide& wish, std::span<const HalfSpace> all, Basis& basis)
   const long double volume = along.dot(n3);
   if (volume == 0.0L) return false;
   basis.point = (first.gap * c1 + second.gap * c2 + third.gap * along) / volume;
-  const Wide push = basis.point - wish;
+  const Wide push = basis.point - goal;
   basis.multiplier = {push.dot(c1) / volume, push.dot(c2) / volume, push.dot(along) / volume};
   return true;
 }
@@ -62,7 +62,7 @@ bool holds(const Basis& basis, std::span<const HalfSpace> all, const std::array<
 }
 
 // The best basis among the old one's planes and the newcomer, which is in it because the old optimum violates it.
-bool exchange(const Wide& wish, std::span<const HalfSpace> all, std::size_t newcomer, long double tolerance, Basis& basis) {
+bool exchange(const Wide& goal, std::span<const HalfSpace> all, std::size_t newcomer, long double tolerance, Basis& basis) {
   std::array<std::size_t, 4> among{};
   const int old = basis.count;
   for (int i = 0; i < old; ++i) among[i] = basis.planes[i];
@@ -80,9 +80,9 @@ bool exchange(const Wide& wish, std::span<const HalfSpace> all, std::size_t newc
       }
       trial.planes[trial.count++] = among[i];
     }
-    if (trial.count > 3 || !meet_planes(wish, all, trial)) continue;
+    if (trial.count > 3 || !meet_planes(goal, all, trial)) continue;
     if (!holds(trial, all, among, old + 1, tolerance)) continue;
-    const long double distance2 = (trial.point - wish).squaredNorm();
+    const long double distance2 = (trial.point - goal).squaredNorm();
     if (distance2 < best2) {
       best2 = distance2;
       best = trial;
@@ -95,8 +95,8 @@ bool exchange(const Wide& wish, std::span<const HalfSpace> all, std::size_t newc
 
 }  // namespace
 
-HalfSpaceProjection project_onto_half_spaces(const Vec3& wish, std::span<const HalfSpace> half_spaces, double tolerance) noexcept {
-  const Wide target = wish.cast<long double>();
+HalfSpaceProjection project_onto_half_spaces(const Vec3& goal, std::span<const HalfSpace> half_spaces, double tolerance) noexcept {
+  const Wide target = goal.cast<long double>();
   Basis basis;
   basis.point = target;
   HalfSpaceProjection result;
@@ -118,7 +118,7 @@ HalfSpaceProjection project_onto_half_spaces(const Vec3& wish, std::span<const H
     }
     if (!exchange(target, half_spaces, violated, tolerance / 4, basis)) break;
   }
-  result.point = basis.count == 0 ? wish : Vec3(basis.point.cast<double>());
+  result.point = basis.count == 0 ? goal : Vec3(basis.point.cast<double>());
   result.count = basis.count;
   for (int i = 0; i < basis.count; ++i) {
     result.active[i] = basis.planes[i];

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kEscapeGain = 4.0;  // hovers: the height of a step a point would not feel
+constexpr double kEscapeGain = 4.0;  // contact offsets: the height of a step a point would not feel
 constexpr double kOpenFace = 16.0;   // rest distances from its border a point on a face has nothing else to be held by
 constexpr std::size_t kMostNear = 48;
 constexpr std::size_t kMostDirections = 1536;
@@ -61,7 +61,7 @@ bool ReferenceProxy::escape(const Vec3& device) noexcept {
 
 // On one face alone and not at its border: there a rest is one for a point as well.
 bool ReferenceProxy::is_on_open_face() const noexcept {
-  if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::kFace) return false;
+  if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::face) return false;
   const PreparedTriangle& shape = state_.contacts[0].face.shape;
   for (int k = 0; k < 3; ++k) {
     if (shape.inward[k].dot(state_.place - shape.corner[k]) <= kOpenFace * rest_ * shape.edge[k].norm()) return false;

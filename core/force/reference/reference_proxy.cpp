@@ -6,7 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/force/contact_material.h"
 #include "core/force/friction_drag.h"
 #include "core/force/reference/convex_sweep.h"
 
@@ -14,7 +13,7 @@ namespace hapton {
 namespace {
 
 // All of these are in local units, where the scene's diagonal lies in (1/2, 1].
-const double kSkin = std::ldexp(1.0, -38);      // hover / 64: far above rounding, far below hover
+const double kSkin = std::ldexp(1.0, -38);      // contact offset / 64: far above rounding, far below contact offset
 const double kRounding = std::ldexp(1.0, -48);  // bound on the error of a distance between points within the scene
 const double kErosion = std::ldexp(1.0, -47);   // what one motion may take off a distance that is already at its least
 const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
@@ -106,7 +105,7 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   if (!has_friction() || device_from == device_to) return;
   update_contacts();
   const Pull before = project_pull(device_from - state_.place);
-  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::kFace) return;
+  if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::face) return;
   Vec3 on_edge;
   std::array<Side, 2> sides;
   if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
@@ -214,7 +213,7 @@ bool ReferenceProxy::cross_free_space(const Vec3& device) noexcept {
 void ReferenceProxy::update_contacts() noexcept {
   for (Contact& contact : state_.contacts) {
     contact.near = closest_point(contact.face.shape, state_.place);
-    if (contact.near.distance == 0.0 && contact.near.feature != TriangleFeature::kFace) contact.near.direction = contact.face.shape.normal;
+    if (contact.near.distance == 0.0 && contact.near.feature != TriangleFeature::face) contact.near.direction = contact.face.shape.normal;
   }
   std::erase_if(state_.contacts,
                 [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
@@ -227,9 +226,9 @@ void ReferenceProxy::update_contacts() noexcept {
 void ReferenceProxy::forget_borders_of_faces() noexcept {
   meet_face_below();
   const auto is_of_face = [&](const Contact& contact) {
-    if (contact.near.feature == TriangleFeature::kFace) return false;
+    if (contact.near.feature == TriangleFeature::face) return false;
     return std::any_of(state_.contacts.begin(), state_.contacts.end(), [&](const Contact& other) {
-      return other.near.feature == TriangleFeature::kFace && closest_point(other.face.shape, contact.near.point).distance <= kStill;
+      return other.near.feature == TriangleFeature::face && closest_point(other.face.shape, contact.near.point).distance <= kStill;
     });
   };
   for (std::size_t i = state_.contacts.size(); i-- > 0;) {
@@ -240,7 +239,7 @@ void ReferenceProxy::forget_borders_of_faces() noexcept {
 // The face that a point is over, by no more than its radius, is in contact. Where the proxy has come over it without a motion that it
 // stopped, as over a row of slivers in one plane, only the border of what follows has been met.
 void ReferenceProxy::meet_face_below() noexcept {
-  const auto is_border = [](const Contact& contact) { return contact.near.feature != TriangleFeature::kFace; };
+  const auto is_border = [](const Contact& contact) { return contact.near.feature != TriangleFeature::face; };
   if (rest_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_border)) return;
   list_local_faces();
   for (const std::uint32_t i : local_) {
@@ -248,7 +247,7 @@ void ReferenceProxy::meet_face_below() noexcept {
     const double reach = rest_ + kSkin;
     if (((state_.place - box.high).cwiseMax(box.low - state_.place).array() > reach).any() || !can_meet(faces_[i])) continue;
     const ClosestPoint near = closest_point(faces_[i].shape, state_.place);
-    if (near.feature == TriangleFeature::kFace && near.distance <= reach && !near.direction.isZero(0.0)) meet(faces_[i]);
+    if (near.feature == TriangleFeature::face && near.distance <= reach && !near.direction.isZero(0.0)) meet(faces_[i]);
   }
 }
 
@@ -281,30 +280,6 @@ ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   return result;
 }
 
-// The surface itself is a point's radius nearer to the device.
-double ReferenceProxy::pressure_of(double push) const noexcept { return rest_ == kPointRadius ? std::max(0.0, push - rest_) : push; }
-
-Material ReferenceProxy::material_of(const Pull& pull) const noexcept {
-  ContactMaterial material;
-  for (int i = 0; i < pull.motion.count; ++i) {
-    material.add(materials_[state_.contacts[pull.motion.active[i]].face.object], pull.motion.multiplier[i]);
-  }
-  return material.mean();
-}
-
-// Coulomb friction: the part of the frictionless motion that the cone leaves.
-Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
-  const Vec3& motion = pull.motion.point;
-  if (!has_friction() || pull.strongest == nullptr) return motion;
-  Vec3 push = Vec3::Zero();
-  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * state_.contacts[pull.motion.active[i]].near.direction;
-  const Material material = material_of(pull);
-  const double way = motion.norm();
-  const double pressure = pressure_of(push.norm());
-  if (!exceeds_friction(way, pressure, material)) return Vec3::Zero();
-  return motion * ((way - material.friction_dynamic * pressure) / way);
-}
-
 // Whether a pull along the surface is out of the cone: then the proxy slides.
 bool ReferenceProxy::exceeds_friction(double way, double depth, const Material& material) noexcept {
   const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
@@ -325,12 +300,12 @@ Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) noexcep
 // The share of a motion that stays by what the contact touches.
 double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& motion) noexcept {
   const PreparedTriangle& shape = contact.face.shape;
-  if (contact.near.feature == TriangleFeature::kFace) return share_on_plane(contact, motion);
+  if (contact.near.feature == TriangleFeature::face) return share_on_plane(contact, motion);
   if (!is_edge(contact.near.feature)) return 0.0;
   const Vec3 direction = edge_of(contact).normalized();
   const double along = direction.dot(motion);
   const double sideways = (motion - along * direction).norm();
-  const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0) + (along > 0.0)) % 3];
+  const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0) + (along > 0.0)) % 3];
   const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.place) / along) : 1.0;
   return sideways * until > rest_ ? rest_ / sideways : until;
 }
@@ -370,7 +345,7 @@ double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion
 bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
   if (pull.motion.count != 1 || rest_ <= 16.0 * kPointRadius || has_friction()) return false;
   const Contact& contact = *pull.strongest;
-  if (contact.near.feature == TriangleFeature::kFace || contact.near.distance < rest_ - 2.0 * kSkin) return false;
+  if (contact.near.feature == TriangleFeature::face || contact.near.distance < rest_ - 2.0 * kSkin) return false;
   const Vec3 aim = across_feature(contact, device - pivot_of(contact));
   const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
   const double side = sideways.norm();
@@ -385,14 +360,14 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
   for (int i = 0; i < pull.motion.count; ++i) {
     Contact contact = state_.contacts[pull.motion.active[i]];
     if (contact.near.distance < rest_ - 2.0 * kSkin) continue;
-    if (contact.near.feature != TriangleFeature::kFace) {
+    if (contact.near.feature != TriangleFeature::face) {
       if (tip_over(device, contact)) return true;
       continue;
     }
     for (int k = 0; k < 3 && rules_.tips_borders; ++k) {
       const PreparedTriangle& shape = contact.face.shape;
       if (shape.inward[k].dot(state_.place - shape.corner[k]) > kBorder * rest_ * shape.edge[k].norm()) continue;
-      contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::kEdge0) + k);
+      contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + k);
       if (tip_over(device, contact)) return true;
     }
   }
@@ -406,7 +381,8 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexce
   const Vec3 first = is_edge(contact.near.feature) ? Vec3(normal.cross(edge_of(contact)).normalized()) : normal.unitOrthogonal();
   const Vec3 second = normal.cross(first);
   const Vec3 start = state_.place;
-  const double tip = std::min(kLongestTip, std::sqrt(kPointRadius / rest_));  // climbs half a hover: over no ridge that holds a sphere
+  const double tip =
+      std::min(kLongestTip, std::sqrt(kPointRadius / rest_));  // climbs half a contact offset: over no ridge that holds a sphere
   for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
     if (!go_round(contact, tangent, tip)) continue;
     if ((device - state_.place).squaredNorm() < (device - start).squaredNorm()) return true;
@@ -421,7 +397,7 @@ Vec3 ReferenceProxy::pivot_of(const Contact& contact) const noexcept {
 }
 
 Vec3 ReferenceProxy::edge_of(const Contact& contact) noexcept {
-  return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::kEdge0)];
+  return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0)];
 }
 
 Vec3 ReferenceProxy::across_feature(const Contact& contact, const Vec3& v) noexcept {

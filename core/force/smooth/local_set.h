@@ -17,7 +17,7 @@ struct SetTriangle {
   Vec3 face = Vec3::Zero();    // unit normal of the triangle itself; zero for fake triangles and those without area
   std::uint32_t object = 0;
   std::uint32_t triangle = 0;  // of the object's prepared surface
-  SurfaceKind kind = SurfaceKind::kFace;
+  SurfaceKind kind = SurfaceKind::face;
   bool two_sided = true;
   bool one_winding = true;  // its object's pieces are each wound one way: the side that the normal points to means something
   double stiffness_n_per_m = 0.0;
@@ -27,7 +27,7 @@ struct SetTriangle {
 };
 
 // Where a set is wanted: the triangles nearest to the way between two points.
-struct LocalSetWish {
+struct LocalSetRequest {
   Vec3 from = Vec3::Zero();
   Vec3 to = Vec3::Zero();
 };
@@ -58,5 +58,8 @@ struct LocalSet {
   // How far round p there is no triangle at all, at least.
   double clearance_at(const Vec3& p) const { return nearest - distance_to_way(p); }
 };
+
+// A triangle of the mesh itself, with an area. RT: yes.
+inline bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::face && !triangle.face.isZero(0.0); }
 
 }  // namespace hapton

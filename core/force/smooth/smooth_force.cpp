@@ -117,7 +117,7 @@ bool find_fan_vcp(const Sided& t, SurfaceKind kind, const Vec3& P, double radius
   const bool turned = plane[0].d <= 0.0 && plane[1].d <= 0.0 && plane[2].d <= 0.0;
   if (!over && !turned) return false;
   const Vec3 n = blend(plane);
-  if (kind == SurfaceKind::kCornerFan) {
+  if (kind == SurfaceKind::corner_fan) {
     vcp.D = t.corner[0];
   } else {
     // The triangle's plane has shrunk to a line: D is where the line through P along n comes nearest to it.
@@ -143,7 +143,7 @@ bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothV
   vcp.object = triangle.object;
   vcp.triangle = triangle.triangle;
   vcp.stiffness_n_per_m = triangle.stiffness_n_per_m;
-  vcp.is_face = triangle.kind == SurfaceKind::kFace;
+  vcp.is_face = triangle.kind == SurfaceKind::face;
   if (vcp.is_face) {
     const double height = triangle.face.dot(P - triangle.corner[0]);
     if (height > 0.0) return find_face_vcp(from_front(triangle), P, radius, vcp);

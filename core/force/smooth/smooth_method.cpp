@@ -10,16 +10,10 @@
 namespace hapton {
 namespace {
 
-// How far ahead the predicted way looks: the slow task's period, 10 ms in haptics_node, with room to spare.
-constexpr double kLookAheadSeconds = 0.015;
-// Of RADIUS: with less than that to spare at the end of the way, a new set is asked for.
-constexpr double kSpare = 0.5;
-// Of the scene's diagonal: RADIUS is never larger when it comes from the data.
-constexpr double kLargestRadius = 0.01;
 // Times the VCP is projected anew within a step, the paper's once included; it stops as soon as it stands still.
 constexpr int kProjections = 6;
 // Of the skin: the VCP shown and felt stays that much outside the surface, so that rounding does not put it inside.
-constexpr double kHover = 0.01;
+constexpr double kContactOffset = 0.01;
 // Skins that a point steps back from where the probe meets an edge, to see which side it comes from.
 constexpr double kStepBack = 100.0;
 // Of the scene's diagonal: a probe farther out is taken to be there, or the way from it would have no digits left near the surface.
@@ -44,13 +38,6 @@ bool is_inside_edges(const SetTriangle& t, const Vec3& X, double margin) {
   return true;
 }
 
-bool is_face(const SetTriangle& triangle) { return triangle.kind == SurfaceKind::kFace && !triangle.face.isZero(0.0); }
-
-// A distance within which a set of this size is complete nearly everywhere, with half of it to spare for moving about.
-double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
-  return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_reach(std::max(1U, set_size / 2)));
-}
-
 // Where between two points the way comes nearest to a face, from 0 to 1; of a stretch that is equally near, its beginning. The distance to
 // a triangle is convex along a line, so halving on its slope finds it.
 double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
@@ -72,110 +59,19 @@ double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
 
 }  // namespace
 
-Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& settings, const TouchScene& scene) {
-  Settings own;
-  if (settings.set_size < 16 || settings.set_size > static_cast<int>(LocalSet::kCapacity)) {
-    return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
-  }
-  if (settings.probe_radius_m != 0.0) {
-    return fail("smooth: the probe is a point, not a sphere of {:g} m; set its radius to 0 or choose proxy", settings.probe_radius_m);
-  }
-  if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
-    return fail("smooth: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
-  }
-  own.set_size = static_cast<std::uint32_t>(settings.set_size);
-  own.radius_m = settings.smooth_radius_m;
-  own.layer = settings.smooth_layer;
-  own.scene.directions = settings.hull_directions;
-  own.scene.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
-  own.scene.surface.simplify_error_m = settings.simplify_m;
-  auto method = make_with(own, scene);
-  if (!method) return tl::unexpected(method.error());
-  return std::unique_ptr<ForceMethod>(std::move(*method));
-}
-
-Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& settings, const TouchScene& scene) {
-  if (settings.set_size < 1 || settings.set_size > LocalSet::kCapacity) {
-    return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
-  }
-  if (!(settings.radius_m >= 0.0) || !std::isfinite(settings.radius_m)) {
-    return fail("smooth: the radius {:g} m is not 0 or more", settings.radius_m);
-  }
-  if (!(settings.layer >= 0.0 && settings.layer <= 1.0))
-    return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.layer);
-  auto prepared = SmoothScene::build(scene, settings.scene);
-  if (!prepared) return fail("smooth: {}", prepared.error().what);
-  std::unique_ptr<SmoothMethod> method(new SmoothMethod());
-  method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
-  for (const TouchObject& object : scene.objects) {
-    const Material& m = object.material;
-    method->leaves_out_ |= m.friction_static != 0.0 || m.friction_dynamic != 0.0 || m.damping_ns_per_m != 0.0;
-  }
-  method->set_size_ = settings.set_size;
-  method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
-  method->layer_ = settings.layer * method->radius_;
-  return method;
-}
-
-// ---- looking ---------------------------------------------------------------------------------------------------------
-
-LocalSetWish SmoothMethod::wish() const noexcept {
-  const Vec3& from = inside_ ? V_ : P_;
-  Vec3 way = kLookAheadSeconds * velocity_;
-  // A way longer than a set reaches spends the set on its length.
-  const double length = way.norm();
-  const double most = 0.5 * std::max(set_.radius, 0.0);
-  if (length > most) way = most > 0.0 ? Vec3(way * (most / length)) : Vec3(Vec3::Zero());
-  return {from, from + way};
-}
-
-bool SmoothMethod::prepare() {
-  if (!wishes_.take()) return false;
-  scene_->select(wishes_.value(), set_size_, sets_.draft());
-  sets_.publish_draft();
-  return true;
-}
-
-// Asks the slow task for a set before this one's reach is used up.
-void SmoothMethod::ask_ahead() noexcept {
-  const LocalSetWish ahead = wish();
-  const double reach = (1.0 + kSpare) * radius_;
-  const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > reach && set_.clearance_at(ahead.to) > reach;
-  if (is_fresh() && (is_clear || (set_.reach_at(ahead.from) > reach && set_.reach_at(ahead.to) > reach))) return;
-  wishes_.publish(ahead);
-}
-
-void SmoothMethod::offer(const LocalSet& set) noexcept {
-  has_slow_task_ = true;
-  const Vec3& at = inside_ ? V_ : P_;
-  if (set.version != scene_->version() || (is_fresh() && set.reach_at(at) <= set_.reach_at(at))) return;
-  set_ = set;
-  ++counters_.offered;
-}
-
-// A set about p would hardly reach farther than the one at hand, taken nearby, does at its best.
-bool SmoothMethod::would_help(const Vec3& p, double radius) const { return set_.radius > radius || set_.distance_to_way(p) > 0.5 * radius; }
-
-void SmoothMethod::select_at(const Vec3& p) noexcept {
-  ++counters_.selections;
-  counters_.late += has_slow_task_ ? 1 : 0;
-  const LocalSetWish ahead = wish();
-  scene_->select({p, p + (ahead.to - ahead.from)}, set_size_, set_);
-}
-
 template <class Visit>
-void SmoothMethod::look_near(const Vec3& center, double radius, Visit&& visit) noexcept {
+void SmoothMethod::look_near(const Vec3& centre, double radius, Visit&& visit) noexcept {
   if (all_triangles_) {
     for (const SetTriangle& t : all_) visit(t);
     return;
   }
-  if (!is_fresh() || (set_.reach_at(center) <= radius && would_help(center, radius))) select_at(center);
-  if (set_.reach_at(center) > radius) {
+  if (!is_fresh() || (set_.reach_at(centre) <= radius && would_help(centre, radius))) select_at(centre);
+  if (set_.reach_at(centre) > radius) {
     for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
     return;
   }
   ++counters_.overflows;
-  scene_->for_each_near(center, radius, visit);
+  scene_->for_each_near(centre, radius, visit);
 }
 
 template <class Visit>
@@ -377,7 +273,7 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
   for (int i = 0; i < kLongestWalk; ++i) {
     const ClosestPoint on_face = closest_point(T_.corner[0], T_.corner[1], T_.corner[2], P);
     V_ = on_face.point;
-    if (on_face.feature == TriangleFeature::kFace) return true;
+    if (on_face.feature == TriangleFeature::face) return true;
     const Vec3 here = V_;
     const double distance = (P - here).norm();
     Hit best;
@@ -494,7 +390,7 @@ MethodOutput SmoothMethod::feel_inside(const Vec3& P) noexcept {
   MethodOutput output;
   Vec3 n;
   Vec3 V = project_smoothly(P, radius_, n);
-  V += kHover * scene_->skin() * n;
+  V += kContactOffset * scene_->skin() * n;
   const Vec3 pull = V - P;
   output.force_n = outside_force(V + 2.0 * scene_->skin() * n);
   // Within the skin the probe may still be on the outer side.
@@ -506,9 +402,9 @@ MethodOutput SmoothMethod::feel_inside(const Vec3& P) noexcept {
 
 Vec3 SmoothMethod::held_near(const Vec3& p) const noexcept {
   const double farthest = kFarthest * scene_->diagonal();
-  const Vec3 out = p - scene_->center();
+  const Vec3 out = p - scene_->centre();
   const double most = out.cwiseAbs().maxCoeff();
-  return most > farthest ? Vec3(scene_->center() + farthest * (out / most)) : p;
+  return most > farthest ? Vec3(scene_->centre() + farthest * (out / most)) : p;
 }
 
 MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
@@ -562,67 +458,6 @@ void SmoothMethod::reset(const Vec3& p_SD) noexcept {
   velocity_.setZero();
   started_ = p_SD.allFinite();
   if (started_) P_ = held_near(p_SD);
-}
-
-Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const Vec3> vertices) {
-  if (object >= scene_->object_count()) return scene_->move_vertices(object, vertices);
-  const SmoothSurface& surface = scene_->surface(object);
-  const bool rides = inside_ && T_.object == object;
-  const Vec3 weights = rides ? closest_point(T_.corner[0], T_.corner[1], T_.corner[2], V_).barycentric : Vec3(Vec3::Zero());
-  std::vector<std::array<Vec3, 3>> before(started_ && !inside_ ? surface.face_count : 0);
-  for (std::size_t t = 0; t < before.size(); ++t)
-    before[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
-
-  const auto moved = scene_->move_vertices(object, vertices);
-  if (!moved) return moved;
-  if (all_triangles_) use_all_triangles();
-  if (rides) {
-    T_ = scene_->triangle_at(object, T_.triangle);
-    V_ = weights[0] * T_.corner[0] + weights[1] * T_.corner[1] + weights[2] * T_.corner[2];
-  }
-  // Seen from a triangle that has moved, a free probe has moved the other way, by what its nearest point on the triangle did.
-  Hit best;
-  for (std::uint32_t t = 0; t < before.size(); ++t) {
-    const SetTriangle now = scene_->triangle_at(object, t);
-    if (!is_face(now)) continue;
-    const ClosestPoint was = closest_point(before[t][0], before[t][1], before[t][2], P_);
-    const Vec3 there = was.barycentric[0] * now.corner[0] + was.barycentric[1] * now.corner[1] + was.barycentric[2] * now.corner[2];
-    const Vec3 from = P_ + (there - was.point);
-    const Vec3 old_normal = (before[t][1] - before[t][0]).cross(before[t][2] - before[t][0]);
-    const double side = old_normal.dot(P_ - before[t][0]) < 0.0 ? -1.0 : 1.0;
-    if (side < 0.0 && !now.two_sided) continue;
-    if (side * now.face.dot(P_ - now.corner[0]) > 0.0) continue;
-    const double skin = scene_->skin();
-    if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(now.corner[0]), of3(now.corner[1]), of3(now.corner[2])) <=
-          skin * skin)) {
-      continue;
-    }
-    const ClosestPoint at = closest_point(now.corner[0], now.corner[1], now.corner[2], P_);
-    if (best.is_worse_than(at.distance, now)) best = {now, at.point, at.distance, side, true};
-  }
-  if (best.found) {
-    ++counters_.entries;
-    enter(best);
-  }
-  return {};
-}
-
-void SmoothMethod::use_all_triangles() {
-  all_triangles_ = true;
-  all_.clear();
-  scene_->for_each([this](const SetTriangle& t) { all_.push_back(t); });
-}
-
-std::string SmoothMethod::describe() const {
-  const SmoothCounters& c = counters_;
-  std::string text = fmt::format("smooth: RADIUS {:g} m, layer {:g} m, sets of {} triangles\n", radius_, layer_, set_size_);
-  if (leaves_out_) text += "friction and damping of the materials are left out: not this method's\n";
-  text += scene_->describe();
-  text += fmt::format(
-      "steps {}: {} skipped in free space, {} entries, {} releases, {} astray; {} hidden VCPs\n"
-      "sets: {} selected here ({} late), {} offered by the slow task, {} looks beyond a set answered by the tree\n",
-      c.steps, c.skipped, c.entries, c.releases, c.astray, c.hidden, c.selections, c.late, c.offered, c.overflows);
-  return text;
 }
 
 }  // namespace hapton

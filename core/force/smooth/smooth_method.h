@@ -39,7 +39,7 @@ struct SmoothCounters {
 // force and the spring between probe and VCP. Material: stiffness and two_sided; friction and damping are not this method's.
 // Decisions where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md.
 // Frame S. Threads: one; prepare in a second one, except while vertices move. scene() may be read by any while no vertices move.
-// RT: step, reset, wish, offer yes; bounded time while counters().overflows stands still.
+// RT: step, reset, request, offer yes; bounded time while counters().overflows stands still.
 class SmoothMethod final : public ForceMethod {
  public:
   struct Settings {
@@ -60,9 +60,9 @@ class SmoothMethod final : public ForceMethod {
   // The slow task: selects the set that the fast one asked for last, if it has asked, and hands it over.
   bool prepare() override;
 
-  // The same by hand, for a slow task elsewhere: it selects around wish() with scene().select(wish, set_size(), set) at its own pace.
+  // The same by hand, for a slow task elsewhere: it selects around request() with scene().select(request, set_size(), set) at its own pace.
   // offer takes the set over, unless it is worth less than the one at hand; from the first one on, selections count as late.
-  LocalSetWish wish() const noexcept;
+  LocalSetRequest request() const noexcept;
   void offer(const LocalSet& set) noexcept;
   const SmoothScene& scene() const { return *scene_; }
   std::uint32_t set_size() const { return set_size_; }
@@ -100,7 +100,7 @@ class SmoothMethod final : public ForceMethod {
   bool would_help(const Vec3& p, double radius) const;
   void select_at(const Vec3& p) noexcept;
   template <class Visit>
-  void look_near(const Vec3& center, double radius, Visit&& visit) noexcept;
+  void look_near(const Vec3& centre, double radius, Visit&& visit) noexcept;
   template <class Visit>
   void look_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept;
 
@@ -135,8 +135,8 @@ class SmoothMethod final : public ForceMethod {
 
   void ask_ahead() noexcept;
 
-  Mailbox<LocalSetWish> wishes_;  // fast task to slow
-  Mailbox<LocalSet> sets_;        // slow task to fast
+  Mailbox<LocalSetRequest> requests_;  // fast task to slow
+  Mailbox<LocalSet> sets_;             // slow task to fast
 
   LocalSet set_;
   Vec3 P_ = Vec3::Zero();         // the last sample

@@ -66,7 +66,7 @@ void SmoothScene::measure_all() {
   Box all;
   for (const Object& object : objects_) all.grow(object.bounds);
   diagonal_ = all.diagonal();
-  center_ = 0.5 * all.low + 0.5 * all.high;
+  centre_ = 0.5 * all.low + 0.5 * all.high;
   // Far from the origin the coordinates themselves are coarse.
   skin_ = std::max(kSkin * diagonal_, 1e-12 * std::max(all.low.cwiseAbs().maxCoeff(), all.high.cwiseAbs().maxCoeff()));
 }
@@ -83,9 +83,9 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   out.triangle = triangle;
   out.kind = from.surface.kind(triangle);
   out.two_sided = from.material.two_sided;
-  out.one_winding = from.report.mend.unorientable_pieces == 0;
+  out.one_winding = from.report.repair.unorientable_pieces == 0;
   out.stiffness_n_per_m = from.material.stiffness_n_per_m;
-  if (out.kind == SurfaceKind::kFace) {
+  if (out.kind == SurfaceKind::face) {
     const Vec3 ab = out.corner[1] - out.corner[0];
     const Vec3 ac = out.corner[2] - out.corner[0];
     const Vec3 n = ab.cross(ac);
@@ -97,11 +97,11 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
 
 // No farther than the farthest of an earlier set of that size need be looked for. What rounding might cost is some of the size, never the
 // completeness.
-double SmoothScene::farthest_wanted(const LocalSetWish& wish, std::uint32_t count, const LocalSet& before) const noexcept {
+double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept {
   using Three = detail::Of3<Lanes4>;
   constexpr double kRoom = 1.0 + 0x1p-20;
   if (before.version != version_ || before.count < count) return std::numeric_limits<double>::infinity();
-  const Three p = detail::lanes_of(wish.from);
+  const Three p = detail::lanes_of(request.from);
   const std::uint32_t last = before.count - 1;
   Lanes4 farthest = {};
   for (std::uint32_t i = 0; i < before.count; i += 4) {
@@ -119,10 +119,10 @@ double SmoothScene::farthest_wanted(const LocalSetWish& wish, std::uint32_t coun
   return std::sqrt(most) * kRoom + skin_;
 }
 
-FdhVisits SmoothScene::select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept {
-  FdhNearest nearest(count, farthest_wanted(wish, count, set));
+FdhVisits SmoothScene::select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept {
+  FdhNearest nearest(count, farthest_wanted(request, count, set));
   const auto search = [&] {
-    return std::visit([&](const auto& tree) { return tree.collect_nearest(wish.from, wish.to, nearest); }, tree_);
+    return std::visit([&](const auto& tree) { return tree.collect_nearest(request.from, request.to, nearest); }, tree_);
   };
   FdhVisits visits = search();
   if (nearest.count() < count && std::isfinite(nearest.bound_squared())) {  // the set was another scene's
@@ -130,8 +130,8 @@ FdhVisits SmoothScene::select(const LocalSetWish& wish, std::uint32_t count, Loc
     visits = search();
   }
   const auto found = nearest.finish();
-  set.from = wish.from;
-  set.to = wish.to;
+  set.from = request.from;
+  set.to = request.to;
   set.radius = nearest.complete_radius();
   set.version = version_;
   set.count = 0;

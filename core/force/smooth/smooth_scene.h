@@ -32,16 +32,16 @@ class SmoothScene {
   SmoothScene(SmoothScene&&) = default;
   SmoothScene& operator=(SmoothScene&&) = default;
 
-  // The slow task: the `count` triangles nearest to the way from wish.from to wish.to. What `set` holds from before bounds the
+  // The slow task: the `count` triangles nearest to the way from request.from to request.to. What `set` holds from before bounds the
   // search, never what is found: on from place to place is sooner done. Pre: 1 <= count <= LocalSet::kCapacity.
-  FdhVisits select(const LocalSetWish& wish, std::uint32_t count, LocalSet& set) const noexcept;
+  FdhVisits select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept;
 
   // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.
   template <class Visit>
-  void for_each_near(const Vec3& center, double radius, Visit&& visit) const noexcept {
+  void for_each_near(const Vec3& centre, double radius, Visit&& visit) const noexcept {
     std::visit(
         [&](const auto& tree) {
-          tree.for_each_overlapping(FdhBall{center, radius},
+          tree.for_each_overlapping(FdhBall{centre, radius},
                                     [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
         },
         tree_);
@@ -72,7 +72,7 @@ class SmoothScene {
 
   std::uint64_t version() const { return version_; }
   double diagonal() const { return diagonal_; }
-  const Vec3& center() const { return center_; }
+  const Vec3& centre() const { return centre_; }
   // Far above any rounding of positions here, far below anything that is felt.
   double skin() const { return skin_; }
   std::size_t object_count() const { return objects_.size(); }
@@ -86,7 +86,7 @@ class SmoothScene {
   std::string describe() const;
 
  private:
-  double farthest_wanted(const LocalSetWish& wish, std::uint32_t count, const LocalSet& before) const noexcept;
+  double farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept;
 
   struct Object {
     SmoothSurface surface;
@@ -105,7 +105,7 @@ class SmoothScene {
   int directions_ = 14;
   std::uint64_t version_ = 1;
   double diagonal_ = 0.0;
-  Vec3 center_ = Vec3::Zero();
+  Vec3 centre_ = Vec3::Zero();
   double skin_ = 0.0;
 };
 

@@ -103,11 +103,11 @@ SweepMethod::SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, st
 // A device farther out than a billion scenes is taken to be there, in its direction: its products must stay finite.
 Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
   constexpr double kHuge = 1e300;  // what would overflow on the way is as good as this
-  const Vec3 center = 0.5 * (grid_.low() + grid_.high());
+  const Vec3 centre = 0.5 * (grid_.low() + grid_.high());
   const double farthest = 0x1p30 * (grid_.high() - grid_.low()).maxCoeff();
-  const Vec3 out = p_SD.cwiseMax(-kHuge).cwiseMin(kHuge) - center;
+  const Vec3 out = p_SD.cwiseMax(-kHuge).cwiseMin(kHuge) - centre;
   const double most = out.cwiseAbs().maxCoeff();
-  return most > farthest ? Vec3(center + out * (farthest / most)) : p_SD;
+  return most > farthest ? Vec3(centre + out * (farthest / most)) : p_SD;
 }
 
 void SweepMethod::reset(const Vec3& p_SD) noexcept {

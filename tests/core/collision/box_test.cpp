@@ -12,7 +12,7 @@ TEST(Box, StartsEmptyAndGrows) {
   box.grow({-1, 0, 5});
   EXPECT_EQ(box.low, Vec3(-1, 0, 3));
   EXPECT_EQ(box.high, Vec3(1, 2, 5));
-  EXPECT_EQ(box.center(), Vec3(0, 1, 4));
+  EXPECT_EQ(box.centre(), Vec3(0, 1, 4));
   EXPECT_DOUBLE_EQ(box.diagonal(), std::sqrt(12.0));
 }
 

@@ -25,11 +25,6 @@ TEST(FdhRounding, IsOutwardForEveryMagnitude) {
   }
 }
 
-TEST(FdhBits, SayWhichLanesAreTrue) {
-  const detail::Int8Lanes truth = {-1, 0, 0, -1, 0, -1, 0, -1};
-  EXPECT_EQ(detail::bits8(truth), 0b10101001U);
-}
-
 TEST(FdhHierarchy, EmptyVisitsNothing) {
   const FdhHierarchy<14> hierarchy;
   FdhInterval<14> everything;

@@ -63,8 +63,8 @@ TEST_P(SweptSphere, BlocksWhereAWalkInSmallStepsDoes) {
 INSTANTIATE_TEST_SUITE_P(Radii, SweptSphere, testing::Values(1e-2, 0.1, 0.3));
 
 TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
-  const double hover = 0x1p-30;
-  const Clearance clearance{.rest = hover, .slack = 0.5 * hover, .tolerance = 0x1p-10 * hover};
+  const double contact_offset = 0x1p-30;
+  const Clearance clearance{.rest = contact_offset, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   const TouchGeometry geometry({&mesh});
   const auto through = [&](const Vec3& at) {
@@ -78,11 +78,11 @@ TEST(SweptSpherePoint, APointProbeNeverPassesAFaceEdgeOrCorner) {
 }
 
 TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
-  const double hover = 0x1p-30;
-  const Clearance clearance{.rest = hover, .slack = 0.5 * hover, .tolerance = 0x1p-10 * hover};
+  const double contact_offset = 0x1p-30;
+  const Clearance clearance{.rest = contact_offset, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const TriangleMesh mesh = one_triangle({-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0, 0.5, 0});
   const TouchGeometry geometry({&mesh});
-  const Vec3 resting = geometry.to_local({0, 0, 0}) + Vec3(0, 0, hover);
+  const Vec3 resting = geometry.to_local({0, 0, 0}) + Vec3(0, 0, contact_offset);
   EXPECT_GT(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0.05, 0), 1.0, clearance), 1.0);
   EXPECT_GT(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0, 0.2), 1.0, clearance), 1.0);
   EXPECT_LE(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0, -0.2), 1.0, clearance), 1e-6);
@@ -93,10 +93,10 @@ TEST(SweptSpherePoint, AShallowFoldBlocksByItsFace) {
   const double rise = 0.5 * 0.00175;
   const TriangleMesh second = one_triangle({0, -0.5, 0}, {0.5, 0, rise}, {0, 0.5, 0});
   const TouchGeometry geometry({&second});
-  const double hover = 0x1p-30;
-  const Clearance clearance{.rest = hover, .slack = 0.5 * hover, .tolerance = 0x1p-10 * hover};
+  const double contact_offset = 0x1p-30;
+  const Clearance clearance{.rest = contact_offset, .slack = 0.5 * contact_offset, .tolerance = 0x1p-10 * contact_offset};
   const Vec3 edge = geometry.to_local({0, 0, 0});
-  const Vec3 start = edge + Vec3(-0.1, 0, hover);
+  const Vec3 start = edge + Vec3(-0.1, 0, contact_offset);
   const Vec3 motion(0.2, 0, 0);
   const double t = time_to_block(TriangleView{geometry, 0}, start, motion, 1.0, clearance);
   ASSERT_LE(t, 1.0);
@@ -134,18 +134,18 @@ TEST(ComesNearer, AgreesWithAWalkInSmallSteps) {
   EXPECT_GT(nearer, 50);
 }
 
-// Tangents at hover distance of an edge are off by rounding, which over a long way is many hovers.
+// Tangents at contact offset distance of an edge are off by rounding, which over a long way is many contact offsets.
 TEST(ComesNearer, ALongSlideAlongAnEdgePasses) {
-  constexpr double kHover = 0x1p-30;
+  constexpr double kContactOffset = 0x1p-30;
   const TriangleMesh mesh = one_triangle({0.1, -0.3, 0.0}, {0.37, 0.41, 0.0}, {0.5, -0.2, 0.0});
   const TouchGeometry geometry({&mesh});
   const Vec3& a = geometry.corner(0, 0);
   const Vec3 edge = geometry.corner(0, 1) - a;
   const Vec3 away = Vec3(-edge.y(), edge.x(), 0.0).normalized();
-  const Vec3 p = a + 0.1 * edge + 0.75 * kHover * away;
-  const Clearance clearance{.rest = kHover, .slack = 0.5 * kHover, .tolerance = 0x1p-10 * kHover};
+  const Vec3 p = a + 0.1 * edge + 0.75 * kContactOffset * away;
+  const Clearance clearance{.rest = kContactOffset, .slack = 0.5 * kContactOffset, .tolerance = 0x1p-10 * kContactOffset};
   EXPECT_GT(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge, 1.0, clearance), 1.0);
-  EXPECT_LE(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge - 2.0 * kHover * away, 1.0, clearance), 1.0);
+  EXPECT_LE(time_to_block(TriangleView{geometry, 0}, p, 0.8 * edge - 2.0 * kContactOffset * away, 1.0, clearance), 1.0);
 }
 
 }  // namespace

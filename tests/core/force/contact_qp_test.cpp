@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-// The optimum by trying every set of up to three planes: feasible, and nearest to the wish.
-Vec3 by_enumeration(const Vec3& wish, const std::vector<ContactPlane>& planes, double tolerance) {
+// The optimum by trying every set of up to three planes: feasible, and nearest to the goal.
+Vec3 by_enumeration(const Vec3& goal, const std::vector<ContactPlane>& planes, double tolerance) {
   Vec3 best = Vec3::Zero();
   double best_distance = std::numeric_limits<double>::infinity();
   const auto consider = [&](const Vec3& y) {
@@ -17,20 +17,20 @@ Vec3 by_enumeration(const Vec3& wish, const std::vector<ContactPlane>& planes, d
     for (const ContactPlane& plane : planes) {
       if (plane.normal.dot(y) < plane.height - tolerance) return;
     }
-    if ((y - wish).norm() < best_distance) {
-      best_distance = (y - wish).norm();
+    if ((y - goal).norm() < best_distance) {
+      best_distance = (y - goal).norm();
       best = y;
     }
   };
   const auto n = static_cast<int>(planes.size());
-  consider(wish);
+  consider(goal);
   for (int i = 0; i < n; ++i) {
-    consider(wish + (planes[i].height - planes[i].normal.dot(wish)) * planes[i].normal);
+    consider(goal + (planes[i].height - planes[i].normal.dot(goal)) * planes[i].normal);
     for (int j = i + 1; j < n; ++j) {
       Eigen::Matrix<double, 2, 3> two;
       two << planes[i].normal.transpose(), planes[j].normal.transpose();
-      const Eigen::Vector2d missing(planes[i].height - planes[i].normal.dot(wish), planes[j].height - planes[j].normal.dot(wish));
-      consider(wish + two.transpose() * (two * two.transpose()).fullPivLu().solve(missing));
+      const Eigen::Vector2d missing(planes[i].height - planes[i].normal.dot(goal), planes[j].height - planes[j].normal.dot(goal));
+      consider(goal + two.transpose() * (two * two.transpose()).fullPivLu().solve(missing));
       for (int k = j + 1; k < n; ++k) {
         Mat3 three;
         three << planes[i].normal.transpose(), planes[j].normal.transpose(), planes[k].normal.transpose();
@@ -48,22 +48,22 @@ TEST(ContactQp, AgreesWithEnumerationOfAllActiveSets) {
   std::normal_distribution<double> normal;
   int three_active = 0;
   for (int i = 0; i < 4000; ++i) {
-    const Vec3 wish(normal(random), normal(random), normal(random));
+    const Vec3 goal(normal(random), normal(random), normal(random));
     std::vector<ContactPlane> planes(1 + random() % 7);
     for (ContactPlane& plane : planes) {
-      // Half-spaces that hold zero, as planes at the proxy do, leaning against the wish.
-      plane.normal = (Vec3(normal(random), normal(random), normal(random)) - 0.7 * wish).normalized();
+      // Half-spaces that hold zero, as planes at the proxy do, leaning against the goal.
+      plane.normal = (Vec3(normal(random), normal(random), normal(random)) - 0.7 * goal).normalized();
       plane.height = -0.05 * std::abs(normal(random));
     }
-    const ConstrainedMotion found = constrain_motion(wish, planes);
+    const ConstrainedMotion found = constrain_motion(goal, planes);
     ASSERT_TRUE(found.solved) << "case " << i;
-    EXPECT_LE((found.motion - by_enumeration(wish, planes, 1e-12)).norm(), 1e-9) << "case " << i;
+    EXPECT_LE((found.motion - by_enumeration(goal, planes, 1e-12)).norm(), 1e-9) << "case " << i;
     Vec3 pushed = Vec3::Zero();
     for (int k = 0; k < found.active_count; ++k) {
       EXPECT_GE(found.push[k], 0.0);
       pushed += found.push[k] * planes[found.active[k]].normal;
     }
-    EXPECT_LE((found.motion - wish - pushed).norm(), 1e-9);
+    EXPECT_LE((found.motion - goal - pushed).norm(), 1e-9);
     three_active += found.active_count == 3 ? 1 : 0;
   }
   EXPECT_GT(three_active, 100);
@@ -75,12 +75,12 @@ TEST(ContactQp, OrderOfThePlanesDoesNotMatter) {
   std::mt19937_64 random(kSeed);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 2000; ++i) {
-    const Vec3 wish(normal(random), normal(random), normal(random));
+    const Vec3 goal(normal(random), normal(random), normal(random));
     std::vector<ContactPlane> planes(2 + random() % 5);
-    for (ContactPlane& plane : planes) plane.normal = (Vec3(normal(random), normal(random), normal(random)) - wish).normalized();
-    const Vec3 one = constrain_motion(wish, planes).motion;
+    for (ContactPlane& plane : planes) plane.normal = (Vec3(normal(random), normal(random), normal(random)) - goal).normalized();
+    const Vec3 one = constrain_motion(goal, planes).motion;
     std::reverse(planes.begin(), planes.end());
-    EXPECT_LE((constrain_motion(wish, planes).motion - one).norm(), 1e-12);
+    EXPECT_LE((constrain_motion(goal, planes).motion - one).norm(), 1e-12);
   }
 }
 
@@ -92,12 +92,12 @@ TEST(ContactQp, NearlyParallelPlanesLeaveTheirCommonDirectionExact) {
   }
 }
 
-TEST(ContactQp, NothingInTheWayLeavesTheWish) {
-  const Vec3 wish(0.1, -0.2, 0.3);
-  EXPECT_EQ(constrain_motion(wish, {}).motion, wish);
+TEST(ContactQp, NothingInTheWayLeavesTheGoal) {
+  const Vec3 goal(0.1, -0.2, 0.3);
+  EXPECT_EQ(constrain_motion(goal, {}).motion, goal);
   const std::vector<ContactPlane> behind = {{Vec3(0, 0, 1), 0.0}};
-  const ConstrainedMotion found = constrain_motion(wish, behind);
-  EXPECT_EQ(found.motion, wish);
+  const ConstrainedMotion found = constrain_motion(goal, behind);
+  EXPECT_EQ(found.motion, goal);
   EXPECT_EQ(found.active_count, 0);
 }
 

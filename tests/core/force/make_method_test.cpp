@@ -17,6 +17,18 @@ TEST(MakeMethod, BuildsTheSweep) {
   EXPECT_NE((*method)->describe().find("sweep"), std::string::npos);
 }
 
+TEST(MakeMethod, AMeshWithoutTrianglesIsRefused) {
+  TriangleMesh points;
+  points.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0)};
+  for (const char* name : {"proxy", "smooth", "sweep", "reference"}) {
+    for (const TriangleMesh& mesh : {TriangleMesh(), points}) {
+      const auto method = make_method({.name = name}, {.objects = {{made::shared(made::sphere(0.1, 8)), {}}, {made::shared(mesh), {}}}});
+      ASSERT_FALSE(method) << name;
+      EXPECT_NE(method.error().what.find("object 1 has no triangles"), std::string::npos) << method.error().what;
+    }
+  }
+}
+
 TEST(MakeMethod, AnUnknownNameIsToldTheKnownOnes) {
   const auto method = make_method({.name = "sweeep"}, {.objects = {{made::shared(made::sphere(0.1, 8)), {}}}});
   ASSERT_FALSE(method);

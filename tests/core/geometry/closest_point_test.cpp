@@ -73,7 +73,7 @@ TEST_P(ClosestPointOnShape, AgreesWithQuadPrecision) {
       ASSERT_NEAR(found.direction.norm(), 1.0, 1e-14);
       ASSERT_LT((found.direction - (p - found.point).normalized()).norm(), 1e-8);
     }
-    if (found.feature != TriangleFeature::kFace) {
+    if (found.feature != TriangleFeature::face) {
       const Vec3 weighed = found.barycentric[0] * a + found.barycentric[1] * b + found.barycentric[2] * c;
       ASSERT_LT((weighed - found.point).norm(), 16.0 * kRounding * scale);
     }
@@ -93,13 +93,13 @@ INSTANTIATE_TEST_SUITE_P(Shapes, ClosestPointOnShape,
 
 TEST(ClosestPoint, NamesTheFeature) {
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(0.2, 0.2, 1)).feature, TriangleFeature::kFace);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(0.5, -1, 0)).feature, TriangleFeature::kEdge0);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(1, 1, 0)).feature, TriangleFeature::kEdge1);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(-1, 0.5, 0)).feature, TriangleFeature::kEdge2);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(-1, -1, 0)).feature, TriangleFeature::kVertex0);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(3, 0, 0)).feature, TriangleFeature::kVertex1);
-  EXPECT_EQ(closest_point(a, b, c, Vec3(0, 3, 0)).feature, TriangleFeature::kVertex2);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(0.2, 0.2, 1)).feature, TriangleFeature::face);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(0.5, -1, 0)).feature, TriangleFeature::edge0);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(1, 1, 0)).feature, TriangleFeature::edge1);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(-1, 0.5, 0)).feature, TriangleFeature::edge2);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(-1, -1, 0)).feature, TriangleFeature::vertex0);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(3, 0, 0)).feature, TriangleFeature::vertex1);
+  EXPECT_EQ(closest_point(a, b, c, Vec3(0, 3, 0)).feature, TriangleFeature::vertex2);
 }
 
 TEST(ClosestPoint, FaceDirectionPointsToTheQuery) {
@@ -117,7 +117,7 @@ TEST(ClosestPoint, BothNeighboursOfAnEdgeAgreeToTheBit) {
     const Vec3 a = draw(), b = draw(), c = draw(), d = draw(), p = draw();
     const ClosestPoint one = closest_point(a, b, c, p);
     const ClosestPoint two = closest_point(b, a, d, p);
-    if (one.feature != TriangleFeature::kEdge0 || two.feature != TriangleFeature::kEdge0) continue;
+    if (one.feature != TriangleFeature::edge0 || two.feature != TriangleFeature::edge0) continue;
     ++compared;
     ASSERT_EQ(one.distance, two.distance);
     ASSERT_EQ(one.direction, two.direction);

@@ -23,7 +23,7 @@ TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
   for (std::size_t t = surface->face_count; t < surface->mesh.triangles.size(); ++t) {
     const Triangle& f = surface->mesh.triangles[t];
     const std::set<std::uint32_t> points(f.begin(), f.end());
-    EXPECT_EQ(points.size(), surface->kind(t) == SurfaceKind::kEdgeFan ? 2U : 1U);
+    EXPECT_EQ(points.size(), surface->kind(t) == SurfaceKind::edge_fan ? 2U : 1U);
   }
 }
 

@@ -7,9 +7,9 @@
 #include <limits>
 #include <set>
 
-#include "core/geometry/mend_mesh.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
+#include "core/geometry/repair_mesh.h"
 #include "core/geometry/smooth_surface.h"
 #include "core/geometry/triangle_distance.h"
 #include "tests/support/obj_mesh.h"
@@ -51,8 +51,8 @@ TEST(SimplifySmall, NoVertexIsLeftFartherOffThanTheBoundAllows) {
   for (const TriangleMesh& mesh : {make_bumpy_sphere(0.05, 0.2, 2000, 5), make_icosphere(0.05, 4), make_torus(0.035, 0.015, 64, 32),
                                    make_plane_grid(0.1, 24), made::obj_mesh("wingnut.obj")}) {
     const TriangleMesh clean = [&] {
-      MendReport report;
-      return mend_mesh(mesh, report);
+      RepairReport report;
+      return repair_mesh(mesh, report);
     }();
     const double extent = compute_bounds(clean).extent();
     for (const double share : {1e-4, 1e-3, 1e-2}) {

@@ -18,7 +18,7 @@ TEST(SmoothSurface, EveryPassSaysWhatItDid) {
   ASSERT_TRUE(surface) << surface.error().what;
   const auto lines = report.lines();
   ASSERT_EQ(lines.size(), 7U);
-  for (const char* pass : {"mend:", "simplify:", "normals:", "validation:", "split:", "fans:", "final validation:"}) {
+  for (const char* pass : {"repair:", "simplify:", "normals:", "validation:", "split:", "fans:", "final validation:"}) {
     EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.rfind(pass, 0) == 0; })) << pass;
   }
   EXPECT_EQ(report.final_check.repaired(), 0U);

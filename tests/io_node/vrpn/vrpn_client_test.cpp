@@ -36,7 +36,7 @@ std::vector<std::string> messages_in(std::span<const std::byte> bytes) {
 
 Bytes taken(Client& client) { return std::exchange(client.out(), {}); }
 
-TEST(VrpnClient, is_greeted_with_the_cookie_alone) {
+TEST(VrpnClient, IsGreetedWithTheCookieAlone) {
   Client client("Phantom0");
   Bytes cookie;
   append_cookie(cookie);
@@ -44,7 +44,7 @@ TEST(VrpnClient, is_greeted_with_the_cookie_alone) {
   EXPECT_FALSE(client.is_connected());
 }
 
-TEST(VrpnClient, is_told_our_names_after_its_cookie) {
+TEST(VrpnClient, IsToldOurNamesAfterItsCookie) {
   Client client("Phantom0");
   taken(client);
   ASSERT_TRUE(client.hear(Speaker().said, kNow));
@@ -56,7 +56,7 @@ TEST(VrpnClient, is_told_our_names_after_its_cookie) {
   EXPECT_EQ(name_of(message), "Phantom0");
 }
 
-TEST(VrpnClient, may_speak_a_byte_at_a_time) {
+TEST(VrpnClient, MaySpeakAByteAtATime) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");
@@ -66,13 +66,13 @@ TEST(VrpnClient, may_speak_a_byte_at_a_time) {
   EXPECT_TRUE(client.is_connected());
 }
 
-TEST(VrpnClient, with_another_cookie_is_not_listened_to) {
+TEST(VrpnClient, WithAnotherCookieIsNotListenedTo) {
   Client client("Phantom0");
   const std::string said = "GET / HTTP/1.1\r\nHost: localhost\r\n";
   EXPECT_FALSE(client.hear(std::as_bytes(std::span(said)), kNow));
 }
 
-TEST(VrpnClient, is_answered_a_ping_that_is_for_us) {
+TEST(VrpnClient, IsAnsweredAPingThatIsForUs) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");
@@ -90,7 +90,7 @@ TEST(VrpnClient, is_answered_a_ping_that_is_for_us) {
   EXPECT_THAT(messages_in(client.out()), ElementsAre("0/0"));
 }
 
-TEST(VrpnClient, may_give_a_number_another_meaning) {
+TEST(VrpnClient, MayGiveANumberAnotherMeaning) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");
@@ -104,72 +104,72 @@ TEST(VrpnClient, may_give_a_number_another_meaning) {
   EXPECT_TRUE(client.out().empty());
 }
 
-TEST(VrpnClient, that_wishes_for_udp_says_its_port_in_the_senders_place) {
+TEST(VrpnClient, ThatRequestsUdpSendsItsPortInTheSendersPlace) {
   Client client("Phantom0");
   Speaker speaker;
   // "127.0.0.1" and a zero, for port 0xd431.
-  const Bytes wish = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
-  speaker.said.insert(speaker.said.end(), wish.begin(), wish.end());
+  const Bytes request = hex("00000022 00000000 00000000 0000d431 fffffffd 00000000 3132372e302e302e31 00 000000000000");
+  speaker.said.insert(speaker.said.end(), request.begin(), request.end());
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  ASSERT_TRUE(client.udp_wish());
-  EXPECT_EQ(client.udp_wish()->address, "127.0.0.1");
-  EXPECT_EQ(client.udp_wish()->port, 0xd431);
+  ASSERT_TRUE(client.udp_request());
+  EXPECT_EQ(client.udp_request()->address, "127.0.0.1");
+  EXPECT_EQ(client.udp_request()->port, 0xd431);
 }
 
-TEST(VrpnClient, that_wishes_for_an_impossible_port_is_not_followed) {
+TEST(VrpnClient, ThatRequestsAnImpossiblePortIsNotFollowed) {
   for (const char* port : {"00000000", "00010000", "ffffffff"}) {
     Client client("Phantom0");
     Speaker speaker;
-    const Bytes wish = hex("00000022 00000000 00000000" + std::string(port) + "fffffffd 00000000 3132372e302e302e31 00 000000000000");
-    speaker.said.insert(speaker.said.end(), wish.begin(), wish.end());
+    const Bytes request = hex("00000022 00000000 00000000" + std::string(port) + "fffffffd 00000000 3132372e302e302e31 00 000000000000");
+    speaker.said.insert(speaker.said.end(), request.begin(), request.end());
     ASSERT_TRUE(client.hear(speaker.said, kNow));
-    EXPECT_FALSE(client.udp_wish()) << port;
+    EXPECT_FALSE(client.udp_request()) << port;
   }
 }
 
-TEST(VrpnClient, that_asks_for_forces_is_refused_and_counted) {
+TEST(VrpnClient, ThatAsksForForcesIsRefusedAndCounted) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_type(20, "vrpn_ForceDevice Plane");
   speaker.describe_type(21, "vrpn_ForceDevice Force_Field");
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  EXPECT_EQ(client.refused_forces(), 0U) << "naming a type is asking for nothing";
+  EXPECT_EQ(client.rejected_forces(), 0U) << "naming a type is asking for nothing";
   taken(client);
   speaker.said.clear();
   speaker.say(4, 20);
   speaker.say(4, 21);
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  EXPECT_EQ(client.refused_forces(), 2U);
+  EXPECT_EQ(client.rejected_forces(), 2U);
   EXPECT_TRUE(client.out().empty());
 }
 
-TEST(VrpnClient, may_ask_for_the_workspace) {
+TEST(VrpnClient, MayAskForTheWorkspace) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");
   speaker.describe_type(30, "vrpn_Tracker Request_Tracker_Workspace");
   speaker.say(4, 30);
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  EXPECT_TRUE(client.take_workspace_wish());
-  EXPECT_FALSE(client.take_workspace_wish());
+  EXPECT_TRUE(client.take_workspace_request());
+  EXPECT_FALSE(client.take_workspace_request());
 }
 
-TEST(VrpnClient, that_says_goodbye_is_let_go) {
+TEST(VrpnClient, ThatSaysGoodbyeIsLetGo) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.say(0, kDisconnect);
   EXPECT_FALSE(client.hear(speaker.said, kNow));
 }
 
-TEST(VrpnClient, with_a_message_that_cannot_be_is_let_go) {
+TEST(VrpnClient, WithAMessageThatCannotBeIsLetGo) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.said.resize(speaker.said.size() + kHeaderBytes, std::byte{0xff});
   EXPECT_FALSE(client.hear(speaker.said, kNow));
 }
 
-TEST(VrpnClient, that_names_without_end_takes_no_more_memory_than_a_few) {
+TEST(VrpnClient, ThatNamesWithoutEndTakesNoMoreMemoryThanAFew) {
   Client client("Phantom0");
   Speaker speaker;
   for (std::int32_t id = 0; id < 100'000; ++id) speaker.describe_type(id, "vrpn_ForceDevice Plane");
@@ -179,10 +179,10 @@ TEST(VrpnClient, that_names_without_end_takes_no_more_memory_than_a_few) {
   speaker.describe_sender(1, "Phantom0");
   speaker.say(1, 99'999);
   ASSERT_TRUE(client.hear(speaker.said, kNow));
-  EXPECT_EQ(client.refused_forces(), 0U) << "beyond what is remembered";
+  EXPECT_EQ(client.rejected_forces(), 0U) << "beyond what is remembered";
 }
 
-TEST(VrpnClient, sequence_numbers_count_what_was_said) {
+TEST(VrpnClient, SequenceNumbersCountWhatWasSaid) {
   Client client("Phantom0");
   const std::uint32_t first = client.header(OurType::position, kNow).sequence;
   EXPECT_EQ(client.header(OurType::position, kNow).sequence, first + 1);

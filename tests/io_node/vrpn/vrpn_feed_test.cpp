@@ -20,7 +20,7 @@ std::vector<FeedSample> all_of(Feed& feed) {
 
 std::unique_ptr<Device> simulated() { return std::make_unique<SimulatedPhantom>(SimulatedPhantom::Options{}); }
 
-TEST(VrpnFeed, every_sample_arrives_in_order_with_the_wrench_of_before) {
+TEST(VrpnFeed, EverySampleArrivesInOrderWithTheWrenchOfBefore) {
   Feed feed;
   feed.set_wanted(true);
   WatchedDevice device(simulated(), feed);
@@ -35,14 +35,14 @@ TEST(VrpnFeed, every_sample_arrives_in_order_with_the_wrench_of_before) {
   EXPECT_EQ(samples[1].wrench.force_n, Vec3(0, 0, 1));
 }
 
-TEST(VrpnFeed, nobody_there_costs_nothing) {
+TEST(VrpnFeed, NobodyThereCostsNothing) {
   Feed feed;
   WatchedDevice device(simulated(), feed);
   device.read(1'000'000);
   EXPECT_TRUE(all_of(feed).empty());
 }
 
-TEST(VrpnFeed, one_who_is_late_loses_samples_and_holds_nobody_up) {
+TEST(VrpnFeed, OneWhoIsLateLosesSamplesAndHoldsNobodyUp) {
   Feed feed;
   feed.set_wanted(true);
   for (int n = 0; n < 100'000; ++n) feed.push({});
@@ -51,7 +51,7 @@ TEST(VrpnFeed, one_who_is_late_loses_samples_and_holds_nobody_up) {
   EXPECT_LT(kept, 1000U);
 }
 
-TEST(VrpnFeed, the_device_is_the_same_as_unwatched) {
+TEST(VrpnFeed, TheDeviceIsTheSameAsUnwatched) {
   Feed feed;
   feed.set_wanted(true);
   WatchedDevice watched(simulated(), feed);
@@ -64,7 +64,7 @@ TEST(VrpnFeed, the_device_is_the_same_as_unwatched) {
     watched.write({.force_n = Vec3(0, 1, 0)}, t);
     bare->write({.force_n = Vec3(0, 1, 0)}, t);
   }
-  EXPECT_EQ(watched.lead_hand(Vec3::Zero()), bare->lead_hand(Vec3::Zero()));
+  EXPECT_EQ(watched.set_hand_target(Vec3::Zero()), bare->set_hand_target(Vec3::Zero()));
 }
 
 void serve(Device& device) {
@@ -74,7 +74,7 @@ void serve(Device& device) {
   }
 }
 
-TEST(VrpnFeed, the_servos_side_takes_nothing_from_the_heap) {
+TEST(VrpnFeed, TheServosSideTakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   Feed feed;
   feed.set_wanted(true);
@@ -84,7 +84,7 @@ TEST(VrpnFeed, the_servos_side_takes_nothing_from_the_heap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(VrpnFeed, the_servos_side_asks_nothing_of_the_kernel) {
+TEST(VrpnFeed, TheServosSideAsksNothingOfTheKernel) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<Feed> feed;
   std::unique_ptr<WatchedDevice> device;

@@ -63,7 +63,7 @@ struct VrpnServer : testing::Test {
   }
 };
 
-TEST_F(VrpnServer, shows_the_stylus_to_who_comes_by_tcp) {
+TEST_F(VrpnServer, ShowsTheStylusToWhoComesByTcp) {
   open();
   sample.wrench.force_n = Vec3(0, 0.5, 1);
   Program program;
@@ -77,7 +77,7 @@ TEST_F(VrpnServer, shows_the_stylus_to_who_comes_by_tcp) {
   EXPECT_FALSE(program.last(kPosition)->by_udp);
 }
 
-TEST_F(VrpnServer, calls_who_asks_by_a_datagram_and_sends_positions_by_udp) {
+TEST_F(VrpnServer, CallsWhoAsksByADatagramAndSendsPositionsByUdp) {
   open();
   Program program;
   program.ask_to_be_called(at());
@@ -89,14 +89,14 @@ TEST_F(VrpnServer, calls_who_asks_by_a_datagram_and_sends_positions_by_udp) {
   EXPECT_FALSE(program.last(kButton)->by_udp) << "no change of a button may get lost";
 }
 
-TEST_F(VrpnServer, calls_only_who_asked_whatever_host_is_written) {
+TEST_F(VrpnServer, CallsOnlyWhoAskedWhateverHostIsWritten) {
   open();
   Program program;
   program.ask_to_be_called(at(), "192.0.2.1");
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, sends_no_datagrams_to_third_parties) {
+TEST_F(VrpnServer, SendsNoDatagramsToThirdParties) {
   open();
   Program program;
   program.connect(at());
@@ -105,7 +105,7 @@ TEST_F(VrpnServer, sends_no_datagrams_to_third_parties) {
   EXPECT_TRUE(std::none_of(program.heard().begin(), program.heard().end(), [](const auto& heard) { return heard.by_udp; }));
 }
 
-TEST_F(VrpnServer, tells_every_change_of_a_button_however_short) {
+TEST_F(VrpnServer, TellsEveryChangeOfAButtonHoweverShort) {
   open(50.0);
   Program program;
   program.connect(at());
@@ -126,7 +126,7 @@ TEST_F(VrpnServer, tells_every_change_of_a_button_however_short) {
   EXPECT_THAT(changes, testing::ElementsAre(down, up, down, up));
 }
 
-TEST_F(VrpnServer, answers_pings_and_tells_the_workspace) {
+TEST_F(VrpnServer, AnswersPingsAndTellsTheWorkspace) {
   open();
   Program program;
   program.connect(at());
@@ -141,7 +141,7 @@ TEST_F(VrpnServer, answers_pings_and_tells_the_workspace) {
             to_hex(hex("c000000000000000 c000000000000000 c000000000000000 3ff0000000000000 3ff0000000000000 3fe0000000000000")));
 }
 
-TEST_F(VrpnServer, tells_velocity_as_the_way_over_the_time) {
+TEST_F(VrpnServer, TellsVelocityAsTheWayOverTheTime) {
   open(100.0);
   Program program;
   program.connect(at());
@@ -158,7 +158,7 @@ TEST_F(VrpnServer, tells_velocity_as_the_way_over_the_time) {
   EXPECT_NEAR(std::bit_cast<double>(bits), 1.0, 0.5);
 }
 
-TEST_F(VrpnServer, shows_no_positions_of_a_device_that_is_away_but_says_so) {
+TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   open();
   Program program;
   program.connect(at());
@@ -173,7 +173,7 @@ TEST_F(VrpnServer, shows_no_positions_of_a_device_that_is_away_but_says_so) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, lets_go_of_who_speaks_something_else) {
+TEST_F(VrpnServer, LetsGoOfWhoSpeaksSomethingElse) {
   open();
   Program babbler;
   babbler.connect(at());
@@ -187,7 +187,7 @@ TEST_F(VrpnServer, lets_go_of_who_speaks_something_else) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, has_places_for_sixteen_and_lets_the_rest_go) {
+TEST_F(VrpnServer, HasPlacesForSixteenAndLetsTheRestGo) {
   open();
   std::vector<std::unique_ptr<Program>> programs;
   const auto look = [&] {
@@ -215,7 +215,7 @@ TEST_F(VrpnServer, has_places_for_sixteen_and_lets_the_rest_go) {
 }
 
 // Each took a place for the whole patience, and sixteen of them all places.
-TEST_F(VrpnServer, those_who_say_nothing_keep_nobody_out) {
+TEST_F(VrpnServer, ThoseWhoSayNothingKeepNobodyOut) {
   open();
   std::vector<int> silent;
   for (int n = 0; n < 16; ++n) {
@@ -238,7 +238,7 @@ TEST_F(VrpnServer, those_who_say_nothing_keep_nobody_out) {
   for (const int client : silent) ::close(client);
 }
 
-TEST_F(VrpnServer, cuts_off_who_reads_nothing_and_serves_the_next) {
+TEST_F(VrpnServer, CutsOffWhoReadsNothingAndServesTheNext) {
   open(10'000.0);
   Program lazy;
   lazy.connect(at(), 4096);
@@ -263,18 +263,19 @@ TEST_F(VrpnServer, cuts_off_who_reads_nothing_and_serves_the_next) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, what_cannot_be_opened_is_told) {
+TEST_F(VrpnServer, WhatCannotBeOpenedIsTold) {
   open();
   const Server::Options same{.address = to_string(at()), .name = "Phantom0", .limits = {}};
   EXPECT_THAT(Server::open(feed, same).error().what, HasSubstr("another program holds this port"));
-  EXPECT_THAT(Server::open(feed, {.address = "127.0.0.1:0", .name = "a b", .limits = {}}).error().what, HasSubstr("no name"));
+  EXPECT_THAT(Server::open(feed, {.address = "127.0.0.1:0", .name = "a b", .limits = {}}).error().what,
+              HasSubstr("not a valid VRPN device name"));
   EXPECT_THAT(Server::open(feed, {.address = "192.0.2.1:0", .name = "a", .limits = {}}).error().what, HasSubstr("no such address"));
 }
 
-TEST_F(VrpnServer, beyond_this_machine_it_warns) {
+TEST_F(VrpnServer, BeyondThisMachineItWarns) {
   testing::internal::CaptureStderr();
   EXPECT_TRUE(Server::open(feed, {.address = "0.0.0.0:0", .name = "a", .limits = {}}));
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("VRPN knows no passwords"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("VRPN has no authentication"));
 }
 
 }  // namespace

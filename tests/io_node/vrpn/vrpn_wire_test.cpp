@@ -24,14 +24,14 @@ void expect_bytes(const Bytes& bytes, std::initializer_list<std::string_view> ex
   EXPECT_EQ(to_hex(bytes), to_hex(hex(text(expected))));
 }
 
-TEST(VrpnWire, cookie) {
+TEST(VrpnWire, Cookie) {
   Bytes out;
   append_cookie(out);
   // "vrpn: ver. 07.38", two spaces, the log mode 0, then nothing.
   expect_bytes(out, {"76 72 70 6e 3a 20 76 65 72 2e 20 30 37 2e 33 38 20 20 30 00 00 00 00 00"});
 }
 
-TEST(VrpnWire, cookies_are_told_by_their_major_version) {
+TEST(VrpnWire, CookiesAreToldByTheirMajorVersion) {
   const auto is_good = [](std::string_view cookie) {
     Bytes bytes(kCookieBytes);
     for (std::size_t n = 0; n < cookie.size(); ++n) bytes[n] = static_cast<std::byte>(cookie[n]);
@@ -44,82 +44,82 @@ TEST(VrpnWire, cookies_are_told_by_their_major_version) {
   EXPECT_FALSE(is_good(""));
 }
 
-TEST(VrpnWire, sender_description) {
+TEST(VrpnWire, SenderDescription) {
   Bytes out;
   append_description(out, kSenderDescription, 3, "Phantom0", {0x01020304, 7}, 1);
   // 24 + 4 + 9 = 37 = 0x25, padded to 40. The number described stands in the sender's place.
   expect_bytes(out, {"00000025 01020304 00000007 00000003 ffffffff 00000001 ", "00000009 5068616e746f6d30 00 000000"});
 }
 
-TEST(VrpnWire, type_description) {
+TEST(VrpnWire, TypeDescription) {
   Bytes out;
   append_description(out, kTypeDescription, 1, "vrpn_Button Change", {}, 2);
   expect_bytes(out, {"0000002f 00000000 00000000 00000001 fffffffe 00000002 ", "00000013 7672706e5f427574746f6e204368616e6765 00 00"});
 }
 
-TEST(VrpnWire, tracker_position_and_quaternion_in_the_order_x_y_z_w) {
+TEST(VrpnWire, TrackerPositionAndQuaternionInTheOrderXYZW) {
   Bytes out;
   append_position(out, kHeader, {1, -2, 0.5}, Quat(/*w*/ 1, /*x*/ 0.5, /*y*/ 0, /*z*/ -2));
   expect_bytes(out, {"00000058 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kHalf, kZero, kMinusTwo, kOne});
 }
 
-TEST(VrpnWire, tracker_velocity) {
+TEST(VrpnWire, TrackerVelocity) {
   Bytes out;
   append_velocity(out, kHeader, {1, -2, 0.5}, Quat::Identity(), 0.5);
   expect_bytes(out, {"00000060 ", kRest, "00000000 00000000 ", kOne, kMinusTwo, kHalf, kZero, kZero, kZero, kOne, kHalf});
 }
 
-TEST(VrpnWire, tracker_workspace) {
+TEST(VrpnWire, TrackerWorkspace) {
   Bytes out;
   append_workspace(out, kHeader, {-2, -2, -2}, {1, 1, 0.5});
   expect_bytes(out, {"00000048 ", kRest, kMinusTwo, kMinusTwo, kMinusTwo, kOne, kOne, kHalf});
 }
 
-TEST(VrpnWire, button_change_is_two_numbers_without_a_count) {
+TEST(VrpnWire, ButtonChangeIsTwoNumbersWithoutACount) {
   Bytes out;
   append_button_change(out, kHeader, 3, true);
   expect_bytes(out, {"00000020 ", kRest, "00000003 00000001"});
 }
 
-TEST(VrpnWire, button_states) {
+TEST(VrpnWire, ButtonStates) {
   Bytes out;
   append_button_states(out, kHeader, 0b101, 3);
   expect_bytes(out, {"00000028 ", kRest, "00000003 00000001 00000000 00000001"});
 }
 
-TEST(VrpnWire, analog_channels_with_their_count_as_a_double) {
+TEST(VrpnWire, AnalogChannelsWithTheirCountAsADouble) {
   Bytes out;
   const std::array<double, 2> channels = {1.0, -2.0};
   append_analog(out, kHeader, channels);
   expect_bytes(out, {"00000030 ", kRest, "4000000000000000 ", kOne, kMinusTwo});
 }
 
-TEST(VrpnWire, force) {
+TEST(VrpnWire, Force) {
   Bytes out;
   append_force(out, kHeader, {1, -2, 0.5});
   expect_bytes(out, {"00000030 ", kRest, kOne, kMinusTwo, kHalf});
 }
 
-TEST(VrpnWire, force_error_is_padded_but_its_length_is_not) {
+TEST(VrpnWire, ForceErrorIsPaddedButItsLengthIsNot) {
   Bytes out;
   append_force_error(out, kHeader, 3);
   expect_bytes(out, {"0000001c ", kRest, "00000003 00000000"});
 }
 
-TEST(VrpnWire, pong_is_a_header_alone) {
+TEST(VrpnWire, PongIsAHeaderAlone) {
   Bytes out;
   append_empty(out, kHeader);
   expect_bytes(out, {"00000018 ", kRest});
 }
 
-TEST(VrpnWire, messages_follow_each_other) {
+TEST(VrpnWire, MessagesFollowEachOther) {
   Bytes out;
   append_force_error(out, kHeader, 3);
   append_empty(out, kHeader);
   EXPECT_EQ(out.size(), 32U + 24U);
 }
 
-TEST(VrpnWire, a_message_is_read_with_its_padding) {
+TEST(VrpnWire, AMessageIsReadWithItsPadding) {
   const Bytes bytes = hex("0000001c 00000000 00000000 00000002 00000005 00000000 0000002a 00000000 00000018");
   std::span<const std::byte> rest(bytes);
   Message message;
@@ -131,7 +131,7 @@ TEST(VrpnWire, a_message_is_read_with_its_padding) {
   EXPECT_EQ(read_message(rest, message), ReadStatus::incomplete);
 }
 
-TEST(VrpnWire, lengths_that_cannot_be_are_refused) {
+TEST(VrpnWire, LengthsThatCannotBeAreRefused) {
   Message message;
   for (const char* length : {"00000000", "00000017", "ffffffff", "80000000", "00004001"}) {
     const Bytes bytes = hex(text({length, "00000000 00000000 00000000 00000000 00000000"}));
@@ -140,7 +140,7 @@ TEST(VrpnWire, lengths_that_cannot_be_are_refused) {
   }
 }
 
-TEST(VrpnWire, names_are_taken_by_their_length_and_zero) {
+TEST(VrpnWire, NamesAreTakenByTheirLengthAndZero) {
   const auto name = [](std::string_view body) {
     const Bytes bytes = hex(body);
     return std::string(name_of({0, kSenderDescription, bytes}));

@@ -35,7 +35,7 @@ TEST(Stress, RunsEveryBodyInEveryVariantWhateverTheThreads) {
 TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
   StressResult result{"box", {.scale = 1e-3}, {}};
   result.count.faults[0] = 1;
-  result.count.findings = {{.fault = StressFault::kFall, .motion = StressMotion::kTapEdge, .episode = 77, .step = 5, .size = 0.01}};
+  result.count.findings = {{.fault = StressFault::fall, .motion = StressMotion::tap_edge, .episode = 77, .step = 5, .size = 0.01}};
   const std::string text = to_text({result}, small_plan(1));
   EXPECT_THAT(text, ::testing::HasSubstr("fall in tap-edge at step 5"));
   EXPECT_THAT(text, ::testing::HasSubstr("--body box --seed 1 --scale 0.001"));

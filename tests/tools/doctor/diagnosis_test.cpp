@@ -1,4 +1,4 @@
-// A machine that is well, and faults seeded into it, one at a time: the doctor must name each and say what mends it.
+// A machine that is well, and faults seeded into it, one at a time: the doctor must name each and say what fixes it.
 #include "tools/doctor/diagnosis.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// All that a person would be told to mend.
+// All that a person would be told to fix.
 std::vector<Finding> complaints_of(const Diagnosis& diagnosis) {
   std::vector<Finding> complaints;
   for (const Section& section : diagnosis.sections) {

@@ -50,11 +50,11 @@ TEST_F(FiguresTest, HullsWithMoreDirectionsCoverLess) {
   EXPECT_LT(std::stod(hull[1]), 0.9 * std::stod(box[1]));
 }
 
-// The picture says what the sweep did: under half a hover passed, above it not.
-TEST_F(FiguresTest, HoverPassesLowStepsOnly) {
-  const std::string script = script_of(figures_, "hover");
-  EXPECT_THAT(script, HasSubstr("step of 0.4 hover:\\npassed within the slack"));
-  EXPECT_THAT(script, HasSubstr("step of 0.7 hover:\\nstops, then climbs"));
+// The picture says what the sweep did: under half a contact offset passed, above it not.
+TEST_F(FiguresTest, ContactOffsetPassesLowStepsOnly) {
+  const std::string script = script_of(figures_, "contact_offset");
+  EXPECT_THAT(script, HasSubstr("step of 0.4:\\npassed within the slop"));
+  EXPECT_THAT(script, HasSubstr("step of 0.7:\\nstops, then climbs"));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ std::string told(const GovernorStressCount& count, std::size_t breach) {
          std::to_string(count.findings[breach].turn);
 }
 
-TEST(GovernorStress, holds_against_hostile_programs) {
+TEST(GovernorStress, HoldsAgainstHostilePrograms) {
   const GovernorStress stress(kSeed);
   GovernorStressCount count;
   for (std::uint64_t program = 0; count.turns < 3'000'000; ++program) GovernorStress::run(stress.program_seed(program), count);
@@ -28,8 +28,8 @@ TEST(GovernorStress, holds_against_hostile_programs) {
   const GovernorCounters& g = count.governors;
   EXPECT_GT(static_cast<double>(count.forceful), 0.25 * static_cast<double>(count.turns));
   for (const std::uint64_t stage :
-       {g.accepted, g.not_finite, g.refused_old, g.refused_future, g.silences, g.clamped, g.slewed, g.bad_samples, g.stopped, g.braked,
-        g.damped, g.cooled, g.releases, g.latched, g.resets, g.resets_refused}) {
+       {g.accepted, g.not_finite, g.rejected_old, g.rejected_future, g.command_timeouts, g.clamped, g.slewed, g.bad_samples, g.stopped,
+        g.braked, g.damped, g.cooled, g.releases, g.latched, g.resets, g.resets_rejected}) {
     EXPECT_GT(stage, 1000U);
   }
   for (int fault = 1; fault < kSafetyFaults; ++fault) EXPECT_GT(g.faults[static_cast<std::size_t>(fault)], 3U) << fault;
@@ -44,7 +44,7 @@ TEST(GovernorStress, holds_against_hostile_programs) {
   EXPECT_GT(count.worst.release_ms, 10.0);
 }
 
-TEST(GovernorStress, a_program_is_the_same_again) {
+TEST(GovernorStress, AProgramIsTheSameAgain) {
   const std::uint64_t seed = GovernorStress(3).program_seed(17);
   GovernorStressCount first;
   GovernorStressCount second;
@@ -57,7 +57,7 @@ TEST(GovernorStress, a_program_is_the_same_again) {
   EXPECT_NE(GovernorStress(4).program_seed(17), seed);
 }
 
-TEST(GovernorStress, sums_keep_the_first_finding_and_the_worst) {
+TEST(GovernorStress, SumsKeepTheFirstFindingAndTheWorst) {
   GovernorStressCount sum;
   GovernorStressCount part;
   part.turns = 5;
@@ -74,7 +74,7 @@ TEST(GovernorStress, sums_keep_the_first_finding_and_the_worst) {
   EXPECT_EQ(sum.worst.heat, 0.5);
 }
 
-TEST(GovernorStress, takes_nothing_from_the_heap) {
+TEST(GovernorStress, TakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   GovernorStressCount count;
   AllocationGuard guard;

@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 nlohmann::ordered_json report(double seconds, int samples, int longest_us) {
-  return {{"schema", "hapton.report/1"},
+  return {{"schema", "hapton.report/2"},
           {"seconds", seconds},
           {"rates_hz", {{"servo_asked", 1000.0}, {"samples", 1.0}}},
           {"counters", {{"samples", samples}, {"forces", samples / 2}, {"longest_release_us", longest_us}}},

@@ -11,7 +11,7 @@ using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
 Json make_report() {
-  return {{"schema", "hapton.report/1"},
+  return {{"schema", "hapton.report/2"},
           {"seconds", 6.0},
           {"rates_hz", {{"samples", 1999.3}, {"servo_asked", 2000.0}}},
           {"counters",
@@ -21,7 +21,7 @@ Json make_report() {
             {"late", 3},
             {"lost", 0},
             {"faults_latched", 0},
-            {"silence_events", 0}}},
+            {"command_timeouts", 0}}},
           {"notes", {{"max_force_written_n", "3.716"}}},
           {"hops", {{"round_trip", {{"p50_us", 42.2}, {"p99_us", 93.7}}}}}};
 }
@@ -43,6 +43,15 @@ TEST(RunSummary, SaysWhenNothingWasTouched) {
   EXPECT_THAT(summary.text, HasSubstr("touched nothing of part.stl in 6.0 s"));
 }
 
+TEST(RunSummary, SaysThatTheDeviceCannotReachTheScene) {
+  Json report = make_report();
+  report["counters"]["contact_samples"] = 0;
+  report["notes"]["reach"] = "the scene is out of the device's reach";
+  const RunSummary summary = summarise_run(report, "part.stl");
+  EXPECT_FALSE(summary.held);
+  EXPECT_THAT(summary.text, HasSubstr("out of the device's reach (check --unit and --no-fit)"));
+}
+
 TEST(RunSummary, NamesEachThingThatDidNotHold) {
   struct Case {
     const char *section, *key;
@@ -51,7 +60,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
   };
   for (const Case& c :
        {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 faults latched"},
-        Case{"counters", "silence_events", 4, "4 command timeouts"}, Case{"counters", "late", 120, "120 forces late"},
+        Case{"counters", "command_timeouts", 4, "4 command timeouts"}, Case{"counters", "late", 120, "120 forces late"},
         Case{"counters", "forces", 0, "no force came back"}, Case{"rates_hz", "samples", 1979, "1979 samples a second of 2000"}}) {
     Json report = make_report();
     report[c.section][c.key] = c.value;
@@ -63,7 +72,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
 }
 
 TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
-  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/1"}, {"hops", Json::object()}}, "x");
+  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/2"}, {"hops", Json::object()}}, "x");
   EXPECT_FALSE(summary.touched);
   EXPECT_FALSE(summary.held);
   EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));

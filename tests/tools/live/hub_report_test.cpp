@@ -38,12 +38,12 @@ class HastyHub {
     Datagram datagram;
     while (!ends_) {
       const PeerEvent event = peers.receive(datagram, clock_.now_ns() + kNanosecondsPerMillisecond);
-      const auto* ask = std::get_if<ReportAsk>(&datagram.message);
+      const auto* ask = std::get_if<ReportRequest>(&datagram.message);
       if (event.kind == PeerEvent::Kind::message && ask != nullptr) answer(peers, event.peer, *ask);
     }
   }
 
-  void answer(HubPeers& peers, std::size_t peer, const ReportAsk& ask) {
+  void answer(HubPeers& peers, std::size_t peer, const ReportRequest& ask) {
     const bool is_table = ask.document == ReportDocument::csv;
     if (revision_ == 0 || (is_table && revision_ <= hasty_)) ++revision_;
     ReportPart part;

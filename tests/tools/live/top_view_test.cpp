@@ -45,8 +45,16 @@ TEST(TopView, SaysWhatTheGovernorDoes) {
   look.report["ratios"] = {{"thermal_load", 0.123}, {"energy_spent", -0.05}};
   EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor live; thermal load 12 %, energy 0 % of its budget\n"));
   look.report["notes"]["governor"] = "latched";
-  look.report["notes"]["safety_fault_is"] = "the motors are too hot";
+  look.report["notes"]["safety_fault_text"] = "the motors are too hot";
   EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor latched: the motors are too hot; hapton set --reset-faults;"));
+}
+
+TEST(TopView, SaysWhyThereIsNoForce) {
+  TopLook look = look_after(10, 0);
+  look.report["notes"]["status_now"] = "ok";
+  EXPECT_THAT(make_top_view("h", look, nullptr), Not(HasSubstr("ok\n")));
+  look.report["notes"]["status_now"] = "no force: the device is away";
+  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("\nno force: the device is away\n"));
 }
 
 TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
@@ -68,9 +76,9 @@ TEST(TopView, AHubThatBeganAgainIsShownFromItsStart) {
 TEST(TopView, RubbishIsNamedAndAnEmptyReportShown) {
   EXPECT_FALSE(read_top_look("hello", ""));
   EXPECT_FALSE(read_top_look("{\"schema\": \"other\"}", ""));
-  const auto empty = read_top_look("{\"schema\": \"hapton.report/1\"}", "");
+  const auto empty = read_top_look("{\"schema\": \"hapton.report/2\"}", "");
   ASSERT_TRUE(empty);
-  EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("none has joined"));
+  EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("no node has joined"));
 }
 
 }  // namespace

@@ -144,7 +144,7 @@ TEST(SoakVerdict, TooFewLooksAreNoProof) {
   run.looks.clear();
   EXPECT_FALSE(judge_soak(run).flat);
   EXPECT_EQ(to_json(run, judge_soak(run))["flat"], false);
-  EXPECT_THAT(to_text(run, judge_soak(run)), HasSubstr("too few looks"));
+  EXPECT_THAT(to_text(run, judge_soak(run)), HasSubstr("too few observations"));
 }
 
 TEST(FindRise, OfALongSeriesIsThatOfAShortOne) {

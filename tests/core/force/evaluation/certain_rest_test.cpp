@@ -6,7 +6,7 @@ namespace hapton {
 namespace {
 
 constexpr double kReach = 1e-6;
-constexpr double kHover = 1e-7;
+constexpr double kContactOffset = 1e-7;
 
 // Two strips that meet along the y axis; each rises by `slope` away from it.
 TriangleMesh make_fold(double slope) {
@@ -24,8 +24,8 @@ TriangleMesh make_corner() {
   return mesh;
 }
 
-const Vec3 kAboveFold(0.0, 0.2, kHover);
-const Vec3 kInCorner = Vec3::Constant(kHover);
+const Vec3 kAboveFold(0.0, 0.2, kContactOffset);
+const Vec3 kInCorner = Vec3::Constant(kContactOffset);
 
 TEST(CertainRest, AFoldHoldsWhatIsDrawnStraightIntoIt) {
   EXPECT_TRUE(is_certain_rest(make_fold(0.3), kAboveFold, {0.0, 0.2, -0.5}, kReach));
@@ -65,8 +65,8 @@ TEST(CertainRest, ThreeFacesAtOneEdgeProveNothing) {
 
 TEST(CertainRest, TheMiddleOfAFaceHoldsOnlyWhatIsStraightBelow) {
   const TriangleMesh mesh = make_corner();
-  EXPECT_TRUE(is_certain_rest(mesh, {0.3, 0.3, kHover}, {0.3, 0.3, -0.2}, kReach));
-  EXPECT_FALSE(is_certain_rest(mesh, {0.3, 0.3, kHover}, {0.31, 0.3, -0.2}, kReach));
+  EXPECT_TRUE(is_certain_rest(mesh, {0.3, 0.3, kContactOffset}, {0.3, 0.3, -0.2}, kReach));
+  EXPECT_FALSE(is_certain_rest(mesh, {0.3, 0.3, kContactOffset}, {0.31, 0.3, -0.2}, kReach));
 }
 
 TEST(CertainRest, FarFromEverythingNothingHolds) {
@@ -78,7 +78,7 @@ TEST(CertainRest, ASaddleIsNotProvedByItsFolds) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0.3}, {0, 1, -0.3}, {-1, 0, 0.3}, {0, -1, -0.3}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
-  EXPECT_FALSE(is_certain_rest(mesh, {0.0, 0.0, kHover}, {0.0, 0.0, -0.5}, kReach));
+  EXPECT_FALSE(is_certain_rest(mesh, {0.0, 0.0, kContactOffset}, {0.0, 0.0, -0.5}, kReach));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class StressEpisodes : public ::testing::Test {
 
   TriangleMesh mesh_ = make_icosphere(0.05, 2);
   SurfaceWalk walk_{mesh_};
-  StressMotion motion_ = StressMotion::kCount;
+  StressMotion motion_ = StressMotion::count;
 };
 
 TEST_F(StressEpisodes, ComeInEveryMotionAndAreShort) {
@@ -33,7 +33,7 @@ TEST_F(StressEpisodes, ComeInEveryMotionAndAreShort) {
     EXPECT_LE(places.size(), 400U);
     seen.insert(motion_);
   }
-  EXPECT_EQ(seen.size(), static_cast<std::size_t>(StressMotion::kCount));
+  EXPECT_EQ(seen.size(), static_cast<std::size_t>(StressMotion::count));
 }
 
 TEST_F(StressEpisodes, DependOnTheirNumberAndSeedAlone) {
@@ -46,7 +46,7 @@ TEST_F(StressEpisodes, DependOnTheirNumberAndSeedAlone) {
 
 TEST_F(StressEpisodes, ALongWalkGoesInAndOutAllOverTheBody) {
   const std::vector<Vec3> places = places_of(kFirstLongWalk);
-  EXPECT_EQ(motion_, StressMotion::kWalk);
+  EXPECT_EQ(motion_, StressMotion::walk);
   EXPECT_EQ(places.size(), 20001U);
   std::size_t crossings = 0;
   std::set<int> octants;
@@ -61,8 +61,8 @@ TEST_F(StressEpisodes, ALongWalkGoesInAndOutAllOverTheBody) {
 
 TEST(StressEpisode, EveryMotionHasAName) {
   std::set<std::string_view> names;
-  for (int i = 0; i < static_cast<int>(StressMotion::kCount); ++i) names.insert(name_of(static_cast<StressMotion>(i)));
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressMotion::kCount));
+  for (int i = 0; i < static_cast<int>(StressMotion::count); ++i) names.insert(name_of(static_cast<StressMotion>(i)));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressMotion::count));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 namespace hapton {
 namespace {
 
-StressCount torture(const StressBody& body, const StressSettings& settings, const std::string& method, std::uint64_t episodes,
-                    const StressRun::MethodMaker& maker = &make_method) {
+StressCount run_stress(const StressBody& body, const StressSettings& settings, const std::string& method, std::uint64_t episodes,
+                       const StressRun::MethodMaker& maker = &make_method) {
   MethodSettings method_settings;
   method_settings.name = method;
   method_settings.reference_substeps = 1;
@@ -38,7 +38,7 @@ class EveryBody : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(EveryBody, HoldsUnderTheReference) {
   const StressBody body = make_stress_body(GetParam());
-  const StressCount count = torture(body, {.seed = 1}, "reference", 12);
+  const StressCount count = run_stress(body, {.seed = 1}, "reference", 12);
   EXPECT_EQ(count.total_faults(), 0u) << told(count);
   EXPECT_GT(count.contact_steps, 200u);
 }
@@ -49,7 +49,7 @@ TEST_P(EveryBody, HoldsUnderTheProxy) {
   std::uint64_t contacts = 0;
   for (const StressSettings& settings : {StressSettings{.seed = 1}, StressSettings{.seed = 2, .scale = 1e-6},
                                          StressSettings{.seed = 3, .scale = 1e6}, StressSettings{.seed = 4, .offset_extents = 1e6}}) {
-    const StressCount count = torture(body, settings, "proxy", 25);
+    const StressCount count = run_stress(body, settings, "proxy", 25);
     EXPECT_EQ(count.total_faults(), 0u) << "scale " << settings.scale << " offset " << settings.offset_extents << " seed " << settings.seed
                                         << '\n'
                                         << told(count);
@@ -64,8 +64,8 @@ TEST_P(EveryBody, IsNeverFallenThroughBySmooth) {
   // Known limits of the method (docs/decisions/0003): jumps by an extent between two blades, and pieces that pass through each other.
   if (GetParam() == "knife-gutter" || GetParam().starts_with("overlapping-parts")) return;
   for (const StressSettings& settings : {StressSettings{.seed = 5}, StressSettings{.seed = 6, .offset_extents = 1e6}}) {
-    const StressCount count = torture(body, settings, "smooth", 15);
-    for (const StressFault fault : {StressFault::kFall, StressFault::kInside, StressFault::kThrough, StressFault::kNotFinite}) {
+    const StressCount count = run_stress(body, settings, "smooth", 15);
+    for (const StressFault fault : {StressFault::fall, StressFault::inside, StressFault::through, StressFault::not_finite}) {
       EXPECT_EQ(count.faults[static_cast<std::size_t>(fault)], 0u) << told(count);
     }
   }
@@ -96,18 +96,18 @@ class Wrong : public ForceMethod {
     ++steps_;
     if (!felt.contact) return felt;
     switch (fault_) {
-      case StressFault::kFall:
+      case StressFault::fall:
         return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
-      case StressFault::kInside:
+      case StressFault::inside:
         return with_proxy(felt, input.p_SD + 0.5 * (felt.p_SP - input.p_SD), input);
-      case StressFault::kLock:
-      case StressFault::kLag:
+      case StressFault::lock:
+      case StressFault::lag:
         if (!frozen_) at_ = felt.p_SP;
         frozen_ = true;
         return with_proxy(felt, at_, input);
-      case StressFault::kPop:
+      case StressFault::pop:
         return with_proxy(felt, felt.p_SP + (steps_ % 2 == 0 ? 1e-3 : 0.0) * Vec3::UnitX(), input);
-      case StressFault::kNotFinite:
+      case StressFault::not_finite:
         felt.force_n.x() = std::numeric_limits<double>::quiet_NaN();
         return felt;
       default:
@@ -130,15 +130,15 @@ class Wrong : public ForceMethod {
 };
 
 TEST(StressRun, SeesEveryKindOfFault) {
-  for (const StressFault fault : {StressFault::kFall, StressFault::kInside, StressFault::kLock, StressFault::kLag, StressFault::kPop,
-                                  StressFault::kNotFinite, StressFault::kBroken}) {
+  for (const StressFault fault : {StressFault::fall, StressFault::inside, StressFault::lock, StressFault::lag, StressFault::pop,
+                                  StressFault::not_finite, StressFault::broken}) {
     const auto maker = [&](const MethodSettings& settings, const TouchScene& scene) -> Result<std::unique_ptr<ForceMethod>> {
       auto right = make_method(settings, scene);
       if (!right) return right;
       return std::make_unique<Wrong>(std::move(*right), fault);
     };
-    const StressBody body = make_stress_body(fault == StressFault::kPop ? "turned-room" : "sphere");
-    const StressCount count = torture(body, {.seed = 1, .rest_every = 8}, "reference", 20, maker);
+    const StressBody body = make_stress_body(fault == StressFault::pop ? "turned-room" : "sphere");
+    const StressCount count = run_stress(body, {.seed = 1, .rest_every = 8}, "reference", 20, maker);
     EXPECT_GT(count.faults[static_cast<std::size_t>(fault)], 0u) << name_of(fault);
     ASSERT_FALSE(count.findings.empty());
   }
@@ -178,11 +178,11 @@ TEST(StressRun, AProxyOnAWallToTheLastDigitIsJudgedFromTheFreeSide) {
     return std::make_unique<OnTheThirdWall>(std::move(*right), compute_bounds(body.touched).high);
   };
   OnTheThirdWall::moved_ = 0;
-  const StressCount count = torture(body, {.seed = 1, .rest_every = 1}, "reference", 40, maker);
+  const StressCount count = run_stress(body, {.seed = 1, .rest_every = 1}, "reference", 40, maker);
   EXPECT_GT(OnTheThirdWall::moved_, 100);
   EXPECT_GT(count.judged_rests, 1000U);
-  EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::kLag)], 0u) << told(count);
-  EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::kLock)], 0u) << told(count);
+  EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::lag)], 0u) << told(count);
+  EXPECT_EQ(count.faults[static_cast<std::size_t>(StressFault::lock)], 0u) << told(count);
 }
 
 // Through a sheet: nothing is felt at all.
@@ -198,8 +198,8 @@ TEST(StressRun, SeesAWayThroughAnOpenSheet) {
     return std::make_unique<Nothing>();
   };
   const StressBody sheet = make_stress_body("sheet", make_plane_grid(0.1, 8));
-  EXPECT_GT(torture(sheet, {}, "none", 20, maker).faults[static_cast<std::size_t>(StressFault::kThrough)], 0u);
-  const StressCount held = torture(sheet, {}, "reference", 20);
+  EXPECT_GT(run_stress(sheet, {}, "none", 20, maker).faults[static_cast<std::size_t>(StressFault::through)], 0u);
+  const StressCount held = run_stress(sheet, {}, "reference", 20);
   EXPECT_EQ(held.total_faults(), 0u) << told(held);
 }
 
@@ -220,29 +220,29 @@ TEST(StressRun, AnEpisodeCanBeRunAgainAlone) {
 
 TEST(StressRun, SaysWhichFaultsItLooksForAtAll) {
   const auto looks_for = [](const StressBody& body, const Material& material, StressFault fault) {
-    return torture(body, {.material = material}, "reference", 1).looked_for[static_cast<std::size_t>(fault)];
+    return run_stress(body, {.material = material}, "reference", 1).looked_for[static_cast<std::size_t>(fault)];
   };
   const Material rough{.friction_static = 0.5, .friction_dynamic = 0.4};
   const StressBody ball = make_stress_body("sphere"), room = make_stress_body("room"), sheet{"sheet", make_plane_grid(0.1, 4), {}};
-  EXPECT_TRUE(looks_for(room, {}, StressFault::kPop));
-  EXPECT_FALSE(looks_for(room, rough, StressFault::kPop));
-  EXPECT_FALSE(looks_for(ball, {}, StressFault::kPop));
-  EXPECT_TRUE(looks_for(ball, {}, StressFault::kFall));
-  EXPECT_FALSE(looks_for(sheet, {}, StressFault::kFall));
-  EXPECT_TRUE(looks_for(sheet, {}, StressFault::kThrough));
-  EXPECT_FALSE(looks_for(ball, {}, StressFault::kThrough));
-  EXPECT_TRUE(looks_for(ball, {}, StressFault::kLag));
-  EXPECT_FALSE(looks_for(ball, rough, StressFault::kLag));
-  EXPECT_TRUE(looks_for(sheet, rough, StressFault::kBroken));
+  EXPECT_TRUE(looks_for(room, {}, StressFault::pop));
+  EXPECT_FALSE(looks_for(room, rough, StressFault::pop));
+  EXPECT_FALSE(looks_for(ball, {}, StressFault::pop));
+  EXPECT_TRUE(looks_for(ball, {}, StressFault::fall));
+  EXPECT_FALSE(looks_for(sheet, {}, StressFault::fall));
+  EXPECT_TRUE(looks_for(sheet, {}, StressFault::through));
+  EXPECT_FALSE(looks_for(ball, {}, StressFault::through));
+  EXPECT_TRUE(looks_for(ball, {}, StressFault::lag));
+  EXPECT_FALSE(looks_for(ball, rough, StressFault::lag));
+  EXPECT_TRUE(looks_for(sheet, rough, StressFault::broken));
 }
 
 TEST(StressRun, EveryFaultHasANameAndAMeaning) {
   std::set<std::string_view> names, meanings;
-  for (int i = 0; i < static_cast<int>(StressFault::kCount); ++i) {
+  for (int i = 0; i < static_cast<int>(StressFault::count); ++i) {
     names.insert(name_of(static_cast<StressFault>(i)));
     meanings.insert(meaning_of(static_cast<StressFault>(i)));
   }
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressFault::kCount));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(StressFault::count));
   EXPECT_EQ(meanings.size(), names.size());
 }
 

@@ -286,7 +286,7 @@ TEST(Proxy, DoesNotBalanceOnARidge) {
   for (const Vec3& v : roof.vertices) bounds.grow(v);
   const Vec3 ridge =
       *std::max_element(roof.vertices.begin(), roof.vertices.end(), [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });
-  const double z = bounds.center().z() + 0.0017;
+  const double z = bounds.centre().z() + 0.0017;
   const double depth = 0.01;
   const auto proxy = proxy_over(scene_of(roof));
   const MethodOutput felt = press(*proxy, {ridge.x(), height + 0.01, z}, {ridge.x(), height - depth, z}, 20);

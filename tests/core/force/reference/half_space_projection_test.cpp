@@ -27,10 +27,10 @@ class Draw {
   std::uniform_real_distribution<double> symmetric_{-1.0, 1.0};
 };
 
-void expect_optimal(const Vec3& wish, const std::vector<HalfSpace>& half_spaces, const HalfSpaceProjection& found) {
+void expect_optimal(const Vec3& goal, const std::vector<HalfSpace>& half_spaces, const HalfSpaceProjection& found) {
   // Karush-Kuhn-Tucker: feasible, held by its planes alone, pushed only outwards. For a projection that is proof of the minimum.
   ASSERT_TRUE(found.feasible);
-  Vec3 rest = found.point - wish;
+  Vec3 rest = found.point - goal;
   for (int i = 0; i < found.count; ++i) {
     EXPECT_GE(found.multiplier[i], -1e-12);
     EXPECT_NEAR(half_spaces[found.active[i]].normal.dot(found.point), half_spaces[found.active[i]].gap, 1e-12);
@@ -47,9 +47,9 @@ TEST(HalfSpaceProjection, OptimalOnRandomFeasibleSets) {
     std::vector<HalfSpace> half_spaces;
     const int n = 1 + i % 12;
     for (int k = 0; k < n; ++k) half_spaces.push_back({draw.unit(), -0.2 * std::abs(draw.symmetric())});  // the origin is feasible
-    const Vec3 wish = 2.0 * draw.unit();
-    const HalfSpaceProjection found = project_onto_half_spaces(wish, half_spaces, kTolerance);
-    expect_optimal(wish, half_spaces, found);
+    const Vec3 goal = 2.0 * draw.unit();
+    const HalfSpaceProjection found = project_onto_half_spaces(goal, half_spaces, kTolerance);
+    expect_optimal(goal, half_spaces, found);
     ++counts[found.count];
   }
   for (int count : counts) EXPECT_GT(count, 100);
@@ -60,25 +60,25 @@ TEST(HalfSpaceProjection, ConesWithTheApexAtTheOrigin) {
   for (int i = 0; i < 20000; ++i) {
     std::vector<HalfSpace> half_spaces;
     for (int k = 0; k < 1 + i % 8; ++k) half_spaces.push_back({draw.unit(), 0.0});
-    const Vec3 wish = draw.unit();
-    expect_optimal(wish, half_spaces, project_onto_half_spaces(wish, half_spaces, kTolerance));
+    const Vec3 goal = draw.unit();
+    expect_optimal(goal, half_spaces, project_onto_half_spaces(goal, half_spaces, kTolerance));
   }
 }
 
-TEST(HalfSpaceProjection, WishInsideIsReturnedToTheBit) {
+TEST(HalfSpaceProjection, AGoalInsideIsReturnedToTheBit) {
   const std::vector<HalfSpace> half_spaces{{Vec3::UnitZ(), -1.0}, {Vec3::UnitX(), -1.0}};
-  const Vec3 wish(0.1, 0.2, 0.3);
-  const HalfSpaceProjection found = project_onto_half_spaces(wish, half_spaces, kTolerance);
-  EXPECT_EQ(found.point, wish);
+  const Vec3 goal(0.1, 0.2, 0.3);
+  const HalfSpaceProjection found = project_onto_half_spaces(goal, half_spaces, kTolerance);
+  EXPECT_EQ(found.point, goal);
   EXPECT_EQ(found.count, 0);
-  EXPECT_EQ(project_onto_half_spaces(wish, {}, kTolerance).point, wish);
+  EXPECT_EQ(project_onto_half_spaces(goal, {}, kTolerance).point, goal);
 }
 
 TEST(HalfSpaceProjection, DuplicatesAndNearParallelPlanes) {
   for (double tilt : {0.0, 1e-15, 1e-12, 1e-9, 1e-6}) {
     std::vector<HalfSpace> half_spaces{{Vec3::UnitZ(), 0.0}, {Vec3(std::sin(tilt), 0.0, std::cos(tilt)), 0.0}, {Vec3::UnitZ(), 0.0}};
-    const Vec3 wish(-0.3, 0.4, -1.0);
-    const HalfSpaceProjection found = project_onto_half_spaces(wish, half_spaces, kTolerance);
+    const Vec3 goal(-0.3, 0.4, -1.0);
+    const HalfSpaceProjection found = project_onto_half_spaces(goal, half_spaces, kTolerance);
     ASSERT_TRUE(found.feasible) << tilt;
     EXPECT_NEAR(found.point.y(), 0.4, 1e-12) << tilt;
     EXPECT_NEAR(found.point.x(), -0.3, 2.0 * tilt + 1e-12) << tilt;

@@ -119,7 +119,7 @@ Transcribed algorithm1(const std::vector<SetTriangle>& object, const Vec3& P, do
 // Some 1,500 places in RADIUS round a surface: force, number of VCPs and number hidden are the transcription's.
 void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int least_hidden) {
   const auto triangles = triangles_of(mesh);
-  ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::kFace; }))
+  ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
       << "fake triangles are not in the transcription";
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -178,8 +178,8 @@ TEST(Algorithm1, FakeTrianglesTurnTheForceRoundAnEdge) {
   const auto triangles = triangles_of(roof);
   std::map<std::pair<double, double>, int> fakes;  // by the ends' y
   for (const SetTriangle& t : triangles) {
-    if (t.kind == SurfaceKind::kFace) continue;
-    ASSERT_EQ(t.kind, SurfaceKind::kEdgeFan);
+    if (t.kind == SurfaceKind::face) continue;
+    ASSERT_EQ(t.kind, SurfaceKind::edge_fan);
     double low = t.corner[0].y();
     double high = low;
     for (const Vec3& corner : t.corner) {
@@ -204,7 +204,7 @@ TEST(Algorithm1, FakeTrianglesTurnTheForceRoundAnEdge) {
     SmoothForceSum faces(P, kRadius);
     for (const SetTriangle& t : triangles) {
       all.add(t);
-      if (t.kind == SurfaceKind::kFace) faces.add(t);
+      if (t.kind == SurfaceKind::face) faces.add(t);
     }
     const Vec3 force = all.combine(kRadius).force_n;
     empty_without = empty_without || faces.combine(kRadius).force_n.isZero(0.0);

@@ -79,7 +79,7 @@ TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
   const auto triangles = triangles_of(make_box(Vec3(0.1, 0.1, 0.1), 4));
   std::vector<SetTriangle> without_corners;
   for (const SetTriangle& t : triangles) {
-    if (t.kind != SurfaceKind::kCornerFan) without_corners.push_back(t);
+    if (t.kind != SurfaceKind::corner_fan) without_corners.push_back(t);
   }
   const Vec3 corner(0.05, 0.05, 0.05);
   EXPECT_TRUE(force_at(without_corners, corner + Vec3(1e-3, 1e-3, 1e-3), 0.005, 0.005).force_n.isZero(0.0));
@@ -119,10 +119,10 @@ TEST(SmoothForce, OverAConcaveFoldIsContinuous) {
     }
   }
   const auto triangles = triangles_of(mesh, false);
-  ASSERT_TRUE(std::any_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::kEdgeFan; }));
+  ASSERT_TRUE(std::any_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::edge_fan; }));
   std::vector<SetTriangle> faces_only;
   for (const SetTriangle& t : triangles) {
-    if (t.kind == SurfaceKind::kFace) faces_only.push_back(t);
+    if (t.kind == SurfaceKind::face) faces_only.push_back(t);
   }
   const auto worst_jump = [](const std::vector<SetTriangle>& some) {
     double worst = 0.0;

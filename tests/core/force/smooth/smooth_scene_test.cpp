@@ -83,7 +83,7 @@ TEST(SmoothScene, GivesEachTriangleItsObjectsMaterialAndNormals) {
   scene->for_each([&](const SetTriangle& t) {
     EXPECT_EQ(t.stiffness_n_per_m, t.object == 0 ? 1000.0 : 500.0);
     for (const Vec3& n : t.normal) EXPECT_NEAR(n.norm(), 1.0, 1e-9);
-    if (t.kind == SurfaceKind::kFace) {
+    if (t.kind == SurfaceKind::face) {
       ++faces;
       EXPECT_NEAR(t.face.norm(), 1.0, 1e-12);
       for (const Vec3& n : t.normal) EXPECT_GT(n.dot(t.face), 0.0);
@@ -107,7 +107,7 @@ TEST(SmoothScene, FollowsMovedVerticesAsIfBuiltAnew) {
   const auto anew = SmoothScene::build(touch, {});
   ASSERT_TRUE(anew);
   EXPECT_EQ(moved->diagonal(), anew->diagonal());
-  EXPECT_EQ(moved->center(), anew->center());
+  EXPECT_EQ(moved->centre(), anew->centre());
   const auto one = std::make_unique<LocalSet>();
   const auto other = std::make_unique<LocalSet>();
   for (const Vec3& p : {Vec3(0.0, 0.0, 0.09), Vec3(0.03, 0.02, 0.0), Vec3(0.2, 0.1, 0.0)}) {
@@ -131,7 +131,7 @@ TEST(SmoothScene, RefusesDirectionsItDoesNotHave) {
 TEST(SmoothScene, DescribesEveryPassAndTheTree) {
   const auto scene = SmoothScene::build(two_objects(), {});
   const std::string text = scene->describe();
-  for (const char* word : {"object 1: mend:", "split:", "fans:", "tree: hulls of 14 directions"})
+  for (const char* word : {"object 1: repair:", "split:", "fans:", "tree: hulls of 14 directions"})
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 

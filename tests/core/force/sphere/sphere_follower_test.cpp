@@ -5,78 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
-#include <random>
 #include <string>
-#include <tuple>
-#include <vector>
 
-#include "core/force/friction_drag.h"
+#include "tests/core/force/sphere/sphere_stage.h"
 #include "tests/support/allocation_guard.h"
-#include "tests/support/made_meshes.h"
 
 namespace hapton {
 namespace {
 
-using Outcome = SphereFollower::Outcome;
 using Part = OffsetContact::Part;
-
-// A mesh in its local frame, a follower of that offset (in the mesh's unit) on it, and the device.
-struct Stage {
-  Stage(const TriangleMesh& mesh, double offset_m, const Material& material = {})
-      : geometry({&mesh}),
-        offset(offset_m / geometry.unit_m()),
-        materials{material},
-        follower(std::make_unique<SphereFollower>(geometry, materials, offset)) {}
-
-  void put(const Vec3& p_S) {
-    device = geometry.to_local(p_S);
-    follower->take_free(device);
-  }
-  Outcome move(const Vec3& p_S) { return move_local(geometry.to_local(p_S)); }
-  Outcome move_local(const Vec3& to) {
-    double time = 0.0;
-    const Outcome outcome = follower->follow(device, to, time);
-    device = to;
-    return outcome;
-  }
-  Vec3 centre() const { return geometry.to_scene(follower->centre()); }
-  double unit() const { return geometry.unit_m(); }
-
-  // Of all triangles, without any structure.
-  double distance_to_nearest() const {
-    double least = std::numeric_limits<double>::infinity();
-    const auto count = static_cast<std::uint32_t>(geometry.triangle_count());
-    for (std::uint32_t t = 0; t < count; ++t) least = std::min(least, geometry.separation(t, follower->centre()).distance);
-    return least;
-  }
-  // How far the multipliers and normals are from summing up to centre - device.
-  double imbalance() const {
-    Vec3 sum = device - follower->centre();
-    for (const OffsetContact& contact : follower->contacts()) {
-      EXPECT_GE(contact.multiplier, 0.0);
-      sum += contact.multiplier * contact.stand(follower->centre()).normal;
-    }
-    return sum.norm();
-  }
-
-  TouchGeometry geometry;
-  double offset;
-  std::vector<Material> materials;
-  std::unique_ptr<SphereFollower> follower;
-  Vec3 device = Vec3::Zero();
-};
-
-constexpr double kOffset = 0.1;
-constexpr double kNear = 1e-11;  // the slop, and what borders are moved by, are below
-constexpr double kSlop = 0x1p-40;
-
-void expect_centre(const Stage& stage, const Vec3& expected) {
-  EXPECT_LT((stage.centre() - expected).norm(), kNear) << stage.centre().transpose() << " not " << expected.transpose();
-  EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
-  EXPECT_LT(stage.imbalance(), kNear);
-}
 
 TEST(SphereFollower, OverAPlaneItStandsAboveTheDevice) {
   Stage stage(made::sheet(0.5, 0.0, 8), kOffset);
@@ -274,31 +212,10 @@ TEST(SphereFollower, TakesOverACentreInContactAndNoneThatIsTooNear) {
 
 // ---------------------------------------------------------------------------------------------------------------------
 
-// A device that goes to and fro at the surface of a bumpy sphere of radius 0.4, mostly inside.
-class Wanderer {
- public:
-  explicit Wanderer(std::uint64_t seed) : random_(seed) {}
-  Vec3 next(double stride) {
-    direction_ = (direction_ + stride * vector()).normalized();
-    return 0.4 * (0.96 + 0.12 * unit_(random_)) * direction_;
-  }
-
- private:
-  Vec3 vector() {
-    const double x = unit_(random_);
-    const double y = unit_(random_);
-    return {x, y, unit_(random_)};
-  }
-  std::mt19937_64 random_;
-  std::uniform_real_distribution<double> unit_{-1.0, 1.0};
-  Vec3 direction_ = Vec3(0.3, 0.5, 0.7).normalized();
-};
-
 class OverBumps : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
   constexpr double kStiffness = 1000.0;  // N/m
-  constexpr int kParts = 37;
   constexpr int kSteps = 120;
   RecordProperty("seed", std::to_string(GetParam()));
   Stage stage(made::sphere(0.4, 16, 0.05), 0.03);
@@ -313,14 +230,7 @@ TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
     SphereFollower in_parts(*stage.follower);
     const bool held = stage.move_local(to) == Outcome::settled;
     ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "step " << i;
-    bool parts_settled = true;
-    Vec3 before = from;
-    for (int k = 1; k <= kParts; ++k) {
-      const Vec3 part = k == kParts ? to : Vec3(from + (to - from) * k / kParts);
-      double time = 0.0;
-      parts_settled = parts_settled && in_parts.follow(before, part, time) == Outcome::settled;
-      before = part;
-    }
+    const bool parts_settled = follow_in_parts(in_parts, from, to);
     if (held && parts_settled) {
       ++settled;
       ASSERT_LT(stage.imbalance(), kNear);
@@ -429,128 +339,6 @@ TEST(SphereFollower, WhatIsNotFiniteIsUnclearAndChangesNothing) {
   const Vec3 centre = stage.follower->centre();
   EXPECT_EQ(stage.move_local(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())), Outcome::unclear);
   EXPECT_EQ(stage.follower->centre(), centre);
-}
-
-// ---------------------------------------------------------------------------------------------------------------------
-// Friction
-
-constexpr Material kRubs{.friction_static = 0.5, .friction_dynamic = 0.3};
-
-TEST(SphereFollowerWithFriction, SticksExactlyInsideTheCone) {
-  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubs);
-  stage.put({0.3, 0.4, 0.5});
-  stage.move(0.39 * Vec3(0.3, 0.4, 0.5).normalized());
-  ASSERT_FALSE(stage.follower->is_free());
-  const Vec3 before = stage.follower->centre();
-  const Vec3 out = (before - stage.device).normalized();
-  const Vec3 aside = out.unitOrthogonal();
-  for (int i = 0; i < 200; ++i) {
-    const double depth = (before - stage.device).norm();
-    const double turn = 0.1 * i;
-    const Vec3 way = 0.1 * depth * (std::cos(turn) * aside + std::sin(turn) * out.cross(aside));
-    ASSERT_EQ(stage.move_local(before - 0.02 * (1.0 + 0.5 * std::sin(0.3 * i)) * out + way * (0.02 / depth)), Outcome::settled);
-    ASSERT_EQ(stage.follower->centre(), before) << "step " << i;
-  }
-}
-
-// Over a sheet of many faces: what a point of a plane does, in closed form.
-TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
-  Stage stage(made::sheet(0.5, 0.0, 13), kOffset, kRubs);
-  stage.put({0.03, 0.02, 0.4});
-  ASSERT_EQ(stage.move({0.03, 0.02, 0.0}), Outcome::settled);
-  FrictionDrag expected;
-  Vec3 device(0.03, 0.02, 0.0);
-  for (int i = 0; i < 300; ++i) {
-    const Vec3 to(0.3 * std::cos(0.31 * i), 0.3 * std::sin(0.17 * i), -0.05 - 0.04 * std::sin(0.7 * i));
-    const Vec3 motion(to.x() - device.x(), to.y() - device.y(), 0.0);
-    expected = drag_by_friction({.lag = expected.lag,
-                                 .motion = motion,
-                                 .pressure_start = kOffset - device.z(),
-                                 .pressure_end = kOffset - to.z(),
-                                 .friction_static = kRubs.friction_static,
-                                 .friction_dynamic = kRubs.friction_dynamic,
-                                 .sliding = expected.sliding});
-    ASSERT_EQ(stage.move(to), Outcome::settled);
-    ASSERT_LT((stage.centre() - (Vec3(to.x(), to.y(), kOffset) - expected.lag)).norm(), 1e-11) << "step " << i;
-    ASSERT_EQ(stage.follower->slides(), expected.sliding) << "step " << i;
-    device = to;
-  }
-}
-
-TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
-  TriangleMesh room = made::box(Vec3::Zero(), Vec3::Ones());
-  for (Triangle& triangle : room.triangles) std::swap(triangle[1], triangle[2]);
-  Stage stage(room, kOffset, {.friction_static = 0.3, .friction_dynamic = 0.2, .two_sided = false});
-  stage.put({0.4, 0.5, 0.6});
-  ASSERT_EQ(stage.move({-0.1, -0.2, -0.3}), Outcome::settled);
-  ASSERT_EQ(stage.move({-1.0, -1.0, -1.0}), Outcome::settled);
-  expect_centre(stage, Vec3::Constant(kOffset));
-  ASSERT_EQ(stage.follower->contacts().size(), 3U);
-  // Along one edge of the room: it lags behind by mu times the depth.
-  ASSERT_EQ(stage.move({-0.2, 0.6, -0.3}), Outcome::settled);
-  const double lag = 0.2 * std::hypot(0.3, 0.4);
-  EXPECT_LT((stage.centre() - Vec3(kOffset, 0.6 - lag, kOffset)).norm(), 1e-11) << stage.centre().transpose();
-  EXPECT_TRUE(stage.follower->slides());
-  // A little back: it stays.
-  const Vec3 there = stage.follower->centre();
-  ASSERT_EQ(stage.move({-0.2, 0.6 - 0.5 * lag, -0.3}), Outcome::settled);
-  EXPECT_EQ(stage.follower->centre(), there);
-}
-
-class OverBumpsWithFriction : public testing::TestWithParam<std::tuple<std::uint64_t, double, double>> {};
-
-TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
-  constexpr double kStiffness = 1000.0;  // N/m
-  constexpr int kParts = 37;
-  constexpr int kSteps = 160;
-  const auto [seed, at_rest, sliding] = GetParam();
-  RecordProperty("seed", std::to_string(seed));
-  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, {.friction_static = at_rest, .friction_dynamic = sliding});
-  Wanderer wanderer(seed);
-  stage.put({0.3, 0.5, 0.7});
-  int touching = 0;
-  int slides = 0;
-  int several = 0;
-  double worst = 0.0;
-  for (int i = 0; i < kSteps; ++i) {
-    const Vec3 from = stage.device;
-    const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
-    SphereFollower in_parts(*stage.follower);
-    ASSERT_EQ(stage.move_local(to), Outcome::settled) << "step " << i;
-    ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "step " << i;
-    Vec3 before = from;
-    for (int k = 1; k <= kParts; ++k) {
-      const Vec3 part = k == kParts ? to : Vec3(from + (to - from) * k / kParts);
-      double time = 0.0;
-      ASSERT_EQ(in_parts.follow(before, part, time), Outcome::settled) << "step " << i << " part " << k;
-      before = part;
-    }
-    const double error = kStiffness * stage.unit() * (stage.follower->centre() - in_parts.centre()).norm();
-    const double force = kStiffness * stage.unit() * (stage.follower->centre() - to).norm();
-    worst = std::max(worst, error / std::max(1.0, force));
-    ASSERT_LE(error, 1e-8 * std::max(1.0, force)) << "N, step " << i;
-    touching += stage.follower->is_free() ? 0 : 1;
-    slides += stage.follower->slides() ? 1 : 0;
-    several += stage.follower->contacts().size() > 1 ? 1 : 0;
-  }
-  RecordProperty("worst", std::to_string(worst));
-  EXPECT_GT(touching, kSteps / 2);
-  EXPECT_GT(slides, kSteps / 4);
-  RecordProperty("several", several);
-}
-
-INSTANTIATE_TEST_SUITE_P(Seeds, OverBumpsWithFriction,
-                         testing::Combine(testing::Values(1, 2, 3, 4), testing::Values(0.5), testing::Values(0.5, 0.3)));
-
-TEST(SphereFollowerWithFriction, UsesNoHeap) {
-  Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubs);
-  Wanderer wanderer(7);
-  stage.put({0.3, 0.5, 0.7});
-  std::vector<Vec3> way;
-  for (int i = 0; i < 100; ++i) way.push_back(stage.geometry.to_local(wanderer.next(0.05)));
-  const AllocationGuard guard;
-  for (const Vec3& to : way) stage.move_local(to);
-  EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
 }
 
 }  // namespace

@@ -1,0 +1,205 @@
+#include "core/geometry/repair_mesh.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <numeric>
+
+#include "core/geometry/shared_edges.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kNeedleHeight = 0.01;  // of the longest edge
+
+struct Bits {
+  std::array<std::uint64_t, 3> word;
+  bool operator==(const Bits&) const = default;
+};
+std::uint64_t hash_of(const Bits& bits) {
+  std::uint64_t h = 0x9E3779B97F4A7C15ULL;
+  for (const std::uint64_t word : bits.word) {
+    h ^= word;
+    h *= 0xFF51AFD7ED558CCDULL;
+    h ^= h >> 32;
+  }
+  return h;
+}
+
+// Keys with numbers, in one flat table (open addressing, at most half full).
+class KeyTable {
+ public:
+  explicit KeyTable(std::size_t count) : keys_(std::bit_ceil(2 * count + 2)), numbers_(keys_.size(), kNone) {}
+
+  // The key's number: the one it got first, or this one.
+  std::uint32_t find_or_add(const Bits& key, std::uint32_t number) {
+    const std::size_t at = place_of(key);
+    if (numbers_[at] == kNone) {
+      keys_[at] = key;
+      numbers_[at] = number;
+    }
+    return numbers_[at];
+  }
+  bool contains(const Bits& key) const { return numbers_[place_of(key)] != kNone; }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+  std::size_t place_of(const Bits& key) const {
+    std::size_t at = hash_of(key) & (keys_.size() - 1);
+    while (numbers_[at] != kNone && keys_[at] != key) at = (at + 1) & (keys_.size() - 1);
+    return at;
+  }
+
+  std::vector<Bits> keys_;
+  std::vector<std::uint32_t> numbers_;
+};
+
+Bits bits_of(const Vec3& v) {
+  // Adding zero makes -0 into 0.
+  return {
+      {std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)}};
+}
+
+// The triangle starting at its lowest vertex, the same way round.
+Bits rotated(const Triangle& t) {
+  const auto k = std::min_element(t.begin(), t.end()) - t.begin();
+  return {{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}};
+}
+
+void weld(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
+  KeyTable seen(mesh.vertices.size());
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size());
+  std::uint32_t used = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    renumbered[i] = seen.find_or_add(bits_of(mesh.vertices[i]), used);
+    if (renumbered[i] == used) {
+      source.push_back(static_cast<std::uint32_t>(i));
+      mesh.vertices[used++] = mesh.vertices[i];
+    } else {
+      ++report.welded_vertices;
+    }
+  }
+  mesh.vertices.resize(used);
+  if (report.welded_vertices == 0) return;
+  for (Triangle& t : mesh.triangles) {
+    for (std::uint32_t& v : t) v = renumbered[v];
+  }
+}
+
+void drop_useless(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
+  KeyTable seen(mesh.triangles.size());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle t = mesh.triangles[i];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      ++report.dropped_empty;
+      continue;
+    }
+    const auto number = static_cast<std::uint32_t>(i);
+    if (seen.find_or_add(rotated(t), number) != number) {
+      ++report.dropped_duplicates;
+      continue;
+    }
+    if (seen.contains(rotated({t[0], t[2], t[1]}))) ++report.double_faces;
+    source[kept] = static_cast<std::uint32_t>(i);
+    if (i < mesh.authored_normals.size()) mesh.authored_normals[kept] = mesh.authored_normals[i];
+    mesh.triangles[kept++] = t;
+  }
+  mesh.triangles.resize(kept);
+  if (!mesh.authored_normals.empty()) mesh.authored_normals.resize(kept, {});
+  source.resize(kept);
+}
+
+void count_thin(const TriangleMesh& mesh, RepairReport& report) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Vec3 ab = mesh.corner(i, 1) - mesh.corner(i, 0);
+    const Vec3 ac = mesh.corner(i, 2) - mesh.corner(i, 0);
+    const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+    const double area = ab.cross(ac).norm();
+    if (area <= 1e-14 * longest) {
+      ++report.empty_area;
+    } else if (area < kNeedleHeight * longest) {
+      ++report.needles;
+    }
+  }
+}
+
+// Winds every piece one way, where one way fits all of it.
+void wind(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
+  enum : std::uint8_t { unseen, as_is, flipped };
+  std::vector<std::uint8_t> state(mesh.triangles.size(), unseen);
+  std::vector<std::uint32_t> piece;
+  for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
+    if (state[start] != unseen) continue;
+    ++report.pieces;
+    piece.assign(1, start);
+    state[start] = as_is;
+    bool fits = true;
+    std::size_t turned = 0;
+    for (std::size_t i = 0; i < piece.size(); ++i) {
+      const std::uint32_t t = piece[i];
+      for (int k = 0; k < 3; ++k) {
+        const HalfEdge* other = edges.across(t, k);
+        if (other == nullptr) continue;
+        const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
+        const bool same_way = upward == other->upward;  // two triangles of one winding run along their edge in opposite ways
+        const std::uint8_t wanted = (state[t] == flipped) != same_way ? flipped : as_is;
+        if (state[other->triangle] == unseen) {
+          state[other->triangle] = wanted;
+          turned += wanted == flipped ? 1 : 0;
+          piece.push_back(other->triangle);
+        } else if (state[other->triangle] != wanted) {
+          fits = false;
+        }
+      }
+    }
+    if (!fits) {
+      ++report.unorientable_pieces;
+      continue;
+    }
+    if (turned == 0) continue;
+    const std::uint8_t minority = 2 * turned > piece.size() ? as_is : flipped;
+    for (const std::uint32_t t : piece) {
+      if (state[t] != minority) continue;
+      std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+      if (!mesh.authored_normals.empty()) std::swap(mesh.authored_normals[t][1], mesh.authored_normals[t][2]);
+      ++report.turned;
+    }
+  }
+}
+
+}  // namespace
+
+TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>* source,
+                         std::vector<std::uint32_t>* vertex_source) {
+  report = {};
+  TriangleMesh repaired = mesh;
+  std::vector<std::uint32_t> from(mesh.triangles.size());
+  std::iota(from.begin(), from.end(), 0U);
+  std::vector<std::uint32_t> vertex_from;
+  weld(repaired, report, vertex_from);
+  drop_useless(repaired, report, from);
+  count_thin(repaired, report);
+  const SharedEdges edges(repaired.triangles);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    report.border_edges += edges[e].size() == 1 ? 1 : 0;
+    report.nonmanifold_edges += edges[e].size() > 2 ? 1 : 0;
+  }
+  wind(repaired, edges, report);
+  if (source != nullptr) *source = std::move(from);
+  if (vertex_source != nullptr) *vertex_source = std::move(vertex_from);
+  return repaired;
+}
+
+std::string RepairReport::describe() const {
+  return fmt::format(
+      "repair: welded {} vertices, dropped {} empty and {} duplicate triangles, turned {} round; left: {} double faces, {} on a line, "
+      "{} needles, {} border edges, {} non-manifold edges, {} of {} pieces unorientable",
+      welded_vertices, dropped_empty, dropped_duplicates, turned, double_faces, empty_area, needles, border_edges, nonmanifold_edges,
+      unorientable_pieces, pieces);
+}
+
+}  // namespace hapton

@@ -1,0 +1,38 @@
+#pragma once
+
+// Vector lanes for the hot path: eight floats (Float8), eight words (Uint32x8), and the four-lane types that fill them (Float4, Int4,
+// Double4). Two implementations with one interface and the same results to the last bit: AVX2 with FMA, and a scalar twin for any other
+// processor or with -DHAPTON_SCALAR. No other file uses vector instructions of a processor.
+//
+//   Float8(x), Uint32x8(x) ...   x in every lane; a float becomes a Float8 by itself
+//   a[i], set_lane(i, x)         one lane
+//   load, store                  aligned to the size of the type, but for load_unaligned; load_three fills the last lane with 0
+//   + - * /, sqrt, fma, fms      rounded once; fma(a, b, c) = a b + c, fms(a, b, c) = a b - c
+//   < <= > >= ==                 a mask: all bits of a lane set where it holds; false for NaN
+//   & | ^, and_not(a, b)         of the bits; and_not = ~a & b
+//   min, max                     b where the lanes are equal or one is NaN
+//   select(mask, set, clear)     by the sign bit of the mask
+//   sign_bits                    bit i: the sign of lane i
+//   sum                          of the lanes, modulo 2^32
+//   last_word, with_last_word    the bits of lane 3
+//
+// RT: yes.
+
+#include "core/math/float8_avx2.h"
+#include "core/math/float8_scalar.h"
+
+namespace hapton {
+
+#if defined(__AVX2__) && defined(__FMA__) && !defined(HAPTON_SCALAR)
+namespace simd = avx2;
+#else
+namespace simd = scalar;
+#endif
+
+using simd::Double4;
+using simd::Float4;
+using simd::Float8;
+using simd::Int4;
+using simd::Uint32x8;
+
+}  // namespace hapton

@@ -1,0 +1,34 @@
+#include "haptic_step/scene_facts.h"
+
+#include <algorithm>
+
+#include "scene/surface_points.h"
+
+namespace hapton {
+namespace {
+
+// As far out as a message may say; whatever lies there is out of every reach.
+SceneFacts::Point to_point(const Vec3& p) {
+  constexpr double kFarthestM = 1e8;
+  const Eigen::Vector3f near = p.cwiseMax(-kFarthestM).cwiseMin(kFarthestM).cast<float>();
+  return {near.x(), near.y(), near.z()};
+}
+
+}  // namespace
+
+SceneFacts make_scene_facts(const Scene& scene) {
+  SceneFacts facts;
+  facts.given_hash = scene.given_hash;
+  Eigen::AlignedBox3d box;
+  for (const SceneObject& object : scene.objects) {
+    for (const Vec3& vertex : object.mesh->vertices) box.extend(vertex);
+  }
+  if (!box.isEmpty()) {
+    facts.lowest_m = to_point(box.min());
+    facts.highest_m = to_point(box.max());
+  }
+  for (const Vec3& p : find_surface_points(scene.touch_scene(), facts.points_m.size())) facts.points_m[facts.point_count++] = to_point(p);
+  return facts;
+}
+
+}  // namespace hapton

@@ -1,0 +1,186 @@
+#include "haptics_node/reply_loop.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "runtime/log.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
+constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
+// After a change it is told a few times more, soon: a datagram may get lost.
+constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
+constexpr int kSetupRepeats = 3;
+
+}  // namespace
+
+ReplyLoop::ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup,
+                     bool builds_on_approach, const SceneFacts& scene)
+    : hub_(hub),
+      clock_(clock),
+      step_(step),
+      builder_(builder),
+      setup_(setup),
+      scene_(scene),
+      builds_on_approach_(builds_on_approach),
+      start_ns_(clock.now_ns()) {}
+
+void ReplyLoop::run(const StopSignal& stop, double seconds) {
+  const std::int64_t end_ns =
+      seconds > 0 ? clock_.now_ns() + static_cast<std::int64_t>(seconds * 1e9) : std::numeric_limits<std::int64_t>::max();
+  while (!stop.stop_requested()) {
+    const std::int64_t now_ns = clock_.now_ns();
+    if (now_ns >= end_ns) {
+      return;
+    }
+    turn(std::min(end_ns, now_ns + kLookAroundNs));
+  }
+}
+
+void ReplyLoop::turn(std::int64_t deadline_ns) {
+  if (hub_.receive(datagram_, deadline_ns)) {
+    drain();
+    if (step_.has_state() && is_ready()) {
+      answer();
+    }
+  }
+  change_method();
+  tell_setup();
+  tell_of_hub();
+  tell_of_scene();
+}
+
+void ReplyLoop::drain() noexcept {
+  do {
+    hear(datagram_.message);
+  } while (hub_.receive(datagram_, 0));
+}
+
+void ReplyLoop::hear(const Message& message) noexcept {
+  const bool overtaken = hub_.last_arrival() == Arrival::reordered;
+  if (const auto* state = std::get_if<DeviceState>(&message)) {
+    if (overtaken) {
+      return;  // a newer one was answered or is waiting
+    }
+    if (hub_.session() != session_) {
+      session_ = hub_.session();
+      step_.resume();
+    }
+    arrival_ns_ = hub_.receive_time_ns();
+    step_.offer(*state);
+  } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
+    // Overtaken by a state it is still news, by a later view not. Revisions are compared around the 32-bit circle.
+    if (!overtaken || static_cast<std::int32_t>(view->revision - view_revision_) > 0) {
+      if (step_.turn_scene(*view)) view_revision_ = view->revision;
+    }
+  } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
+    scene_shown_ = scene->given_hash;
+  } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
+    // Who waits for an answer asks again until it comes.
+    if (settings->method_request != 0 && settings->method_request == heard_ask_) return;
+    heard_ask_ = settings->method_request;
+    builder_.request(settings->method, settings->method_request);
+  }
+}
+
+// True at once but for the first answer.
+bool ReplyLoop::is_ready() noexcept {
+  if (!builds_on_approach_ || step_.is_running()) return true;
+  if (!looks_before_) {
+    looks_before_ = builder_.idle_looks();
+    step_.look_around();
+  }
+  if (builder_.idle_looks() < *looks_before_ + 2) return false;
+  looks_before_.reset();
+  return true;
+}
+
+void ReplyLoop::answer() noexcept {
+  const std::int64_t begin_ns = clock_.now_ns();
+  ForceCommand command = step_.answer();
+  const std::int64_t end_ns = clock_.now_ns();
+  const std::int64_t spent_ns = std::clamp<std::int64_t>(end_ns - arrival_ns_, 0, std::numeric_limits<std::uint32_t>::max());
+  command.compute_ns = static_cast<std::uint32_t>(spent_ns);
+  hub_.send(command);
+  compute_times_.record(spent_ns);
+  step_times_.record(end_ns - begin_ns);
+}
+
+void ReplyLoop::change_method() noexcept {
+  if (auto built = builder_.take()) {
+    built->step = step_.replace(std::move(built->step));
+    setup_.method = built->text;
+    setup_.method_request = built->ask;
+    setup_.rejection = {};
+    builder_.retire(std::move(built));
+    tell_setup_soon();
+  } else if (const RejectedMethod* rejected = builder_.take_rejection()) {
+    setup_.method_request = rejected->ask;
+    setup_.rejection = rejected->why;
+    tell_setup_soon();
+  }
+}
+
+void ReplyLoop::tell_setup_soon() noexcept {
+  setup_repeats_ = kSetupRepeats;
+  next_setup_ns_ = 0;
+}
+
+void ReplyLoop::tell_setup() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  const bool is_new_session = hub_.session() != told_session_;
+  if ((now_ns < next_setup_ns_ && !is_new_session) || hub_.state() != JoinState::joined) return;
+  if (is_new_session) setup_repeats_ = kSetupRepeats;
+  told_session_ = hub_.session();
+  next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupAgainNs : kSetupEveryNs);
+  setup_repeats_ -= setup_repeats_ > 0 ? 1 : 0;
+  setup_.method_serial = static_cast<std::uint32_t>(step_.counts().methods_taken);
+  setup_.view_revision = step_.view().revision;
+  setup_.X_WS = step_.view().X_WS;
+  hub_.send(setup_);
+  if (scene_.given_hash != 0) hub_.send(scene_);
+}
+
+void ReplyLoop::tell_of_scene() {
+  if (scene_shown_ == 0 || scene_.given_hash == 0 || scene_shown_ == scene_told_) return;
+  const bool was_other = scene_told_ != 0 && scene_told_ != scene_.given_hash;
+  scene_told_ = scene_shown_;
+  if (scene_shown_ != scene_.given_hash) {
+    log_warning("vision_node shows another scene than the one that is felt; start both with the same --scene, --unit and --no-fit");
+  } else if (was_other) {
+    log_info("vision_node shows the scene that is felt");
+  }
+}
+
+void ReplyLoop::tell_of_hub() {
+  const JoinState state = hub_.state();
+  if (state == told_) {
+    if (state == JoinState::joining && !told_absent_ && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
+      told_absent_ = true;
+      log_warning("no reply from a hub; start io_node, or check --hub and --key; retrying");
+    }
+    return;
+  }
+  told_ = state;
+  told_absent_ = true;
+  switch (state) {
+    case JoinState::joined:
+      log_info("joined the hub, {} samples per second", hub_.servo_rate_hz());
+      break;
+    case JoinState::rejected:
+      log_warning("the hub already has a haptics node; waiting to take over");
+      break;
+    case JoinState::joining:
+      if (hub_.has_hub_left()) {
+        log_info("the hub has ended its session; waiting for the next one");
+      } else {
+        log_warning("the hub stopped answering; retrying");
+      }
+      break;
+  }
+}
+
+}  // namespace hapton

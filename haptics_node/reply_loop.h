@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "haptic_step/haptics_step.h"
+#include "haptics_node/method_builder.h"
+#include "link/hub_client.h"
+#include "runtime/clock.h"
+#include "runtime/latency_histogram.h"
+#include "runtime/stop_signal.h"
+
+namespace hapton {
+
+// The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. Where a method builds
+// on approach, the first reply waits until the objects nearby are built: so resumed contact is felt from the first reply on, and the same
+// states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the result of a
+// method request, and its scene. A vision node with another scene is a line in the log. RT: run and turn yes, apart from such lines.
+// Threads: one.
+class ReplyLoop {
+ public:
+  ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
+            bool builds_on_approach = false, const SceneFacts& scene = {});
+
+  // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
+  void run(const StopSignal& stop, double seconds);
+
+  // One turn of it: waits for a message no longer than until deadline_ns, answers the newest state there is.
+  void turn(std::int64_t deadline_ns);
+
+  // From a state's arrival to its reply's departure.
+  const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
+  // Of them the step alone: device sample to force.
+  const LatencyHistogram& step_times() const noexcept { return step_times_; }
+
+ private:
+  void drain() noexcept;
+  void hear(const Message& message) noexcept;
+  bool is_ready() noexcept;
+  void answer() noexcept;
+  void change_method() noexcept;
+  void tell_setup_soon() noexcept;
+  void tell_setup() noexcept;
+  void tell_of_hub();
+  void tell_of_scene();
+
+  HubClient& hub_;
+  const Clock& clock_;
+  HapticsStep& step_;
+  MethodBuilder& builder_;
+  HapticsSetup setup_;
+  SceneFacts scene_;
+  std::uint64_t scene_shown_ = 0;  // its hash, as a vision node said last; 0: none did
+  std::uint64_t scene_told_ = 0;   // of these, the one that the log spoke of
+  bool builds_on_approach_;
+  std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
+  std::int64_t next_setup_ns_ = 0;
+  std::uint64_t told_session_ = 0;  // of the setup
+  int setup_repeats_ = 0;           // still to be sent soon
+  Datagram datagram_;
+  LatencyHistogram compute_times_;
+  LatencyHistogram step_times_;
+  std::int64_t arrival_ns_ = 0;
+  std::int64_t start_ns_;
+  std::uint64_t session_ = 0;
+  std::uint32_t view_revision_ = 0;
+  std::uint32_t heard_ask_ = 0;  // of a method
+  JoinState told_ = JoinState::joining;
+  bool told_absent_ = false;
+};
+
+}  // namespace hapton

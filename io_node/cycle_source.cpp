@@ -1,0 +1,72 @@
+#include "io_node/cycle_source.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+// After so many cycles in a row that were there already this thread sleeps for a moment: LimitRTTIME ends a thread that never sleeps, and
+// the kernel throttles it.
+constexpr std::uint32_t kMaxBehind = 8;
+constexpr std::int64_t kFewestDatagrams = 32;  // of a cycle's budget, however high the rate
+
+// Tells the CPU that this thread only waits.
+void relax() noexcept {
+#ifdef __x86_64__
+  __builtin_ia32_pause();
+#endif
+}
+
+}  // namespace
+
+bool CycleSource::await(const DeviceCycle& last, double rate_hz) noexcept {
+  renew_budget(rate_hz);
+  if (has_device_thread_) return await_device_thread(last);
+  run_device_cycle();
+  return true;
+}
+
+void CycleSource::renew_budget(double rate_hz) noexcept {
+  if (budget_ == nullptr) return;
+  const std::int64_t period_ns = std::llround(1e9 / rate_hz);
+  budget_->renew(static_cast<std::uint32_t>(std::max(kDatagramsPerMs * period_ns / kNanosecondsPerMillisecond, kFewestDatagrams)));
+}
+
+// Sleeps in the socket until shortly before the tick; then the device loop spins, as no sleep ends to the microsecond.
+void CycleSource::run_device_cycle() noexcept {
+  const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
+  loop_.note_behind(is_behind);
+  if (is_behind) receiver_.drain();
+  const std::int64_t wake_ns = loop_.wake_ns();
+  if (clock_.now_ns() < wake_ns) {
+    receiver_.receive_until(wake_ns);
+    loop_.note_wake_up(clock_.now_ns() - wake_ns);
+  }
+  loop_.begin_cycle();
+  loop_.run_cycle();
+}
+
+bool CycleSource::await_device_thread(const DeviceCycle& last) noexcept {
+  if (loop_.has_cycle()) {
+    receiver_.drain();
+    if (++cycles_behind_ % kMaxBehind == 0 && budget_ != nullptr) budget_->rest();
+    return true;
+  }
+  cycles_behind_ = 0;
+  // The moment at which the device side wakes too: one interrupt ends both sleeps, before the tick and not in the middle of its sample.
+  const std::int64_t wake_ns = last.next_wake_ns;
+  const std::int64_t now_ns = clock_.now_ns();
+  receiver_.receive_until(now_ns < wake_ns ? wake_ns : now_ns + kLongestSpinNs);
+  const std::int64_t end_ns = std::max(last.next_tick_ns, clock_.now_ns()) + kLongestSpinNs;
+  while (!loop_.has_cycle() && clock_.now_ns() < end_ns) relax();
+  return loop_.has_cycle();
+}
+
+void CycleSource::prepare_next_wait(const DeviceCycle& cycle) noexcept {
+  if (!has_device_thread_) return;
+  peers_.prepare_wait(cycle.next_wake_ns);
+  peers_.prepare_wait(cycle.next_tick_ns + (cycle.next_tick_ns - cycle.tick_ns) / 2);
+}
+
+}  // namespace hapton

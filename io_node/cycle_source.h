@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+
+#include "io_node/device_loop.h"
+#include "io_node/hub_receiver.h"
+#include "link/budgeted_endpoint.h"
+#include "link/hub_peers.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Cycle timing of the servo: waits for the device side's next cycle and receives datagrams meanwhile. The device side has a thread of its
+// own, or (tests on simulated time) runs its cycles here.
+// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+class CycleSource {
+ public:
+  // How long to spin for a cycle of the device side that is due: it is made on another CPU, or it displaces this thread.
+  static constexpr std::int64_t kLongestSpinNs = 50'000;
+  // Datagrams that are handled in a millisecond, at most: 1 us each, so that they take three tenths of the time; twenty times what 16 nodes
+  // send.
+  static constexpr std::int64_t kDatagramsPerMs = 300;
+
+  // Pre: all outlive this.
+  CycleSource(DeviceLoop& loop, HubReceiver& receiver, HubPeers& peers, const Clock& clock) noexcept
+      : loop_(loop), receiver_(receiver), peers_(peers), clock_(clock) {
+    receiver_.set_device_loop(&loop_);
+  }
+
+  // Set up before start.
+  void set_budget(BudgetedEndpoint* budget) noexcept { budget_ = budget; }
+  void use_device_thread() noexcept {
+    has_device_thread_ = true;
+    receiver_.set_device_loop(nullptr);
+  }
+  bool has_device_thread() const noexcept { return has_device_thread_; }
+
+  // last: the cycle before. False: the next one is late, and meanwhile there is other work.
+  bool await(const DeviceCycle& last, double rate_hz) noexcept;
+
+  // Arms the timers of the next two waits. Call it when no force is due: setting a timer costs microseconds.
+  void prepare_next_wait(const DeviceCycle& cycle) noexcept;
+
+ private:
+  void renew_budget(double rate_hz) noexcept;
+  void run_device_cycle() noexcept;
+  bool await_device_thread(const DeviceCycle& last) noexcept;
+
+  DeviceLoop& loop_;
+  HubReceiver& receiver_;
+  HubPeers& peers_;
+  const Clock& clock_;
+  BudgetedEndpoint* budget_ = nullptr;
+  bool has_device_thread_ = false;
+  std::uint32_t cycles_behind_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,70 @@
+#include "io_node/force_exchange.h"
+
+namespace hapton {
+
+// A node that has been silent for that long loses its slot to the next haptics node: it counts as gone.
+bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
+  return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_heard_ns < HubPeers::kHapticsTimeoutNs;
+}
+
+void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept {
+  const std::int64_t time_ns = cycle.sample.time_ns;
+  if (is_newest) {
+    const bool is_warm = time_ns - peers_.peer(HubPeers::kHapticsSlot).joined_ns >= ResponseTracker::kWarmUpNs;
+    responses_.take(cycle.number, time_ns, is_haptics_alive(time_ns) && is_warm);
+  } else {
+    responses_.withhold(cycle.number, time_ns);
+  }
+  history_.note_sample(cycle.number, cycle.sample);
+}
+
+void ForceExchange::send(const DeviceCycle& cycle) noexcept {
+  const DeviceSample& sample = cycle.sample;
+  DeviceState state{cycle.number, sample.time_ns, sample.p_WD, sample.q_WT, sample.buttons};
+  const std::optional<Vec3> p_WP = history_.find_resume_point(sample.p_WD);
+  state.is_resumed = p_WP.has_value();
+  if (p_WP) state.p_WP = *p_WP;
+  const std::size_t reached = peers_.send_to_role(NodeRole::haptics, state);
+  stats_.states_sent += reached;
+  if (hops_ != nullptr && reached > 0) hops_->on_state_sent(cycle.number, sample.time_ns);
+}
+
+void ForceExchange::accept(const Header& header, const ForceCommand& command) noexcept {
+  const ResponseTracker::Verdict verdict = responses_.answer(command);
+  if (verdict == ResponseTracker::Verdict::duplicate || verdict == ResponseTracker::Verdict::unknown) return;
+  if (verdict == ResponseTracker::Verdict::reordered) {
+    note_round_trip(header, command, clock_.now_ns());
+  } else {
+    note_written();  // of the force before
+    const std::uint64_t number = loop_.post({{.force_n = command.force_n}, command.echo_sample_time_ns});
+    posted_ = Posted{number, header, command};
+    note_written();
+    history_.note_answer(command);
+  }
+  ++stats_.forces;
+  stats_.contact_samples += command.contact ? 1 : 0;
+}
+
+void ForceExchange::note_written() noexcept {
+  const DeviceSide& side = loop_.latest();
+  if (!posted_ || side.command != posted_->number) return;
+  stats_.force_age.record(side.written_ns - posted_->command.echo_sample_time_ns);
+  if (hops_ != nullptr) hops_->on_force_written(side.ready_ns, side.written_ns);
+  note_round_trip(posted_->header, posted_->command, side.ready_ns);
+  posted_.reset();
+}
+
+void ForceExchange::note_round_trip(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept {
+  const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
+  if (hops_ != nullptr) hops_->on_force(header, command, ready_ns);
+  stats_.round_trip.record(round_trip_ns);
+  stats_.haptics_compute.record(command.compute_ns);
+  stats_.wire.record(round_trip_ns - static_cast<std::int64_t>(command.compute_ns));
+}
+
+void ForceExchange::on_haptics_joined() noexcept {
+  history_.note_new_haptics();
+  responses_.excuse_waiting();
+}
+
+}  // namespace hapton

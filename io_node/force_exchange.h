@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "io_node/device_loop.h"
+#include "io_node/hop_meter.h"
+#include "io_node/probe_history.h"
+#include "io_node/response_tracker.h"
+#include "io_node/servo_stats.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// Exchanges samples for forces with the haptics node: sends each device sample, posts the newest force to the device side, which governs
+// and writes it, and measures how long that took. Frames: world. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+class ForceExchange {
+ public:
+  // Pre: all outlive this. What it measures goes into stats.
+  ForceExchange(DeviceLoop& loop, HubPeers& peers, const Clock& clock, ServoStats& stats) noexcept
+      : loop_(loop), peers_(peers), clock_(clock), stats_(stats) {}
+
+  void set_hop_meter(HopMeter* hops) noexcept { hops_ = hops; }
+
+  // A cycle of the device side. is_newest false: a newer one is there already, so this sample is never sent.
+  void add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept;
+  // The newest sample, to the haptics node.
+  void send(const DeviceCycle& cycle) noexcept;
+  // The force for the newest sample may still arrive.
+  bool is_awaited() const noexcept { return !responses_.is_newest_answered() && peers_.has_haptics(); }
+  // The newest force is governed and written to the device before this returns, as a rule. One that answers an older sample than the last
+  // force did is counted and dropped.
+  void accept(const Header& header, const ForceCommand& command) noexcept;
+  // Measures the force that was posted last, once it is on the motors.
+  void note_written() noexcept;
+
+  void on_haptics_joined() noexcept;
+  void on_haptics_left() noexcept { responses_.excuse_waiting(); }
+  // The scene was turned.
+  void forget_rest() noexcept { history_.forget_rest(); }
+  void settle(std::int64_t now_ns) noexcept { responses_.settle(now_ns); }
+  // At the end of a run. sample_ns: time of the newest sample.
+  void close(std::int64_t sample_ns) noexcept { responses_.close(is_haptics_alive(sample_ns)); }
+
+  const ResponseTracker& responses() const noexcept { return responses_; }
+  const ProbeHistory& history() const noexcept { return history_; }
+  // The last force came in contact, from a node that is still there.
+  bool is_in_contact() const noexcept { return history_.last_answer().contact && peers_.has_haptics(); }
+
+ private:
+  struct Posted {
+    std::uint64_t number = 0;  // of the device loop's command
+    Header header;
+    ForceCommand command;
+  };
+
+  bool is_haptics_alive(std::int64_t now_ns) const noexcept;
+  void note_round_trip(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
+
+  DeviceLoop& loop_;
+  HubPeers& peers_;
+  const Clock& clock_;
+  ServoStats& stats_;
+  HopMeter* hops_ = nullptr;
+  ResponseTracker responses_;
+  ProbeHistory history_;
+  std::optional<Posted> posted_;  // not known to be written yet
+};
+
+}  // namespace hapton

@@ -1,0 +1,80 @@
+#include "io_node/hop_meter.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "link/link_key.h"
+
+namespace hapton {
+
+void HopMeter::on_joined(std::size_t place, const Address& address) noexcept {
+  if (place >= offsets_.size()) return;
+  offsets_[place].forget();
+  is_one_clock_[place] = is_loopback(address);
+}
+
+void HopMeter::on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept {
+  states_[sample % kStatesKept] = {sample, endpoint_.last_send_ns()};
+  stats_.encode.record(endpoint_.last_send_ns() - sample_time_ns);
+}
+
+void HopMeter::on_probe_sent(std::uint64_t sample) noexcept {
+  Sent& last = probes_[(next_probe_ + kProbesKept - 1) % kProbesKept];
+  if (last.sample == sample) {  // sent again, the figures beside it having changed
+    last.time_ns = endpoint_.last_send_ns();
+    return;
+  }
+  probes_[next_probe_] = {sample, endpoint_.last_send_ns()};
+  next_probe_ = (next_probe_ + 1) % kProbesKept;
+}
+
+void HopMeter::on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept {
+  const std::int64_t round_trip_ns = ready_ns - command.echo_sample_time_ns;
+  if (last_round_trip_ns_ >= 0) stats_.jitter.record(std::abs(round_trip_ns - last_round_trip_ns_));
+  last_round_trip_ns_ = round_trip_ns;
+  const std::int64_t taken_ns = endpoint_.last_receive_ns();
+  stats_.decode.record(ready_ns - taken_ns);
+  const Sent& sent = states_[command.echo_sample % kStatesKept];
+  if (sent.sample != command.echo_sample || sent.sample == 0) return;
+  // The node says how long it held the sample, so the time of its answer tells when the sample came. What it says is its own affair: times
+  // that no number holds are left out here and in ClockOffset.
+  std::int64_t arrived_ns = 0;
+  if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(command.compute_ns), &arrived_ns)) return;
+  ClockOffset& offset = offsets_[HubPeers::kHapticsSlot];
+  offset.add({sent.time_ns, arrived_ns, header.send_time_ns, taken_ns});
+  if (!is_offset_known(HubPeers::kHapticsSlot)) return;
+  const std::int64_t ahead_ns = offset_ns(HubPeers::kHapticsSlot);
+  const std::int64_t wire_ns = taken_ns - sent.time_ns - static_cast<std::int64_t>(command.compute_ns);
+  std::int64_t out_ns = 0;
+  if (__builtin_sub_overflow(arrived_ns, sent.time_ns + ahead_ns, &out_ns)) return;
+  if (out_ns < 0 || out_ns > wire_ns) return;  // the clocks cannot be told apart well enough for this one
+  stats_.wire_out.record(out_ns);
+  stats_.wire_back.record(wire_ns - out_ns);
+}
+
+void HopMeter::on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept {
+  const auto probe = std::find_if(probes_.begin(), probes_.end(), [&](const Sent& sent) { return sent.sample == drawn.echo_sample; });
+  if (drawn.held_ns == 0 || drawn.echo_sample == 0 || place >= offsets_.size() || probe == probes_.end()) return;
+  std::int64_t heard_ns = 0;
+  if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(drawn.held_ns), &heard_ns)) return;
+  stats_.vision_draw.record(drawn.held_ns);
+  offsets_[place].add({probe->time_ns, heard_ns, header.send_time_ns, endpoint_.last_receive_ns()});
+  if (!is_offset_known(place)) return;
+  std::int64_t photon_ns = 0;
+  const bool overflows = __builtin_sub_overflow(header.send_time_ns, offset_ns(place) + drawn.echo_sample_time_ns, &photon_ns);
+  if (!overflows && photon_ns >= 0 && photon_ns <= endpoint_.last_receive_ns() - drawn.echo_sample_time_ns)
+    stats_.motion_to_photon.record(photon_ns);
+}
+
+const HopStats& HopMeter::collect(std::int64_t now_ns) noexcept {
+  const ClockOffset& offset = offsets_[HubPeers::kHapticsSlot];
+  stats_.link = endpoint_.counts();
+  stats_.is_one_clock = is_one_clock_[HubPeers::kHapticsSlot];
+  // The estimate is told even where it is not needed: it shows how good it is.
+  stats_.is_offset_known = offset.is_known();
+  stats_.clock_offset_ns = offset.is_known() ? offset.offset_ns() : 0;
+  stats_.clock_error_ns = offset.is_known() ? offset.error_bound_ns(now_ns) : 0;
+  return stats_;
+}
+
+}  // namespace hapton

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "link/clock_offset.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+#include "link/metered_endpoint.h"
+#include "runtime/latency_histogram.h"
+
+namespace hapton {
+
+// What the ways between the nodes take, hop by hop. Those of one sample add up to its round trip:
+// encode + wire_out + haptics_compute + wire_back + decode.
+struct HopStats {
+  LatencyHistogram encode;            // sample taken -> encoded, sealed and about to be handed to the system
+  LatencyHistogram wire_out;          // -> the haptics node has read it
+  LatencyHistogram wire_back;         // its answer is ready to be encoded -> taken from the system
+  LatencyHistogram decode;            // -> opened, decoded and guarded
+  LatencyHistogram device_write;      // -> written to the device
+  LatencyHistogram jitter;            // difference of the round trip to the one before
+  LatencyHistogram vision_draw;       // a vision node has read a state -> it has drawn it
+  LatencyHistogram motion_to_photon;  // sample taken -> the picture that shows it is drawn
+  MeteredEndpoint::Counts link;
+
+  // The haptics node's clock minus ours, and how far off that may be. One clock: the node is on this host, the offset is zero by itself.
+  bool is_offset_known = false;
+  bool is_one_clock = false;
+  std::int64_t clock_offset_ns = 0;
+  std::int64_t clock_error_ns = 0;
+};
+
+// Measures them from the times that the datagrams carry and those at which the endpoint sent and received them.
+// One-way times between hosts rest on ClockOffset and are as good as its error bound; on one host they are exact.
+// RT: yes. Threads: the servo's.
+class HopMeter {
+ public:
+  // Pre: the endpoint, the one that carries the hub's datagrams, outlives this.
+  explicit HopMeter(const MeteredEndpoint& endpoint) : endpoint_(endpoint) {}
+
+  // Another node has taken this slot.
+  void on_joined(std::size_t place, const Address& address) noexcept;
+  // The newest sample has been sent to the haptics node, or to the vision nodes.
+  void on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept;
+  void on_probe_sent(std::uint64_t sample) noexcept;
+  // A force is ready to be written.
+  void on_force(const Header& header, const ForceCommand& command, std::int64_t ready_ns) noexcept;
+  void on_force_written(std::int64_t ready_ns, std::int64_t now_ns) noexcept { stats_.device_write.record(now_ns - ready_ns); }
+  // The vision node in this slot has drawn a frame.
+  void on_drawn(const Header& header, const Drawn& drawn, std::size_t place) noexcept;
+
+  // Up to date as of now_ns.
+  const HopStats& collect(std::int64_t now_ns) noexcept;
+
+ private:
+  static constexpr std::size_t kStatesKept = 1024;  // by number; what answers an older one is left out
+  static constexpr std::size_t kProbesKept = 256;   // one after the other: a second of them and more
+
+  struct Sent {
+    std::uint64_t sample = 0;  // 0: none
+    std::int64_t time_ns = 0;
+  };
+
+  std::int64_t offset_ns(std::size_t place) const noexcept { return is_one_clock_[place] ? 0 : offsets_[place].offset_ns(); }
+  bool is_offset_known(std::size_t place) const noexcept { return is_one_clock_[place] || offsets_[place].is_known(); }
+
+  const MeteredEndpoint& endpoint_;
+  HopStats stats_;
+  std::array<ClockOffset, HubPeers::kCapacity> offsets_ = {};
+  std::array<bool, HubPeers::kCapacity> is_one_clock_ = {};
+  std::array<Sent, kStatesKept> states_ = {};
+  std::array<Sent, kProbesKept> probes_ = {};
+  std::size_t next_probe_ = 0;
+  std::int64_t last_round_trip_ns_ = -1;
+};
+
+}  // namespace hapton

@@ -1,0 +1,34 @@
+#include "io_node/probe_history.h"
+
+namespace hapton {
+
+void ProbeHistory::note_sample(std::uint64_t number, const DeviceSample& sample) noexcept {
+  newest_ = number;
+  poses_[number % kSamples] = {sample.time_ns, sample.p_WD, sample.q_WT};
+}
+
+void ProbeHistory::note_answer(const ForceCommand& command) noexcept {
+  last_ = command;
+  is_haptics_new_ = false;
+  const bool is_at_rest = command.contact && is_known(command.echo_sample);
+  p_WP_ = is_at_rest ? std::optional<Vec3>(poses_[command.echo_sample % kSamples].p_WD + command.visual_offset_m) : std::nullopt;
+}
+
+std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
+  return is_haptics_new_ && p_WP_ && (*p_WP_ - p_WD).norm() <= kResumeReachM ? p_WP_ : std::nullopt;
+}
+
+void ProbeHistory::show(bool is_silent, ProbeState& probe) const noexcept {
+  const bool is_live = !is_silent && is_known(last_.echo_sample);
+  const std::uint64_t shown = is_live ? last_.echo_sample : newest_;
+  if (shown < probe.sample) return;  // an answer to a sample before the silence comes too late for the picture
+  const Pose& pose = poses_[shown % kSamples];
+  probe.sample = shown;
+  probe.sample_time_ns = pose.time_ns;
+  probe.p_WD = pose.p_WD;
+  probe.q_WT = pose.q_WT;
+  probe.contact = is_live && last_.contact;
+  probe.visual_offset_m = is_live ? last_.visual_offset_m : Vec3(Vec3::Zero());
+}
+
+}  // namespace hapton

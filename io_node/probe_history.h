@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/math/types.h"
+#include "devices/device.h"
+#include "io_node/device_loop.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// Poses of the newest samples, and where the probe rests: for the frame, whose pose and visual offset must belong to one sample, and for a
+// haptics node that replaces another and resumes contact from there.
+// Frames: world. Units: m, ns of the hub's clock. RT: yes. Threads: one.
+class ProbeHistory {
+ public:
+  // Samples kept: a force that replies to an older one has no pose.
+  static constexpr std::size_t kSamples = 256;
+
+  // Pre: samples count up.
+  void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
+  // The reply to the newest sample that has one.
+  void note_answer(const ForceCommand& command) noexcept;
+  // A haptics node has joined and not replied yet.
+  void note_new_haptics() noexcept { is_haptics_new_ = true; }
+  bool is_haptics_new() const noexcept { return is_haptics_new_; }
+  // The scene was turned: the rest position is no longer valid.
+  void forget_rest() noexcept { p_WP_.reset(); }
+
+  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM).
+  std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
+  const ForceCommand& last_answer() const noexcept { return last_; }
+
+  // Pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw the
+  // probe off the surface by the device's motion in between. Without replies: the newest sample, without offset.
+  void show(bool is_silent, ProbeState& probe) const noexcept;
+
+ private:
+  struct Pose {
+    std::int64_t time_ns = 0;
+    Vec3 p_WD = Vec3::Zero();
+    Quat q_WT = Quat::Identity();
+  };
+
+  bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_ - sample < kSamples; }
+
+  std::array<Pose, kSamples> poses_ = {};  // by number
+  std::uint64_t newest_ = 0;
+  ForceCommand last_;
+  std::optional<Vec3> p_WP_;  // in contact, as far as known
+  bool is_haptics_new_ = false;
+};
+
+}  // namespace hapton

@@ -1,0 +1,57 @@
+#include "io_node/report_server.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace hapton {
+
+void ReportServer::accept(std::size_t peer, const ReportRequest& wanted) noexcept {
+  if (peer >= waiting_.size()) return;
+  waiting_[peer] = Waiting{wanted, texts_.value().revision};
+  if (wanted.revision == 0) is_requested_.store(true, std::memory_order_release);
+}
+
+void ReportServer::serve(HubPeers& peers) noexcept {
+  texts_.take();
+  for (std::size_t n = 0; n < waiting_.size(); ++n) {
+    const std::size_t peer = next_;
+    next_ = (next_ + 1) % waiting_.size();
+    if (waiting_[peer] && answer(peers, peer)) {
+      waiting_[peer].reset();
+      return;
+    }
+  }
+}
+
+bool ReportServer::answer(HubPeers& peers, std::size_t peer) noexcept {
+  const Waiting& waiting = *waiting_[peer];
+  const Texts& texts = texts_.value();
+  const bool is_there = waiting.wanted.revision == 0 ? texts.revision > waiting.newer_than : texts.revision != 0;
+  if (!is_there) return false;
+  // A newer report than the one asked for: its first part says so.
+  const std::uint32_t place = waiting.wanted.revision == texts.revision ? waiting.wanted.part : 0;
+  const std::string_view text = waiting.wanted.document == ReportDocument::csv ? texts.csv : texts.json;
+  const std::size_t most = part_.text.size();
+  const auto parts = static_cast<std::uint32_t>((text.size() + most - 1) / most);
+  if (place >= parts) return true;  // nothing to tell
+  const std::string_view piece = text.substr(place * most, most);
+  part_.document = waiting.wanted.document;
+  part_.revision = texts.revision;
+  part_.part = place;
+  part_.parts = parts;
+  part_.size = static_cast<std::uint16_t>(piece.size());
+  std::copy(piece.begin(), piece.end(), part_.text.begin());
+  peers.send_to(peer, part_);
+  return true;
+}
+
+void ReportServer::publish(std::string json, std::string csv) {
+  Texts& draft = texts_.draft();
+  draft.revision = ++revision_;
+  draft.json = std::move(json);
+  draft.csv = std::move(csv);
+  texts_.publish_draft();
+}
+
+}  // namespace hapton

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "link/hub_peers.h"
+#include "link/messages.h"
+#include "runtime/mailbox.h"
+
+namespace hapton {
+
+// Where tools get the hub's report: they ask for it, the thread that has time writes it, and the servo hands it out, a part to a datagram
+// and a datagram a cycle at most. RT: ask and serve yes, no heap; publish no. Threads: the servo calls ask and serve, one other
+// take_request and publish.
+class ReportServer {
+ public:
+  // The servo: this peer requests a part; an earlier request of it is dropped.
+  void accept(std::size_t peer, const ReportRequest& wanted) noexcept;
+  // The servo, once a cycle: replies to one pending request, if its part is there.
+  void serve(HubPeers& peers) noexcept;
+
+  // The other thread: true once when a fresh report was requested.
+  bool take_request() noexcept { return is_requested_.exchange(false, std::memory_order_acq_rel); }
+  // A fresh report; later ones replace it.
+  void publish(std::string json, std::string csv);
+
+ private:
+  struct Texts {
+    std::uint32_t revision = 0;
+    std::string json;
+    std::string csv;
+  };
+  struct Waiting {
+    ReportRequest wanted;
+    std::uint32_t newer_than = 0;
+  };
+
+  bool answer(HubPeers& peers, std::size_t peer) noexcept;
+
+  Mailbox<Texts> texts_;
+  std::uint32_t revision_ = 0;  // the publisher's
+  std::atomic<bool> is_requested_{false};
+  std::array<std::optional<Waiting>, HubPeers::kCapacity> waiting_ = {};
+  std::size_t next_ = 0;
+  ReportPart part_;
+};
+
+}  // namespace hapton

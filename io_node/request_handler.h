@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "io_node/device_loop.h"
+#include "io_node/event_ring.h"
+#include "io_node/servo_stats.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+#include "runtime/clock.h"
+
+namespace hapton {
+
+// Carries out what tools and vision nodes request: servo rate, force method, report, reset of a latched fault, hand target.
+// RT: yes. Threads: the servo's; take_report_request one other.
+class RequestHandler {
+ public:
+  // Pre: all outlive this. rate_hz: of the servo, at first.
+  RequestHandler(DeviceLoop& loop, HubPeers& peers, const Clock& clock, EventRing& events, ServoStats& stats, double rate_hz) noexcept
+      : loop_(loop), peers_(peers), clock_(clock), events_(events), stats_(stats), rate_hz_(rate_hz) {}
+
+  void accept(const Settings& settings, const PeerEvent& event) noexcept;
+  // The newest vision node that sets an active target controls the simulated hand until it releases it or leaves.
+  void accept(const HandTarget& target, std::size_t peer) noexcept;
+  // The node in this slot has left, or another one has taken it.
+  void on_peer_gone(std::size_t peer) noexcept;
+
+  double rate_hz() const noexcept { return rate_hz_; }
+  // Here, for want of the right or of a person.
+  std::uint64_t resets_denied() const noexcept { return resets_denied_; }
+  // The other thread: true once for each request.
+  bool take_report_request() noexcept { return is_report_requested_.exchange(false, std::memory_order_acq_rel); }
+
+ private:
+  static constexpr std::size_t kNobody = HubPeers::kCapacity;
+
+  void set_rate(double rate_hz, NodeRole role) noexcept;
+  void request_method(const Settings& settings, NodeRole role) noexcept;
+  void reset_faults(const Peer& sender) noexcept;
+  void note_denied(ServoEvent::Kind why, const Peer& sender) noexcept;
+
+  DeviceLoop& loop_;
+  HubPeers& peers_;
+  const Clock& clock_;
+  EventRing& events_;
+  ServoStats& stats_;
+  double rate_hz_;
+  std::size_t hand_controller_ = kNobody;
+  std::uint64_t resets_denied_ = 0;
+  std::int64_t next_denial_notice_ns_ = 0;
+  std::atomic<bool> is_report_requested_{false};
+};
+
+}  // namespace hapton

@@ -1,0 +1,96 @@
+#include "io_node/response_tracker.h"
+
+#include <algorithm>
+
+namespace hapton {
+
+// Moves an entry to another state and the counts with it.
+void ResponseTracker::put(Entry& into, State state) noexcept {
+  const auto add = [this](State of, std::uint64_t n) {
+    if (of == State::superseded) counts_.superseded += n;
+    if (of == State::lost) counts_.lost += n;
+    if (of == State::excused || of == State::withheld) counts_.excused += n;
+  };
+  add(into.state, ~std::uint64_t{0});
+  add(state, 1);
+  into.state = state;
+}
+
+void ResponseTracker::take(std::uint64_t sample, std::int64_t time_ns, bool is_expected) noexcept {
+  note(sample, time_ns, is_expected ? State::waiting : State::excused);
+}
+
+void ResponseTracker::withhold(std::uint64_t sample, std::int64_t time_ns) noexcept { note(sample, time_ns, State::withheld); }
+
+void ResponseTracker::note(std::uint64_t sample, std::int64_t time_ns, State state) noexcept {
+  Entry& place = entry(sample);
+  if (place.state == State::waiting) put(place, State::excused);
+  place = {sample, time_ns, State::none};
+  put(place, state);
+  ++counts_.taken;
+  newest_ = sample;
+}
+
+ResponseTracker::Verdict ResponseTracker::answer(const ForceCommand& command) noexcept {
+  Entry& found = entry(command.echo_sample);
+  const bool is_ours = command.echo_sample != 0 && found.sample == command.echo_sample && found.time_ns == command.echo_sample_time_ns;
+  if (!is_ours) {
+    ++counts_.unknown;
+    return Verdict::unknown;
+  }
+  if (found.state == State::answered) {
+    ++counts_.duplicate;
+    return Verdict::duplicate;
+  }
+  put(found, State::answered);
+  if (command.echo_sample < newest_answered_) {
+    ++counts_.reordered;
+    return Verdict::reordered;
+  }
+  newest_answered_ = command.echo_sample;
+  supersede_before(command.echo_sample, command.skipped_samples);
+  if (command.echo_sample < newest_) {
+    ++counts_.late;
+    return Verdict::late;
+  }
+  ++counts_.in_time;
+  return Verdict::in_time;
+}
+
+// The node skipped `count` samples since its last answer: the newest that were sent to it below this one.
+void ResponseTracker::supersede_before(std::uint64_t sample, std::uint32_t count) noexcept {
+  for (std::uint64_t s = sample - 1; count > 0 && s > settled_ && s + kCapacity > newest_; --s) {
+    Entry& skipped = entry(s);
+    if (skipped.sample != s || skipped.state == State::withheld) continue;
+    if (skipped.state == State::answered) return;
+    if (skipped.state == State::waiting) put(skipped, State::superseded);
+    --count;
+  }
+}
+
+// Puts all that waits below `end` into this state.
+void ResponseTracker::settle_until(std::uint64_t end, State state) noexcept {
+  if (newest_ > kCapacity) settled_ = std::max(settled_, newest_ - kCapacity);
+  for (; settled_ + 1 < end; ++settled_) {
+    Entry& next = entry(settled_ + 1);
+    if (next.sample == settled_ + 1 && next.state == State::waiting) put(next, state);
+  }
+}
+
+void ResponseTracker::excuse_waiting() noexcept {
+  settle_until(newest_answered_, State::lost);
+  settle_until(newest_ + 1, State::excused);
+}
+
+void ResponseTracker::settle(std::int64_t now_ns) noexcept {
+  std::uint64_t end = settled_ + 1;
+  while (end < newest_answered_ && entry(end).time_ns < now_ns - kPatienceNs) ++end;
+  settle_until(end, State::lost);
+}
+
+void ResponseTracker::close(bool is_alive) noexcept {
+  settle_until(newest_answered_, State::lost);
+  settle_until(newest_ + 1, is_alive ? State::lost : State::excused);
+}
+
+}  // namespace hapton

@@ -1,0 +1,54 @@
+#include "io_node/safety_notices.h"
+
+#include "io_node/session_fault_of.h"
+
+namespace hapton {
+
+void SafetyNotices::notify(ServoEvent::Kind kind, SafetyFault fault) noexcept { events_.push({kind, NodeRole::tool, {}, 0.0, {}, fault}); }
+void SafetyNotices::notify_status(ServoEvent::Kind kind) noexcept { events_.push({kind, NodeRole::io, {}, 0.0, {}, {}}); }
+
+// People first: they may have to do something about it.
+void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
+  const GovernorCounters& governor = side.governor.counters;
+  if (governor.latched > governor_noted_.latched) notify(ServoEvent::Kind::latched, side.governor.fault);
+  if (governor.resets > governor_noted_.resets) notify(ServoEvent::Kind::reset, fault_noted_);
+  if (governor.resets_rejected > governor_noted_.resets_rejected) notify(ServoEvent::Kind::reset_rejected, side.governor.fault);
+  fault_noted_ = side.governor.fault;
+  if (side.status == status_noted_) status_since_ns_ = now_ns;
+  if (now_ns - status_since_ns_ >= kStatusNs) {
+    if (side.status == DeviceStatus::away) notify_status(ServoEvent::Kind::away);
+    if (side.status == DeviceStatus::calibrating) notify_status(ServoEvent::Kind::calibrating);
+    if (side.status == DeviceStatus::ready) notify_status(ServoEvent::Kind::back);
+    status_noted_ = side.status;
+  }
+  if (tap_ != nullptr) record(side, cycle, is_missed, now_ns);
+  governor_noted_ = governor;
+}
+
+void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
+  tap_->on_cycle(
+      {.sample = cycle.number, .late_ns = cycle.late_ns, .written_n = side.written.force_n, .missed = cycle.missed, .cause = cycle.cause},
+      now_ns);
+}
+
+void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
+  note_cycle(side, cycle, now_ns);
+  const GovernorCounters& governor = side.governor.counters;
+  record_fault(SessionFault::silence, governor.command_timeouts > governor_noted_.command_timeouts && is_missed, now_ns);
+  record_fault(SessionFault::not_finite, governor.not_finite > governor_noted_.not_finite, now_ns);
+  record_fault(SessionFault::rejected_future, governor.rejected_future > governor_noted_.rejected_future, now_ns);
+  record_fault(SessionFault::clamped, governor.clamped > governor_noted_.clamped, now_ns);
+  record_fault(SessionFault::stalled, cycle.late_ns >= kCommandTimeoutNs, now_ns);
+  record_fault(SessionFault::overrun, side.has_overrun, now_ns);
+  record_fault(SessionFault::energy, side.is_energy_gone, now_ns);
+  if (governor.latched > governor_noted_.latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
+}
+
+// Once when it begins: a force that stays above the limit is one fault.
+void SafetyNotices::record_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept {
+  const std::uint32_t bit = std::uint32_t{1} << static_cast<unsigned>(fault);
+  if (is_there && (faults_ & bit) == 0) tap_->on_fault(fault, now_ns);
+  faults_ = is_there ? faults_ | bit : faults_ & ~bit;
+}
+
+}  // namespace hapton

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "io_node/device_loop.h"
+#include "io_node/event_ring.h"
+#include "io_node/servo_tap.h"
+#include "link/session_entry.h"
+#include "runtime/clock.h"
+#include "safety/safety_fault.h"
+#include "safety/safety_governor.h"
+
+namespace hapton {
+
+// Reports each fault and change of state of governor and device once: to people (the event ring) and to the recording (the tap).
+// RT: yes. Threads: one.
+class SafetyNotices {
+ public:
+  // How long a device must be disconnected, or calibrating, before that is reported.
+  static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
+
+  // Pre: both outlive this; tap may be null.
+  SafetyNotices(EventRing& events, ServoTap* tap) noexcept : events_(events), tap_(tap) {}
+
+  void start(std::int64_t now_ns) noexcept { status_since_ns_ = now_ns; }
+  // Once a cycle. is_missed: a command timeout counts as a fault, as the hand was in contact and the haptics node is still there.
+  void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
+  // A cycle that a newer one has already superseded. Pre: there is a tap.
+  void note_cycle(const DeviceSide& side, const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
+
+ private:
+  void notify(ServoEvent::Kind kind, SafetyFault fault) noexcept;
+  void notify_status(ServoEvent::Kind kind) noexcept;
+  void record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
+  void record_fault(SessionFault fault, bool is_there, std::int64_t now_ns) noexcept;
+
+  EventRing& events_;
+  ServoTap* tap_;
+  SafetyFault fault_noted_ = SafetyFault::none;
+  GovernorCounters governor_noted_;
+  DeviceStatus status_noted_ = DeviceStatus::ready;
+  std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
+  std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
+};
+
+}  // namespace hapton

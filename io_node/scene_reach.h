@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/math/types.h"
+#include "devices/device.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+enum class SceneReach : std::uint8_t { unknown, in_reach, out_of_reach, too_small };
+
+// Whether a device with these limits can touch the scene where it is posed. Out of reach: its box and the workspace do not meet. In
+// reach: one of its points lies within. Too small: its longest side is below a fiftieth of the workspace's.
+// RT: yes.
+SceneReach judge_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept;
+
+// The pose of the scene that a view transform means, as the codec lets it in.
+Pose pose_of(const ViewTransform& view) noexcept;
+
+// A point of it in W. Pre: i below its count. RT: yes.
+Vec3 point_in_world(const SceneFacts& scene, const Pose& X_WS, std::size_t i) noexcept;
+
+}  // namespace hapton

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+
+#include "io_node/device_loop.h"
+#include "io_node/event_ring.h"
+#include "io_node/scene_reach.h"
+#include "io_node/servo_stats.h"
+#include "link/hub_peers.h"
+#include "link/messages.h"
+
+namespace hapton {
+
+// Relays what the haptics node and the vision nodes state about their scenes, so that each compares them, and checks whether the device can
+// reach the scene where it is posed; the simulated hand gets points of it to go to.
+// RT: yes. Threads: the servo's.
+class SceneRelay {
+ public:
+  // Pre: all outlive this.
+  SceneRelay(DeviceLoop& loop, HubPeers& peers, EventRing& events, ServoStats& stats) noexcept
+      : loop_(loop), peers_(peers), events_(events), stats_(stats) {}
+
+  // view: the newest, if any.
+  void accept(const SceneFacts& scene, NodeRole role, const std::optional<ViewTransform>& view) noexcept;
+  // The scene was turned.
+  void place(const std::optional<ViewTransform>& view) noexcept;
+  SceneReach reach() const noexcept { return reach_; }
+
+ private:
+  void notify(ServoEvent::Kind kind) noexcept { events_.push({kind, NodeRole::haptics, {}, 0.0, {}, {}}); }
+
+  DeviceLoop& loop_;
+  HubPeers& peers_;
+  EventRing& events_;
+  ServoStats& stats_;
+  std::optional<SceneFacts> scene_;  // of the haptics node
+  SceneReach reach_ = SceneReach::unknown;
+};
+
+// Why there is no force, or not the right one; of several causes the one to fix first. RT: yes.
+ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneReach reach) noexcept;
+
+}  // namespace hapton

@@ -1,0 +1,42 @@
+#include "io_node/scheduling_monitor.h"
+
+#include <algorithm>
+
+namespace hapton {
+namespace {
+
+constexpr double kSecondsPerNanosecond = 1e-9;
+constexpr double kMillisecondsPerSecond = 1e3;
+
+}  // namespace
+
+SchedulingMonitor::SchedulingMonitor(double asked, std::optional<double> realtime_share) : asked_(asked) {
+  figures_.realtime_share = realtime_share.value_or(1.0);
+  figures_.spin_limit = std::min(asked_, kMostOfAllowed * figures_.realtime_share);
+}
+
+double SchedulingMonitor::update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns) {
+  const Reading now{usage, spun_ns, now_ns};
+  const Reading last = last_.value_or(now);
+  if (!first_) first_ = now;
+  last_ = now;
+  const double passed_s = kSecondsPerNanosecond * static_cast<double>(now_ns - last.now_ns);
+  if (passed_s <= 0.0) return figures_.spin_limit;
+  const double ran = (usage.run_s - last.usage.run_s) / passed_s;
+  const double spun = kSecondsPerNanosecond * static_cast<double>(spun_ns - last.spun_ns) / passed_s;
+  figures_.spin_limit = std::clamp(kMostOfAllowed * figures_.realtime_share - std::max(0.0, ran - spun), 0.0, asked_);
+  figures_.near_throttling += ran >= kNearThrottling * figures_.realtime_share ? 1 : 0;
+
+  const double all_s = kSecondsPerNanosecond * static_cast<double>(now_ns - first_->now_ns);
+  figures_.is_known = true;
+  figures_.spun_share = std::clamp(kSecondsPerNanosecond * static_cast<double>(spun_ns - first_->spun_ns) / all_s, 0.0, 1.0);
+  const double ran_share = std::clamp((usage.run_s - first_->usage.run_s) / all_s, figures_.spun_share, 1.0);
+  figures_.worked_share = ran_share - figures_.spun_share;
+  figures_.slept_share = 1.0 - ran_share;
+  figures_.waited_ms = kMillisecondsPerSecond * (usage.waited_s - first_->usage.waited_s);
+  figures_.involuntary_switches = usage.involuntary_switches - first_->usage.involuntary_switches;
+  figures_.stolen_ms = kMillisecondsPerSecond * (usage.stolen_s - first_->usage.stolen_s);
+  return figures_.spin_limit;
+}
+
+}  // namespace hapton

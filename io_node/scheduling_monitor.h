@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "runtime/thread_usage.h"
+
+namespace hapton {
+
+// How a loop spent its time, as shares of the whole, and how the system scheduled it.
+struct SchedulingStats {
+  bool is_known = false;
+  double worked_share = 0.0;
+  double spun_share = 0.0;
+  double slept_share = 0.0;
+  double waited_ms = 0.0;  // ready to run, but kept waiting for a CPU
+  std::uint64_t involuntary_switches = 0;
+  double stolen_ms = 0.0;             // of the machine, by a hypervisor
+  double spin_limit = 0.0;            // share of a period that it may spin now
+  double realtime_share = 1.0;        // what the kernel allows all real-time threads together
+  std::uint64_t near_throttling = 0;  // looks at which the loop had used nearly all of that
+};
+
+// Monitors a loop from another thread, a few times a second, and limits how much it may spin: work and spinning together stay well below
+// what the kernel allows real-time threads, so that the loop is never throttled. RT: no. Threads: one, not the loop's.
+class SchedulingMonitor {
+ public:
+  // Of what the kernel allows, this much may be used by work and spinning together.
+  static constexpr double kMostOfAllowed = 0.8;
+  // Above this much of it the loop is about to be throttled.
+  static constexpr double kNearThrottling = 0.95;
+
+  // asked: share of a period that may be spun at most. realtime_share: see read_realtime_share.
+  SchedulingMonitor(double asked, std::optional<double> realtime_share);
+
+  // usage: of the loop's thread, so far; spun_ns: by the loop, so far. The limit from now on.
+  double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
+
+  const SchedulingStats& figures() const { return figures_; }
+
+ private:
+  struct Reading {
+    ThreadUsage usage;
+    std::int64_t spun_ns = 0;
+    std::int64_t now_ns = 0;
+  };
+
+  double asked_;
+  std::optional<Reading> first_;
+  std::optional<Reading> last_;
+  SchedulingStats figures_;
+};
+
+}  // namespace hapton

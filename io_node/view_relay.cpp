@@ -1,0 +1,31 @@
+#include "io_node/view_relay.h"
+
+namespace hapton {
+
+bool ViewRelay::accept(const ViewTransform& view, std::int64_t now_ns) noexcept {
+  const bool is_new = !view_ || view_->revision != view.revision;
+  view_ = view;
+  stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
+  next_repeat_ns_ = now_ns + kRepeatNs;
+  return is_new;
+}
+
+void ViewRelay::on_haptics_joined(std::size_t peer, std::int64_t now_ns) noexcept {
+  if (!view_) return;
+  stats_.views_forwarded += peers_.send_to(peer, *view_) ? 1 : 0;
+  next_repeat_ns_ = now_ns + kRepeatNs;
+}
+
+void ViewRelay::repeat_if_due(std::int64_t now_ns) noexcept {
+  if (!view_ || now_ns < next_repeat_ns_) return;
+  next_repeat_ns_ = now_ns + kRepeatNs;
+  peers_.send_to_role(NodeRole::haptics, *view_);
+}
+
+std::uint32_t ViewRelay::revision_in_use(const ProbeHistory& history) const noexcept {
+  const bool is_answered = peers_.has_haptics() && !history.is_haptics_new();
+  if (is_answered) return history.last_answer().view_revision;
+  return view_ ? view_->revision : 0;
+}
+
+}  // namespace hapton

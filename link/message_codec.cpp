@@ -1,0 +1,356 @@
+#include "link/message_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "core/math/rigid_pose.h"
+#include "hapton.pb.h"
+#include "link/codec.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kUnitTolerance = 1e-3;
+
+template <class Field>
+void write_vector(Field& field, const Vec3& v) {
+  field.Clear();
+  for (int i = 0; i < 3; ++i) {
+    field.AddAlreadyReserved(v[i]);
+  }
+}
+
+template <class Field>
+void write_rotation(Field& field, const Quat& q) {
+  field.Clear();
+  for (const double value : {q.w(), q.x(), q.y(), q.z()}) {
+    field.AddAlreadyReserved(value);
+  }
+}
+
+template <std::size_t N>
+void write_text(const std::array<char, N>& from, std::string& to) {
+  to.assign(from.data(), static_cast<std::size_t>(std::find(from.begin(), from.end(), '\0') - from.begin()));
+}
+
+bool is_rate(double value) { return std::isfinite(value) && value >= 0.0 && value <= kMaxWireMagnitude; }
+
+template <class Field>
+bool read_vector(const Field& field, Vec3& v) {
+  if (field.size() != 3) {
+    return false;
+  }
+  v = Vec3(field.Get(0), field.Get(1), field.Get(2));
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMaxWireMagnitude;
+}
+
+template <class Field>
+bool read_rotation(const Field& field, Quat& q) {
+  if (field.size() != 4) {
+    return false;
+  }
+  q = Quat(field.Get(0), field.Get(1), field.Get(2), field.Get(3));
+  return std::abs(q.norm() - 1.0) <= kUnitTolerance;  // false for NaN as well
+}
+
+template <class Field>
+bool read_pose(const Field& field, std::array<float, 12>& X) {
+  if (field.size() != static_cast<int>(X.size())) {
+    return false;
+  }
+  std::copy(field.begin(), field.end(), X.begin());
+  return is_rigid(X);
+}
+
+// The last place stays NUL.
+template <std::size_t N>
+bool read_text(const std::string& from, std::array<char, N>& to) {
+  if (from.size() >= N ||
+      std::any_of(from.begin(), from.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; })) {
+    return false;
+  }
+  to = {};
+  std::copy(from.begin(), from.end(), to.begin());
+  return true;
+}
+
+bool read_document(std::uint32_t from, ReportDocument& to) {
+  to = static_cast<ReportDocument>(from);
+  return from <= static_cast<std::uint32_t>(ReportDocument::csv);
+}
+
+template <std::size_t N, class Field>
+void add_numbers(const std::array<float, N>& from, Field& field) {
+  for (const float value : from) field.AddAlreadyReserved(value);
+}
+
+template <std::size_t N, class Field>
+void write_numbers(const std::array<float, N>& from, Field& field) {
+  field.Clear();
+  add_numbers(from, field);
+}
+
+template <class Field>
+bool read_point(const Field& field, int first, SceneFacts::Point& point) {
+  for (std::size_t axis = 0; axis < point.size(); ++axis) {
+    point[axis] = field.Get(first + static_cast<int>(axis));
+    if (!(std::abs(point[axis]) <= static_cast<float>(kMaxWireMagnitude))) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+// --- writing ---
+
+void write(const Hello& from, wire::Hello& to) { to.set_role(static_cast<wire::Role>(from.role)); }
+
+void write(const Welcome& from, wire::Welcome& to) {
+  to.set_accepted(from.accepted);
+  to.set_servo_rate_hz(from.servo_rate_hz);
+}
+
+void write(const Bye&, wire::Bye&) {}
+
+void write(const DeviceState& from, wire::DeviceState& to) {
+  to.set_sample(from.sample);
+  to.set_sample_time_ns(from.sample_time_ns);
+  write_vector(*to.mutable_p_wd_m(), from.p_WD);
+  write_rotation(*to.mutable_q_wt(), from.q_WT);
+  to.set_buttons(from.buttons);
+  to.set_is_resumed(from.is_resumed);
+  write_vector(*to.mutable_p_wp_m(), from.p_WP);
+}
+
+void write(const ForceCommand& from, wire::ForceCommand& to) {
+  to.set_echo_sample(from.echo_sample);
+  to.set_echo_sample_time_ns(from.echo_sample_time_ns);
+  write_vector(*to.mutable_force_n(), from.force_n);
+  write_vector(*to.mutable_visual_offset_m(), from.visual_offset_m);
+  to.set_contact(from.contact);
+  to.set_compute_ns(from.compute_ns);
+  to.set_skipped_samples(from.skipped_samples);
+  to.set_view_revision(from.view_revision);
+  to.set_method_serial(from.method_serial);
+  to.set_answered_before(from.answered_before);
+}
+
+void write(const ViewTransform& from, wire::ViewTransform& to) {
+  to.set_revision(from.revision);
+  write_numbers(from.X_WS, *to.mutable_x_ws());
+}
+
+void write(const ProbeState& from, wire::ProbeState& to) {
+  to.set_sample(from.sample);
+  to.set_sample_time_ns(from.sample_time_ns);
+  write_vector(*to.mutable_p_wd_m(), from.p_WD);
+  write_rotation(*to.mutable_q_wt(), from.q_WT);
+  write_vector(*to.mutable_visual_offset_m(), from.visual_offset_m);
+  write_vector(*to.mutable_force_n(), from.force_n);
+  to.set_contact(from.contact);
+  to.set_buttons(from.buttons);
+  to.set_servo_rate_hz(from.servo_rate_hz);
+  to.set_round_trip_p50_us(from.round_trip_p50_us);
+  to.set_round_trip_p99_us(from.round_trip_p99_us);
+  to.set_view_revision(from.view_revision);
+  to.set_status(static_cast<std::uint32_t>(from.status));
+}
+
+void write(const Drawn& from, wire::Drawn& to) {
+  to.set_echo_sample(from.echo_sample);
+  to.set_echo_sample_time_ns(from.echo_sample_time_ns);
+  to.set_frame_rate_hz(from.frame_rate_hz);
+  to.set_held_ns(from.held_ns);
+  to.set_rest_ns(from.rest_ns);
+  to.set_unchanged(from.unchanged);
+}
+
+void write(const HandTarget& from, wire::HandTarget& to) {
+  to.set_active(from.active);
+  write_vector(*to.mutable_p_wh_m(), from.p_WH);
+}
+
+void write(const Settings& from, wire::Settings& to) {
+  to.set_servo_rate_hz(from.servo_rate_hz);
+  write_text(from.method, *to.mutable_method());
+  to.set_report_now(from.report_now);
+  to.set_reset_faults(from.reset_faults);
+  to.set_method_request(from.method_request);
+}
+
+void write(const HapticsSetup& from, wire::HapticsSetup& to) {
+  to.set_method_serial(from.method_serial);
+  to.set_view_revision(from.view_revision);
+  write_numbers(from.X_WS, *to.mutable_x_ws());
+  to.set_scene_hash(from.scene_hash);
+  write_text(from.scene, *to.mutable_scene());
+  write_text(from.build, *to.mutable_build());
+  write_text(from.method, *to.mutable_method());
+  to.set_scene_loading(from.scene_loading);
+  to.set_method_request(from.method_request);
+  write_text(from.rejection, *to.mutable_rejection());
+}
+
+void write(const SceneFacts& from, wire::SceneFacts& to) {
+  to.set_given_hash(from.given_hash);
+  write_numbers(from.lowest_m, *to.mutable_lowest_m());
+  write_numbers(from.highest_m, *to.mutable_highest_m());
+  to.mutable_points_m()->Clear();
+  for (std::size_t i = 0; i < std::min<std::size_t>(from.point_count, from.points_m.size()); ++i) {
+    add_numbers(from.points_m[i], *to.mutable_points_m());
+  }
+}
+
+void write(const ReportRequest& from, wire::ReportRequest& to) {
+  to.set_document(static_cast<std::uint32_t>(from.document));
+  to.set_revision(from.revision);
+  to.set_part(from.part);
+}
+
+void write(const ReportPart& from, wire::ReportPart& to) {
+  to.set_document(static_cast<std::uint32_t>(from.document));
+  to.set_revision(from.revision);
+  to.set_part(from.part);
+  to.set_parts(from.parts);
+  to.mutable_text()->assign(from.text.data(), std::min<std::size_t>(from.size, from.text.size()));
+}
+
+void write(const ViewRejected& from, wire::ViewRejected& to) { to.set_revision(from.revision); }
+
+// --- reading: false for a value that the contract rules out ---
+
+bool read(const wire::Hello& from, Hello& to) {
+  to.role = static_cast<NodeRole>(from.role());
+  return from.role() >= wire::ROLE_IO && from.role() <= wire::ROLE_TOOL;
+}
+
+bool read(const wire::Welcome& from, Welcome& to) {
+  to.accepted = from.accepted();
+  to.servo_rate_hz = from.servo_rate_hz();
+  return is_rate(to.servo_rate_hz);
+}
+
+bool read(const wire::Bye&, Bye&) { return true; }
+
+bool read(const wire::DeviceState& from, DeviceState& to) {
+  to.sample = from.sample();
+  to.sample_time_ns = from.sample_time_ns();
+  to.buttons = from.buttons();
+  to.is_resumed = from.is_resumed();
+  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) && read_vector(from.p_wp_m(), to.p_WP);
+}
+
+bool read(const wire::ForceCommand& from, ForceCommand& to) {
+  to.echo_sample = from.echo_sample();
+  to.echo_sample_time_ns = from.echo_sample_time_ns();
+  to.contact = from.contact();
+  to.compute_ns = from.compute_ns();
+  to.skipped_samples = from.skipped_samples();
+  to.view_revision = from.view_revision();
+  to.method_serial = from.method_serial();
+  to.answered_before = from.answered_before();
+  return read_vector(from.force_n(), to.force_n) && read_vector(from.visual_offset_m(), to.visual_offset_m);
+}
+
+bool read(const wire::ProbeState& from, ProbeState& to) {
+  to.sample = from.sample();
+  to.sample_time_ns = from.sample_time_ns();
+  to.contact = from.contact();
+  to.buttons = from.buttons();
+  to.servo_rate_hz = from.servo_rate_hz();
+  to.round_trip_p50_us = from.round_trip_p50_us();
+  to.round_trip_p99_us = from.round_trip_p99_us();
+  to.view_revision = from.view_revision();
+  // An unknown status of a newer hub is no reason to reject the state.
+  to.status =
+      from.status() <= static_cast<std::uint32_t>(ProbeStatus::too_small) ? static_cast<ProbeStatus>(from.status()) : ProbeStatus::ok;
+  return read_vector(from.p_wd_m(), to.p_WD) && read_rotation(from.q_wt(), to.q_WT) &&
+         read_vector(from.visual_offset_m(), to.visual_offset_m) && read_vector(from.force_n(), to.force_n) && is_rate(to.servo_rate_hz) &&
+         is_rate(to.round_trip_p50_us) && is_rate(to.round_trip_p99_us);
+}
+
+bool read(const wire::Drawn& from, Drawn& to) {
+  to.echo_sample = from.echo_sample();
+  to.echo_sample_time_ns = from.echo_sample_time_ns();
+  to.frame_rate_hz = from.frame_rate_hz();
+  to.held_ns = from.held_ns();
+  to.rest_ns = from.rest_ns();
+  to.unchanged = from.unchanged();
+  return is_rate(to.frame_rate_hz);
+}
+
+bool read(const wire::HandTarget& from, HandTarget& to) {
+  to.active = from.active();
+  return read_vector(from.p_wh_m(), to.p_WH);
+}
+
+bool read(const wire::Settings& from, Settings& to) {
+  to.servo_rate_hz = from.servo_rate_hz();
+  to.report_now = from.report_now();
+  to.reset_faults = from.reset_faults();
+  to.method_request = from.method_request();
+  const std::string& method = from.method();
+  if (method.size() > to.method.size() || !std::all_of(method.begin(), method.end(), [](char c) { return c > ' ' && c < '\x7f'; })) {
+    return false;
+  }
+  to.method = {};
+  std::copy(method.begin(), method.end(), to.method.begin());
+  return to.servo_rate_hz == 0.0 || (to.servo_rate_hz >= kMinServoRateHz && to.servo_rate_hz <= kMaxServoRateHz);
+}
+
+bool read(const wire::HapticsSetup& from, HapticsSetup& to) {
+  to.method_serial = from.method_serial();
+  to.view_revision = from.view_revision();
+  to.scene_hash = from.scene_hash();
+  to.method_request = from.method_request();
+  to.scene_loading = from.scene_loading();
+  return read_pose(from.x_ws(), to.X_WS) && read_text(from.scene(), to.scene) && read_text(from.build(), to.build) &&
+         read_text(from.method(), to.method) && read_text(from.rejection(), to.rejection);
+}
+
+bool read(const wire::SceneFacts& from, SceneFacts& to) {
+  to.given_hash = from.given_hash();
+  const int numbers = from.points_m_size();
+  if (from.lowest_m_size() != 3 || from.highest_m_size() != 3 || numbers % 3 != 0 || numbers > 3 * static_cast<int>(to.points_m.size())) {
+    return false;
+  }
+  to.point_count = static_cast<std::uint32_t>(numbers / 3);
+  for (int i = 0; i < numbers / 3; ++i) {
+    if (!read_point(from.points_m(), 3 * i, to.points_m[static_cast<std::size_t>(i)])) return false;
+  }
+  return read_point(from.lowest_m(), 0, to.lowest_m) && read_point(from.highest_m(), 0, to.highest_m);
+}
+
+bool read(const wire::ReportRequest& from, ReportRequest& to) {
+  to.revision = from.revision();
+  to.part = from.part();
+  return read_document(from.document(), to.document);
+}
+
+bool read(const wire::ReportPart& from, ReportPart& to) {
+  to.revision = from.revision();
+  to.part = from.part();
+  to.parts = from.parts();
+  const std::string& text = from.text();
+  if (text.size() > to.text.size() || to.part >= to.parts) {
+    return false;
+  }
+  to.size = static_cast<std::uint16_t>(text.size());
+  std::copy(text.begin(), text.end(), to.text.begin());
+  return read_document(from.document(), to.document);
+}
+
+bool read(const wire::ViewRejected& from, ViewRejected& to) {
+  to.revision = from.revision();
+  return true;
+}
+
+bool read(const wire::ViewTransform& from, ViewTransform& to) {
+  to.revision = from.revision();
+  return read_pose(from.x_ws(), to.X_WS);
+}
+
+}  // namespace hapton

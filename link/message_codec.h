@@ -1,0 +1,59 @@
+#pragma once
+
+#include "link/messages.h"
+
+// Each message to and from its form in proto/hapton.proto. Used by codec.cpp alone; it says what the contract is.
+namespace hapton {
+
+namespace wire {
+class Hello;
+class Welcome;
+class Bye;
+class DeviceState;
+class ForceCommand;
+class ViewTransform;
+class ProbeState;
+class Drawn;
+class HandTarget;
+class Settings;
+class HapticsSetup;
+class SceneFacts;
+class ReportRequest;
+class ReportPart;
+class ViewRejected;
+}  // namespace wire
+
+void write(const Hello& from, wire::Hello& to);
+void write(const Welcome& from, wire::Welcome& to);
+void write(const Bye&, wire::Bye&);
+void write(const DeviceState& from, wire::DeviceState& to);
+void write(const ForceCommand& from, wire::ForceCommand& to);
+void write(const ViewTransform& from, wire::ViewTransform& to);
+void write(const ProbeState& from, wire::ProbeState& to);
+void write(const Drawn& from, wire::Drawn& to);
+void write(const HandTarget& from, wire::HandTarget& to);
+void write(const Settings& from, wire::Settings& to);
+void write(const HapticsSetup& from, wire::HapticsSetup& to);
+void write(const SceneFacts& from, wire::SceneFacts& to);
+void write(const ReportRequest& from, wire::ReportRequest& to);
+void write(const ReportPart& from, wire::ReportPart& to);
+void write(const ViewRejected& from, wire::ViewRejected& to);
+
+// False for a value that the contract rules out; `to` is then not to be used.
+bool read(const wire::Hello& from, Hello& to);
+bool read(const wire::Welcome& from, Welcome& to);
+bool read(const wire::Bye&, Bye&);
+bool read(const wire::DeviceState& from, DeviceState& to);
+bool read(const wire::ForceCommand& from, ForceCommand& to);
+bool read(const wire::ProbeState& from, ProbeState& to);
+bool read(const wire::Drawn& from, Drawn& to);
+bool read(const wire::HandTarget& from, HandTarget& to);
+bool read(const wire::Settings& from, Settings& to);
+bool read(const wire::HapticsSetup& from, HapticsSetup& to);
+bool read(const wire::SceneFacts& from, SceneFacts& to);
+bool read(const wire::ReportRequest& from, ReportRequest& to);
+bool read(const wire::ReportPart& from, ReportPart& to);
+bool read(const wire::ViewRejected& from, ViewRejected& to);
+bool read(const wire::ViewTransform& from, ViewTransform& to);
+
+}  // namespace hapton

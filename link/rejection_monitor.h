@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "link/address.h"
+
+namespace hapton {
+
+// Why a sealed endpoint rejected a datagram. Each has a counter of its own in SealCounts.
+enum class Rejection : std::uint8_t {
+  malformed,            // of an unknown kind or length
+  wrong_version,        // of another protocol version
+  wrong_key,            // a handshake without the key of its role
+  replayed_handshake,   // a handshake that is no later than one seen before
+  too_many_handshakes,  // a valid handshake above the rate limit or the capacity for handshakes
+  no_place,             // a valid handshake, and no free slot
+  unknown_session,      // for an unknown session, or from another address than its own
+  replayed,             // seen before, or too old to tell
+  forged,               // for a known session, and not by its peer
+  oversized,            // longer than any datagram of ours, or empty
+};
+constexpr std::size_t kRejections = 10;
+
+// "datagrams of another protocol version": what a flood is of.
+std::string_view describe(Rejection rejection) noexcept;
+
+// A flood of rejected datagrams.
+struct Flood {
+  Rejection rejection = Rejection::malformed;
+  Address from;                  // of the newest
+  bool is_from_several = false;  // from other addresses as well
+  double per_second = 0.0;       // with those that were kept out
+  bool is_kept_out = false;      // most of it before it was received
+};
+
+// Detects floods: reports rejections above is_flood_above once a second, the most frequent kind only.
+// RT: yes; note costs a few stores and asks for no time. Threads: one.
+class RejectionMonitor {
+ public:
+  static constexpr std::int64_t kEveryNs = 1'000'000'000;
+
+  // Refusals a second of this kind that are still nobody's ill will. Nodes of ours repeat no handshake and ask 20 times a second, so little
+  // of those is already an attack; a restarted hub gets a second of its nodes' datagrams for the session before.
+  static constexpr double is_flood_above(Rejection rejection) noexcept {
+    return rejection == Rejection::replayed_handshake || rejection == Rejection::too_many_handshakes ? 50.0 : 1000.0;
+  }
+
+  void note(Rejection rejection, const Address& from, std::uint64_t count = 1) noexcept {
+    Seen& seen = seen_[static_cast<std::size_t>(rejection)];
+    seen.is_from_several = seen.is_from_several || (seen.count != 0 && seen.from != from);
+    seen.from = from;
+    seen.count += count;
+  }
+
+  // So many more were kept out unseen, by chance: of each kind in the share in which it was noted.
+  void note_kept_out(std::uint64_t count) noexcept { kept_out_ += count; }
+
+  // Call it at least once a second, as often as you like.
+  std::optional<Flood> take(std::int64_t now_ns) noexcept;
+
+ private:
+  struct Seen {
+    std::uint64_t count = 0;
+    Address from;
+    bool is_from_several = false;
+  };
+  std::array<Seen, kRejections> seen_ = {};
+  std::uint64_t kept_out_ = 0;
+  std::int64_t since_ns_ = 0;
+  bool has_begun_ = false;
+};
+
+}  // namespace hapton

@@ -1,0 +1,48 @@
+#include "runtime/writable_path.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace hapton {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool may_write(const fs::path& path, int how) { return ::access(path.c_str(), how) == 0; }
+
+// The folder itself, or the nearest one above it that is there.
+fs::path nearest_there(const fs::path& folder) {
+  std::error_code error;
+  fs::path at = fs::absolute(folder, error).lexically_normal();
+  while (!fs::exists(at, error) && at.has_parent_path() && at != at.parent_path()) at = at.parent_path();
+  return at;
+}
+
+}  // namespace
+
+Result<void> check_writable_folder(const fs::path& folder) {
+  const fs::path there = nearest_there(folder);
+  std::error_code error;
+  if (!fs::is_directory(there, error)) {
+    return fail("{} cannot be a folder: {} is none; give another place", folder.string(), there.string());
+  }
+  if (!may_write(there, W_OK | X_OK)) {
+    return fail("{} cannot be written: {}: {}; give a folder that may be written to", folder.string(), there.string(),
+                std::strerror(errno));
+  }
+  return {};
+}
+
+Result<void> check_writable_file(const fs::path& file) {
+  std::error_code error;
+  if (file.filename().empty() || fs::is_directory(file, error)) {
+    return fail("{} cannot be written: it is a folder; give the name of a file", file.string());
+  }
+  if (!fs::exists(file, error)) return check_writable_folder(file.has_parent_path() ? file.parent_path() : ".");
+  if (!may_write(file, W_OK)) return fail("{} cannot be written: {}; give another name", file.string(), std::strerror(errno));
+  return {};
+}
+
+}  // namespace hapton

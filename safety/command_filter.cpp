@@ -1,0 +1,26 @@
+#include "safety/command_filter.h"
+
+namespace hapton {
+
+CommandFilter::Verdict CommandFilter::take(const WrenchCommand& wanted, std::int64_t now_ns) noexcept {
+  const bool is_force_finite = wanted.wrench.force_n.allFinite();
+  if (!is_force_finite || !wanted.wrench.torque_nm.allFinite()) {
+    release();
+    return is_force_finite ? Verdict::torque_not_finite : Verdict::force_not_finite;
+  }
+  if (wanted.sample_time_ns > now_ns) return Verdict::future;
+  const bool is_repeated = has_answered_ && wanted.sample_time_ns <= answered_ns_;
+  if (is_repeated || wanted.sample_time_ns <= now_ns - kCommandTimeoutNs) return Verdict::old;
+  wanted_ = wanted.wrench;
+  answered_ns_ = wanted.sample_time_ns;
+  is_live_ = has_answered_ = true;
+  return Verdict::accepted;
+}
+
+bool CommandFilter::times_out(std::int64_t now_ns) noexcept {
+  if (!is_live_ || now_ns - answered_ns_ < kCommandTimeoutNs) return false;
+  release();
+  return true;
+}
+
+}  // namespace hapton

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+
+#include "safety/safety_limits.h"
+
+namespace hapton {
+
+// A requested wrench, in reply to the device sample taken at sample_time_ns (the governor's own clock).
+struct WrenchCommand {
+  Wrench wrench;
+  std::int64_t sample_time_ns = 0;
+};
+
+// Decides which commands are valid, and for how long.
+//   finite   a command that is not finite is rejected and also ends the one before
+//   fresh    a command is rejected if it replies to a future sample, to one of age kCommandTimeoutNs or more, or to none newer than the
+//   last timeout  a command is valid until kCommandTimeoutNs after its sample. Counted from its arrival instead, a force that travelled for
+//   19 ms
+//            would be held until its sample is 39 ms old
+// RT: yes.
+class CommandFilter {
+ public:
+  enum class Verdict : std::uint8_t { accepted, force_not_finite, torque_not_finite, future, old };
+
+  // Pre, here and below: now_ns >= 0 and never goes back.
+  Verdict take(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
+  // True once for each command timeout.
+  bool times_out(std::int64_t now_ns) noexcept;
+  void release() noexcept { is_live_ = false; }
+
+  bool is_live() const noexcept { return is_live_; }
+  const Wrench& wanted() const noexcept { return wanted_; }
+  // Until the command timeout.
+  double left_s(std::int64_t now_ns) const noexcept { return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - answered_ns_)); }
+
+ private:
+  Wrench wanted_;
+  std::int64_t answered_ns_ = 0;  // sample_time_ns of what was accepted last
+  bool has_answered_ = false;
+  bool is_live_ = false;
+};
+
+}  // namespace hapton

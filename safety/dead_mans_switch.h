@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "devices/device.h"
+
+namespace hapton {
+
+// The dead man's switch: what must be held for force. A device that senses a hand must report it as held (one that cannot always reports
+// held). A button can be required as well; no requirement can be removed.
+// RT: yes.
+class DeadMansSwitch {
+ public:
+  static constexpr int kMostButtons = 32;
+
+  // button: 0 .. 31, lowest bit first; any other number has no effect.
+  void require_button(int button) noexcept {
+    if (button >= 0 && button < kMostButtons) buttons_ |= std::uint32_t{1} << button;
+  }
+  bool is_held(const DeviceSample& sample) const noexcept { return sample.is_held && (sample.buttons & buttons_) == buttons_; }
+  std::uint32_t required_buttons() const noexcept { return buttons_; }
+
+ private:
+  std::uint32_t buttons_ = 0;
+};
+
+}  // namespace hapton

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+
+#include "safety/safety_limits.h"
+
+namespace hapton {
+
+// Checks whether the device's samples are plausible for a hand, and derives its velocity.
+// Invalid pose: not finite, farther out than 1e6 m, or a rotation not of unit length; it is ignored. Jump: kJumpM farther than max_speed
+// allows, as when an encoder loses count; on a device with torque also kJumpRad more than kFastestTurnRadPerS allows. After a gap of kGapNs
+// or more the hand may be anywhere, and nothing counts as a jump.
+// Units m, s, rad; frame W. RT: yes.
+class MotionMonitor {
+ public:
+  static constexpr double kJumpM = 0.005;
+  static constexpr double kJumpRad = 0.2;
+  static constexpr double kFastestTurnRadPerS = 50.0;
+  static constexpr std::int64_t kGapNs = 100'000'000;
+  // Time constant of the velocity filter: one encoder count in one cycle (1/800 in at 10 kHz) would otherwise read as 0.3 m/s.
+  static constexpr double kSmoothS = 0.004;
+
+  enum class Verdict : std::uint8_t { fine, no_pose, jump };
+
+  // Pre: time_ns, that of the sample, never goes back.
+  Verdict look(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s, bool has_torque) noexcept;
+  // Restarts with the next sample: the motion until then was not observed.
+  void forget() noexcept { has_begun_ = false; }
+
+  // A valid sample younger than kCommandTimeoutNs exists.
+  bool is_current(std::int64_t now_ns) const noexcept { return has_begun_ && now_ns - time_ns_ < kCommandTimeoutNs; }
+  const Vec3& p_WD() const noexcept { return p_WD_; }
+  const Vec3& velocity_m_per_s() const noexcept { return velocity_m_per_s_; }
+  double speed_m_per_s() const noexcept { return speed_m_per_s_; }
+  // Between the newest two valid samples; zero after a jump.
+  const Vec3& moved_m() const noexcept { return moved_m_; }
+  // As moved_m: a rotation vector.
+  const Vec3& turned_rad() const noexcept { return turned_rad_; }
+
+ private:
+  void rest() noexcept;
+
+  Vec3 p_WD_ = Vec3::Zero();
+  Quat q_WT_ = Quat::Identity();
+  Vec3 moved_m_ = Vec3::Zero();
+  Vec3 turned_rad_ = Vec3::Zero();
+  Vec3 velocity_m_per_s_ = Vec3::Zero();
+  double speed_m_per_s_ = 0.0;
+  std::int64_t time_ns_ = 0;
+  bool has_begun_ = false;
+};
+
+}  // namespace hapton

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "scene/gltf/json.h"
+
+namespace hapton::gltf {
+
+// The bytes of a document's buffers, read when something needs them: what only textures need is never missed.
+class Buffers {
+ public:
+  // root: the document, which must outlive this. binary: a GLB's second chunk. folder: where relative addresses begin.
+  Buffers(const Json& root, std::optional<std::string_view> binary, const std::filesystem::path& folder)
+      : root_(root), binary_(binary), folder_(folder), bytes_read_(binary ? binary->size() : 0) {}
+
+  struct View {
+    std::string_view bytes;  // live as long as the Buffers
+    std::size_t stride = 0;  // 0: items lie side by side
+  };
+  // A buffer view [3.6.1]; of one that EXT_meshopt_compression describes, what it unfolds to.
+  Result<View> view(const Json& index_json, const std::string& where);
+
+  // Of everything that has been read so far, before anything was unfolded: what the file really holds.
+  std::size_t bytes_read() const { return bytes_read_; }
+
+ private:
+  Result<View> compressed_view(std::size_t index, const Json& compression);
+  Result<std::string_view> range(const Json& json, const std::string& name);
+  Result<std::string_view> buffer(const Json& index_json, const std::string& where);
+  Result<std::string> load_buffer(const std::string& uri, const std::string& name) const;
+
+  const Json& root_;
+  std::optional<std::string_view> binary_;
+  std::filesystem::path folder_;
+  std::map<std::size_t, std::string> loaded_;    // by buffer
+  std::map<std::size_t, std::string> unfolded_;  // by buffer view
+  std::size_t bytes_read_;
+};
+
+}  // namespace hapton::gltf

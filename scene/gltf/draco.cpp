@@ -1,0 +1,188 @@
+#include "scene/gltf/draco.h"
+
+#include "scene/gltf/json.h"
+
+#ifdef HAPTON_DRACO
+
+// Draco's own headers do not keep our warnings.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wpedantic"
+#pragma GCC diagnostic ignored "-Wextra"
+#include <draco/compression/config/compression_shared.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/core/varint_decoding.h>
+#pragma GCC diagnostic pop
+
+#include <array>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <type_traits>
+
+namespace hapton::gltf {
+namespace {
+
+// Draco takes memory for what its header promises. A regular mesh of one repeated pattern takes the fewest bits: a plane grid of half a
+// million triangles has 22 triangles a byte (tests/scene/gltf/draco_test.cpp measures it); the bound leaves ten times that, and a small
+// mesh its tables.
+constexpr std::size_t kMostTrianglesOfAByte = 256;
+constexpr std::size_t kMostAttributes = 64;
+constexpr std::size_t kMostBytesOfAPoint = 1024;
+
+// Sets limits to one of Draco's decoders at the two places where it takes memory by what the stream promises.
+template <class Decoder>
+class Bounded : public Decoder {
+ public:
+  explicit Bounded(std::size_t max_triangles) : max_triangles_(max_triangles) {}
+  bool exceeded() const { return exceeded_; }
+
+ protected:
+  // Both kinds begin with two counts: vertices and faces (edgebreaker), faces and points (sequential). A triangle has three of either.
+  bool DecodeConnectivity() override {
+    draco::DecoderBuffer ahead = *this->buffer();
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;
+    if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
+    exceeded_ = first > 3 * max_triangles_ || second > 3 * max_triangles_;
+    return !exceeded_ && Decoder::DecodeConnectivity();
+  }
+
+  bool DecodeAllAttributes() override {
+    const auto count = static_cast<std::size_t>(this->point_cloud()->num_attributes());
+    std::size_t bytes = 0;
+    for (std::size_t a = 0; a < count; ++a) {
+      const draco::PointAttribute& attribute = *this->point_cloud()->attribute(static_cast<int>(a));
+      bytes += attribute.num_components() * sizeof(std::int32_t) + static_cast<std::size_t>(draco::DataTypeLength(attribute.data_type()));
+    }
+    exceeded_ = count > kMostAttributes || bytes > kMostBytesOfAPoint || this->point_cloud()->num_points() > 3 * max_triangles_;
+    return !exceeded_ && Decoder::DecodeAllAttributes();
+  }
+
+ private:
+  std::size_t max_triangles_;
+  bool exceeded_ = false;
+};
+
+template <class Decoder>
+std::optional<Error> decode_with(std::string_view bytes, std::size_t max_triangles, const std::string& where, draco::Mesh& mesh) {
+  Bounded<Decoder> decoder(max_triangles);
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  // The library throws nothing of its own; what it is built on may, when memory runs out.
+  try {
+    const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, &mesh);
+    if (status.ok()) return std::nullopt;
+  } catch (const std::exception&) {
+    return Error{fmt::format("{}: its Draco data need more memory than there is: simplify it", where)};
+  }
+  if (decoder.exceeded()) {
+    return Error{fmt::format("{}: its Draco data promise more triangles or attributes than {} bytes can hold, or than are read: {}", where,
+                             bytes.size(), kExportAgain)};
+  }
+  return Error{fmt::format("{}: its Draco data are broken: copy or export it again", where)};
+}
+
+std::optional<Error> decode_any(std::string_view bytes, std::size_t max_triangles, const std::string& where, draco::Mesh& mesh) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(bytes.data(), bytes.size());
+  draco::DracoHeader header = {};
+  if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok())
+    return Error{fmt::format("{}: holds no Draco data: {}", where, kExportAgain)};
+  if (header.encoder_type != draco::TRIANGULAR_MESH) return Error{fmt::format("{}: its Draco data are no mesh: {}", where, kExportAgain)};
+  if (header.version_major != 2 || header.version_minor != 2) {
+    return Error{fmt::format("{}: its Draco data are of version {}.{}, and glTF has 2.2: {}", where, header.version_major,
+                             header.version_minor, kExportAgain)};
+  }
+  if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING) {
+    return decode_with<draco::MeshEdgebreakerDecoder>(bytes, max_triangles, where, mesh);
+  }
+  return decode_with<draco::MeshSequentialDecoder>(bytes, max_triangles, where, mesh);
+}
+
+// Values of a hostile stream lie anywhere in its memory, so they are copied out, never read in place as Draco's own ConvertValue does.
+template <class Component>
+Eigen::Vector3f read_vector(const std::uint8_t* bytes, bool normalized) {
+  std::array<Component, 3> components;
+  std::memcpy(components.data(), bytes, sizeof components);
+  const Eigen::Vector3f value(static_cast<float>(components[0]), static_cast<float>(components[1]), static_cast<float>(components[2]));
+  if (!std::is_integral_v<Component> || !normalized) return value;
+  return value / static_cast<float>(std::numeric_limits<Component>::max());
+}
+
+using VectorReader = Eigen::Vector3f (*)(const std::uint8_t*, bool);
+
+// The component types that glTF and KHR_mesh_quantization allow for positions and normals; null for any other.
+VectorReader reader_of(draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8:
+      return read_vector<std::int8_t>;
+    case draco::DT_UINT8:
+      return read_vector<std::uint8_t>;
+    case draco::DT_INT16:
+      return read_vector<std::int16_t>;
+    case draco::DT_UINT16:
+      return read_vector<std::uint16_t>;
+    case draco::DT_FLOAT32:
+      return read_vector<float>;
+    default:
+      return nullptr;
+  }
+}
+
+// Three numbers a point; empty when there is no such attribute, or not of three numbers of a type that glTF has.
+std::vector<Eigen::Vector3f> values_of(const draco::Mesh& mesh, std::uint32_t id) {
+  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
+  if (attribute == nullptr || attribute->num_components() != 3 || attribute->buffer() == nullptr) return {};
+  const VectorReader read = reader_of(attribute->data_type());
+  if (read == nullptr) return {};
+  if (!attribute->is_mapping_identity() && attribute->indices_map_size() < mesh.num_points()) return {};
+  const std::size_t value_bytes = std::size_t{3} * static_cast<std::size_t>(draco::DataTypeLength(attribute->data_type()));
+  std::vector<Eigen::Vector3f> values(mesh.num_points(), Eigen::Vector3f::Zero());
+  for (std::uint32_t point = 0; point < mesh.num_points(); ++point) {
+    const draco::AttributeValueIndex index = attribute->mapped_index(draco::PointIndex(point));
+    if (index.value() >= attribute->size()) return {};
+    const auto start = static_cast<std::size_t>(attribute->GetBytePos(index));
+    if (start > attribute->buffer()->data_size() || attribute->buffer()->data_size() - start < value_bytes) return {};
+    values[point] = read(attribute->buffer()->data() + start, attribute->normalized());
+  }
+  return values;
+}
+
+}  // namespace
+
+Result<DracoMesh> decode_draco(std::string_view bytes, const DracoRequest& request, const std::string& where) {
+  const std::size_t max_triangles = std::min(request.max_triangles, kMostTrianglesOfAByte * bytes.size());
+  draco::Mesh mesh;
+  if (auto error = decode_any(bytes, max_triangles, where, mesh)) return tl::unexpected(std::move(*error));
+  if (mesh.num_faces() > max_triangles) return fail("{}: its Draco data hold more than {} triangles: simplify it", where, max_triangles);
+  DracoMesh result;
+  result.positions = values_of(mesh, request.position);
+  if (result.positions.empty()) return fail("{}: its Draco data have no positions of id {}: {}", where, request.position, kExportAgain);
+  if (request.normal) result.normals = values_of(mesh, *request.normal);
+  result.corners.reserve(std::size_t{3} * mesh.num_faces());
+  for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
+    for (const draco::PointIndex& corner : mesh.face(face)) {
+      if (corner.value() >= result.positions.size())
+        return fail("{}: a triangle of its Draco data has no such vertex: {}", where, kExportAgain);
+      result.corners.push_back(corner.value());
+    }
+  }
+  return result;
+}
+
+}  // namespace hapton::gltf
+
+#else
+
+namespace hapton::gltf {
+
+Result<DracoMesh> decode_draco(std::string_view, const DracoRequest&, const std::string& where) {
+  return fail("{}: is compressed with Draco, which this build lacks: install libdraco-dev and build again, or export it without", where);
+}
+
+}  // namespace hapton::gltf
+
+#endif

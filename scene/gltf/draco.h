@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton::gltf {
+
+// Which of a Draco mesh's attributes are wanted, by their unique ids; and how much it may hold.
+struct DracoRequest {
+  std::uint32_t position = 0;
+  std::optional<std::uint32_t> normal = {};
+  std::size_t max_triangles = 0;
+};
+
+struct DracoMesh {
+  std::vector<Eigen::Vector3f> positions;  // the file's own numbers; may hold values that are not finite
+  std::vector<Eigen::Vector3f> normals;    // one a position; empty: there are none, or they cannot be read
+  std::vector<std::uint32_t> corners;      // three a triangle, each below the number of positions
+};
+
+// Unfolds a Draco bitstream of version 2.2, as KHR_draco_mesh_compression has it.
+// Error: broken data; no attribute of that id with three components; more triangles, points or attributes than wanted or than its bytes can
+// stand for, before memory is taken for them; a build without Draco. RT: set-up only.
+Result<DracoMesh> decode_draco(std::string_view bytes, const DracoRequest& request, const std::string& where);
+
+}  // namespace hapton::gltf

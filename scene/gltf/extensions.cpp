@@ -1,0 +1,70 @@
+#include "scene/gltf/extensions.h"
+
+#include <array>
+#include <set>
+#include <string_view>
+
+#include "scene/text_cursor.h"
+
+namespace hapton::gltf {
+namespace {
+
+constexpr std::array<std::string_view, 6> kRead = {"KHR_mesh_quantization",   "KHR_draco_mesh_compression", "EXT_meshopt_compression",
+                                                   "EXT_mesh_gpu_instancing", "KHR_node_visibility",        "EXT_mesh_manifold"};
+
+// Surfaces, pictures, light, sound, motion and descriptions; of each other extension a file may have more shape than is read.
+constexpr std::array<std::string_view, 21> kHarmless = {"KHR_materials_",
+                                                        "KHR_texture_",
+                                                        "EXT_texture_",
+                                                        "MSFT_texture_",
+                                                        "KHR_lights_",
+                                                        "EXT_lights_",
+                                                        "KHR_xmp",
+                                                        "KHR_animation_",
+                                                        "KHR_audio",
+                                                        "MSFT_audio",
+                                                        "EXT_structural_metadata",
+                                                        "EXT_instance_features",
+                                                        "EXT_mesh_features",
+                                                        "KHR_techniques_",
+                                                        "KHR_interactivity",
+                                                        "KHR_environment_map",
+                                                        "ADOBE_materials_",
+                                                        "EXT_materials_",
+                                                        "AGI_",
+                                                        "FB_geometry_metadata",
+                                                        "KHR_node_selectability"};
+
+bool is_shape_complete_with(std::string_view extension) {
+  for (const std::string_view read : kRead) {
+    if (extension == read) return true;
+  }
+  for (const std::string_view prefix : kHarmless) {
+    if (extension.starts_with(prefix)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<Error> check_required_extensions(const Json& root) {
+  for (const Json& extension : member(root, "extensionsRequired")) {
+    if (is_shape_complete_with(text_of(extension))) continue;
+    return Error{fmt::format("needs the glTF extension '{}', which is not read: export it without", printable(text_of(extension)))};
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> note_unread_extensions(const Json& root) {
+  std::set<std::string> unread;
+  for (const Json& extension : member(root, "extensionsUsed")) {
+    if (!is_shape_complete_with(text_of(extension))) unread.insert(printable(text_of(extension)));
+  }
+  std::vector<std::string> notes;
+  for (const std::string& extension : unread) {
+    notes.push_back(fmt::format("uses the glTF extension '{}', which is not read: what it adds to the shape is missing", extension));
+  }
+  return notes;
+}
+
+}  // namespace hapton::gltf

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "scene/gltf/json.h"
+
+namespace hapton::gltf {
+
+enum class MeshoptMode { attributes, triangles, indices };
+enum class MeshoptFilter { none, octahedral, quaternion, exponential };
+
+// What EXT_meshopt_compression says of a buffer view.
+struct MeshoptLayout {
+  MeshoptMode mode = MeshoptMode::attributes;
+  MeshoptFilter filter = MeshoptFilter::none;
+  std::size_t count = 0;   // items
+  std::size_t stride = 0;  // bytes of an item
+};
+
+// Error: a mode, a filter, a count or a stride that the extension does not have.
+Result<MeshoptLayout> meshopt_layout_of(const Json& json, const std::string& where);
+
+// The items that the bytes unfold to, stride bytes each.
+// Error: more items than the fewest bytes of an item allow, broken data. RT: set-up only. Source: meshoptimizer, EXT_meshopt_compression.
+Result<std::string> decode_meshopt(std::string_view bytes, const MeshoptLayout& layout, const std::string& where);
+
+}  // namespace hapton::gltf

@@ -1,0 +1,145 @@
+#include "scene/gltf/primitive.h"
+
+#include <cstdint>
+#include <utility>
+
+#include "scene/gltf/draco.h"
+
+namespace hapton::gltf {
+namespace {
+
+constexpr std::size_t kTriangleList = 4;
+constexpr std::size_t kTriangleFan = 6;
+
+Vec3 vector_at(const Accessor& accessor, std::size_t i) {
+  return {accessor.component(i, 0), accessor.component(i, 1), accessor.component(i, 2)};
+}
+
+Error not_finite(const std::string& where, std::size_t vertex) {
+  return {fmt::format("{}: vertex {} has a coordinate that is not finite: repair the mesh", where, vertex)};
+}
+
+Error too_many(const std::string& where, std::size_t max_triangles) {
+  return {fmt::format("{} has more than {} triangles: simplify it", where, max_triangles)};
+}
+
+std::optional<Error> read_positions(const Accessor& accessor, Primitive& primitive) {
+  primitive.positions.reserve(accessor.count);
+  for (std::size_t i = 0; i < accessor.count; ++i) {
+    primitive.positions.push_back(vector_at(accessor, i));
+    if (!primitive.positions.back().allFinite()) return not_finite(accessor.where, i);
+  }
+  return std::nullopt;
+}
+
+// Normals are welcome, not needed: where they cannot be read they are computed.
+void read_normals(const Document& document, const Json& index, const std::string& where, Primitive& primitive) {
+  if (index.is_null()) return;
+  const auto normals = read_accessor(document, index, where + ".attributes.NORMAL", "VEC3", 3);
+  primitive.has_bad_normals = !normals || normals->count != primitive.positions.size();
+  if (primitive.has_bad_normals) return;
+  for (std::size_t i = 0; i < normals->count; ++i) primitive.normals.push_back(vector_at(*normals, i));
+}
+
+Result<std::vector<std::uint32_t>> read_corners(const Document& document, const Json& indices, const std::string& where,
+                                                std::size_t vertex_count) {
+  std::vector<std::uint32_t> corners;
+  if (indices.is_null()) {
+    for (std::size_t i = 0; i < vertex_count; ++i) corners.push_back(static_cast<std::uint32_t>(i));
+    return corners;
+  }
+  const auto values = read_accessor(document, indices, where + ".indices", "SCALAR", 1);
+  if (!values) return tl::unexpected(values.error());
+  if (values->component_type == 5126) return fail("{} are not whole numbers: {}", values->where, kExportAgain);
+  corners.reserve(values->count);
+  for (std::size_t i = 0; i < values->count; ++i) {
+    const double index = values->component(i, 0);
+    if (!(index >= 0 && index < static_cast<double>(vertex_count))) {
+      return fail("{}: index {} is {}, out of range: there are {} vertices; {}", values->where, i, index, vertex_count, kExportAgain);
+    }
+    corners.push_back(static_cast<std::uint32_t>(index));
+  }
+  return corners;
+}
+
+std::optional<Error> make_triangles(const std::vector<std::uint32_t>& corners, std::size_t mode, const std::string& where,
+                                    std::size_t max_triangles, Primitive& primitive) {
+  const std::size_t n = corners.size();
+  if (mode == kTriangleList && n % 3 != 0) {
+    return Error{fmt::format("{} has {} corners, not a multiple of 3: {}", where, n, kExportAgain)};
+  }
+  if ((mode == kTriangleList ? n / 3 : n) > max_triangles) return too_many(where, max_triangles);
+  for (std::size_t i = 0; i + 2 < n; i += mode == kTriangleList ? 3 : 1) {
+    if (mode == kTriangleList) {
+      primitive.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    } else if (mode == kTriangleFan) {
+      primitive.triangles.push_back({corners[0], corners[i + 1], corners[i + 2]});
+    } else {
+      primitive.triangles.push_back({corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]});
+    }
+  }
+  return std::nullopt;
+}
+
+// What an exporter put into integers it means as a fraction of their range, when it says so [3.6.2.2]. Draco keeps the integers.
+Result<std::optional<Primitive>> read_draco(const Document& document, const Json& json, const Json& draco, const std::string& where,
+                                            std::size_t max_triangles) {
+  const std::string name = where + ".extensions.KHR_draco_mesh_compression";
+  const auto view = document.buffers.view(member(draco, "bufferView"), name + ".bufferView");
+  if (!view) return tl::unexpected(view.error());
+  const auto position = count_of(member(member(draco, "attributes"), "POSITION"), name + ".attributes.POSITION");
+  if (!position) return tl::unexpected(position.error());
+  DracoRequest request{.position = static_cast<std::uint32_t>(*position), .normal = {}, .max_triangles = max_triangles};
+  const auto normal = count_of(member(member(draco, "attributes"), "NORMAL"), name + ".attributes.NORMAL");
+  if (normal) request.normal = static_cast<std::uint32_t>(*normal);
+  const Result<DracoMesh> mesh = decode_draco(view->bytes, request, name);
+  if (!mesh) return tl::unexpected(mesh.error());
+  Primitive primitive;
+  primitive.has_bad_normals = normal && mesh->normals.empty();
+  for (const Eigen::Vector3f& p : mesh->positions) {
+    if (!p.allFinite()) return tl::unexpected(not_finite(name, primitive.positions.size()));
+    primitive.positions.push_back(p.cast<double>());
+  }
+  for (const Eigen::Vector3f& n : mesh->normals) primitive.normals.push_back(n.cast<double>());
+  // It unfolds to a list, whatever the mode.
+  if (auto error = make_triangles(mesh->corners, kTriangleList, name, max_triangles, primitive)) return tl::unexpected(std::move(*error));
+  const auto promised = accessor_count(document, member(json, "indices"), where + ".indices");
+  const auto mode = count_or(member(json, "mode"), kTriangleList, where + ".mode");
+  if (promised && mode && *mode == kTriangleList && *promised != mesh->corners.size()) {
+    return fail("{} holds {} corners where the file promises {}: {}", name, mesh->corners.size(), *promised, kExportAgain);
+  }
+  return std::optional(std::move(primitive));
+}
+
+Result<std::optional<Primitive>> read_plain(const Document& document, const Json& json, std::size_t mode, const std::string& where,
+                                            std::size_t max_triangles) {
+  const Json& attributes = member(json, "attributes");
+  const auto positions = read_accessor(document, member(attributes, "POSITION"), where + ".attributes.POSITION", "VEC3", 3);
+  if (!positions) return tl::unexpected(positions.error());
+  if (positions->count > 3 * max_triangles) return tl::unexpected(too_many(where, max_triangles));
+  Primitive primitive;
+  if (auto error = read_positions(*positions, primitive)) return tl::unexpected(std::move(*error));
+  const auto corners = read_corners(document, member(json, "indices"), where, positions->count);
+  if (!corners) return tl::unexpected(corners.error());
+  if (auto error = make_triangles(*corners, mode, where, max_triangles, primitive)) return tl::unexpected(std::move(*error));
+  read_normals(document, member(attributes, "NORMAL"), where, primitive);
+  return std::optional(std::move(primitive));
+}
+
+}  // namespace
+
+Result<std::optional<Primitive>> read_primitive(const Document& document, const Json& json, const std::string& where,
+                                                std::size_t max_triangles) {
+  const auto mode = count_or(member(json, "mode"), kTriangleList, where + ".mode");
+  if (!mode) return tl::unexpected(mode.error());
+  if (*mode > kTriangleFan) return fail("{}.mode is {}, unknown: {}", where, *mode, kExportAgain);
+  const bool has_positions = !member(member(json, "attributes"), "POSITION").is_null();
+  if (*mode < kTriangleList || !has_positions) return std::optional<Primitive>();
+  const Json& draco = extension_of(json, "KHR_draco_mesh_compression");
+  auto primitive =
+      draco.is_object() ? read_draco(document, json, draco, where, max_triangles) : read_plain(document, json, *mode, where, max_triangles);
+  if (primitive && *primitive) (*primitive)->has_morphs = size_of_array(member(json, "targets")) > 0;
+  return primitive;
+}
+
+}  // namespace hapton::gltf

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/triangle_mesh.h"
+#include "core/math/types.h"
+#include "scene/gltf/accessor.h"
+
+namespace hapton::gltf {
+
+// A primitive's triangles in the frame of its node.
+struct Primitive {
+  std::vector<Vec3> positions;      // finite
+  std::vector<Vec3> normals;        // one a position, any length; empty: none, or they cannot be read
+  std::vector<Triangle> triangles;  // of positions
+  bool has_morphs = false;
+  bool has_bad_normals = false;
+};
+
+// Lists, strips and fans [3.7.2.1], with KHR_draco_mesh_compression or without. None: points or lines, or no positions.
+// Error: whatever is out of range or not finite; more than max_triangles.
+Result<std::optional<Primitive>> read_primitive(const Document& document, const Json& json, const std::string& where,
+                                                std::size_t max_triangles);
+
+}  // namespace hapton::gltf

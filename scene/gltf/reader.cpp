@@ -1,0 +1,231 @@
+#include "scene/gltf/reader.h"
+
+#include <string>
+#include <vector>
+
+#include "scene/gltf/buffers.h"
+#include "scene/gltf/extensions.h"
+#include "scene/gltf/json.h"
+#include "scene/gltf/primitive.h"
+#include "scene/gltf/transform.h"
+#include "scene/text_cursor.h"
+
+// The glTF 2.0 specification is cited by section, e.g. [3.6.2.4].
+namespace hapton::gltf {
+namespace {
+
+Result<Json> parse(std::string_view text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::exception& reason) {
+    // "[json.exception.parse_error.101] parse error at line 1, column 5: ...; last read: ..."
+    std::string what = reason.what();
+    if (const auto bracket = what.find("] "); bracket != std::string::npos) what = what.substr(bracket + 2);
+    if (const auto last = what.find("; last read"); last != std::string::npos) what = what.substr(0, last);
+    for (char& c : what) c = c >= ' ' && c <= '~' ? c : '?';
+    return fail("the JSON is broken or cut short ({}): copy or export the file again", what.substr(0, 160));
+  }
+}
+
+std::optional<Error> check_version(const Json& root) {
+  const std::string version = text_of(member(member(root, "asset"), "version"));
+  if (version.starts_with("2.")) return std::nullopt;
+  return Error{fmt::format("is glTF version '{}', only 2.x can be read: export it as glTF 2.0", printable(version))};
+}
+
+// The nodes of the scene to show [3.5.1]; of a file without scenes, those that are no one's children.
+Result<std::vector<std::size_t>> root_nodes(const Json& root) {
+  const Json& nodes = member(root, "nodes");
+  const Json& scenes = member(root, "scenes");
+  std::vector<std::size_t> roots;
+  if (size_of_array(scenes) == 0) {
+    std::vector<bool> is_child(size_of_array(nodes), false);
+    for (std::size_t n = 0; n < is_child.size(); ++n) {
+      for (const Json& child : member(nodes[n], "children")) {
+        const auto index = index_of(child, nodes, fmt::format("a child of nodes[{}]", n));
+        if (!index) return tl::unexpected(index.error());
+        is_child[*index] = true;
+      }
+    }
+    for (std::size_t n = 0; n < is_child.size(); ++n) {
+      if (!is_child[n]) roots.push_back(n);
+    }
+    return roots;
+  }
+  std::size_t scene = 0;
+  if (!member(root, "scene").is_null()) {
+    const auto index = index_of(member(root, "scene"), scenes, "scene");
+    if (!index) return tl::unexpected(index.error());
+    scene = *index;
+  }
+  for (const Json& node : member(scenes[scene], "nodes")) {
+    const auto index = index_of(node, nodes, fmt::format("a node of scenes[{}]", scene));
+    if (!index) return tl::unexpected(index.error());
+    roots.push_back(*index);
+  }
+  return roots;
+}
+
+// Shown unless KHR_node_visibility says otherwise; what hangs under a hidden node is hidden with it.
+bool is_hidden(const Json& node) { return member(extension_of(node, "KHR_node_visibility"), "visible") == false; }
+
+class SceneReader {
+ public:
+  SceneReader(const Document& document, std::size_t max_triangles, RawMesh& raw)
+      : document_(document), max_triangles_(max_triangles), raw_(raw) {}
+
+  // Depth first with its own stack, so that a deep chain of nodes cannot exhaust ours. Each node hangs in one place [3.5.2].
+  std::optional<Error> read(const std::vector<std::size_t>& roots) {
+    const Json& nodes = member(document_.root, "nodes");
+    std::vector<bool> visited(size_of_array(nodes), false);
+    std::vector<Pending> pending;
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) pending.push_back({*root, Eigen::Affine3d::Identity()});
+    while (!pending.empty()) {
+      const Pending next = pending.back();
+      pending.pop_back();
+      const std::string where = fmt::format("nodes[{}]", next.node);
+      if (visited[next.node]) return Error{fmt::format("{} hangs in two places or under itself: {}", where, kExportAgain)};
+      visited[next.node] = true;
+      const Json& node = nodes[next.node];
+      if (is_hidden(node)) {
+        ++hidden_;
+        continue;
+      }
+      const auto X_PN = transform_of(node, where);
+      if (!X_PN) return X_PN.error();
+      const Eigen::Affine3d X_SN = next.X_SP * *X_PN;
+      if (auto error = add_node(node, next.node, X_SN)) return error;
+      const Json& children = member(node, "children");
+      for (std::size_t c = size_of_array(children); c-- > 0;) {
+        const auto child = index_of(children[c], nodes, "a child of " + where);
+        if (!child) return child.error();
+        pending.push_back({*child, X_SN});
+      }
+    }
+    return std::nullopt;
+  }
+
+  void add_notes() {
+    const std::pair<std::size_t, std::string_view> notes[] = {
+        {not_triangles_, "{} primitives of points or lines, or without positions, were skipped"},
+        {hidden_, "{} nodes are marked as not visible and were skipped, with all under them"},
+        {skinned_, "{} skinned nodes are shown as they rest, not posed by their skeleton"},
+        {bad_normals_, "the normals of {} primitives cannot be read: computed there"},
+        {morphed_, "{} primitives have morph targets, which were skipped"}};
+    for (const auto& [count, text] : notes) {
+      if (count > 0) raw_.notes.push_back(fmt::format(fmt::runtime(text), count));
+    }
+  }
+
+ private:
+  struct Pending {
+    std::size_t node;
+    Eigen::Affine3d X_SP;  // parent in the scene
+  };
+
+  std::optional<Error> add_node(const Json& node, std::size_t index, const Eigen::Affine3d& X_SN) {
+    if (member(node, "mesh").is_null()) return std::nullopt;
+    const std::string where = fmt::format("nodes[{}]", index);
+    const Json& meshes = member(document_.root, "meshes");
+    const auto mesh = index_of(member(node, "mesh"), meshes, where + ".mesh");
+    if (!mesh) return mesh.error();
+    skinned_ += member(node, "skin").is_null() ? 0 : 1;
+    std::string name = text_of(member(node, "name"));
+    if (name.empty()) name = text_of(member(meshes[*mesh], "name"));
+    raw_.begin_part(name.empty() ? fmt::format("node {}", index) : name);
+    const Json& primitives = member(meshes[*mesh], "primitives");
+    const auto poses = instances_of(node, document_, where);
+    if (!poses) return poses.error();
+    for (std::size_t p = 0; p < size_of_array(primitives); ++p) {
+      const auto primitive = read_primitive(document_, primitives[p], fmt::format("meshes[{}].primitives[{}]", *mesh, p), max_triangles_);
+      if (!primitive) return primitive.error();
+      count_flaws(*primitive);
+      if (!*primitive || (*primitive)->triangles.empty()) continue;
+      for (const Eigen::Affine3d& X_NI : *poses) {
+        if (auto error = add_instance(**primitive, where, X_SN * X_NI)) return error;
+      }
+    }
+    return std::nullopt;
+  }
+
+  void count_flaws(const std::optional<Primitive>& primitive) {
+    not_triangles_ += primitive ? 0 : 1;
+    morphed_ += primitive && primitive->has_morphs ? 1 : 0;
+    bad_normals_ += primitive && primitive->has_bad_normals ? 1 : 0;
+  }
+
+  std::optional<Error> add_instance(const Primitive& primitive, const std::string& where, const Eigen::Affine3d& X_SN) {
+    const std::size_t first = raw_.mesh.vertices.size();
+    if (first + primitive.positions.size() > 3 * max_triangles_ ||
+        raw_.mesh.triangles.size() + primitive.triangles.size() > max_triangles_) {
+      return Error{fmt::format("has more than {} triangles with all its instances: simplify it", max_triangles_)};
+    }
+    for (const Vec3& p_NV : primitive.positions) {
+      const Vec3 p_SV = X_SN * p_NV;
+      if (!p_SV.allFinite()) return Error{fmt::format("{}: its pose takes a vertex beyond all numbers: {}", where, kExportAgain)};
+      raw_.mesh.vertices.push_back(p_SV);
+    }
+    add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN);
+    return std::nullopt;
+  }
+
+  // A mirroring transform turns the winding round [3.7.4]. Normals go by the inverse transpose, which keeps them at right angles to the
+  // surface.
+  void add_triangles(const Primitive& primitive, std::uint32_t first, const Eigen::Affine3d& X_SN) {
+    const bool is_mirrored = X_SN.linear().determinant() < 0;
+    const Eigen::Matrix3d turn = X_SN.linear().inverse().transpose();
+    const auto normal_of = [&](std::uint32_t corner) -> Eigen::Vector3f {
+      return (turn * primitive.normals[corner]).normalized().cast<float>();
+    };
+    for (const auto& [a, b, c] : primitive.triangles) {
+      const Triangle local = is_mirrored ? Triangle{a, c, b} : Triangle{a, b, c};
+      const Triangle triangle = {first + local[0], first + local[1], first + local[2]};
+      if (primitive.normals.empty()) {
+        raw_.mesh.triangles.push_back(triangle);
+      } else {
+        raw_.add_triangle(triangle, {normal_of(local[0]), normal_of(local[1]), normal_of(local[2])});
+      }
+    }
+  }
+
+  const Document& document_;
+  std::size_t max_triangles_;
+  RawMesh& raw_;
+  std::size_t not_triangles_ = 0;
+  std::size_t hidden_ = 0;
+  std::size_t skinned_ = 0;
+  std::size_t bad_normals_ = 0;
+  std::size_t morphed_ = 0;
+};
+
+}  // namespace
+
+Result<RawMesh> read_document(std::string_view json, std::optional<std::string_view> binary, const std::filesystem::path& folder,
+                              std::string_view format, std::size_t max_triangles) {
+  const Result<Json> root = parse(json);
+  if (!root) return tl::unexpected(root.error());
+  if (auto error = check_version(*root)) return tl::unexpected(std::move(*error));
+  if (auto error = check_required_extensions(*root)) return tl::unexpected(std::move(*error));
+  const Result<std::vector<std::size_t>> roots = root_nodes(*root);
+  if (!roots) return tl::unexpected(roots.error());
+  Buffers buffers(*root, binary, folder);
+  const Document document{*root, buffers};
+  RawMesh raw;
+  raw.format = format;
+  SceneReader reader(document, max_triangles, raw);
+  if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
+  reader.add_notes();
+  for (std::string& note : note_unread_extensions(*root)) raw.notes.push_back(std::move(note));
+  raw.end_parts();
+  return raw;
+}
+
+}  // namespace hapton::gltf
+
+namespace hapton {
+
+Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles) {
+  return gltf::read_document(bytes, std::nullopt, folder, "glTF", max_triangles);
+}
+
+}  // namespace hapton

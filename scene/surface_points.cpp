@@ -1,0 +1,74 @@
+#include "scene/surface_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+// So many are drawn for each that is kept.
+constexpr std::size_t kCandidatesOfAPoint = 32;
+// A face whose normal is nearer than this (sine) to across the view is edge on: a hand that comes from the front slides off it.
+constexpr double kEdgeOn = 0.05;
+
+Vec3 area_vector(const TriangleMesh& mesh, std::size_t t) {
+  return 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0)).cross(mesh.corner(t, 2) - mesh.corner(t, 0));
+}
+
+// At equal steps of area as it is seen from the front, where the hand comes from, counted through all triangles; of a scene that is seen
+// edge on, of area.
+std::vector<Vec3> draw_candidates(const TouchScene& scene, std::size_t count) {
+  double seen = 0.0;
+  double area = 0.0;
+  for (const TouchObject& object : scene.objects) {
+    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
+      const Vec3 vector = area_vector(*object.mesh, t);
+      seen += std::abs(vector.z());
+      area += vector.norm();
+    }
+  }
+  const bool is_edge_on = seen < kEdgeOn * area;
+  const double whole = is_edge_on ? area : seen;
+  const auto weight_of = [&](const TriangleMesh& mesh, std::size_t t) {
+    const Vec3 vector = area_vector(mesh, t);
+    return is_edge_on ? vector.norm() : std::abs(vector.z());
+  };
+  std::vector<Vec3> candidates;
+  const double step = whole / static_cast<double>(count);
+  double next = 0.5 * step;
+  double passed = 0.0;
+  for (const TouchObject& object : scene.objects) {
+    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
+      const double weight = weight_of(*object.mesh, t);
+      passed += weight;
+      if (!(passed >= next) || !(weight > kEdgeOn * area_vector(*object.mesh, t).norm()) || candidates.size() == count) continue;
+      candidates.push_back((object.mesh->corner(t, 0) + object.mesh->corner(t, 1) + object.mesh->corner(t, 2)) / 3.0);
+      next = passed + step;
+    }
+  }
+  return candidates;
+}
+
+}  // namespace
+
+// The next one is always the one farthest from those chosen; the first the one in the midst.
+std::vector<Vec3> find_surface_points(const TouchScene& scene, std::size_t most) {
+  std::vector<Vec3> candidates = draw_candidates(scene, kCandidatesOfAPoint * most);
+  if (candidates.empty()) return {};
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& p : candidates) middle += p / static_cast<double>(candidates.size());
+  std::vector<double> away(candidates.size());
+  std::transform(candidates.begin(), candidates.end(), away.begin(), [&](const Vec3& p) { return -(p - middle).squaredNorm(); });
+  std::vector<Vec3> points;
+  while (points.size() < std::min(most, candidates.size())) {
+    const auto chosen = static_cast<std::size_t>(std::max_element(away.begin(), away.end()) - away.begin());
+    points.push_back(candidates[chosen]);
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const double distance = (candidates[i] - points.back()).squaredNorm();
+      away[i] = points.size() == 1 ? distance : std::min(away[i], distance);
+    }
+  }
+  return points;
+}
+
+}  // namespace hapton

@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include "tests/core/force/reference/reference_scenes.h"
+
+namespace hapton {
+namespace {
+
+// Inside a box the free space is convex, so the proxy is the projection onto it: exact on faces, edges and corners, in one step.
+TEST(ReferenceMethod, RoomCornersAreExactProjections) {
+  for (double probe : {0.0, 0.002}) {
+    auto method = reference_over(make_box(Vec3::Constant(0.1), 5), probe);
+    method->reset(Vec3::Zero());
+    std::mt19937_64 random(2);
+    std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
+    Vec3 before_force = Vec3::Zero(), before = Vec3::Zero();
+    for (int i = 0; i < 1500; ++i) {
+      const Vec3 device = 0.06 * Vec3(symmetric(random), symmetric(random), symmetric(random));
+      const Vec3 expected = device.cwiseMax(-0.05 + probe).cwiseMin(0.05 - probe);
+      const MethodOutput felt = method->step({.p_SD = device});
+      ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i << " probe " << probe;
+      ASSERT_LT((felt.force_n - kStiffness * (expected - device)).norm(), 1e-6);
+      ASSERT_LE((felt.force_n - before_force).norm(), kStiffness * (device - before).norm() + 1e-6);  // firmly non-expansive
+      before_force = felt.force_n;
+      before = device;
+    }
+    EXPECT_EQ(method->counters().proxy.unconverged, 0u);
+    EXPECT_EQ(method->counters().unsettled_steps, 0u);
+  }
+}
+
+TEST(ReferenceMethod, BoxFacesFromOutside) {
+  auto method = reference_over(make_box(Vec3::Constant(0.1), 4));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (double side : {-1.0, 1.0}) {
+      Vec3 start = Vec3::Zero();
+      start[axis] = side * 0.06;
+      method->reset(start);
+      for (int i = 0; i < 300; ++i) {
+        Vec3 device(0.02 * std::sin(0.05 * i), 0.03 * std::cos(0.07 * i), 0.02 * std::sin(0.03 * i + 1.0));
+        device[axis] = side * (0.06 - 0.012 * std::min(1.0, i / 100.0));
+        const MethodOutput felt = method->step({.p_SD = device});
+        Vec3 expected = Vec3::Zero();
+        expected[axis] = side * kStiffness * std::max(0.0, 0.05 - std::abs(device[axis]));
+        ASSERT_LT((felt.force_n - expected).norm(), 1e-6) << axis << ' ' << i;
+      }
+    }
+  }
+}
+
+TEST(ReferenceMethod, SphereWithinTheSagitta) { expect_close_to_analytic(make_sphere_case(), 0.0); }
+
+TEST(ReferenceMethod, CylinderWithinTheSagitta) { expect_close_to_analytic(make_cylinder_case(), 0.0); }
+
+TEST(ReferenceMethod, TorusWithinTheSagitta) { expect_close_to_analytic(make_torus_case(), 0.0); }
+
+TEST(ReferenceMethod, SphereProbeOnASphere) { expect_close_to_analytic(make_sphere_case(), 0.0005); }
+
+TEST(ReferenceMethod, SphereProbeOnATorus) { expect_close_to_analytic(make_torus_case(), 0.002); }
+
+// A sphere over an edge it can roll about: on a tetrahedron-like ridge the rest place is analytic.
+TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
+  // A half plane z = 0, x <= 0: its border is the y axis. A sphere of radius r hangs on it where the device pulls it.
+  TriangleMesh sheet;
+  sheet.vertices = {{-0.1, -0.1, 0}, {0, -0.1, 0}, {0, 0.1, 0}, {-0.1, 0.1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const double radius = 0.01;
+  auto method = reference_over(sheet, radius);
+  method->reset(Vec3(0.001, 0.0, 0.02));
+  for (int i = 0; i <= 100; ++i) {
+    const Vec3 device(0.001 + 2e-5 * i, 1e-4 * i, 0.02 - 1.5e-4 * i);
+    const MethodOutput felt = method->step({.p_SD = device});
+    const Vec3 out(device.x(), 0.0, device.z());
+    Vec3 expected = device;
+    if (out.norm() < radius) expected = radius * out.normalized() + Vec3(0, device.y(), 0);
+    ASSERT_LT((felt.p_SP - expected).norm(), 1e-9) << i;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

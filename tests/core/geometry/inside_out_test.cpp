@@ -1,0 +1,66 @@
+#include "core/geometry/inside_out.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+TriangleMesh turned(TriangleMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+TriangleMesh moved(TriangleMesh mesh, double scale, const Vec3& by) {
+  for (Vec3& v : mesh.vertices) v = scale * v + by;
+  return mesh;
+}
+
+TriangleMesh put_beside(TriangleMesh one, const TriangleMesh& other) {
+  const auto first = static_cast<std::uint32_t>(one.vertices.size());
+  one.vertices.insert(one.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& [a, b, c] : other.triangles) one.triangles.push_back({first + a, first + b, first + c});
+  return one;
+}
+
+void expect(const TriangleMesh& mesh, std::size_t count, std::size_t inside_out) {
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    const ClosedBodies bodies = count_closed_bodies(moved(mesh, scale, scale * Vec3(50, -70, 30)));
+    EXPECT_EQ(bodies.count, count) << scale;
+    EXPECT_EQ(bodies.inside_out, inside_out) << scale;
+  }
+}
+
+TEST(InsideOut, TellsAClosedBodyFromOneTurnedRound) {
+  const TriangleMesh ball = make_icosphere(1.0, 2);
+  expect(ball, 1, 0);
+  expect(turned(ball), 1, 1);
+}
+
+TEST(InsideOut, LooksAtEachBodyByItself) {
+  const TriangleMesh ball = make_icosphere(1.0, 2);
+  // The large one outweighs the small one that is turned round.
+  expect(put_beside(moved(ball, 10.0, Vec3(20, 0, 0)), turned(ball)), 2, 1);
+  expect(put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0))), 2, 2);
+}
+
+TEST(InsideOut, LeavesCavitiesAlone) {
+  const TriangleMesh ball = make_icosphere(1.0, 2);
+  expect(put_beside(ball, moved(turned(ball), 0.5, Vec3::Zero())), 2, 0);
+  expect(put_beside(turned(ball), moved(ball, 0.5, Vec3::Zero())), 2, 1);
+}
+
+TEST(InsideOut, SaysNothingOfWhatIsNotClosed) {
+  TriangleMesh open = turned(make_icosphere(1.0, 2));
+  open.triangles.pop_back();
+  expect(open, 0, 0);
+  expect(turned(make_plane_grid(1.0, 4)), 0, 0);
+  TriangleMesh sheets = put_beside(make_plane_grid(1.0, 4), TriangleMesh());
+  for (const Triangle& t : std::vector<Triangle>(sheets.triangles)) sheets.triangles.push_back({t[0], t[2], t[1]});
+  expect(sheets, 0, 0);
+  expect({}, 0, 0);
+}
+
+}  // namespace
+}  // namespace hapton

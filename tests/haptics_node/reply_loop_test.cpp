@@ -1,0 +1,242 @@
+#include "haptics_node/reply_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "link/hub_peers.h"
+#include "link/memory_endpoint.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+TouchScene one_sheet() { return {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}}; }
+
+constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
+
+// A hub and a haptics node in one process on simulated time.
+class ReplyLoopTest : public ::testing::Test {
+ protected:
+  ReplyLoopTest() {
+    start_hub(1);
+    for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
+      turn(1 * kMs);
+      hear();
+    }
+  }
+
+  void start_hub(std::uint64_t session) {
+    hub_.reset();
+    hub_.emplace(*hub_endpoint_, clock_, session, 1000.0);
+  }
+
+  void turn(std::int64_t wait_ns) { loop_.turn(clock_.now_ns() + wait_ns); }
+
+  // What the hub gets within 1 ms; the last force command of it.
+  std::optional<ForceCommand> hear() {
+    std::optional<ForceCommand> command;
+    const std::int64_t end_ns = clock_.now_ns() + kMs;
+    Datagram datagram;
+    while (clock_.now_ns() < end_ns) {
+      if (hub_->receive(datagram, end_ns).kind == PeerEvent::Kind::message) {
+        if (const auto* got = std::get_if<ForceCommand>(&datagram.message)) {
+          command = *got;
+          ++commands_;
+        }
+        if (const auto* got = std::get_if<HapticsSetup>(&datagram.message)) setups_.push_back(*got);
+      }
+    }
+    return command;
+  }
+
+  void send(const Message& message) { hub_->send_to_role(NodeRole::haptics, message); }
+  void send_state(const Vec3& p_WD) { send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = p_WD}); }
+
+  std::optional<ForceCommand> exchange(const Vec3& p_WD) {
+    send_state(p_WD);
+    turn(1 * kMs);
+    return hear();
+  }
+
+  SimulatedClock clock_;
+  MemoryNetwork network_{clock_};
+  std::unique_ptr<Endpoint> hub_endpoint_ = *network_.open(memory_address(1, 4950));
+  std::unique_ptr<Endpoint> endpoint_ = *network_.open(memory_address(2, 0));
+  std::optional<HubPeers> hub_;
+  HubClient client_{*endpoint_, clock_, NodeRole::haptics, memory_address(1, 4950)};
+  HapticsStep step_{std::make_unique<TouchStep>(*make_method({.name = "sweep"}, one_sheet())), 1e-5};
+  MethodBuilder builder_{{.name = "sweep"}, one_sheet()};
+  ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
+  std::vector<HapticsSetup> setups_;
+  std::uint64_t sample_ = 0;
+  int commands_ = 0;
+};
+
+TEST_F(ReplyLoopTest, EveryStateIsAnswered) {
+  ASSERT_EQ(client_.state(), JoinState::joined);
+  ASSERT_TRUE(exchange({0.01, 0.01, 0.001}));
+  const auto pressed = exchange({0.01, 0.01, -0.002});
+  ASSERT_TRUE(pressed);
+  EXPECT_EQ(pressed->echo_sample, 2U);
+  EXPECT_NEAR(pressed->force_n[2], 2.0, 1e-9);
+  EXPECT_EQ(commands_, 2);
+  EXPECT_EQ(loop_.compute_times().count(), 2U);
+  EXPECT_EQ(loop_.step_times().count(), 2U);
+  EXPECT_LE(loop_.step_times().max_ns(), loop_.compute_times().max_ns());
+}
+
+TEST_F(ReplyLoopTest, ABacklogGetsOneAnswerToItsNewest) {
+  send_state({0.01, 0.01, 0.003});
+  send_state({0.01, 0.01, 0.002});
+  send_state({0.01, 0.01, 0.001});
+  turn(1 * kMs);
+  const auto command = hear();
+  ASSERT_TRUE(command);
+  EXPECT_EQ(command->echo_sample, 3U);
+  EXPECT_EQ(command->skipped_samples, 2U);
+  EXPECT_EQ(commands_, 1);
+}
+
+TEST_F(ReplyLoopTest, ViewTransformsTurnTheScene) {
+  exchange({0.01, 0.01, 0.001});
+  ViewTransform raised{.revision = 1};
+  raised.X_WS[11] = 0.003F;
+  send(raised);
+  const auto command = exchange({0.01, 0.01, 0.001});
+  ASSERT_TRUE(command);
+  EXPECT_NEAR(command->force_n[2], 2.0, 1e-6);
+}
+
+TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
+  exchange({0.01, 0.01, 0.001});
+  ASSERT_TRUE(exchange({0.01, 0.01, -0.002})->contact);
+  Settings settings;
+  const std::string_view name = "sweep";
+  std::copy(name.begin(), name.end(), settings.method.begin());
+  send(settings);
+  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+    const auto command = exchange({0.01, 0.01, -0.002});
+    ASSERT_TRUE(command);
+    ASSERT_NEAR(command->force_n[2], 2.0, 1e-9);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+  }
+  EXPECT_EQ(step_.counts().methods_taken, 1U);
+  EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
+}
+
+TEST_F(ReplyLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
+  exchange({0.01, 0.01, 0.001});
+  const auto ask = [&](std::string_view name, std::uint32_t number) {
+    Settings settings{.method_request = number};
+    std::copy(name.begin(), name.end(), settings.method.begin());
+    for (int i = 0; i < 500 && setups_.back().method_request != number; ++i) {
+      send(settings);  // again and again, as one does whose words may get lost
+      exchange({0.01, 0.01, 0.001});
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+    }
+    return setups_.back();
+  };
+  const HapticsSetup rejected = ask("magic", 7);
+  EXPECT_EQ(rejected.method_request, 7U);
+  EXPECT_NE(std::string_view(rejected.rejection.data()).find("'magic' is not known"), std::string_view::npos) << rejected.rejection.data();
+  EXPECT_EQ(step_.counts().methods_taken, 0U);
+
+  const HapticsSetup taken = ask("proxy", 8);
+  EXPECT_EQ(taken.method_request, 8U);
+  EXPECT_STREQ(taken.rejection.data(), "");
+  EXPECT_EQ(taken.method_serial, 1U);
+  EXPECT_EQ(std::string_view(taken.method.data()).substr(0, 10), "name=proxy");
+  for (int i = 0; i < 20; ++i) {
+    exchange({0.01, 0.01, 0.001});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(step_.counts().methods_taken, 1U) << "asked again and again, built once";
+}
+
+TEST_F(ReplyLoopTest, TheHubIsToldTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
+  ASSERT_EQ(setups_.size(), 1U);
+  EXPECT_EQ(setups_[0].scene_hash, 42U);
+  const std::int64_t begin_ns = clock_.now_ns();
+  while (clock_.now_ns() < begin_ns + 350 * kMs) exchange({0.01, 0.01, 0.001});
+  EXPECT_EQ(setups_.size(), 4U);
+  while (clock_.now_ns() < begin_ns + 2350 * kMs) exchange({0.01, 0.01, 0.001});
+  EXPECT_EQ(setups_.size(), 6U);
+  Settings settings;
+  const std::string_view name = "sweep";
+  std::copy(name.begin(), name.end(), settings.method.begin());
+  send(settings);
+  for (int i = 0; i < 500 && step_.counts().methods_taken == 0; ++i) {
+    exchange({0.01, 0.01, 0.001});
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+  }
+  exchange({0.01, 0.01, 0.001});
+  EXPECT_EQ(setups_.back().method_serial, 1U);
+  EXPECT_STREQ(setups_.back().method.data(), "name=sweep");
+}
+
+TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
+  const MethodSettings proxy{.name = "proxy", .build_on_approach = true};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method(proxy, one_sheet())), 1e-5);
+  MethodBuilder builder(proxy, one_sheet(), step.touch().share_method());
+  ReplyLoop loop(client_, clock_, step, builder, {}, true);
+  std::optional<ForceCommand> first;
+  for (int i = 0; i < 1000 && !first; ++i) {
+    send_state({0.01, 0.01, 0.001});
+    loop.turn(clock_.now_ns() + kMs);
+    first = hear();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
+  }
+  ASSERT_TRUE(first);
+  EXPECT_NE(step.touch().method().describe().find("1 of 1 objects built"), std::string::npos) << step.touch().method().describe();
+  EXPECT_EQ(step.counts().answered, 1U);
+  // From now on every one.
+  send_state({0.01, 0.01, -0.002});
+  loop.turn(clock_.now_ns() + kMs);
+  EXPECT_TRUE(hear()->contact);
+}
+
+TEST_F(ReplyLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {
+  std::uint64_t session = 1;
+  for (const double depth : {0.002, 1.1 * kResumeReachM}) {
+    exchange({0.01, 0.01, 0.001});
+    ASSERT_TRUE(exchange({0.01, 0.01, -0.002})->contact);
+    start_hub(++session);
+    for (int i = 0; i < 2000 && client_.session() != session; ++i) {
+      turn(1 * kMs);
+      hear();
+    }
+    ASSERT_EQ(client_.session(), session);
+    const auto command = exchange({0.01, 0.01, -depth});
+    ASSERT_TRUE(command);
+    EXPECT_EQ(command->contact, depth < kResumeReachM) << depth;
+  }
+}
+
+TEST_F(ReplyLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
+  network_.set_impairments({.seed = 7, .reorder = 0.5, .reorder_by_ns = 3 * kMs});
+  const std::int64_t begin_ns = clock_.now_ns();
+  std::uint64_t newest = 0;
+  for (int i = 0; i < 300; ++i) {
+    send_state({0.01, 0.01, 0.001});
+    const std::uint64_t answered_before = step_.counts().answered;
+    turn(1 * kMs);
+    if (step_.counts().answered > answered_before) {
+      const auto command = hear();
+      if (command) {
+        newest = std::max(newest, command->echo_sample);
+      }
+    }
+  }
+  EXPECT_GT(client_.sequence_counts().reordered, 20U);
+  // Welcomes are overtaken too: there is one for each Hello.
+  const auto welcomes = static_cast<std::uint64_t>((clock_.now_ns() - begin_ns) / HubClient::kHelloPeriodNs + 1);
+  EXPECT_LE(step_.counts().answered + step_.counts().skipped + client_.sequence_counts().reordered, 300U + welcomes);
+  EXPECT_GT(newest, 250U);
+}
+
+}  // namespace
+}  // namespace hapton

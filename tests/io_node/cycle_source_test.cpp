@@ -1,0 +1,174 @@
+#include "io_node/cycle_source.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, ACycleThatComesTooLateSkipsWholePeriodsAndCountsThem) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  const std::int64_t before = device.reads.back();
+  clock.advance_ns(7 * kMs + 300 * kUs);
+  run(5);
+  // A cycle is over when its force is written, 100 us after its tick: the next tick was missed by 6.4 ms.
+  EXPECT_EQ(stats().missed_cycles, 6U);
+  EXPECT_EQ(stats().wake_lateness.max_ns(), 6400 * kUs);
+  const std::size_t n = device.reads.size();
+  EXPECT_EQ(device.reads[n - 1] - before, 11 * kMs);
+  EXPECT_EQ(device.reads[n - 1] - device.reads[n - 2], kMs);
+  EXPECT_NEAR(stats().seconds(), 0.111, 1e-12);
+}
+
+TEST_F(Servos, EveryMissedCycleHasItsCause) {
+  make();
+  device.clock = &clock;
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  device.slow_read_ns = 3 * kMs;
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::device_slow), 2U);
+  clock.advance_ns(3 * kMs);  // between a cycle's force and the wait for the next tick
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::work_long), 2U);
+  clock.advance_ns(30 * kMs);
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::machine_stalled), 29U);
+  EXPECT_EQ(stats().missed_cycles, 33U);
+}
+
+TEST_F(Servos, AWaitThatEndsLateIsALateWakeUp) {
+  class Oversleeping final : public Endpoint {
+   public:
+    explicit Oversleeping(SimulatedClock& c) : clock(c) {}
+    bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+    Received receive(std::span<std::byte>, std::int64_t deadline_ns) noexcept override {
+      clock.sleep_until_ns(deadline_ns + std::exchange(too_long_ns, 0));
+      return {};
+    }
+    Address local_address() const override { return {}; }
+    SimulatedClock& clock;
+    std::int64_t too_long_ns = 0;
+  };
+  Oversleeping sleepy(clock);
+  HubPeers nobody(sleepy, clock, kSession, 1000.0);
+  Servo alone(device, nobody, clock, {});
+  for (int n = 0; n < 10; ++n) alone.step();
+  sleepy.too_long_ns = 2 * kMs + 1;
+  for (int n = 0; n < 10; ++n) alone.step();
+  EXPECT_EQ(missed_by(alone.collect_stats(), MissCause::late_wake_up), 2U);
+  EXPECT_EQ(alone.collect_stats().missed_cycles, 2U);
+}
+
+TEST_F(Servos, AWaitForTheEchoThatEndsLateIsALateWakeUp) {
+  ScriptedEndpoint echo_endpoint(clock);
+  std::int64_t late_ns = 0;
+  echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
+    if (late_ns > 0) clock.advance_ns(std::exchange(late_ns, 0));
+    echo_endpoint.arrive_raw(clock.now_ns() + 30 * kUs, to, bytes);
+  };
+  EchoProbe echo(echo_endpoint, clock, {{5}, 5});
+  make({}, &echo);
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  late_ns = 3 * kMs;
+  run(5);
+  EXPECT_EQ(missed_by(stats(), MissCause::late_wake_up), stats().missed_cycles);
+  EXPECT_GT(stats().missed_cycles, 1U);
+}
+
+TEST_F(Servos, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
+  class Late final : public Endpoint {
+   public:
+    explicit Late(SimulatedClock& c) : clock(c) {}
+    bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+    Received receive(std::span<std::byte>, std::int64_t deadline_ns) noexcept override {
+      if (deadline_ns > clock.now_ns()) clock.sleep_until_ns(deadline_ns + 20 * kUs);
+      return {};
+    }
+    Address local_address() const override { return {}; }
+    SimulatedClock& clock;
+  };
+  // Time passes with every look at it, so that spinning ends.
+  class Ticking final : public Clock {
+   public:
+    explicit Ticking(SimulatedClock& c) : clock(c) {}
+    std::int64_t now_ns() const noexcept override {
+      clock.advance_ns(50);
+      return clock.now_ns();
+    }
+    void sleep_until_ns(std::int64_t deadline_ns) noexcept override { clock.sleep_until_ns(deadline_ns); }
+    SimulatedClock& clock;
+  };
+  Late late(clock);
+  Ticking ticking(clock);
+  HubPeers nobody(late, ticking, kSession, 1000.0);
+  Servo alone(device, nobody, ticking, {.spin_share = 0.1});
+  for (int n = 0; n < 3000; ++n) alone.step();
+  const ServoStats& measured = alone.collect_stats();
+  EXPECT_LT(measured.wake_lateness.quantile_ns(0.5), 1000.0);
+  EXPECT_GT(measured.wake_lateness.max_ns(), 19 * kUs);  // before it had learnt
+  EXPECT_GT(alone.spin().spun_ns(), 0);
+  EXPECT_LT(alone.spin().spun_ns(), 3000 * 20 * kUs);
+  EXPECT_EQ(measured.missed_cycles, 0U);
+}
+
+TEST_F(Servos, CatchingUpRunsEveryMissedCycleAtOnce) {
+  make({.overrun = OverrunPolicy::catch_up});
+  join(kHaptics, NodeRole::haptics);
+  run(100);
+  const std::size_t before = device.reads.size();
+  const std::int64_t next_tick_ns = device.reads.back() + kMs;
+  clock.advance_ns(5 * kMs);
+  run(20);
+  EXPECT_EQ(stats().missed_cycles, 0U);
+  EXPECT_EQ(missed_by(stats(), MissCause::work_long), stats().caught_up_cycles);
+  EXPECT_GE(stats().caught_up_cycles, 4U);
+  // On time again, and none was left out.
+  EXPECT_EQ(device.reads.back(), next_tick_ns + static_cast<std::int64_t>(device.reads.size() - 1 - before) * kMs);
+}
+
+TEST_F(Servos, CatchingUpHasAnEnd) {
+  make({.overrun = OverrunPolicy::catch_up});
+  run(10);
+  clock.advance_ns(1000 * kMs);
+  run(1000);
+  EXPECT_GT(stats().missed_cycles, 980U);
+  EXPECT_LE(stats().caught_up_cycles, 11U);
+}
+
+TEST_F(Servos, AMissedCycleStopsTheSessionWhereThatIsAskedFor) {
+  make({.overrun = OverrunPolicy::stop});
+  run(100);
+  EXPECT_FALSE(servo->has_overrun());
+  clock.advance_ns(3 * kMs);
+  run(1);
+  EXPECT_TRUE(servo->has_overrun());
+}
+
+TEST_F(Servos, AFloodOfRubbishDoesNotHoldUpTheLoop) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  // More than a late loop looks at in a cycle, all of it there already, and the clock stands still while it is read.
+  const std::byte rubbish[] = {std::byte{1}, std::byte{2}, std::byte{3}};
+  clock.advance_ns(5 * kMs);
+  for (int n = 0; n < 500; ++n) endpoint.arrive_raw(clock.now_ns(), at(66), rubbish);
+  const std::size_t reads = device.reads.size();
+  const std::uint64_t heard = stats().hub.undecodable;
+  servo->step();
+  EXPECT_EQ(device.reads.size(), reads + 1);
+  run(100);
+  EXPECT_EQ(stats().hub.undecodable, heard + 500);
+  EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
+}
+
+}  // namespace
+}  // namespace hapton

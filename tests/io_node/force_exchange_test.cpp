@@ -1,0 +1,174 @@
+#include "io_node/force_exchange.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, ForceBeginsWithARamp) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(52);
+  EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 0.1);
+}
+
+TEST_F(Servos, TheWholeSlewOfACycleIsThereForItsForce) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  answer.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
+  servo->step();
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(stats().governor.counters.slewed, 0U);
+  answer.force_n = Vec3(0, 0, 6.5);
+  servo->step();
+  EXPECT_NEAR(device.written.back().force_n.z(), 5.9, 1e-9);
+  EXPECT_EQ(stats().governor.counters.slewed, 1U);
+}
+
+TEST_F(Servos, LateForcesAreCountedAndTheNewestWins) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = 1300 * kUs;
+  run(100);
+  EXPECT_NEAR(static_cast<double>(stats().responses.late), 100.0, 2.0);
+  EXPECT_EQ(stats().round_trip.max_ns(), 1300 * kUs);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(stats().responses.lost, 0U);
+}
+
+TEST_F(Servos, AnOvertakenForceIsNotWritten) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = -1;
+  servo->step();
+  const DeviceState slow = states.back();
+  servo->step();
+  force(states.back(), 0);
+  answer.force_n = Vec3(7, 0, 0);
+  force(slow, 100);
+  run(3);
+  EXPECT_EQ(device.written.back().force_n, Vec3(0, 0, 2));
+  EXPECT_EQ(stats().responses.reordered, 1U);
+}
+
+TEST_F(Servos, SilenceLetsGoAndTheForceRampsBackIn) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  answer_delay_ns = -1;
+  run(19);
+  EXPECT_NE(device.written.back().force_n, Vec3::Zero());
+  run(3);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_EQ(stats().governor.counters.command_timeouts, 1U);
+  answer_delay_ns = 50 * kUs;
+  run(10);
+  EXPECT_LT(device.written.back().force_n.z(), 0.3);
+  run(120);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(stats().responses.lost, 0U);  // they wait for the patience to end
+  run(250);
+  EXPECT_NEAR(static_cast<double>(stats().responses.lost), 22.0, 1.0);
+}
+
+TEST_F(Servos, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = -1;
+  run(4);
+  answer_delay_ns = 100 * kUs;
+  answer.skipped_samples = 4;
+  servo->step();
+  answer.skipped_samples = 0;
+  run(400);
+  EXPECT_EQ(stats().responses.superseded, 4U);
+  EXPECT_EQ(stats().responses.lost, 0U);
+}
+
+// The device side is ahead of the network side by three cycles, twice; between the two the haptics node falls behind by a sample.
+TEST_F(Servos, SamplesThatALateNetworkSideNeverSentAreNotLost) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  servo->use_device_thread();
+  const auto cycles = [&](int count) {
+    for (int n = 0; n < count; ++n) {
+      clock.sleep_until_ns(servo->device_loop().tick_ns());
+      servo->device_loop().begin_cycle();
+      ASSERT_TRUE(servo->device_loop().run_cycle());
+    }
+    servo->step();
+  };
+  for (int n = 0; n < 200; ++n) {
+    if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
+    cycles(1);
+  }
+  answer_delay_ns = -1;
+  cycles(1);
+  cycles(3);
+  answer_delay_ns = 100 * kUs;
+  answer.skipped_samples = 2;
+  cycles(3);
+  answer.skipped_samples = 0;
+  for (int n = 0; n < 400; ++n) {
+    if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
+    cycles(1);
+  }
+  EXPECT_EQ(stats().responses.superseded, 2U);
+  EXPECT_EQ(stats().responses.lost, 0U);
+}
+
+TEST_F(Servos, HostileForcesNeverReachTheMotorsAsTheyAre) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  for (const double bad : {1e8, -1e8, 1e9, 8.1}) {
+    answer.force_n = Vec3(bad, bad, -bad);
+    run(20);
+  }
+  Vec3 last = Vec3::Zero();
+  std::int64_t last_ns = 0;
+  for (const auto& written : device.written) {
+    ASSERT_TRUE(written.force_n.allFinite());
+    ASSERT_LE(written.force_n.norm(), 8.0);
+    const double reach_n = last_ns > 0 ? 2000.0e-9 * static_cast<double>(written.time_ns - last_ns) : 8.0;
+    ASSERT_LE((written.force_n - last).norm(), reach_n + 1e-9);
+    last = written.force_n;
+    last_ns = written.time_ns;
+  }
+  EXPECT_GT(stats().governor.counters.clamped, 60U);
+  EXPECT_GT(stats().governor.counters.slewed, 0U);
+}
+
+TEST_F(Servos, DuplicatesAndForgedEchoesAreIgnored) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  const std::size_t written = device.written.size();
+  ForceCommand forged = answer;
+  forged.force_n = Vec3(8, 0, 0);
+  forged.echo_sample = states.back().sample;
+  forged.echo_sample_time_ns = states.back().sample_time_ns;
+  say(kHaptics, forged);
+  forged.echo_sample += 100;
+  say(kHaptics, forged);
+  forged.echo_sample_time_ns = std::numeric_limits<std::int64_t>::max();
+  say(kHaptics, forged);
+  answer_delay_ns = -1;
+  servo->step();
+  EXPECT_EQ(device.written.size(), written);
+  EXPECT_EQ(stats().responses.duplicate, 1U);
+  EXPECT_EQ(stats().responses.unknown, 2U);
+}
+
+}  // namespace
+}  // namespace hapton

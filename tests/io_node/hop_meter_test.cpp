@@ -1,0 +1,138 @@
+#include "io_node/hop_meter.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "link/memory_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kUs = 1000;
+constexpr std::int64_t kMs = 1'000'000;
+
+// A hub whose datagrams take so long, and a node whose clock is ahead by so much.
+struct Ways : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  MemoryNetwork network{clock};
+  std::unique_ptr<Endpoint> hub = *network.open(memory_address(1, 1));
+  std::unique_ptr<Endpoint> node = *network.open(memory_address(2, 1));
+  MeteredEndpoint metered{*hub, clock};
+  HopMeter ways{metered};
+  std::int64_t ahead_ns = 0;
+  std::uint64_t sample = 0;
+
+  // One sample there and back: 2 us to encode, out_ns on the wire, 7 us held, back_ns, 3 us to decode.
+  void exchange(std::int64_t out_ns, std::int64_t back_ns) {
+    const std::array<std::byte, 10> bytes = {};
+    ForceCommand command;
+    command.echo_sample = ++sample;
+    command.echo_sample_time_ns = clock.now_ns();
+    clock.advance_ns(2 * kUs);
+    metered.send(node->local_address(), bytes);
+    ways.on_state_sent(sample, command.echo_sample_time_ns);
+    clock.advance_ns(out_ns + 7 * kUs);
+    command.compute_ns = 7 * kUs;
+    Header header;
+    header.send_time_ns = clock.now_ns() + ahead_ns;
+    node->send(hub->local_address(), bytes);
+    clock.advance_ns(back_ns);
+    std::array<std::byte, kMaxDatagramBytes> buffer;
+    metered.receive(buffer, 0);
+    clock.advance_ns(3 * kUs);
+    ways.on_force(header, command, clock.now_ns());
+    clock.advance_ns(kMs);
+  }
+  const HopStats& stats() { return ways.collect(clock.now_ns()); }
+};
+
+TEST_F(Ways, OnOneHostAreExactAndAddUpToTheRoundTrip) {
+  ways.on_joined(HubPeers::kHapticsSlot, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
+  exchange(10 * kUs, 40 * kUs);
+  EXPECT_EQ(stats().encode.max_ns(), 2 * kUs);
+  EXPECT_EQ(stats().wire_out.max_ns(), 10 * kUs);
+  EXPECT_EQ(stats().wire_back.max_ns(), 40 * kUs);
+  EXPECT_EQ(stats().decode.max_ns(), 3 * kUs);
+  EXPECT_TRUE(stats().is_one_clock);
+  EXPECT_EQ(stats().link.datagrams_sent, 1U);
+  EXPECT_EQ(stats().link.bytes_received, 10U);
+}
+
+TEST_F(Ways, BetweenHostsRestOnTheOffsetOfTheClocks) {
+  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+  ahead_ns = -3'600'000'000'000;
+  for (int n = 0; n < 20; ++n) exchange(30 * kUs, 30 * kUs);
+  EXPECT_FALSE(stats().is_one_clock);
+  ASSERT_TRUE(stats().is_offset_known);
+  EXPECT_NEAR(static_cast<double>(stats().clock_offset_ns - ahead_ns), 0.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(stats().clock_error_ns), 30.0 * kUs, 2.0 * kUs);
+  EXPECT_EQ(stats().wire_out.count(), 20U);
+  // A queue on the way back is seen there and nowhere else.
+  exchange(30 * kUs, 230 * kUs);
+  EXPECT_NEAR(static_cast<double>(stats().wire_out.max_ns()), 30.0 * kUs, 2.0);
+  EXPECT_NEAR(static_cast<double>(stats().wire_back.max_ns()), 230.0 * kUs, 2.0);
+}
+
+TEST_F(Ways, ForgetTheClockOfANodeThatWasReplaced) {
+  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+  ahead_ns = 5'000'000'000;
+  exchange(30 * kUs, 30 * kUs);
+  ways.on_joined(HubPeers::kHapticsSlot, memory_address(3, 1));
+  EXPECT_FALSE(stats().is_offset_known);
+}
+
+TEST_F(Ways, JitterIsTheDifferenceOfNeighbours) {
+  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+  exchange(10 * kUs, 10 * kUs);
+  exchange(10 * kUs, 60 * kUs);
+  exchange(10 * kUs, 60 * kUs);
+  EXPECT_EQ(stats().jitter.count(), 2U);
+  EXPECT_EQ(stats().jitter.max_ns(), 50 * kUs);
+  EXPECT_EQ(stats().jitter.min_ns(), 0);
+}
+
+TEST_F(Ways, TimesThatNoClockTellsAreLeftOut) {
+  ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
+  for (const std::int64_t bad : {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+    ForceCommand command;
+    command.compute_ns = std::numeric_limits<std::uint32_t>::max();
+    command.echo_sample_time_ns = clock.now_ns();
+    Header header;
+    header.send_time_ns = bad;
+    command.echo_sample = 1;
+    ways.on_state_sent(1, clock.now_ns());
+    ways.on_force(header, command, clock.now_ns());
+    Drawn drawn{1, bad, 30.0F, 5};
+    ways.on_probe_sent(1);
+    ways.on_drawn(header, drawn, 3);
+    ways.on_drawn(header, drawn, 1'000'000);
+  }
+  EXPECT_EQ(stats().wire_out.count(), 0U);
+  EXPECT_EQ(stats().motion_to_photon.count(), 0U);
+}
+
+TEST_F(Ways, MotionToPhotonEndsWithThePictureNotWithTheNewsOfIt) {
+  const std::array<std::byte, 10> bytes = {};
+  ways.on_joined(3, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
+  const std::int64_t sample_ns = clock.now_ns();
+  metered.send(node->local_address(), bytes);
+  ways.on_probe_sent(42);
+  clock.advance_ns(9 * kMs);  // 1 ms to get there, 8 ms to draw
+  Header header;
+  header.send_time_ns = clock.now_ns();
+  node->send(hub->local_address(), bytes);
+  clock.advance_ns(5 * kMs);
+  std::array<std::byte, kMaxDatagramBytes> buffer;
+  metered.receive(buffer, 0);
+  ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 8 * kMs}, 3);
+  EXPECT_EQ(stats().motion_to_photon.max_ns(), 9 * kMs);
+  EXPECT_EQ(stats().vision_draw.max_ns(), 8 * kMs);
+  ways.on_drawn(header, Drawn{41, sample_ns, 60.0F, 8 * kMs}, 3);  // never sent
+  ways.on_drawn(header, Drawn{0, sample_ns, 60.0F, 8 * kMs}, 3);   // no sample
+  ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 0}, 3);        // does not tell
+  EXPECT_EQ(stats().motion_to_photon.count(), 1U);
+}
+
+}  // namespace
+}  // namespace hapton

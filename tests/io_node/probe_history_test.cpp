@@ -1,0 +1,75 @@
+#include "io_node/probe_history.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+DeviceSample sample_at(std::uint64_t number, double x_m) {
+  DeviceSample sample;
+  sample.time_ns = static_cast<std::int64_t>(number) * 1'000'000;
+  sample.p_WD = Vec3(x_m, 0, 0);
+  return sample;
+}
+
+ForceCommand answer_to(std::uint64_t number, bool contact) {
+  ForceCommand command;
+  command.echo_sample = number;
+  command.contact = contact;
+  command.visual_offset_m = Vec3(0, 0, 0.002);
+  return command;
+}
+
+struct Memory : testing::Test {
+  ProbeHistory memory;
+  ProbeState shown;
+};
+
+TEST_F(Memory, ShowsPoseAndOffsetOfOneSample) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  memory.note_answer(answer_to(1, true));
+  memory.note_sample(2, sample_at(2, 0.2));
+  memory.show(false, shown);
+  EXPECT_EQ(shown.sample, 1U);
+  EXPECT_EQ(shown.sample_time_ns, 1'000'000);
+  EXPECT_EQ(shown.p_WD.x(), 0.1);
+  EXPECT_TRUE(shown.contact);
+  EXPECT_EQ(shown.visual_offset_m.z(), 0.002);
+}
+
+TEST_F(Memory, InASilenceShowsTheNewestSampleAsItIsAndNeverGoesBack) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  memory.note_sample(2, sample_at(2, 0.2));
+  memory.show(true, shown);
+  EXPECT_EQ(shown.sample, 2U);
+  EXPECT_FALSE(shown.contact);
+  EXPECT_EQ(shown.visual_offset_m, Vec3(Vec3::Zero()));
+  memory.note_answer(answer_to(1, true));
+  memory.show(false, shown);
+  EXPECT_EQ(shown.sample, 2U);
+}
+
+TEST_F(Memory, AnAnswerToAForgottenSampleHasNoPose) {
+  for (std::uint64_t n = 1; n <= 1 + ProbeHistory::kSamples; ++n) memory.note_sample(n, sample_at(n, 0.1));
+  memory.note_answer(answer_to(1, true));
+  memory.show(false, shown);
+  EXPECT_EQ(shown.sample, 1 + ProbeHistory::kSamples);
+  EXPECT_FALSE(shown.contact);
+}
+
+TEST_F(Memory, ANewHapticsNodeGoesOnWhereTheProbeRestsUntilItAnswers) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  memory.note_answer(answer_to(1, true));
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
+  memory.note_new_haptics();
+  EXPECT_EQ(memory.find_resume_point(Vec3(0.1, 0, 0)), Vec3(0.1, 0, 0.002));
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1 + 2 * kResumeReachM, 0, 0)));
+  memory.forget_rest();
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
+  memory.note_answer(answer_to(1, false));
+  memory.note_new_haptics();
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it rested nowhere
+}
+
+}  // namespace
+}  // namespace hapton

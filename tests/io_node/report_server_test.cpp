@@ -1,0 +1,100 @@
+#include "io_node/report_server.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/io_node/scripted_endpoint.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint64_t kSession = 5;
+
+struct Desks : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  ScriptedEndpoint endpoint{clock};
+  HubPeers peers{endpoint, clock, kSession, 1000.0};
+  ReportServer report_server;
+  std::vector<std::pair<std::uint16_t, ReportPart>> told;
+
+  void SetUp() override {
+    endpoint.on_send = [this](const Address& to, const Datagram& datagram) {
+      if (const auto* part = std::get_if<ReportPart>(&datagram.message)) told.emplace_back(to.port, *part);
+    };
+  }
+
+  // A tool at this port; its place.
+  std::size_t join(std::uint16_t port) {
+    endpoint.arrive(clock.now_ns(), {{9}, port}, {{0, 100ULL + port, 1, 0}, Hello{NodeRole::tool}});
+    Datagram datagram;
+    return peers.receive(datagram, clock.now_ns()).peer;
+  }
+
+  std::string text(std::size_t n) const { return {told.at(n).second.text.data(), told.at(n).second.size}; }
+};
+
+TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
+  const std::size_t tool = join(1);
+  report_server.accept(tool, {ReportDocument::json, 0, 0});
+  report_server.serve(peers);
+  EXPECT_TRUE(told.empty());
+  EXPECT_TRUE(report_server.take_request());
+  EXPECT_FALSE(report_server.take_request());
+
+  const std::string json = std::string(896, 'a') + std::string(896, 'b') + "c";
+  report_server.publish(json, "csv");
+  report_server.serve(peers);
+  report_server.serve(peers);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].second.parts, 3U);
+  EXPECT_EQ(told[0].second.part, 0U);
+  const std::uint32_t revision = told[0].second.revision;
+  std::string whole = text(0);
+  for (std::uint32_t part = 1; part < 3; ++part) {
+    report_server.accept(tool, {ReportDocument::json, revision, part});
+    report_server.serve(peers);
+    whole += text(part);
+  }
+  EXPECT_EQ(whole, json);
+  report_server.accept(tool, {ReportDocument::csv, revision, 0});
+  report_server.serve(peers);
+  EXPECT_EQ(text(3), "csv");
+  EXPECT_FALSE(report_server.take_request());
+}
+
+TEST_F(Desks, WhoReadsAnOldReportIsToldTheBeginningOfTheNewOne) {
+  const std::size_t tool = join(1);
+  report_server.publish(std::string(2000, 'a'), "");
+  report_server.serve(peers);
+  report_server.publish("new", "");
+  report_server.accept(tool, {ReportDocument::json, 1, 2});
+  report_server.serve(peers);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].second.revision, 2U);
+  EXPECT_EQ(told[0].second.part, 0U);
+  EXPECT_EQ(text(0), "new");
+}
+
+TEST_F(Desks, OneDatagramACycleGoesToAllWhoAskInTurn) {
+  const std::size_t first = join(1);
+  const std::size_t second = join(2);
+  report_server.publish("text", "");
+  for (const std::size_t tool : {first, second}) report_server.accept(tool, {ReportDocument::json, 1, 0});
+  report_server.serve(peers);
+  EXPECT_EQ(told.size(), 1U);
+  report_server.serve(peers);
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_NE(told[0].first, told[1].first);
+}
+
+TEST_F(Desks, NonsenseIsNotAnswered) {
+  const std::size_t tool = join(1);
+  report_server.publish("text", "");
+  report_server.accept(tool, {ReportDocument::json, 1, 7});
+  report_server.accept(1000, {ReportDocument::json, 1, 0});
+  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // nobody is there
+  for (int n = 0; n < 5; ++n) report_server.serve(peers);
+  EXPECT_TRUE(told.empty());
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,208 @@
+#include "io_node/request_handler.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, RateChangesWhileRunningAndNonsenseIsRefused) {
+  make();
+  join(kTool, NodeRole::tool);
+  run(10);
+  for (const double rate : {249.0, 10'001.0, -1.0, 1e300}) say(kTool, Settings{rate, {}, false});
+  servo->step();
+  EXPECT_EQ(servo->rate_hz(), 1000.0);
+  EXPECT_GE(stats().bad_settings + stats().hub.undecodable, 4U);
+  say(kTool, Settings{4000.0, {}, false});
+  run(3);
+  EXPECT_EQ(servo->rate_hz(), 4000.0);
+  device.reads.clear();
+  run(20);
+  for (std::size_t n = 1; n < device.reads.size(); ++n) ASSERT_EQ(device.reads[n] - device.reads[n - 1], 250 * kUs);
+  ServoEvent event;
+  ASSERT_TRUE(servo->events().pop(event));
+  EXPECT_EQ(event.kind, ServoEvent::Kind::joined);
+  ASSERT_TRUE(servo->events().pop(event));
+  EXPECT_EQ(event.rate_hz, 4000.0);
+}
+
+TEST_F(Servos, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  Settings request;
+  std::copy_n("sweep", 5, request.method.begin());
+  request.report_now = true;
+  request.method_request = 77;
+  run(5);
+  say(kTool, request);
+  run(2);
+  ASSERT_EQ(settings.size(), 1U);
+  EXPECT_STREQ(settings[0].method.data(), "sweep");
+  EXPECT_EQ(settings[0].servo_rate_hz, 0.0);
+  EXPECT_EQ(settings[0].method_request, 77U);
+  EXPECT_FALSE(settings[0].report_now);
+  EXPECT_TRUE(servo->take_report_request());
+  EXPECT_FALSE(servo->take_report_request());
+  servo->request_snapshot();
+  EXPECT_FALSE(servo->take_snapshot());
+  servo->step();
+  ASSERT_TRUE(servo->take_snapshot());
+  EXPECT_EQ(servo->snapshot().samples, 8U);
+}
+
+TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(5);
+  HapticsSetup rejected{.method_request = 77};
+  std::copy_n("no", 2, rejected.rejection.begin());
+  say(kHaptics, rejected);
+  say(kTool, HapticsSetup{.method_request = 78});
+  run(2);
+  ASSERT_EQ(setups.size(), 2U);
+  EXPECT_EQ(setups[0].first, at(kTool));
+  EXPECT_EQ(setups[1].first, at(kVision)) << "it draws the probe at its true size";
+  for (const auto& [to, setup] : setups) {
+    EXPECT_EQ(setup.method_request, 77U);
+    EXPECT_STREQ(setup.rejection.data(), "no");
+  }
+}
+
+TEST_F(Servos, TheMouseLeadsTheHandUntilItLetsGoOrLeaves) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(2);
+  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  run(2);
+  ASSERT_TRUE(device.hand);
+  EXPECT_EQ(*device.hand, Vec3(0.01, 0, 0));
+  say(kVision, HandTarget{});
+  run(2);
+  EXPECT_FALSE(device.hand);
+  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  run(2);
+  ASSERT_TRUE(device.hand);
+  say(kVision, Bye{});
+  run(2);
+  EXPECT_FALSE(device.hand);
+}
+
+TEST_F(Servos, ALatchedFaultIsToldRecordedAndResetByAToolAlone) {
+  Heard tap;
+  make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.place.x() += 0.05;
+  run(20);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::jump});
+  const auto latched = events_of(*servo, {ServoEvent::Kind::latched});
+  ASSERT_EQ(latched.size(), 1U);
+  EXPECT_EQ(latched[0].fault, SafetyFault::jump);
+  EXPECT_EQ(stats().governor.fault, SafetyFault::jump);
+  EXPECT_EQ(stats().governor.state, GovernorState::latched);
+  Settings reset;
+  reset.reset_faults = true;
+  say(kVision, reset);
+  run(300);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::reset}).empty());
+  say(kTool, reset);
+  run(20);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset}).size(), 1U);
+  EXPECT_LT(device.written.back().force_n.z(), 0.6);
+  run(150);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::jump});
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, AResetIsRefusedWhileTheCauseIsThere) {
+  make({.hold_button = 2});
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.condition_now.motor_temperature = 1.0;
+  run(600);
+  EXPECT_EQ(stats().governor.fault, SafetyFault::thermal);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+  Settings reset;
+  reset.reset_faults = true;
+  say(kTool, reset);
+  run(10);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset_rejected}).size(), 1U);
+  device.condition_now.motor_temperature = 0.5;
+  run(600);
+  say(kTool, reset);
+  run(300);
+  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+}
+
+TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
+  KeyRole tools_key = KeyRole::tool;
+  endpoint.key_role_of = [&](const Address& from) {
+    return from.port == kTool ? tools_key : from.port == kVision ? KeyRole::vision : KeyRole::haptics;
+  };
+  Settings reset;
+  reset.reset_faults = true;
+  const auto reset_by = [&](KeyRole key_role, int hold_button) {
+    tools_key = key_role;
+    make({.hold_button = hold_button});
+    join(kHaptics, NodeRole::haptics);
+    join(kTool, NodeRole::tool);
+    run(300);
+    device.place.x() = -device.place.x() + 0.05;
+    run(20);
+    EXPECT_NE(stats().governor.fault, SafetyFault::none);
+    events_of(*servo, {});
+    say(kTool, reset);
+    run(20);
+    const auto told =
+        events_of(*servo, {ServoEvent::Kind::reset, ServoEvent::Kind::reset_without_right, ServoEvent::Kind::reset_without_person});
+    EXPECT_EQ(told.size(), 1U);
+    const bool is_reset = !told.empty() && told[0].kind == ServoEvent::Kind::reset;
+    EXPECT_EQ(stats().governor.fault == SafetyFault::none, is_reset);
+    EXPECT_EQ(stats().resets_denied, is_reset ? 0U : 1U);
+    say(kTool, Bye{});
+    run(2);
+    return told.empty() ? ServoEvent::Kind::joined : told[0].kind;
+  };
+  // From another host, with no dead man's switch, or with one that is held.
+  EXPECT_EQ(reset_by(KeyRole::tool, -1), ServoEvent::Kind::reset_without_right);
+  EXPECT_EQ(reset_by(KeyRole::tool, 2), ServoEvent::Kind::reset_without_right);
+  EXPECT_EQ(reset_by(KeyRole::operator_role, -1), ServoEvent::Kind::reset_without_person);
+  EXPECT_EQ(reset_by(KeyRole::operator_role, 2), ServoEvent::Kind::reset);
+}
+
+TEST_F(Servos, ResetsThatAreDeniedAreAllCountedAndToldOnceASecond) {
+  endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::tool : KeyRole::haptics; };
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kTool, NodeRole::tool);
+  run(300);
+  device.place.x() = -device.place.x() + 0.05;
+  run(20);
+  Settings reset;
+  reset.reset_faults = true;
+  std::size_t told = 0;
+  for (int n = 0; n < 1500; ++n) {
+    say(kTool, reset);
+    run(1);
+    told += events_of(*servo, {ServoEvent::Kind::reset_without_right}).size();
+  }
+  EXPECT_GE(stats().resets_denied, 1499U);
+  EXPECT_EQ(told, 2U);
+}
+
+}  // namespace
+}  // namespace hapton

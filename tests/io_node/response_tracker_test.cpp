@@ -1,0 +1,185 @@
+#include "io_node/response_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+using Verdict = ResponseTracker::Verdict;
+constexpr std::int64_t kMs = 1'000'000;
+
+ForceCommand to(std::uint64_t sample, std::uint32_t skipped = 0) {
+  ForceCommand command;
+  command.echo_sample = sample;
+  command.echo_sample_time_ns = static_cast<std::int64_t>(sample) * kMs;
+  command.skipped_samples = skipped;
+  return command;
+}
+
+struct Ledger : testing::Test {
+  std::unique_ptr<ResponseTracker> ledger = std::make_unique<ResponseTracker>();
+  void take(std::uint64_t from, std::uint64_t last, bool is_expected = true) {
+    for (std::uint64_t s = from; s <= last; ++s) ledger->take(s, static_cast<std::int64_t>(s) * kMs, is_expected);
+  }
+  void take_or_withhold(std::uint64_t sample, unsigned which) {
+    if (which == 0) return ledger->withhold(sample, static_cast<std::int64_t>(sample) * kMs);
+    take(sample, sample, which > 2);
+  }
+};
+
+TEST_F(Ledger, TellsInTimeLateReorderedDuplicateAndUnknownApart) {
+  EXPECT_EQ(ledger->answer(to(0)), Verdict::unknown);
+  take(1, 1);
+  EXPECT_FALSE(ledger->is_newest_answered());
+  EXPECT_EQ(ledger->answer(to(1)), Verdict::in_time);
+  EXPECT_TRUE(ledger->is_newest_answered());
+  EXPECT_EQ(ledger->answer(to(1)), Verdict::duplicate);
+  take(2, 5);
+  EXPECT_EQ(ledger->answer(to(4)), Verdict::late);
+  EXPECT_EQ(ledger->answer(to(3)), Verdict::reordered);
+  EXPECT_EQ(ledger->answer(to(6)), Verdict::unknown);
+  ForceCommand forged = to(5);
+  forged.echo_sample_time_ns += 1;
+  EXPECT_EQ(ledger->answer(forged), Verdict::unknown);
+  EXPECT_EQ(ledger->answer(to(~std::uint64_t{0})), Verdict::unknown);
+}
+
+TEST_F(Ledger, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
+  take(1, 10);
+  ledger->answer(to(5));
+  ledger->settle(ResponseTracker::kPatienceNs);
+  EXPECT_EQ(ledger->counts().lost, 0U);
+  ledger->settle(ResponseTracker::kPatienceNs + 100 * kMs);
+  EXPECT_EQ(ledger->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has been answered
+  EXPECT_EQ(ledger->answer(to(3)), Verdict::reordered);
+  EXPECT_EQ(ledger->counts().lost, 3U);
+}
+
+TEST_F(Ledger, SkippedIsSupersededNotLost) {
+  take(1, 10);
+  ledger->answer(to(2));
+  ledger->answer(to(9, 4));
+  EXPECT_EQ(ledger->counts().superseded, 4U);  // 5 to 8
+  ledger->close(true);
+  EXPECT_EQ(ledger->counts().lost, 4U);  // 1, 3, 4 and 10
+}
+
+TEST_F(Ledger, ALieAboutSkippingExcusesNoMoreThanThereIs) {
+  take(1, 10);
+  ledger->answer(to(9, ~std::uint32_t{0}));
+  EXPECT_EQ(ledger->counts().superseded, 8U);
+  ledger->answer(to(10, ~std::uint32_t{0}));
+  EXPECT_EQ(ledger->counts().superseded, 8U);
+}
+
+// 1 is answered; 2 and 5 are sent, 3 and 4 are not, for a newer one was there; the node skips 2 and 5 and answers 6.
+TEST_F(Ledger, WhatWasNeverSentIsNoneOfTheSkipped) {
+  take(1, 1);
+  ledger->answer(to(1));
+  take(2, 2);
+  ledger->withhold(3, 3 * kMs);
+  ledger->withhold(4, 4 * kMs);
+  take(5, 6);
+  ledger->answer(to(6, 2));
+  ledger->close(true);
+  EXPECT_EQ(ledger->counts().superseded, 2U);
+  EXPECT_EQ(ledger->counts().excused, 2U);
+  EXPECT_EQ(ledger->counts().lost, 0U);
+  EXPECT_EQ(ledger->counts().taken, 6U);
+}
+
+// The numbers in between are of cycles that nobody was told of, once the places of old samples and once fresh ones.
+TEST_F(Ledger, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
+  for (const std::uint64_t before : {std::uint64_t{3}, 2 * ResponseTracker::kCapacity}) {
+    ledger = std::make_unique<ResponseTracker>();
+    for (std::uint64_t s = 1; s <= before; ++s) {
+      take(s, s);
+      ledger->answer(to(s));
+    }
+    take(before + 1, before + 1);
+    take(before + 40, before + 41);
+    ledger->answer(to(before + 41, 2));
+    ledger->settle(static_cast<std::int64_t>(before) * kMs + 10 * ResponseTracker::kPatienceNs);
+    EXPECT_EQ(ledger->counts().superseded, 2U) << before;
+    EXPECT_EQ(ledger->counts().lost, 0U) << before;
+    EXPECT_EQ(ledger->counts().taken, before + 3) << before;
+  }
+}
+
+// A node that falls behind and answers the newest of what waits for it, a hub that falls behind and sends the newest of what it has: who
+// answers all that it did not skip has lost nothing.
+TEST_F(Ledger, ANodeThatSaysWhatItSkippedHasLostNothing) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    ledger = std::make_unique<ResponseTracker>();
+    std::vector<std::uint64_t> sent;
+    std::uint64_t newest = 0;
+    for (int n = 0; n < 30'000; ++n) {
+      for (std::uint64_t behind = random() % 8; behind < 2; ++behind)
+        ++newest, ledger->withhold(newest, static_cast<std::int64_t>(newest) * kMs);
+      if (random() % 50 == 0) newest += random() % 30;
+      ++newest;
+      take(newest, newest);
+      sent.push_back(newest);
+      if (random() % 3 == 0) continue;
+      ledger->answer(to(newest, static_cast<std::uint32_t>(sent.size() - 1)));
+      sent.clear();
+      ledger->settle(static_cast<std::int64_t>(newest) * kMs);
+    }
+    ledger->close(false);
+    ASSERT_EQ(ledger->counts().lost, 0U) << seed;
+    ASSERT_GT(ledger->counts().superseded, 0U);
+  }
+}
+
+TEST_F(Ledger, NobodyThereIsExcused) {
+  take(1, 10, false);
+  take(11, 20);
+  ledger->answer(to(12));
+  ledger->excuse_waiting();
+  EXPECT_EQ(ledger->counts().lost, 1U);  // 11: overtaken
+  EXPECT_EQ(ledger->counts().excused, 18U);
+  EXPECT_EQ(ledger->answer(to(5)), Verdict::reordered);
+  EXPECT_EQ(ledger->counts().excused, 17U);
+}
+
+// Whatever comes, every sample is in one place only.
+TEST_F(Ledger, CountsAlwaysAddUp) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    ledger = std::make_unique<ResponseTracker>();
+    std::uint64_t newest = 0;
+    for (int n = 0; n < 60'000; ++n) {
+      const auto what = random() % 100;
+      if (what < 60)
+        take_or_withhold(++newest, static_cast<unsigned>(random() % 20));
+      else if (what < 97)
+        ledger->answer(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
+      else if (what < 98)
+        ledger->answer(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
+      else if (what < 99)
+        ledger->settle(static_cast<std::int64_t>(newest) * kMs);
+      else if (random() % 50 == 0)
+        ledger->excuse_waiting();
+    }
+    ledger->close(seed % 2 == 0);
+    const auto& c = ledger->counts();
+    ASSERT_EQ(c.taken, c.in_time + c.late + c.reordered + c.superseded + c.lost + c.excused) << seed;
+    ASSERT_GT(c.lost, 0U);
+  }
+}
+
+TEST_F(Ledger, ForgetsWhatIsOlderThanItsCapacity) {
+  take(1, 3 * ResponseTracker::kCapacity);
+  EXPECT_EQ(ledger->answer(to(1)), Verdict::unknown);
+  EXPECT_EQ(ledger->answer(to(2 * ResponseTracker::kCapacity)), Verdict::unknown);
+  EXPECT_EQ(ledger->answer(to(2 * ResponseTracker::kCapacity + 1)), Verdict::late);
+  EXPECT_EQ(ledger->counts().excused, 2 * ResponseTracker::kCapacity);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,47 @@
+#include "io_node/scene_reach.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+DeviceLimits hand_wide() {
+  DeviceLimits limits;
+  limits.workspace_min_m = Vec3(-0.1, -0.1, -0.1);
+  limits.workspace_max_m = Vec3(0.1, 0.1, 0.1);
+  return limits;
+}
+
+SceneFacts box_at(float x, float half) {
+  SceneFacts facts{.given_hash = 1, .lowest_m = {x - half, -half, -half}, .highest_m = {x + half, half, half}, .point_count = 2};
+  facts.points_m[0] = {x - half, 0, 0};
+  facts.points_m[1] = {x + half, 0, 0};
+  return facts;
+}
+
+SceneReach judge(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return judge_reach(facts, X_WS, hand_wide()); }
+
+TEST(SceneReach, GoesByWhereTheSurfaceIs) {
+  EXPECT_EQ(judge(box_at(0, 0.05F)), SceneReach::in_reach);
+  EXPECT_EQ(judge(box_at(0.14F, 0.05F)), SceneReach::in_reach);
+  EXPECT_EQ(judge(box_at(0.3F, 0.05F)), SceneReach::out_of_reach);
+  EXPECT_EQ(judge(box_at(0.3F, 0.05F), Pose(Eigen::Translation3d(-0.3, 0, 0))), SceneReach::in_reach);
+  EXPECT_EQ(judge(box_at(0.3F, 0.05F), Pose(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))), SceneReach::out_of_reach);
+}
+
+TEST(SceneReach, ASpeckIsTooSmall) { EXPECT_EQ(judge(box_at(0, 1e-4F)), SceneReach::too_small); }
+
+TEST(SceneReach, SaysNothingOfWhatItCannotKnow) {
+  // The workspace is in the midst of it: 16 points say little of the piece that is there.
+  EXPECT_EQ(judge(box_at(0, 50.0F)), SceneReach::unknown);
+  EXPECT_EQ(judge(SceneFacts{}), SceneReach::unknown);
+  EXPECT_EQ(judge_reach(box_at(0, 0.05F), Pose::Identity(), {}), SceneReach::unknown);
+}
+
+TEST(SceneReach, APointGoesWithTheView) {
+  const ViewTransform view{.revision = 1, .X_WS = {0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3}};
+  EXPECT_LT((point_in_world(box_at(1, 0.5F), pose_of(view), 1) - Vec3(1, 3.5, 3)).norm(), 1e-6);
+}
+
+}  // namespace
+}  // namespace hapton

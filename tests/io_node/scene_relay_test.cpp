@@ -1,0 +1,91 @@
+#include "io_node/scene_relay.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, HapticsAndVisionHearOfEachOthersScene) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  join(kTool, NodeRole::tool);
+  run(5);
+  say(kHaptics, SceneFacts{.given_hash = 1});
+  run(2);
+  say(kVision, SceneFacts{.given_hash = 2});
+  run(2);
+  say(kTool, SceneFacts{.given_hash = 3});
+  run(2);
+  ASSERT_EQ(scenes.size(), 2U);
+  EXPECT_EQ(scenes[0].first, at(kVision));
+  EXPECT_EQ(scenes[0].second.given_hash, 1U);
+  EXPECT_EQ(scenes[1].first, at(kHaptics));
+  EXPECT_EQ(scenes[1].second.given_hash, 2U);
+}
+
+TEST_F(Servos, TheHandIsToldWhereTheSceneIsAndWhereItWasTurnedTo) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(5);
+  say(kHaptics,
+      SceneFacts{.given_hash = 1, .lowest_m = {0, 0, 0}, .highest_m = {0.08F, 0, 0}, .point_count = 1, .points_m = {{{0.08F, 0, 0}}}});
+  run(3);
+  ASSERT_EQ(device.aims.size(), 1U);
+  EXPECT_LT((device.aims[0] - Vec3(0.08, 0, 0)).norm(), 1e-6);
+  EXPECT_EQ(servo->collect_stats().reach, SceneReach::in_reach);
+  say(kVision, ViewTransform{.revision = 1, .X_WS = {0, -1, 0, 0, 1, 0, 0, 0.5F, 0, 0, 1, 0}});
+  run(3);
+  EXPECT_LT((device.aims[0] - Vec3(0, 0.58, 0)).norm(), 1e-6);
+  EXPECT_EQ(servo->collect_stats().reach, SceneReach::out_of_reach);
+  ASSERT_FALSE(probes.empty());
+  EXPECT_EQ(probes.back().status, ProbeStatus::out_of_reach);
+}
+
+TEST_F(Servos, VisionIsToldWhyThereIsNoForce) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(200);
+  ASSERT_FALSE(probes.empty());
+  EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
+  join(kHaptics, NodeRole::haptics);
+  run(500);
+  EXPECT_EQ(probes.back().status, ProbeStatus::ok);
+  device.state = DeviceStatus::calibrating;
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::calibrating);
+  device.state = DeviceStatus::away;
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::device_away);
+  device.state = DeviceStatus::ready;
+  run(1000);
+  EXPECT_EQ(probes.back().status, ProbeStatus::ok);
+  answer_delay_ns = -1;
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
+  answer_delay_ns = 100 * kUs;
+  run(500);
+  servo->device_loop().latch_again(SafetyFault::speed);
+  run(200);
+  EXPECT_EQ(probes.back().status, ProbeStatus::fault_latched);
+}
+
+TEST_F(Servos, RemembersWhatTheHapticsNodeWorksWith) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(5);
+  HapticsSetup setup{.scene_hash = 0xABCD};
+  std::copy_n("car.toml", 8, setup.scene.begin());
+  say(kHaptics, setup);
+  run(2);
+  EXPECT_EQ(servo->collect_stats().setup.scene_hash, 0xABCDU);
+  EXPECT_STREQ(servo->collect_stats().setup.scene.data(), "car.toml");
+}
+
+}  // namespace
+}  // namespace hapton

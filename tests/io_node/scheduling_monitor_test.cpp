@@ -1,0 +1,52 @@
+#include "io_node/scheduling_monitor.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+
+ThreadUsage ran(double run_s) { return {.run_s = run_s}; }
+
+TEST(SchedulingMonitor, SaysHowTheTimeWent) {
+  SchedulingMonitor watch(0.1, 0.95);
+  EXPECT_FALSE(watch.figures().is_known);
+  watch.update({.run_s = 10.0, .waited_s = 1.0, .involuntary_switches = 5, .stolen_s = 2.0}, 7, kSecondNs);
+  watch.update({.run_s = 10.2, .waited_s = 1.01, .involuntary_switches = 8, .stolen_s = 2.5}, 7 + kSecondNs / 20, 2 * kSecondNs);
+  const SchedulingStats& figures = watch.figures();
+  ASSERT_TRUE(figures.is_known);
+  EXPECT_NEAR(figures.worked_share, 0.15, 1e-9);
+  EXPECT_NEAR(figures.spun_share, 0.05, 1e-9);
+  EXPECT_NEAR(figures.slept_share, 0.8, 1e-9);
+  EXPECT_NEAR(figures.waited_ms, 10.0, 1e-9);
+  EXPECT_EQ(figures.involuntary_switches, 3U);
+  EXPECT_NEAR(figures.stolen_ms, 500.0, 1e-9);
+}
+
+TEST(SchedulingMonitor, SpinningGivesWayToWorkAndToTheKernelsLimit) {
+  SchedulingMonitor watch(0.3, 0.5);
+  EXPECT_NEAR(watch.update(ran(0.0), 0, kSecondNs), 0.3, 1e-9);
+  EXPECT_NEAR(watch.update(ran(0.05), 0, 2 * kSecondNs), 0.3, 1e-9);
+  EXPECT_NEAR(watch.update(ran(0.35), 0, 3 * kSecondNs), 0.8 * 0.5 - 0.3, 1e-9);
+  EXPECT_EQ(watch.update(ran(1.1), 0, 4 * kSecondNs), 0.0);
+  EXPECT_NEAR(watch.update(ran(1.1), 0, 5 * kSecondNs), 0.3, 1e-9);
+}
+
+TEST(SchedulingMonitor, WhatIsSpunDoesNotCountAsWork) {
+  SchedulingMonitor watch(0.3, 0.5);
+  watch.update(ran(0.0), 0, kSecondNs);
+  EXPECT_NEAR(watch.update(ran(0.3), kSecondNs * 3 / 10, 2 * kSecondNs), 0.3, 1e-9);
+}
+
+TEST(SchedulingMonitor, CountsWhenThrottlingIsNear) {
+  SchedulingMonitor watch(0.1, 0.5);
+  watch.update(ran(0.0), 0, kSecondNs);
+  watch.update(ran(0.4), 0, 2 * kSecondNs);
+  EXPECT_EQ(watch.figures().near_throttling, 0U);
+  watch.update(ran(0.89), 0, 3 * kSecondNs);
+  EXPECT_EQ(watch.figures().near_throttling, 1U);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,178 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "devices/device.h"
+#include "io_node/servo.h"
+#include "link/bare_echo_endpoint.h"
+#include "tests/io_node/scripted_endpoint.h"
+
+namespace hapton {
+
+constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kUs = 1000;
+constexpr std::uint64_t kSession = 77;
+
+// A device that stands still and remembers what was put on its motors.
+class BenchDevice final : public Device {
+ public:
+  struct Written {
+    Vec3 force_n;
+    std::int64_t time_ns;
+  };
+  BenchDevice() {
+    limits_ = {8.0, 2000.0, 1000.0, Vec3::Constant(-0.1), Vec3::Constant(0.1)};
+    written.reserve(100'000);
+  }
+  std::string_view name() const noexcept override { return "bench"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    reads.push_back(now_ns);
+    if (clock != nullptr) clock->advance_ns(std::exchange(slow_read_ns, 0));
+    place += drift;
+    return {now_ns, place, Quat::Identity(), 5, is_held};
+  }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
+  DeviceStatus status() const noexcept override { return state; }
+  DeviceCondition condition() const noexcept override { return condition_now; }
+  bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override {
+    hand = p_WH;
+    return true;
+  }
+  Vec3 place = Vec3(0.01, 0.02, 0.03);
+  Vec3 drift = Vec3::Zero();  // from one read to the next
+  SimulatedClock* clock = nullptr;
+  std::int64_t slow_read_ns = 0;  // of the next one
+  DeviceStatus state = DeviceStatus::ready;
+  bool is_held = true;
+  DeviceCondition condition_now;
+  std::vector<Written> written;
+  std::vector<std::int64_t> reads;
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override {
+    aims.assign(p_WA.begin(), p_WA.end());
+    return true;
+  }
+  std::optional<Vec3> hand;
+  std::vector<Vec3> aims;
+
+ private:
+  DeviceLimits limits_;
+};
+
+// A servo on simulated time with a device, and the three kinds of nodes as a script.
+struct Servos : testing::Test {
+  SimulatedClock clock{1'000'000'000};
+  ScriptedEndpoint endpoint{clock};
+  BenchDevice device;
+  HubPeers peers{endpoint, clock, kSession, 1000.0};
+  std::unique_ptr<Servo> servo;
+  std::map<std::uint16_t, std::uint64_t> sequences;
+  // What the nodes heard.
+  std::vector<DeviceState> states;
+  std::vector<ProbeState> probes;
+  std::vector<ViewTransform> views;
+  std::vector<Settings> settings;
+  std::vector<std::pair<Address, HapticsSetup>> setups;
+  std::vector<std::pair<Address, SceneFacts>> scenes;
+  // How the haptics node answers; -1: not at all.
+  std::int64_t answer_delay_ns = 100 * kUs;
+  ForceCommand answer;
+  bool takes_views = true;          // its answers name the newest view it was sent
+  std::optional<double> floor_z_m;  // set: what is touched, so that each answer has its own sample's visual offset
+  // How long the vision node draws at a state; -1: it never says.
+  std::int64_t draw_ns = 0;
+  std::deque<std::pair<std::int64_t, Drawn>> drawing;
+
+  static Address at(std::uint16_t port) { return {{9}, port}; }
+  static constexpr std::uint16_t kHaptics = 1, kVision = 2, kTool = 3;
+
+  void SetUp() override {
+    answer.force_n = Vec3(0, 0, 2);
+    answer.contact = true;
+    answer.compute_ns = 7000;
+    answer.visual_offset_m = Vec3(0, 0, 0.001);
+    endpoint.on_send = [this](const Address& to, const Datagram& datagram) { hear(to, datagram); };
+  }
+
+  void make(Servo::Options options = {}, EchoProbe* echo = nullptr, ServoTap* tap = nullptr) {
+    servo = std::make_unique<Servo>(device, peers, clock, options, echo, tap);
+  }
+
+  void hear(const Address& to, const Datagram& datagram) {
+    if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
+      states.push_back(*state);
+      if (answer_delay_ns >= 0) force(*state, answer_delay_ns);
+    }
+    if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
+      probes.push_back(*probe);
+      if (draw_ns >= 0) drawing.emplace_back(clock.now_ns() + draw_ns, Drawn{probe->sample, probe->sample_time_ns, 60.0F});
+    }
+    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
+    if (const auto* setting = std::get_if<Settings>(&datagram.message)) settings.push_back(*setting);
+    if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) setups.emplace_back(to, *setup);
+    if (const auto* scene = std::get_if<SceneFacts>(&datagram.message)) scenes.emplace_back(to, *scene);
+  }
+
+  void force(const DeviceState& state, std::int64_t delay_ns) {
+    ForceCommand command = answer;
+    command.echo_sample = state.sample;
+    command.echo_sample_time_ns = state.sample_time_ns;
+    if (takes_views && !views.empty()) command.view_revision = views.back().revision;
+    if (floor_z_m) command.visual_offset_m.z() = *floor_z_m - state.p_WD.z();
+    say(kHaptics, command, delay_ns);
+  }
+
+  // From the node at this port, to arrive after delay_ns. Sequences count in the order of saying.
+  void say(std::uint16_t port, const Message& message, std::int64_t delay_ns = 0) {
+    endpoint.arrive(clock.now_ns() + delay_ns, at(port), {{kSession, 1000ULL + port, ++sequences[port], clock.now_ns()}, message});
+  }
+  void join(std::uint16_t port, NodeRole role) { say(port, Hello{role}); }
+
+  void run(int cycles) {
+    for (int n = 0; n < cycles; ++n) {
+      if (n % 100 == 50) {
+        for (const auto& [port, unused] : std::map(sequences)) say(port, Hello{roles.at(port)});
+      }
+      for (; !drawing.empty() && drawing.front().first <= clock.now_ns(); drawing.pop_front()) say(kVision, drawing.front().second);
+      servo->step();
+    }
+  }
+  const std::map<std::uint16_t, NodeRole> roles = {{kHaptics, NodeRole::haptics}, {kVision, NodeRole::vision}, {kTool, NodeRole::tool}};
+  const ServoStats& stats() { return servo->collect_stats(); }
+};
+
+// Remembers what it heard.
+class Heard final : public ServoTap {
+ public:
+  void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++received; }
+  void on_sent(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++sent; }
+  void on_cycle(const CycleNote& note, std::int64_t) noexcept override { cycles.push_back(note); }
+  void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
+  int received = 0;
+  int sent = 0;
+  std::vector<CycleNote> cycles;
+  std::vector<SessionFault> faults;
+};
+
+// The events that came since, of these kinds.
+inline std::vector<ServoEvent> events_of(Servo& servo, std::initializer_list<ServoEvent::Kind> kinds) {
+  std::vector<ServoEvent> events;
+  for (ServoEvent event; servo.events().pop(event);) {
+    if (std::find(kinds.begin(), kinds.end(), event.kind) != kinds.end()) events.push_back(event);
+  }
+  return events;
+}
+
+inline std::uint64_t missed_by(const ServoStats& stats, MissCause cause) { return stats.missed_by_cause[static_cast<std::size_t>(cause)]; }
+
+}  // namespace hapton

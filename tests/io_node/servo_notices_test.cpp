@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, StrangersAreToldOfButNotAllTheTime) {
+  make();
+  run(1000);
+  ServoEvent event;
+  EXPECT_FALSE(servo->events().pop(event));
+  int told_of_key = 0;
+  int told_of_version = 0;
+  for (int second = 0; second < 30; ++second) {
+    endpoint.seal.wrong_key += 20;
+    endpoint.seal.wrong_version += second == 0 ? 1 : 0;
+    run(1000);
+    while (servo->events().pop(event)) {
+      told_of_key += event.kind == ServoEvent::Kind::wrong_key ? 1 : 0;
+      told_of_version += event.kind == ServoEvent::Kind::wrong_version ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(told_of_key, 3);
+  EXPECT_EQ(told_of_version, 1);
+}
+
+TEST_F(Servos, ATapHearsDatagramsAndCycles) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  ASSERT_EQ(tap.cycles.size(), 200U);
+  EXPECT_EQ(tap.cycles.back().sample, states.back().sample);
+  EXPECT_EQ(tap.cycles.back().written_n, answer.force_n);
+  EXPECT_EQ(static_cast<std::uint64_t>(tap.received), stats().hub.received);
+  EXPECT_GE(tap.sent, 200);
+  EXPECT_TRUE(tap.faults.empty());
+  clock.advance_ns(3 * kMs);
+  run(1);
+  EXPECT_EQ(tap.cycles.back().missed, 2U);
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, ATapHearsEachFaultOnce) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  answer_delay_ns = -1;
+  run(40);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::silence});
+  answer_delay_ns = 100 * kUs;
+  run(10);
+  tap.faults.clear();
+  answer.force_n = Vec3(0, 0, 100);
+  run(10);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::clamped});
+  answer.force_n = Vec3(0, 0, 1);
+  run(5);
+  tap.faults.clear();
+  clock.advance_ns(25 * kMs);
+  run(1);
+  EXPECT_EQ(tap.faults.back(), SessionFault::stalled);
+  tap.faults.clear();
+  device.state = DeviceStatus::fault;
+  servo->finish();
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, AKeyThatDoesNotAllowARoleIsToldOf) {
+  endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::role_violation}).empty());
+  for (int n = 0; n < 500; ++n) {
+    say(kTool, Hello{.role = NodeRole::haptics});
+    run(1);
+  }
+  run(300);
+  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::role_violation}).size(), 1U);
+  EXPECT_GE(stats().hub.role_violations, 499U);
+}
+
+TEST_F(Servos, AFloodIsToldOfWithWhereItComesFrom) {
+  make();
+  run(100);
+  endpoint.flood = Flood{Rejection::replayed_handshake, at(66), true, 200'000.0};
+  run(300);
+  const auto told = events_of(*servo, {ServoEvent::Kind::flood});
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].flood, Rejection::replayed_handshake);
+  EXPECT_EQ(told[0].address, at(66));
+  EXPECT_TRUE(told[0].is_from_several);
+  EXPECT_EQ(told[0].rate_hz, 200'000.0);
+}
+
+TEST_F(Servos, AHapticsNodeThatSaysGoodbyeInContactIsNoFault) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  say(kHaptics, Bye{});
+  for (int n = 0; n < 40; ++n) servo->step();
+  EXPECT_EQ(stats().governor.counters.command_timeouts, 1U);
+  EXPECT_TRUE(tap.faults.empty());
+  peers.set_tap(nullptr);
+}
+
+TEST_F(Servos, ASilenceInFreeSpaceIsNoFault) {
+  Heard tap;
+  make({}, nullptr, &tap);
+  join(kHaptics, NodeRole::haptics);
+  answer.contact = false;
+  answer.force_n = Vec3::Zero();
+  run(200);
+  answer_delay_ns = -1;
+  run(40);
+  EXPECT_EQ(stats().governor.counters.command_timeouts, 1U);
+  EXPECT_TRUE(tap.faults.empty());
+  peers.set_tap(nullptr);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,116 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, VisionHearsTheProbeAtItsRateWithOffsetAndFigures) {
+  make({.vision_rate_hz = 50.0});
+  device.drift.x() = 1e-6;
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 50.0, 2.0);
+  const ProbeState& probe = probes.back();
+  EXPECT_EQ(probe.visual_offset_m, answer.visual_offset_m);
+  EXPECT_TRUE(probe.contact);
+  EXPECT_EQ(probe.force_n, answer.force_n);
+  EXPECT_NEAR(probe.servo_rate_hz, 1000.0, 5.0);
+  EXPECT_NEAR(probe.round_trip_p50_us, 100.0, 2.0);
+  EXPECT_EQ(stats().probe_states_sent, probes.size());
+}
+
+// 0.5 m/s into a floor, each answer 1.3 ms late: an offset beside another sample's pose would be off by what the device moved meanwhile.
+TEST_F(Servos, VisionHearsAPoseAndTheOffsetOfTheSameSample) {
+  make();
+  device.drift.z() = -0.5e-3;
+  floor_z_m = 0.0;
+  answer_delay_ns = 1300 * kUs;
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(300);
+  double most_m = 0.0;
+  std::size_t in_contact = 0;
+  std::uint64_t last = 0;
+  for (const ProbeState& probe : probes) {
+    const DeviceState& state = states.at(states.size() - 1 - (states.back().sample - std::max(probe.sample, states.front().sample)));
+    EXPECT_GE(probe.sample, last);
+    last = probe.sample;
+    if (!probe.contact) continue;
+    ++in_contact;
+    EXPECT_EQ(probe.p_WD, state.p_WD);
+    EXPECT_EQ(probe.sample_time_ns, state.sample_time_ns);
+    most_m = std::max(most_m, std::fabs((probe.p_WD + probe.visual_offset_m).z() - *floor_z_m));
+  }
+  EXPECT_GT(in_contact, 40U);
+  EXPECT_LE(most_m, 1e-12) << "the probe is drawn beside the surface";
+}
+
+TEST_F(Servos, VisionHearsTheNewestSampleWhileNobodyAnswers) {
+  make();
+  device.drift.z() = -0.5e-3;
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  run(200);
+  answer_delay_ns = -1;
+  run(60);
+  EXPECT_FALSE(probes.back().contact);
+  EXPECT_EQ(probes.back().visual_offset_m, Vec3(Vec3::Zero()));
+  EXPECT_LE(states.back().sample - probes.back().sample, 10U) << "the picture stands still";
+}
+
+TEST_F(Servos, VisionIsServedWithoutHapticsToo) {
+  make();
+  device.drift.x() = 1e-6;
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 240.0, 5.0);
+  EXPECT_FALSE(probes.back().contact);
+}
+
+TEST_F(Servos, WhatHasNotChangedIsToldToVisionTenTimesASecondAndAtOnceWhenItDoes) {
+  make();
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // the figures change now and then
+  EXPECT_NEAR(static_cast<double>(stats().probe_states_unchanged), 228.0, 6.0);
+  const std::size_t before = probes.size();
+  device.place.x() += 0.001;
+  run(6);
+  ASSERT_GT(probes.size(), before);
+  EXPECT_EQ(probes.back().p_WD, device.place);
+}
+
+TEST_F(Servos, VisionGetsNoMoreThanItDraws) {
+  make();
+  device.drift.x() = 1e-6;
+  draw_ns = 20 * kMs;
+  join(kVision, NodeRole::vision);
+  run(1000);
+  EXPECT_NEAR(static_cast<double>(probes.size()), 1000.0 / 21.0, 3.0);
+  EXPECT_NEAR(static_cast<double>(stats().drawn), static_cast<double>(probes.size()), 1.0);
+  EXPECT_LE(stats().device_to_drawn.max_ns(), 21 * kMs);
+}
+
+TEST_F(Servos, DrawnGivesTheAgeOfThePicture) {
+  make();
+  draw_ns = -1;
+  join(kVision, NodeRole::vision);
+  run(100);
+  const ProbeState probe = probes.back();
+  say(kVision, Drawn{probe.sample, probe.sample_time_ns, 57.0F}, 15 * kMs);
+  say(kVision, Drawn{probe.sample + 1'000'000, probe.sample_time_ns, 57.0F}, 15 * kMs);
+  say(kVision, Drawn{probe.sample, -5, 57.0F}, 15 * kMs);
+  const std::int64_t expected = clock.now_ns() + 15 * kMs - probe.sample_time_ns;
+  run(30);
+  EXPECT_EQ(stats().drawn, 1U);
+  EXPECT_EQ(stats().device_to_drawn.max_ns(), expected);
+  EXPECT_EQ(stats().frame_rate_hz, 57.0);
+}
+
+}  // namespace
+}  // namespace hapton

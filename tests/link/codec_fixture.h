@@ -1,0 +1,317 @@
+#pragma once
+
+// Random datagrams, how to compare them, and a codec to pass them through.
+#include <gtest/gtest.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <random>
+#include <set>
+#include <type_traits>
+#include <vector>
+#include "link/codec.h"
+#include "link/endpoint.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+
+using Bytes = std::vector<std::byte>;
+
+constexpr std::uint64_t kSeed = 20240611;
+
+class RandomDatagrams {
+ public:
+  explicit RandomDatagrams(std::uint64_t seed) : random_(seed) { testing::Test::RecordProperty("seed", std::to_string(seed)); }
+
+  Datagram draw(std::size_t kind) {
+    Datagram datagram;
+    datagram.header = {bits(), bits(), bits(), static_cast<std::int64_t>(bits())};
+    datagram.message = draw_message(kind);
+    return datagram;
+  }
+
+  std::uint64_t bits() { return random_(); }
+  std::uint32_t bits32() { return static_cast<std::uint32_t>(random_()); }
+  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+
+ private:
+  bool flag() { return (random_() & 1U) != 0; }
+  Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
+  Quat rotation() { return Quat(number(-1, 1), number(-1, 1), number(-1, 1), number(0.1, 1)).normalized(); }
+  float rate() { return static_cast<float>(number(0, 1e4)); }
+
+  Message draw_message(std::size_t kind) {
+    const auto time = static_cast<std::int64_t>(bits());
+    switch (kind) {
+      case 0:
+        return Hello{static_cast<NodeRole>(1 + bits() % 4)};
+      case 1:
+        return Welcome{flag(), number(250, 1e4)};
+      case 2:
+        return Bye{};
+      case 3:
+        return draw_state(time);
+      case 4:
+        return ForceCommand{bits(), time, vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits()};
+      case 5:
+        return draw_view();
+      case 6:
+        return ProbeState{bits(),
+                          time,
+                          vector(),
+                          rotation(),
+                          vector(),
+                          vector(),
+                          flag(),
+                          bits32(),
+                          rate(),
+                          rate(),
+                          rate(),
+                          bits32(),
+                          static_cast<ProbeStatus>(bits() % 7)};
+      case 7:
+        return Drawn{bits(), time, rate(), bits32(), bits32(), flag()};
+      case 8:
+        return HandTarget{flag(), vector()};
+      case 9:
+        return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag(), flag(), bits32()};
+      case 10:
+        return draw_setup();
+      case 11:
+        return ReportRequest{flag() ? ReportDocument::csv : ReportDocument::json, bits32(), bits32()};
+      case 12:
+        return draw_part();
+      case 13:
+        return draw_facts();
+      default:
+        return ViewRejected{bits32()};
+    }
+  }
+
+  SceneFacts draw_facts() {
+    SceneFacts facts;
+    const auto point = [&] { return SceneFacts::Point{rate(), -rate(), rate()}; };
+    facts.given_hash = bits();
+    facts.lowest_m = point();
+    facts.highest_m = point();
+    facts.point_count = bits32() % (SceneFacts::kMostPoints + 1);
+    for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
+    return facts;
+  }
+
+  ReportPart draw_part() {
+    ReportPart part;
+    part.document = flag() ? ReportDocument::csv : ReportDocument::json;
+    part.revision = bits32();
+    part.part = bits32() % 100;
+    part.parts = part.part + 1 + bits32() % 5;
+    part.size = static_cast<std::uint16_t>(bits() % (part.text.size() + 1));
+    std::fill_n(part.text.begin(), part.size, static_cast<char>(bits()));
+    return part;
+  }
+
+  DeviceState draw_state(std::int64_t time) {
+    DeviceState state{bits(), time, vector(), rotation(), bits32()};
+    state.is_resumed = flag();
+    if (state.is_resumed) state.p_WP = vector();
+    return state;
+  }
+
+  HapticsSetup draw_setup() {
+    HapticsSetup setup{bits32(),          bits32(),       draw_view().X_WS, bits(), {"scenes/car front.toml"},
+                       {"0.1.0 release"}, {"name=proxy"}, bits32()};
+    if (flag()) std::fill(setup.scene.begin(), setup.scene.end() - 1, 's');
+    setup.scene_loading = bits32();
+    if (flag()) std::fill(setup.rejection.begin(), setup.rejection.end() - 1, 'r');
+    return setup;
+  }
+
+  ViewTransform draw_view() {
+    ViewTransform view;
+    view.revision = bits32();
+    const Mat3 R = rotation().toRotationMatrix();
+    const Vec3 t = vector();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        view.X_WS[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(column < 3 ? R(row, column) : t[row]);
+      }
+    }
+    return view;
+  }
+
+  std::mt19937_64 random_;
+};
+
+constexpr std::size_t kKinds = std::variant_size_v<Message>;
+
+inline void expect_equal(const Hello& a, const Hello& b) { EXPECT_EQ(a.role, b.role); }
+inline void expect_equal(const Welcome& a, const Welcome& b) {
+  EXPECT_EQ(a.accepted, b.accepted);
+  EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
+}
+inline void expect_equal(const Bye&, const Bye&) {}
+inline void expect_equal(const DeviceState& a, const DeviceState& b) {
+  EXPECT_EQ(a.sample, b.sample);
+  EXPECT_EQ(a.sample_time_ns, b.sample_time_ns);
+  EXPECT_EQ(a.p_WD, b.p_WD);
+  EXPECT_EQ(a.q_WT.coeffs(), b.q_WT.coeffs());
+  EXPECT_EQ(a.buttons, b.buttons);
+  EXPECT_EQ(a.is_resumed, b.is_resumed);
+  EXPECT_EQ(a.p_WP, b.p_WP);
+}
+inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
+  EXPECT_EQ(a.echo_sample, b.echo_sample);
+  EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
+  EXPECT_EQ(a.force_n, b.force_n);
+  EXPECT_EQ(a.visual_offset_m, b.visual_offset_m);
+  EXPECT_EQ(a.contact, b.contact);
+  EXPECT_EQ(a.compute_ns, b.compute_ns);
+  EXPECT_EQ(a.skipped_samples, b.skipped_samples);
+  EXPECT_EQ(a.view_revision, b.view_revision);
+  EXPECT_EQ(a.method_serial, b.method_serial);
+  EXPECT_EQ(a.answered_before, b.answered_before);
+}
+inline void expect_equal(const ViewTransform& a, const ViewTransform& b) {
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.X_WS, b.X_WS);
+}
+inline void expect_equal(const ProbeState& a, const ProbeState& b) {
+  EXPECT_EQ(a.sample, b.sample);
+  EXPECT_EQ(a.sample_time_ns, b.sample_time_ns);
+  EXPECT_EQ(a.p_WD, b.p_WD);
+  EXPECT_EQ(a.q_WT.coeffs(), b.q_WT.coeffs());
+  EXPECT_EQ(a.visual_offset_m, b.visual_offset_m);
+  EXPECT_EQ(a.force_n, b.force_n);
+  EXPECT_EQ(a.contact, b.contact);
+  EXPECT_EQ(a.buttons, b.buttons);
+  EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
+  EXPECT_EQ(a.round_trip_p50_us, b.round_trip_p50_us);
+  EXPECT_EQ(a.round_trip_p99_us, b.round_trip_p99_us);
+  EXPECT_EQ(a.view_revision, b.view_revision);
+  EXPECT_EQ(a.status, b.status);
+}
+inline void expect_equal(const Drawn& a, const Drawn& b) {
+  EXPECT_EQ(a.echo_sample, b.echo_sample);
+  EXPECT_EQ(a.echo_sample_time_ns, b.echo_sample_time_ns);
+  EXPECT_EQ(a.frame_rate_hz, b.frame_rate_hz);
+  EXPECT_EQ(a.held_ns, b.held_ns);
+  EXPECT_EQ(a.rest_ns, b.rest_ns);
+  EXPECT_EQ(a.unchanged, b.unchanged);
+}
+inline void expect_equal(const HandTarget& a, const HandTarget& b) {
+  EXPECT_EQ(a.active, b.active);
+  EXPECT_EQ(a.p_WH, b.p_WH);
+}
+inline void expect_equal(const Settings& a, const Settings& b) {
+  EXPECT_EQ(a.servo_rate_hz, b.servo_rate_hz);
+  EXPECT_EQ(a.method, b.method);
+  EXPECT_EQ(a.report_now, b.report_now);
+  EXPECT_EQ(a.reset_faults, b.reset_faults);
+  EXPECT_EQ(a.method_request, b.method_request);
+}
+inline void expect_equal(const HapticsSetup& a, const HapticsSetup& b) {
+  EXPECT_EQ(a.method_serial, b.method_serial);
+  EXPECT_EQ(a.view_revision, b.view_revision);
+  EXPECT_EQ(a.X_WS, b.X_WS);
+  EXPECT_EQ(a.scene_hash, b.scene_hash);
+  EXPECT_EQ(a.scene, b.scene);
+  EXPECT_EQ(a.build, b.build);
+  EXPECT_EQ(a.method, b.method);
+  EXPECT_EQ(a.method_request, b.method_request);
+  EXPECT_EQ(a.rejection, b.rejection);
+  EXPECT_EQ(a.scene_loading, b.scene_loading);
+}
+
+inline void expect_equal(const ReportRequest& a, const ReportRequest& b) {
+  EXPECT_EQ(a.document, b.document);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.part, b.part);
+}
+inline void expect_equal(const ReportPart& a, const ReportPart& b) {
+  EXPECT_EQ(a.document, b.document);
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_EQ(a.part, b.part);
+  EXPECT_EQ(a.parts, b.parts);
+  EXPECT_EQ(std::string_view(a.text.data(), a.size), std::string_view(b.text.data(), b.size));
+}
+inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
+  EXPECT_EQ(a.given_hash, b.given_hash);
+  EXPECT_EQ(a.lowest_m, b.lowest_m);
+  EXPECT_EQ(a.highest_m, b.highest_m);
+  EXPECT_EQ(a.point_count, b.point_count);
+  EXPECT_EQ(a.points_m, b.points_m);
+}
+
+inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }
+
+inline void expect_equal(const Datagram& a, const Datagram& b) {
+  EXPECT_EQ(a.header.session, b.header.session);
+  EXPECT_EQ(a.header.sender, b.header.sender);
+  EXPECT_EQ(a.header.sequence, b.header.sequence);
+  EXPECT_EQ(a.header.send_time_ns, b.header.send_time_ns);
+  ASSERT_EQ(a.message.index(), b.message.index());
+  std::visit([&](const auto& m) { expect_equal(m, std::get<std::decay_t<decltype(m)>>(b.message)); }, a.message);
+}
+
+// Whatever decode lets through must keep the contract's promises.
+inline void expect_sane(const Datagram& datagram) {
+  if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
+    EXPECT_TRUE(state->p_WD.allFinite());
+    EXPECT_NEAR(state->q_WT.norm(), 1.0, 1e-3);
+  } else if (const auto* force = std::get_if<ForceCommand>(&datagram.message)) {
+    EXPECT_TRUE(force->force_n.allFinite());
+    EXPECT_LE(force->force_n.cwiseAbs().maxCoeff(), kMaxWireMagnitude);
+    EXPECT_TRUE(force->visual_offset_m.allFinite());
+  } else if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
+    EXPECT_TRUE(probe->p_WD.allFinite() && probe->force_n.allFinite() && probe->visual_offset_m.allFinite());
+    EXPECT_TRUE(std::isfinite(probe->servo_rate_hz));
+  } else if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
+    for (const float value : view->X_WS) {
+      EXPECT_TRUE(std::isfinite(value));
+    }
+  } else if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
+    EXPECT_GE(static_cast<int>(hello->role), 1);
+    EXPECT_LE(static_cast<int>(hello->role), 4);
+  } else if (const auto* settings = std::get_if<Settings>(&datagram.message)) {
+    EXPECT_TRUE(settings->servo_rate_hz == 0.0 ||
+                (settings->servo_rate_hz >= kMinServoRateHz && settings->servo_rate_hz <= kMaxServoRateHz));
+  } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {
+    for (const HapticsSetup::Text& text : {setup->scene, setup->build, setup->method, setup->rejection}) {
+      EXPECT_EQ(text.back(), '\0');
+      EXPECT_TRUE(std::none_of(text.begin(), text.end(), [](char c) { return (c > 0 && c < ' ') || c == '\x7f'; }));
+    }
+  } else if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) {
+    EXPECT_LE(facts->point_count, facts->points_m.size());
+    for (const SceneFacts::Point& point : facts->points_m) {
+      for (const float value : point) EXPECT_LE(std::abs(value), static_cast<float>(kMaxWireMagnitude));
+    }
+  } else if (const auto* part = std::get_if<ReportPart>(&datagram.message)) {
+    EXPECT_LE(part->size, part->text.size());
+    EXPECT_LT(part->part, part->parts);
+  }
+}
+
+class CodecTest : public testing::Test {
+ protected:
+  Bytes encode(const Datagram& datagram) {
+    Bytes bytes(kMaxDatagramBytes);
+    bytes.resize(codec_.encode(datagram, bytes));
+    return bytes;
+  }
+
+  DecodeStatus decode(const Bytes& bytes) { return codec_.decode(bytes, decoded_); }
+
+  template <class M>
+  DecodeStatus round_trip(const M& message) {
+    return decode(encode(Datagram{{1, 2, 3, 4}, message}));
+  }
+
+  Codec codec_;
+  Datagram decoded_;
+  RandomDatagrams random_{kSeed};
+};
+
+}  // namespace hapton

@@ -1,0 +1,71 @@
+// Which scene is touched: told where two nodes have different ones, or the device cannot reach it; and written into the report.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "tests/process/system.h"
+
+namespace hapton::process {
+namespace {
+
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+std::string note(const Json& report, const char* name) { return report["notes"].value(name, std::string()); }
+
+TEST(SceneCheck, TheReportSaysWhatIsTouched) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  const Json report =
+      system.wait_for_report([](const Json& now) { return !note(now, "scene").empty() && note(now, "status_now") == "ok"; });
+  EXPECT_THAT(note(report, "scene"), EndsWith("cube.toml"));
+  EXPECT_THAT(note(report, "method"), StartsWith("name=proxy"));
+  EXPECT_EQ(note(report, "scene_hash").size(), 16U);
+  EXPECT_EQ(note(report, "status_now"), "ok");
+  system.end("haptics_node");
+  const Json without = system.wait_for_report([](const Json& now) { return note(now, "status_now") != "ok"; });
+  EXPECT_THAT(note(without, "status_now"), HasSubstr("no haptics node"));
+  system.end("io_node");
+}
+
+TEST(SceneCheck, ASceneOutOfReachIsSaid) {
+  System system;
+  system.start("io_node");
+  std::ofstream(system.folder() / "far.obj") << "v 9 9 9\nv 9.1 9 9\nv 9 9.1 9\nf 1 2 3\n";
+  Program haptics("haptics_node", {"--hub", system.hub(), "--scene", (system.folder() / "far.obj").string(), "--no-fit"}, system.folder());
+  const Json report = system.wait_for_report([](const Json& now) { return !note(now, "reach").empty(); });
+  EXPECT_THAT(note(report, "reach"), HasSubstr("out of the device's reach"));
+  EXPECT_TRUE(System::wait_until([&] { return system["io_node"].err().find("out of the device's reach") != std::string::npos; }));
+}
+
+#ifdef HAPTON_WITH_VISION
+
+TEST(SceneCheck, TwoNodesWithDifferentScenesSaySo) {
+  System system;
+  system.start("io_node");
+  system.start("haptics_node");
+  const std::filesystem::path other = system.folder() / "other.toml";
+  std::ofstream(other) << "[[object]]\nmesh = '" HAPTON_SOURCE_DIR "/meshes/wingnut.obj'\n";
+  const VirtualDisplay display;
+  Program vision("vision_node", {"--hub", system.hub(), "--scene", other.string(), "--size", "320x240"}, system.folder(), display.name());
+  EXPECT_TRUE(System::wait_until([&] { return vision.err().find("another scene") != std::string::npos; })) << vision.err();
+  EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("another scene") != std::string::npos; }));
+}
+
+TEST(SceneCheck, TwoNodesWithTheSameSceneSayNothing) {
+  System system;
+  for (const std::string& node : kNodes) system.start(node);
+  (void)system.wait_for_report(is_complete);
+  (void)system.wait_for_report([](const Json& now) { return is_drawn(now) && has_contact(now); });
+  for (const char* node : {"haptics_node", "vision_node"}) EXPECT_THAT(system[node].err(), Not(HasSubstr("another scene"))) << node;
+}
+
+#endif
+
+}  // namespace
+}  // namespace hapton::process

@@ -1,0 +1,37 @@
+#include "runtime/writable_path.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string error_of(const Result<void>& checked) { return checked ? "" : checked.error().what; }
+
+TEST(WritablePath, TakesWhatIsThereAndWhatCanBeMade) {
+  const ScratchFolder folder;
+  const auto file = folder.write("a.csv", "x");
+  EXPECT_EQ(error_of(check_writable_folder(folder.path())), "");
+  EXPECT_EQ(error_of(check_writable_folder(folder.path() / "b/c/d")), "");
+  EXPECT_EQ(error_of(check_writable_file(file)), "");
+  EXPECT_EQ(error_of(check_writable_file(folder.path() / "b/c/d.csv")), "");
+  EXPECT_EQ(error_of(check_writable_file("d.csv")), "");
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "b"));
+}
+
+TEST(WritablePath, RefusesWhatIsInTheWay) {
+  const ScratchFolder folder;
+  const auto file = folder.write("a.csv", "x");
+  EXPECT_THAT(error_of(check_writable_folder(file)), HasSubstr("a.csv is none"));
+  EXPECT_THAT(error_of(check_writable_folder(file / "b")), HasSubstr("a.csv is none"));
+  EXPECT_THAT(error_of(check_writable_file(file / "b.csv")), HasSubstr("a.csv is none"));
+  EXPECT_THAT(error_of(check_writable_file(folder.path())), HasSubstr("it is a folder"));
+  EXPECT_THAT(error_of(check_writable_file(folder.path() / "b/")), HasSubstr("it is a folder"));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,111 @@
+#include "safety/motion_monitor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "safety/fault_debouncer.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+DeviceSample at(const Vec3& p) {
+  DeviceSample sample;
+  sample.p_WD = p;
+  return sample;
+}
+
+TEST(MotionMonitor, FindsTheVelocityBehindTheStepsOfAnEncoder) {
+  constexpr double kStepM = 0.0254 / 800.0;
+  for (const double rate_hz : {250.0, 1000.0, 10'000.0}) {
+    MotionMonitor motion;
+    double most = 0.0;
+    for (int n = 0; n < static_cast<int>(rate_hz); ++n) {
+      const double t_s = n / rate_hz;
+      const auto time_ns = static_cast<std::int64_t>(1e9 * t_s);
+      ASSERT_EQ(motion.look(at(Vec3(std::round(0.2 * t_s / kStepM) * kStepM, 0, 0)), time_ns, 3.0, false), MotionMonitor::Verdict::fine);
+      most = std::max(most, motion.speed_m_per_s());
+    }
+    EXPECT_NEAR(motion.velocity_m_per_s().x(), 0.2, 0.02) << rate_hz;
+    EXPECT_LT(most, 0.22) << rate_hz;
+  }
+}
+
+TEST(MotionMonitor, TwoReadsAtOnceAreNoSpeed) {
+  MotionMonitor motion;
+  motion.look(at(Vec3::Zero()), 0, 3.0, false);
+  EXPECT_EQ(motion.look(at(Vec3(3e-5, 0, 0)), 10, 3.0, false), MotionMonitor::Verdict::fine);
+  EXPECT_LT(motion.speed_m_per_s(), 0.01);
+}
+
+TEST(MotionMonitor, LeavesOutWhatIsNoPose) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  MotionMonitor motion;
+  motion.look(at(Vec3(0.01, 0, 0)), 0, 3.0, false);
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity(), 1e300, -1e7}) {
+    EXPECT_EQ(motion.look(at(Vec3(0, bad, 0)), kMs, 3.0, false), MotionMonitor::Verdict::no_pose);
+  }
+  for (const Quat& bad : {Quat(0, 0, 0, 0), Quat(2, 0, 0, 0), Quat(kNan, 0, 0, 0)}) {
+    DeviceSample sample = at(Vec3(0.01, 0, 0));
+    sample.q_WT = bad;
+    EXPECT_EQ(motion.look(sample, kMs, 3.0, false), MotionMonitor::Verdict::no_pose);
+  }
+  EXPECT_EQ(motion.p_WD(), Vec3(0.01, 0, 0));
+  EXPECT_EQ(motion.moved_m(), Vec3::Zero());
+  EXPECT_FALSE(motion.is_current(20 * kMs));
+  EXPECT_TRUE(motion.is_current(19 * kMs));
+}
+
+TEST(MotionMonitor, ATurnIsAJumpOnlyWhereMotorsTurn) {
+  for (const bool has_torque : {false, true}) {
+    MotionMonitor motion;
+    motion.look(at(Vec3::Zero()), 0, 3.0, has_torque);
+    DeviceSample sample;
+    sample.q_WT = Quat(Eigen::AngleAxisd(0.2, Vec3::UnitX()));
+    EXPECT_EQ(motion.look(sample, kMs, 3.0, has_torque), MotionMonitor::Verdict::fine);
+    EXPECT_NEAR(motion.turned_rad().x(), has_torque ? 0.2 : 0.0, 1e-3);
+    sample.q_WT = Quat(Eigen::AngleAxisd(1.2, Vec3::UnitX()));
+    EXPECT_EQ(motion.look(sample, 2 * kMs, 3.0, has_torque), has_torque ? MotionMonitor::Verdict::jump : MotionMonitor::Verdict::fine);
+  }
+}
+
+TEST(MotionMonitor, QAndItsNegativeAreOneRotation) {
+  MotionMonitor motion;
+  motion.look(at(Vec3::Zero()), 0, 3.0, true);
+  DeviceSample sample;
+  sample.q_WT.coeffs() *= -1.0;
+  EXPECT_EQ(motion.look(sample, kMs, 3.0, true), MotionMonitor::Verdict::fine);
+  EXPECT_LT(motion.turned_rad().norm(), 1e-12);
+}
+
+TEST(MotionMonitor, WhatWasForgottenIsNoJump) {
+  MotionMonitor motion;
+  motion.look(at(Vec3::Zero()), 0, 3.0, false);
+  motion.forget();
+  EXPECT_FALSE(motion.is_current(0));
+  EXPECT_EQ(motion.look(at(Vec3(1, 0, 0)), kMs, 3.0, false), MotionMonitor::Verdict::fine);
+  EXPECT_EQ(motion.moved_m(), Vec3::Zero());
+  EXPECT_EQ(motion.look(at(Vec3(0.9, 0, 0)), 2 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
+}
+
+TEST(FaultDebouncer, FiveWithinHalfASecondAreTooMany) {
+  FaultDebouncer fault_debouncer;
+  for (int n = 0; n < 4; ++n) EXPECT_FALSE(fault_debouncer.note(n * 90 * kMs));
+  EXPECT_FALSE(fault_debouncer.note(360 * kMs));  // the first three are forgotten
+  FaultDebouncer quick;
+  for (int n = 0; n < 4; ++n) EXPECT_FALSE(quick.note(n * 20 * kMs));
+  EXPECT_TRUE(quick.note(80 * kMs));
+  quick.clear();
+  EXPECT_FALSE(quick.note(90 * kMs));
+}
+
+TEST(FaultDebouncer, ThoseFarApartNeverAre) {
+  FaultDebouncer fault_debouncer;
+  for (std::int64_t n = 0; n < 1000; ++n) ASSERT_FALSE(fault_debouncer.note(n * 101 * kMs));
+}
+
+}  // namespace
+}  // namespace hapton

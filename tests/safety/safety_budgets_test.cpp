@@ -1,0 +1,145 @@
+#include <gtest/gtest.h>
+
+#include "tests/safety/governor_bench.h"
+
+namespace hapton {
+namespace {
+
+TEST(SafetyGovernor, WhatPushesAFastDeviceOnFadesToDamping) {
+  double before = 1.0;
+  for (const double speed : {1.0, 1.3, 1.5, 1.7, 1.9}) {
+    Bench bench;
+    bench.sample.p_WD.z() = -0.09;
+    bench.press(1.0, 200);
+    sweep(bench, speed, 50);
+    EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
+    EXPECT_EQ(bench.governor.counters().braked > 0, speed > 1.2);
+    if (speed > 1.2) {
+      EXPECT_LT(bench.out.force_n.z(), before - 0.1) << speed;
+    } else {
+      EXPECT_EQ(bench.out.force_n.z(), 1.0);
+    }
+    before = bench.out.force_n.z();
+  }
+  EXPECT_LT(before, -2.0);
+}
+
+TEST(SafetyGovernor, ADeviceFasterThanItsLimitLatches) {
+  Bench bench;
+  bench.sample.p_WD.z() = -0.09;
+  bench.press(1.0, 200);
+  sweep(bench, 2.5, 30);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::speed);
+  EXPECT_EQ(bench.press(1.0, 10), Vec3::Zero());
+}
+
+TEST(SafetyGovernor, EnergyGivenBeyondWhatIsFreeIsDampedAgainstTheMotion) {
+  Bench bench;
+  bench.sample.p_WD.x() = -0.08;
+  const auto move = [&](const Vec3& force_n, int cycles) {
+    for (int n = 0; n < cycles; ++n) {
+      bench.sample.p_WD.x() += 1e-4;
+      bench.cycle(Wrench{force_n, Vec3::Zero()});
+    }
+  };
+  move(Vec3(4, 0, 0), 150);
+  EXPECT_EQ(bench.out.force_n, Vec3(4, 0, 0));
+  move(Vec3(0, 0, 4), 50);
+  EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 4));  // nothing is done about what is free
+  EXPECT_EQ(bench.governor.counters().damped, 0U);
+  move(Vec3(4, 0, 0), 200);
+  ASSERT_GT(bench.governor.energy_spent_j(), EnergyBudget::free_j(8.0));
+  move(Vec3(0, 0, 4), 10);
+  EXPECT_NEAR(bench.out.force_n.x(), -0.1 * bench.governor.most_damping_n_s_per_m(), 0.01);
+  EXPECT_NEAR(bench.out.force_n.z(), 4.0, 1e-9);
+  const double spent_j = bench.governor.energy_spent_j();
+  move(Vec3(0, 0, 4), 50);
+  EXPECT_LT(bench.governor.energy_spent_j(), spent_j - 1e-4);
+}
+
+TEST(SafetyGovernor, TheEndOfTheWorkspaceTakesWhatPushesOutwardsAndAddsNothing) {
+  Bench bench;
+  const auto at = [&](double z, double force_n) {
+    bench.now_ns += 200 * kMs;
+    bench.sample.p_WD.z() = z;
+    return bench.press(force_n, 200).z();
+  };
+  EXPECT_EQ(at(0.09, 4.0), 4.0);
+  EXPECT_NEAR(at(0.095, 4.0), 2.0, 1e-9);
+  EXPECT_EQ(at(0.1, 4.0), 0.0);
+  EXPECT_EQ(at(0.15, 4.0), 0.0);
+  EXPECT_EQ(at(0.15, -4.0), -4.0);
+  EXPECT_EQ(at(0.15, 0.0), 0.0);
+  EXPECT_NEAR(at(-0.095, -4.0), -2.0, 1e-9);
+  EXPECT_EQ(at(-0.1, -4.0), 0.0);
+  EXPECT_GT(bench.governor.counters().stopped, 200U);
+}
+
+TEST(SafetyGovernor, HotMotorsGetTheContinuousForceWithoutAJump) {
+  DeviceLimits limits = device_limits();
+  limits.continuous_force_n = 2.0;
+  limits.peak_s = 3.0;
+  Bench bench(limits);
+  double before = 0.0;
+  double at_peak_s = 0.0;
+  for (int n = 0; n < 120'000; ++n) {
+    bench.press(8.0, 1);
+    const double z = bench.out.force_n.z();
+    if (n > 200) {
+      ASSERT_LT(std::abs(z - before), 0.05);
+    }
+    before = z;
+    ASSERT_LE(bench.governor.thermal_load(), 1.0 + 1e-6);
+    if (n == 2'200) at_peak_s = z;
+  }
+  EXPECT_EQ(at_peak_s, 8.0);
+  EXPECT_NEAR(bench.out.force_n.z(), 2.0, 0.05);
+  EXPECT_GT(bench.governor.counters().cooled, 100'000U);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
+  bench.press(0.0, 60'000);
+  EXPECT_LT(bench.governor.thermal_load(), 0.5);
+  EXPECT_EQ(bench.press(8.0, 100).z(), 8.0);
+}
+
+TEST(SafetyGovernor, MotorsThatSayTheyAreTooHotLatchUntilTheyAreCool) {
+  Bench bench;
+  bench.governor.observe_temperature(0.99);
+  EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
+  bench.governor.observe_temperature(1.0);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::thermal);
+  EXPECT_EQ(bench.press(4.0, 10), Vec3::Zero());
+  bench.governor.observe_temperature(0.95);
+  EXPECT_FALSE(bench.governor.reset_faults());
+  bench.governor.observe_temperature(0.85);
+  EXPECT_TRUE(bench.governor.reset_faults());
+  EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
+}
+
+TEST(SafetyGovernor, HeatThatNobodyWatchedLatches) {
+  DeviceLimits limits = device_limits();
+  limits.continuous_force_n = 2.0;
+  limits.peak_s = 0.7;
+  Bench bench(limits);
+  bench.press(8.0, 200);
+  bench.now_ns += 4000 * kMs;
+  bench.press(8.0, 1);
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::thermal);
+  EXPECT_FALSE(bench.governor.reset_faults());
+  bench.press(0.0, 9000);
+  EXPECT_TRUE(bench.governor.reset_faults());
+}
+
+TEST(SafetyGovernor, AMachineThatSleptForAnHourHasNotHeatedTheMotors) {
+  DeviceLimits limits = device_limits();
+  limits.continuous_force_n = 2.0;
+  limits.peak_s = 3.0;
+  Bench bench(limits);
+  bench.press(4.0, 200);
+  bench.now_ns += 3'600'000 * kMs;
+  EXPECT_EQ(bench.press(4.0, 1), Vec3::Zero());
+  EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
+  EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,11 @@
+# Runs A and B and fails unless both print the same.
+foreach(program A B)
+  execute_process(COMMAND ${${program}} OUTPUT_VARIABLE printed_${program} RESULT_VARIABLE exit_code)
+  message("${printed_${program}}")
+  if(NOT exit_code EQUAL 0)
+    message(FATAL_ERROR "${${program}} exited with ${exit_code}")
+  endif()
+endforeach()
+if(NOT printed_A STREQUAL printed_B)
+  message(FATAL_ERROR "the scalar twin finds something else")
+endif()

@@ -1,0 +1,122 @@
+#include "scene/gltf/draco.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "core/geometry/mesh_topology.h"
+#include "scene/raw_mesh.h"
+#include "tests/scene/gltf/draco_samples.h"
+#include "tests/scene/gltf/gltf_samples.h"
+
+#ifdef HAPTON_DRACO
+
+namespace hapton {
+namespace {
+
+using sample::DracoKind;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+TEST(Draco, GivesTheMeshThatWasPacked) {
+  const TriangleMesh mesh = make_icosphere(1.0, 3);
+  for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
+    const auto raw = read_glb(sample::draco_glb(mesh, sample::draco(mesh, kind)), ".");
+    ASSERT_TRUE(raw) << raw.error().what;
+    EXPECT_THAT(raw->notes, IsEmpty());
+    ASSERT_EQ(raw->mesh.triangles.size(), mesh.triangles.size());
+    const MeshTopology topology = compute_mesh_topology(raw->mesh);
+    EXPECT_TRUE(topology.is_closed());
+    EXPECT_NEAR(topology.signed_volume, compute_mesh_topology(mesh).signed_volume, 1e-6);
+  }
+}
+
+TEST(Draco, KeepsNormals) {
+  const TriangleMesh mesh = make_icosphere(1.0, 2);
+  std::vector<Eigen::Vector3f> normals;
+  for (const Vec3& v : mesh.vertices) normals.push_back(v.normalized().cast<float>());
+  const auto raw = read_glb(sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker, normals), true), ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->notes, IsEmpty());
+  ASSERT_TRUE(raw->mesh.has_authored_normals());
+  for (std::size_t t = 0; t < raw->mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 outward = raw->mesh.corner(t, k).normalized();
+      EXPECT_GT(raw->mesh.authored_normals[t][static_cast<std::size_t>(k)].cast<double>().dot(outward), 0.999);
+    }
+  }
+}
+
+// What kMostTrianglesOfAByte leaves room for: the most regular mesh, packed as well as can be.
+TEST(Draco, UnfoldsTheMostRegularMesh) {
+  const TriangleMesh mesh = make_plane_grid(1.0, 500);
+  const std::string packed = sample::draco(mesh, DracoKind::edgebreaker, {}, 11, 0);
+  RecordProperty("triangles_a_byte", static_cast<int>(mesh.triangles.size() / packed.size()));
+  EXPECT_LT(mesh.triangles.size() / packed.size(), 128U);
+  const auto unfolded = gltf::decode_draco(packed, {.position = 0, .normal = {}, .max_triangles = kMaxMeshTriangles}, "here");
+  ASSERT_TRUE(unfolded) << unfolded.error().what;
+  EXPECT_EQ(unfolded->corners.size(), 3 * mesh.triangles.size());
+}
+
+TEST(Draco, RefusesWhatItsBytesCannotHold) {
+  const TriangleMesh mesh = make_icosphere(1.0, 1);
+  for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
+    const std::string packed = sample::draco(mesh, kind);
+    // The counts stand after the header (and, of edgebreaker, the traversal): 0x0FFFFFFF in four bytes of seven bits, both of them.
+    std::string hostile = packed.substr(0, kind == DracoKind::edgebreaker ? 12 : 11);
+    for (int k = 0; k < 2; ++k) hostile += "\xFF\xFF\xFF\x7F";
+    hostile += packed.substr(hostile.size());
+    const auto refused = gltf::decode_draco(hostile, {.position = 0, .normal = {}, .max_triangles = kMaxMeshTriangles}, "here");
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().what, HasSubstr("promise more triangles"));
+  }
+}
+
+TEST(Draco, RefusesMoreThanIsWanted) {
+  const TriangleMesh mesh = make_icosphere(1.0, 3);
+  const auto refused =
+      gltf::decode_draco(sample::draco(mesh, DracoKind::edgebreaker), {.position = 0, .normal = {}, .max_triangles = 100}, "here");
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("more triangles"));
+}
+
+TEST(Draco, TellsWhatIsWrong) {
+  const TriangleMesh mesh = make_icosphere(1.0, 1);
+  const std::string packed = sample::draco(mesh, DracoKind::edgebreaker);
+  const auto error_of = [](const std::string& bytes, std::uint32_t position = 0) {
+    const auto unfolded = gltf::decode_draco(bytes, {.position = position, .normal = {}, .max_triangles = 1000}, "here");
+    return unfolded ? "it was read" : unfolded.error().what;
+  };
+  EXPECT_THAT(error_of(""), HasSubstr("holds no Draco data"));
+  EXPECT_THAT(error_of("nonsense that is long enough to be a header"), HasSubstr("holds no Draco data"));
+  EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("broken"));
+  EXPECT_THAT(error_of(packed, 7), HasSubstr("no positions of id 7"));
+}
+
+// Bytes changed at random: never a crash, a hang or an unsound mesh.
+TEST(Draco, StandsDamage) {
+  const unsigned seed = 20261121;
+  RecordProperty("seed", static_cast<int>(seed));
+  std::mt19937 random(seed);
+  const TriangleMesh mesh = make_icosphere(1.0, 2);
+  for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
+    const std::string packed = sample::draco(mesh, kind, {}, 11);
+    for (int round = 0; round < 3000; ++round) {
+      std::string damaged = packed;
+      for (unsigned k = 0; k <= random() % 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
+      const auto raw = read_glb(sample::draco_glb(mesh, damaged), ".");
+      if (!raw) continue;
+      for (const Vec3& v : raw->mesh.vertices) ASSERT_TRUE(v.allFinite());
+      for (const Triangle& t : raw->mesh.triangles) ASSERT_LT(*std::max_element(t.begin(), t.end()), raw->mesh.vertices.size());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hapton
+
+#endif

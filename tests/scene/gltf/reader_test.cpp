@@ -1,0 +1,139 @@
+// What one node, one accessor and one extension add to the triangles; tests/scene/raw_mesh_test.cpp has the rest.
+#include "scene/gltf/reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/geometry/mesh_shapes.h"
+#include "tests/scene/gltf/gltf_samples.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::string floats(std::initializer_list<float> values) {
+  std::string bytes;
+  for (const float value : values) sample::append(bytes, value);
+  return bytes;
+}
+
+std::string error_of(const Result<RawMesh>& raw) { return raw ? "it was read" : raw.error().what; }
+
+std::string instancing(const std::string& attributes) {
+  return R"("extensionsUsed":["EXT_mesh_gpu_instancing"],"nodes":[{"mesh":0,"translation":[100,0,0],"extensions":)"
+         R"({"EXT_mesh_gpu_instancing":{"attributes":{)" +
+         attributes + R"(}}}}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])";
+}
+
+struct Instanced {
+  sample::Pieces pieces;
+  std::string accessors;
+};
+
+// The tetrahedron twice: once as it is, once ten metres up, turned half round z and three times as large.
+Instanced instanced_tetrahedron() {
+  Instanced two;
+  const TriangleMesh mesh = sample::tetrahedron();
+  two.pieces.add(sample::positions_of(mesh));
+  two.pieces.add(sample::indices_of(mesh));
+  two.pieces.add(floats({0, 0, 0, 0, 0, 10}));
+  two.pieces.add(floats({0, 0, 0, 1, 0, 0, 1, 0}));
+  two.pieces.add(floats({1, 1, 1, 3, 3, 3}));
+  two.accessors =
+      sample::accessors_of(mesh) +
+      R"(,{"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"},{"bufferView":3,"componentType":5126,"count":2,"type":"VEC4"})"
+      R"(,{"bufferView":4,"componentType":5126,"count":2,"type":"VEC3"})";
+  return two;
+}
+
+TEST(GltfInstancing, DrawsTheMeshOfANodeAtEveryInstance) {
+  const auto [pieces, accessors] = instanced_tetrahedron();
+  const auto raw = read_glb(pieces.glb(accessors, instancing(R"("TRANSLATION":2,"ROTATION":3,"SCALE":4)")), ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->notes, IsEmpty());
+  const TriangleMesh mesh = sample::tetrahedron();
+  ASSERT_EQ(raw->mesh.triangles.size(), 2 * mesh.triangles.size());
+  EXPECT_EQ(raw->mesh.corner(0, 1), Vec3(101.5, 0, 0));
+  EXPECT_LT((raw->mesh.corner(4, 1) - Vec3(100 - 4.5, 0, 10)).norm(), 1e-12);
+  EXPECT_EQ(raw->parts.size(), 1U);
+}
+
+TEST(GltfInstancing, TellsWhatIsWrong) {
+  auto [pieces, accessors] = instanced_tetrahedron();
+  EXPECT_THAT(error_of(read_glb(pieces.glb(accessors, instancing(R"("TRANSLATION":3)")), ".")), HasSubstr("not of type VEC3"));
+  std::string odd = accessors;
+  odd.replace(odd.rfind("\"count\":2"), 9, "\"count\":1");
+  EXPECT_THAT(error_of(read_glb(pieces.glb(odd, instancing(R"("TRANSLATION":2,"SCALE":4)")), ".")), HasSubstr("2 of one attribute and 1"));
+}
+
+TEST(GltfInstancing, CountsAllInstancesAgainstTheLimit) {
+  const auto [pieces, accessors] = instanced_tetrahedron();
+  const std::string glb = pieces.glb(accessors, instancing(R"("TRANSLATION":2)"));
+  EXPECT_TRUE(read_glb(glb, ".", 8));
+  EXPECT_THAT(error_of(read_glb(glb, ".", 7)), HasSubstr("more than 7 triangles with all its instances"));
+}
+
+// Two of the four vertices are elsewhere than the base says, or than zero.
+std::string sparse_glb(const std::string& base, const std::string& indices, const std::string& index_type = "5121") {
+  const TriangleMesh mesh = sample::tetrahedron();
+  sample::Pieces pieces;
+  pieces.add(sample::positions_of(mesh));
+  pieces.add(sample::indices_of(mesh));
+  pieces.add(indices);
+  pieces.add(floats({5, 6, 7, 8, 9, 10}));
+  const std::string accessors = fmt::format(
+      R"({{{}"componentType":5126,"count":4,"type":"VEC3","sparse":{{"count":2,"indices":{{"bufferView":2,"componentType":{}}},)"
+      R"("values":{{"bufferView":3}}}}}},{{"bufferView":1,"componentType":5123,"count":12,"type":"SCALAR"}})",
+      base, index_type);
+  return pieces.glb(accessors, sample::kOneNode);
+}
+
+TEST(GltfSparse, ReplacesItems) {
+  const std::string indices("\1\3", 2);
+  const auto raw = read_glb(sparse_glb(R"("bufferView":0,)", indices), ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->mesh.vertices, ElementsAre(Vec3(0, 0, 0), Vec3(5, 6, 7), Vec3(0, 2.25, 0), Vec3(8, 9, 10)));
+  const auto zeros = read_glb(sparse_glb("", indices), ".");
+  ASSERT_TRUE(zeros) << zeros.error().what;
+  EXPECT_THAT(zeros->mesh.vertices, ElementsAre(Vec3(0, 0, 0), Vec3(5, 6, 7), Vec3(0, 0, 0), Vec3(8, 9, 10)));
+}
+
+TEST(GltfSparse, TellsWhatIsWrong) {
+  const std::string base = R"("bufferView":0,)";
+  EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string("\1\4", 2)), ".")), HasSubstr("index 1 is 4, out of range"));
+  EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string("\1", 1)), ".")), HasSubstr("promises 2 items but its buffer view holds 1"));
+  EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string(8, '\1'), "5126"), ".")), HasSubstr("5126, not an index"));
+}
+
+TEST(GltfSparse, DoesNotBelieveACountOfZeros) {
+  std::string glb = sample::inline_gltf(sample::tetrahedron());
+  glb.replace(glb.find(R"("bufferView":0,"componentType":5126,"count":4)"), 45, R"("componentType":5126,"count":4000000000)");
+  EXPECT_THAT(error_of(read_gltf(glb, ".")), HasSubstr("promises 4000000000 zeros"));
+}
+
+TEST(GltfExtensions, NotesWhatMayChangeTheShapeAndIsNotRead) {
+  std::string text = sample::inline_gltf(sample::tetrahedron());
+  text.insert(1, R"("extensionsUsed":["KHR_materials_unlit","NV_micromesh","KHR_texture_transform","NV_micromesh"],)");
+  const auto raw = read_gltf(text, ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("'NV_micromesh'"), HasSubstr("not read"))));
+}
+
+TEST(GltfExtensions, SkipsWhatIsNotVisible) {
+  const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}})";
+  const TriangleMesh mesh = sample::tetrahedron();
+  const auto count = [&](const std::string& first) {
+    const std::string nodes = "[{\"mesh\":0},{\"children\":[2]" + first + "},{\"mesh\":0}]";
+    const auto raw = read_glb(sample::glb(sample::gltf_json(mesh, "", nodes, "[0,1]"), sample::gltf_buffer(mesh)), ".");
+    return raw ? raw->mesh.triangles.size() + raw->notes.size() : 0;
+  };
+  EXPECT_EQ(count(""), 8U);
+  EXPECT_EQ(count("," + hidden), 5U);  // four triangles and a note
+}
+
+}  // namespace
+}  // namespace hapton

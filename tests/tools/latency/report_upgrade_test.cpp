@@ -1,0 +1,38 @@
+#include "tools/latency/report_upgrade.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "runtime/report.h"
+
+namespace hapton {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+TEST(ReportUpgrade, GivesTheOldSchemaTheNewNames) {
+  Json report = {{"schema", "hapton.report/1"},
+                 {"counters", {{"samples", 10}, {"silence_events", 3}, {"let_go_of", 2}}},
+                 {"notes", {{"device", "simulated"}, {"safety_fault_is", "too hot"}}}};
+  upgrade_report(report);
+  EXPECT_EQ(report["schema"], kReportSchema);
+  EXPECT_EQ(report["counters"], (Json{{"samples", 10}, {"command_timeouts", 3}, {"dead_mans_switch_releases", 2}}));
+  EXPECT_EQ(report["notes"], (Json{{"device", "simulated"}, {"safety_fault_text", "too hot"}}));
+}
+
+TEST(ReportUpgrade, LeavesAnyOtherAsItIs) {
+  const std::vector<Json> others = {{{"schema", kReportSchema}, {"counters", {{"silence_events", 3}}}},
+                                    {{"schema", "hapton.report/9"}},
+                                    Json::array({1, 2}),
+                                    {{"schema", "hapton.report/1"}, {"counters", 7}}};
+  for (const Json& other : others) {
+    Json upgraded = other;
+    upgrade_report(upgraded);
+    if (upgraded.is_object()) upgraded["schema"] = other["schema"];
+    EXPECT_EQ(upgraded, other);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

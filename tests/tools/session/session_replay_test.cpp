@@ -1,0 +1,235 @@
+#include "tools/session/session_replay.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "haptic_step/haptics_setup.h"
+#include "haptic_step/method_text.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::uint64_t kSender = 9;
+
+TouchScene one_sphere() { return {.objects = {{made::shared(made::sphere(0.05, 16)), {.friction_static = 0.4, .friction_dynamic = 0.3}}}}; }
+
+std::unique_ptr<TouchStep> make_touch(const char* method) {
+  return std::make_unique<TouchStep>(*make_method({.name = method}, one_sphere()));
+}
+
+// A haptics node at work, whose states and answers are handed to a recording.
+struct FeltAgain : testing::Test {
+  HapticsStep live{make_touch("proxy"), MethodSettings().offset_m};
+  HapticsSetups setups;
+  std::uint64_t sample = 0;
+  std::vector<std::pair<DeviceState, std::optional<ForceCommand>>> recorded;
+
+  FeltAgain() { tell_setup("proxy"); }
+
+  void tell_setup(const char* method) {
+    const auto serial = static_cast<std::uint32_t>(live.counts().methods_taken);
+    HapticsSetup setup;
+    setup.method_serial = serial;
+    setup.view_revision = live.view().revision;
+    setup.X_WS = live.view().X_WS;
+    put_text(to_text({.name = method}), setup.method);
+    setups[{kSender, serial}] = setup;
+  }
+
+  // The next state on a slide over the sphere.
+  DeviceState next_state() {
+    ++sample;
+    const double angle = 2e-3 * static_cast<double>(sample);
+    const double radius = sample < 20 ? 0.06 : 0.049;
+    return {.sample = sample,
+            .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample) + static_cast<std::int64_t>(sample % 7) * 1000,
+            .p_WD = radius * Vec3(std::cos(angle), std::sin(angle), 0.1)};
+  }
+  ForceCommand answer(const DeviceState& state) {
+    live.offer(state);
+    return live.answer();
+  }
+  void slide(int steps) {
+    for (int n = 0; n < steps; ++n) {
+      const DeviceState state = next_state();
+      recorded.emplace_back(state, answer(state));
+    }
+  }
+
+  SessionReplay make_felt() {
+    return SessionReplay(setups, [](const HapticsSetup& setup) -> Result<std::unique_ptr<TouchStep>> {
+      return make_touch(parse_method_text(setup.method.data())->name.c_str());
+    });
+  }
+  void feed(SessionReplay& felt) {
+    for (const auto& [state, command] : recorded) {
+      felt.on_state(state);
+      ASSERT_TRUE(!command || felt.on_answer(kSender, *command));
+    }
+    ASSERT_TRUE(felt.finish());
+  }
+};
+
+TEST_F(FeltAgain, ASlideFeelsTheSameToTheLastBit) {
+  slide(500);
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().compared, 500U);
+  EXPECT_GT(felt.counts().contact_steps, 400U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, OneChangedBitIsFoundAndNamed) {
+  slide(100);
+  recorded[60].second->force_n.x() = std::nextafter(recorded[60].second->force_n.x(), 1e9);
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().different, 1U);
+  EXPECT_NE(felt.counts().first_difference.find("sample 61,"), std::string::npos) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, StatesThatWereSkippedAreNotStepped) {
+  slide(30);
+  for (int n = 0; n < 100; ++n) {
+    const DeviceState skipped = next_state();
+    live.offer(skipped);
+    recorded.emplace_back(skipped, std::nullopt);
+    slide(2);
+  }
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().steps, 230U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, AnswersThatGotLostAreSteppedAllTheSame) {
+  slide(300);
+  for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
+  for (std::size_t n = 100; n < 130; ++n) recorded[n].second.reset();
+  std::uint64_t lost = 0;
+  for (const auto& [state, command] : recorded) lost += command ? 0 : 1;
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().lost_answers, lost);
+  EXPECT_EQ(felt.counts().compared, 300 - lost);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, AnswersThatOvertookEachOtherArePutInOrder) {
+  slide(300);
+  SessionReplay felt = make_felt();
+  for (const auto& [state, command] : recorded) felt.on_state(state);
+  for (std::size_t n = 0; n < 300; n += 10) {
+    for (std::size_t k = 10; k-- > 0;) ASSERT_TRUE(felt.on_answer(kSender, *recorded[n + (n == 0 ? 9 - k : k)].second));
+    ASSERT_TRUE(felt.on_answer(kSender, *recorded[n].second));  // and once more
+  }
+  ASSERT_TRUE(felt.finish());
+  EXPECT_EQ(felt.counts().compared, 300U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, AViewHoldsFromTheAnswerThatNamesIt) {
+  slide(60);
+  ViewTransform view{.revision = 3};
+  view.X_WS[3] = 0.0005F;
+  ASSERT_TRUE(live.turn_scene(view));
+  slide(100);
+  SessionReplay felt = make_felt();
+  felt.on_view(view);
+  feed(felt);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+  EXPECT_EQ(felt.counts().missing_views, 0U);
+}
+
+TEST_F(FeltAgain, AMethodHoldsFromTheAnswerThatCountsIt) {
+  slide(60);
+  live.replace(make_touch("reference"));
+  tell_setup("reference");
+  slide(40);
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().compared, 100U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
+  slide(60);
+  live.replace(make_touch("smooth"));
+  tell_setup("smooth");
+  slide(40);
+  for (std::size_t n = 55; n < 65; ++n) recorded[n].second.reset();
+  sample = 0;
+  for (int n = 0; n < 50; ++n) {
+    DeviceState state = next_state();
+    state.sample += 100;
+    state.sample_time_ns += 100'000'000;
+    recorded.emplace_back(state, answer(state));
+  }
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().lost_answers, 10U);
+  EXPECT_GE(felt.counts().not_compared, 35U);
+  EXPECT_GE(felt.counts().compared, 55U + 39U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, WhatAMethodFeltThatIsNotNamedIsNotCompared) {
+  slide(60);
+  live.replace(make_touch("reference"));  // its setup got lost
+  slide(40);
+  live.replace(make_touch("proxy"));
+  tell_setup("proxy");
+  for (int lap = 0; lap < 2; ++lap) {
+    const std::uint64_t before = sample;
+    sample = 0;  // out into free space, and in again
+    for (int n = 0; n < 50; ++n) {
+      DeviceState state = next_state();
+      state.sample += before;
+      state.sample_time_ns += static_cast<std::int64_t>(before) * 1'000'000;
+      recorded.emplace_back(state, answer(state));
+    }
+    sample += before;
+  }
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().unknown_method, 40U);
+  // What the unknown one felt last fades in the air.
+  EXPECT_NEAR(static_cast<double>(felt.counts().not_compared), 1e3 * ForceFade::kInAirS, 1.0);
+  EXPECT_EQ(felt.counts().compared + felt.counts().not_compared, 160U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
+  slide(100);
+  recorded.erase(recorded.begin(), recorded.begin() + 50);
+  sample = 0;  // back to free space, and in again
+  for (int n = 0; n < 50; ++n) {
+    DeviceState state = next_state();
+    state.sample += 100;
+    state.sample_time_ns += 100'000'000;
+    recorded.emplace_back(state, answer(state));
+  }
+  SessionReplay felt = make_felt();
+  feed(felt);
+  EXPECT_EQ(felt.counts().not_compared, 50U);
+  EXPECT_EQ(felt.counts().compared, 50U);
+  EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
+}
+
+TEST_F(FeltAgain, ARecordingWithoutSetupsIsRefusedInOneLine) {
+  setups.clear();
+  slide(1);
+  SessionReplay felt = make_felt();
+  const auto done = felt.on_answer(kSender, *recorded[0].second);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton

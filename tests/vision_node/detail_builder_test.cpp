@@ -1,0 +1,69 @@
+#include "vision_node/detail_builder.h"
+
+#include <chrono>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+std::vector<DetailBuilder::Made> take_all(DetailBuilder& builder) {
+  std::vector<DetailBuilder::Made> all;
+  for (int turns = 0; turns < 12'000; ++turns) {
+    const bool done = builder.progress() == 1.0;
+    for (auto& made : builder.take_made()) all.push_back(std::move(made));
+    if (done) return all;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ADD_FAILURE() << "the levels are not made within a minute";
+  return all;
+}
+
+DetailLevel level_of(const TriangleMesh& mesh) { return make_full_level(mesh, frame_detail(mesh)); }
+
+TEST(DetailBuilder, MakesLevelsFromTheFinestToTheCoarsestAndThenTheMeshInClusters) {
+  const DetailLevel small = level_of(make_icosphere(0.05, 3));
+  const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
+  DetailBuilder builder({&small, &large});
+  const auto made = take_all(builder);
+  ASSERT_GE(made.size(), 4U);
+  std::size_t last = large.triangles();
+  for (std::size_t i = 0; i + 1 < made.size(); ++i) {
+    EXPECT_EQ(made[i].object, 1U) << "the small one is drawn as it is";
+    EXPECT_FALSE(made[i].is_full || made[i].is_rough);
+    EXPECT_LT(made[i].level.triangles(), last);
+    EXPECT_GT(made[i].level.error, 0.0);
+    last = made[i].level.triangles();
+  }
+  EXPECT_TRUE(made.back().is_full);
+  EXPECT_EQ(made.back().level.triangles(), large.triangles());
+  EXPECT_EQ(made.back().level.error, 0.0);
+}
+
+TEST(DetailBuilder, OfALargeMeshARoughLevelComesFirst) {
+  const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 300'000, 1));
+  DetailBuilder builder({&large});
+  const auto made = take_all(builder);
+  ASSERT_GE(made.size(), 3U);
+  EXPECT_TRUE(made.front().is_rough);
+  EXPECT_GT(made.front().level.error, 0.0);
+  for (std::size_t i = 1; i < made.size(); ++i) EXPECT_FALSE(made[i].is_rough);
+}
+
+TEST(DetailBuilder, NothingToMakeIsDoneAtOnce) {
+  const DetailLevel small = level_of(make_icosphere(0.05, 3));
+  DetailBuilder builder({&small});
+  EXPECT_EQ(builder.progress(), 1.0);
+  EXPECT_TRUE(builder.take_made().empty());
+}
+
+TEST(DetailBuilder, IsGivenUpWithoutBeingDone) {
+  const DetailLevel large = level_of(make_bumpy_sphere(0.05, 0.25, 70'000, 1));
+  DetailBuilder builder({&large});
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,69 @@
+#include "vision_node/view_culling.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+constexpr PictureSize kPicture{400, 400};
+
+struct Seen {
+  std::size_t clusters = 0;
+  std::size_t wrongly_left_out = 0;
+};
+
+// Each cluster that is left out is looked at triangle by triangle.
+Seen look(const TriangleMesh& mesh, const Framing& framing, bool without_backs) {
+  const DetailFrame frame = frame_detail(mesh);
+  DetailLevel level = make_full_level(mesh, frame);
+  divide_into_clusters(level);
+  const StereoScreen screen = compute_screen(framing, kPicture);
+  const Mat4 to_clip = compute_projection_matrix(screen, Eye::left) * compute_view_matrix(screen, Eye::left) * frame.matrix();
+  const Vec3 p_UE = (frame.matrix().inverse() * compute_eye_position(screen, Eye::left).homogeneous()).head<3>();
+  const ViewCulling culling(to_clip, p_UE, without_backs);
+  Seen seen;
+  for (const DetailCluster& cluster : level.clusters) {
+    if (culling.may_see(cluster)) {
+      ++seen.clusters;
+      continue;
+    }
+    for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; i += 3) {
+      std::array<Vec3, 3> corner;
+      bool inside = false;
+      for (int k = 0; k < 3; ++k) {
+        corner[k] = level.positions[level.indices[i + k]].cast<double>();
+        const Vec3 at = (to_clip * corner[k].homogeneous()).hnormalized();
+        inside = inside || at.cwiseAbs().maxCoeff() < 1.0;
+      }
+      const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+      const bool from_front = normal.dot((p_UE - corner[0]).normalized()) > 1e-4;
+      seen.wrongly_left_out += inside && (from_front || !without_backs);
+    }
+  }
+  return seen;
+}
+
+TEST(ViewCulling, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 80'000, 1);
+  const Framing framing = frame_sphere(Vec3::Zero(), 0.07, 0.063);
+  const Seen all = look(mesh, framing, false);
+  const Seen fronts = look(mesh, framing, true);
+  EXPECT_EQ(all.wrongly_left_out, 0U);
+  EXPECT_EQ(fronts.wrongly_left_out, 0U);
+  EXPECT_LT(static_cast<double>(fronts.clusters), 0.75 * static_cast<double>(all.clusters));
+}
+
+TEST(ViewCulling, LeavesOutWhatIsBesideThePicture) {
+  const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 80'000, 1);
+  Framing framing = frame_sphere(Vec3::Zero(), 0.07, 0.063);
+  const Seen whole = look(mesh, framing, false);
+  framing.view_m *= 0.25;
+  const Seen part = look(mesh, framing, false);
+  EXPECT_EQ(part.wrongly_left_out, 0U);
+  EXPECT_LT(part.clusters, whole.clusters / 2);
+}
+
+}  // namespace
+}  // namespace hapton

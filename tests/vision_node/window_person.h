@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstring>
+#include <memory>
+
+// X's macros (None, Success, Bool ...) break other headers: include this last.
+#include <X11/Xlib.h>
+#include <X11/keysym.h>
+
+namespace hapton {
+
+// Another X client: someone who types, clicks and resizes.
+class Person {
+ public:
+  Person() : display_(XOpenDisplay(nullptr), XCloseDisplay) { window_ = find_window(DefaultRootWindow(display_.get())); }
+
+  bool found() const { return window_ != 0; }
+
+  void press_key(KeySym symbol, unsigned state = 0) {
+    XKeyEvent key = {};
+    key.type = KeyPress;
+    key.window = window_;
+    key.root = DefaultRootWindow(display_.get());
+    key.keycode = XKeysymToKeycode(display_.get(), symbol);
+    key.state = state;
+    key.same_screen = True;
+    send(key, KeyPressMask);
+  }
+
+  void button(int type, unsigned number, int x, int y) {
+    XButtonEvent event = {};
+    event.type = type;
+    event.window = window_;
+    event.root = DefaultRootWindow(display_.get());
+    event.button = number;
+    event.x = x;
+    event.y = y;
+    event.same_screen = True;
+    send(event, type == ButtonPress ? ButtonPressMask : ButtonReleaseMask);
+  }
+
+  // The real pointer: VTK asks for it rather than believe the event.
+  void move(int x, int y) {
+    XWarpPointer(display_.get(), None, window_, 0, 0, 0, 0, x, y);
+    XSync(display_.get(), False);
+  }
+
+  void close() {
+    XClientMessageEvent event = {};
+    event.type = ClientMessage;
+    event.window = window_;
+    event.message_type = XInternAtom(display_.get(), "WM_PROTOCOLS", False);
+    event.format = 32;
+    event.data.l[0] = static_cast<long>(XInternAtom(display_.get(), "WM_DELETE_WINDOW", False));
+    send(event, NoEventMask);
+  }
+
+  void resize(unsigned width, unsigned height) {
+    XResizeWindow(display_.get(), window_, width, height);
+    XSync(display_.get(), False);
+  }
+
+ private:
+  template <class Event>
+  void send(Event event, long mask) {
+    XEvent any = {};
+    std::memcpy(&any, &event, sizeof event);
+    XSendEvent(display_.get(), window_, False, mask, &any);
+    XSync(display_.get(), False);
+  }
+
+  ::Window find_window(::Window from) {
+    char* name = nullptr;
+    if (XFetchName(display_.get(), from, &name) != 0 && name != nullptr) {
+      const bool ours = std::strcmp(name, "Hapton") == 0;
+      XFree(name);
+      if (ours) return from;
+    }
+    ::Window root = 0, parent = 0;
+    ::Window* children = nullptr;
+    unsigned count = 0;
+    ::Window found = 0;
+    if (XQueryTree(display_.get(), from, &root, &parent, &children, &count) != 0 && children != nullptr) {
+      for (unsigned i = 0; i < count && found == 0; ++i) found = find_window(children[i]);
+      XFree(children);
+    }
+    return found;
+  }
+
+  std::unique_ptr<Display, int (*)(Display*)> display_;
+  ::Window window_ = 0;
+};
+
+}  // namespace hapton

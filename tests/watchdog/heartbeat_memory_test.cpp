@@ -1,0 +1,35 @@
+#include "watchdog/heartbeat_memory.h"
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace hapton {
+namespace {
+
+TEST(HeartbeatMemoryTest, OneSideSeesWhatTheOtherWrites) {
+  HeartbeatMemory ours;
+  ASSERT_TRUE(ours.make());
+  HeartbeatMemory theirs;
+  ASSERT_TRUE(theirs.open(::dup(ours.file())));
+  ours.page().heartbeat_ns = 77;
+  EXPECT_EQ(theirs.page().heartbeat_ns.load(), 77);
+  theirs.page().is_cut = 1;
+  EXPECT_EQ(ours.page().is_cut.load(), 1U);
+}
+
+TEST(HeartbeatMemoryTest, OtherMemoryIsRefused) {
+  const int small = ::memfd_create("small", MFD_CLOEXEC);
+  HeartbeatMemory memory;
+  EXPECT_FALSE(memory.open(small));
+  EXPECT_FALSE(memory.is_there());
+  const int other = ::memfd_create("other", MFD_CLOEXEC);
+  ASSERT_EQ(::ftruncate(other, 1 << 16), 0);
+  HeartbeatMemory zeros;
+  const auto opened = zeros.open(other);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("version"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,80 @@
+#include "tools/doctor/run_in_child.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+#include <thread>
+
+namespace hapton::doctor {
+namespace {
+
+constexpr auto kLookEvery = std::chrono::milliseconds(2);
+
+bool write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(file, text.data(), text.size());
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+std::string read_all(int file) {
+  std::string text;
+  char block[4096];
+  ::lseek(file, 0, SEEK_SET);
+  for (ssize_t count = ::read(file, block, sizeof block); count > 0; count = ::read(file, block, sizeof block)) {
+    text.append(block, static_cast<std::size_t>(count));
+  }
+  return text;
+}
+
+[[noreturn]] void answer(const std::function<std::string()>& question, int file) {
+  const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, standard);
+  ::_exit(write_all(file, question()) ? 0 : 1);
+}
+
+// How the child ended; empty: well.
+std::string wait_for(pid_t child, double at_most_s) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(at_most_s);
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > end) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, &status, 0);
+      return fmt::format("it did not come back within {:g} s", at_most_s);
+    }
+    std::this_thread::sleep_for(kLookEvery);
+  }
+  if (WIFSIGNALED(status)) return fmt::format("it ended the process with signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
+  return WEXITSTATUS(status) == 0 ? "" : fmt::format("it ended the process with exit code {}", WEXITSTATUS(status));
+}
+
+}  // namespace
+
+ChildAnswer run_in_child(const std::function<std::string()>& question, double at_most_s) {
+  const int file = ::memfd_create("answer", MFD_CLOEXEC);
+  if (file < 0) return {{}, fmt::format("it could not be asked: {}", std::strerror(errno))};
+  const pid_t child = ::fork();
+  if (child == 0) answer(question, file);
+  ChildAnswer result;
+  if (child < 0) {
+    result.failure = fmt::format("it could not be asked: {}", std::strerror(errno));
+  } else {
+    result.failure = wait_for(child, at_most_s);
+    if (result.failure.empty()) result.text = read_all(file);
+  }
+  ::close(file);
+  return result;
+}
+
+}  // namespace hapton::doctor

@@ -1,0 +1,284 @@
+#include "tools/governor/governor_evaluator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kPeerTimeoutNs = 20'000'000;
+constexpr std::int64_t kRampInNs = 100'000'000;
+constexpr std::int64_t kGapNs = 100'000'000;
+constexpr std::int64_t kAnchorNs = 20'000'000;
+constexpr double kJump = 0.005;
+constexpr double kMargin = 0.010;
+// Of the energy budget, in metres of max_force.
+constexpr double kFree = 0.010, kMost = 0.030, kSaturation = 0.036, kForgivenPerS = 0.002;
+
+// Rounding, as a share of what is compared.
+double about(double limit) { return limit * (1.0 + 1e-9) + 1e-12; }
+
+double size_of(const Vec3& v) { return v.stableNorm(); }
+
+bool is_finite(const Wrench& wrench) { return wrench.force_n.allFinite() && wrench.torque_nm.allFinite(); }
+
+bool is_pose(const DeviceSample& sample) {
+  return sample.p_WD.allFinite() && sample.p_WD.cwiseAbs().maxCoeff() <= 1e6 && sample.q_WT.coeffs().allFinite() &&
+         std::abs(sample.q_WT.squaredNorm() - 1.0) <= 2e-3;
+}
+
+}  // namespace
+
+std::string_view to_string(GovernorBreach breach) noexcept {
+  constexpr std::array<std::string_view, static_cast<std::size_t>(GovernorBreach::count)> kNames = {
+      "not finite", "force",  "torque",    "force slew", "torque slew", "silence",     "ramp",
+      "heat",       "energy", "workspace", "gate",       "unlatched",   "not latched",
+  };
+  return kNames[static_cast<std::size_t>(breach)];
+}
+
+GovernorEvaluator::GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept
+    : governor_(governor), is_physical_(program.is_physical()) {
+  if (program.button() >= 0 && program.button() < 32) buttons_ = std::uint32_t{1} << program.button();
+  const DeviceLimits& device = governor.device_limits();
+  const double ratio = device.continuous_force_n / device.max_force_n;
+  if (device.peak_s > 0.0 && ratio < 1.0) time_constant_s_ = -device.peak_s / std::log(1.0 - ratio * ratio);
+}
+
+// As the governor: clamped, never back. The wrench that was out heated the motors and moved the device meanwhile.
+double GovernorEvaluator::pass(std::int64_t time_ns) noexcept {
+  const std::int64_t to_ns = std::clamp(time_ns, std::int64_t{0}, std::int64_t{1} << 62);
+  if (!has_begun_) now_ns_ = out_ns_ = to_ns;
+  has_begun_ = true;
+  const double passed_s = to_ns > now_ns_ ? 1e-9 * static_cast<double>(to_ns - now_ns_) : 0.0;
+  now_ns_ = std::max(now_ns_, to_ns);
+  if (passed_s > 0.02) has_stalled_ = true;
+  if (time_constant_s_ > 0.0) {
+    const double goal = out_.force_n.squaredNorm();
+    heat_n2_ = goal + (heat_n2_ - goal) * std::exp(-std::min(passed_s, 1.0) / time_constant_s_);
+  }
+  impulse_n_s_ += out_.force_n * passed_s;
+  turn_impulse_nm_s_ += out_.torque_nm * passed_s;
+  impulse_s_ += passed_s;
+  return passed_s;
+}
+
+void GovernorEvaluator::see(const HostileStep& step) noexcept {
+  pass(step.sample.time_ns);
+  has_jumped_ = false;
+  if (step.status == DeviceStatus::away || step.status == DeviceStatus::calibrating) {
+    has_pose_ = false;
+    anchor_ns_ = -1;
+  } else if (is_pose(step.sample)) {
+    see_motion(step.sample);
+  }
+  is_current_ = has_pose_ && now_ns_ - pose_ns_ < kPeerTimeoutNs;
+}
+
+void GovernorEvaluator::see_motion(const DeviceSample& sample) noexcept {
+  const double most_n = governor_.limits().max_force_n;
+  const double speed = governor_.limits().max_speed_m_per_s;
+  const double passed_s = 1e-9 * static_cast<double>(now_ns_ - pose_ns_);
+  const Vec3 moved = sample.p_WD - p_m_;
+  const bool is_after_gap = has_pose_ && now_ns_ - pose_ns_ > kGapNs;
+  const Quat turn = sample.q_WT * q_.conjugate();
+  const Vec3 turned = governor_.limits().max_torque_nm > 0.0 ? Vec3((turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec()) : Vec3(Vec3::Zero());
+  has_jumped_ =
+      has_pose_ && !is_after_gap && (moved.norm() > about(speed * passed_s + kJump) || turned.norm() > about(50.0 * passed_s + 0.2));
+  double given_j = 0.0;
+  if (has_pose_ && !has_jumped_) {
+    given_j = impulse_s_ > 0.0 ? (impulse_n_s_.dot(moved) + turn_impulse_nm_s_.dot(turned)) / impulse_s_
+                               : out_.force_n.dot(moved) + out_.torque_nm.dot(turned);
+  }
+  const double change_j = given_j - kForgivenPerS * most_n * impulse_s_;
+  spent_j_ = std::clamp(spent_j_ + change_j, -kFree * most_n, kSaturation * most_n);
+  given_j_ = std::max(given_j_ + change_j, -kFree * most_n);
+  impulse_n_s_ = turn_impulse_nm_s_ = Vec3::Zero();
+  impulse_s_ = 0.0;
+  if (anchor_ns_ < 0 || is_after_gap || has_jumped_) {
+    anchor_ns_ = now_ns_;
+    anchor_m_ = sample.p_WD;
+  }
+  is_too_fast_ = false;
+  if (now_ns_ - anchor_ns_ >= kAnchorNs) {
+    is_too_fast_ = (sample.p_WD - anchor_m_).norm() > 2.0 * speed * 1e-9 * static_cast<double>(now_ns_ - anchor_ns_) + kJump;
+    anchor_ns_ = now_ns_;
+    anchor_m_ = sample.p_WD;
+  }
+  p_m_ = sample.p_WD;
+  q_ = sample.q_WT;
+  pose_ns_ = now_ns_;
+  has_pose_ = true;
+}
+
+void GovernorEvaluator::hear(const HostileStep& step) noexcept {
+  const bool is_accepted = governor_.counters().accepted != accepted_;
+  accepted_ = governor_.counters().accepted;
+  if (is_live_ && now_ns_ - answered_ns_ >= kPeerTimeoutNs) is_live_ = was_open_ = false;
+  if (step.wanted && !is_finite(step.wanted->wrench)) is_live_ = false;
+  if (!is_accepted) return;
+  is_live_ = true;
+  answered_ns_ = step.wanted->sample_time_ns;
+}
+
+void GovernorEvaluator::look(const HostileStep& step, bool was_reset, const Wrench& out) noexcept {
+  see(step);
+  pass(step.now_ns);
+  is_current_ = has_pose_ && now_ns_ - pose_ns_ < kPeerTimeoutNs;
+  const double passed_s = 1e-9 * static_cast<double>(now_ns_ - out_ns_);
+  hear(step);
+  breach_if(GovernorBreach::not_finite, !is_finite(out));
+  judge_size(out, passed_s);
+  judge_slew(out, passed_s);
+  judge_silence(out);
+  judge_budgets(out, passed_s);
+  judge_workspace(out);
+  judge_latch(step, was_reset);
+  judge_gate(step, out, passed_s);
+  out_ = out;
+  out_ns_ = now_ns_;
+}
+
+void GovernorEvaluator::judge_size(const Wrench& out, double passed_s) noexcept {
+  const DeviceLimits& device = governor_.device_limits();
+  const DeviceLimits& now = governor_.limits();
+  const double force = size_of(out.force_n);
+  const double torque = size_of(out.torque_nm);
+  const double sunk_n = size_of(out_.force_n) - device.max_slew_n_per_s * passed_s;
+  const double sunk_nm = size_of(out_.torque_nm) - device.max_torque_slew_nm_per_s * passed_s;
+  breach_if(GovernorBreach::force, force > about(device.max_force_n) || force > about(std::max(now.max_force_n, sunk_n)));
+  breach_if(GovernorBreach::torque, torque > about(device.max_torque_nm) || torque > about(std::max(now.max_torque_nm, sunk_nm)));
+  if (device.max_force_n > 0.0) worst_.force = std::max(worst_.force, force / device.max_force_n);
+  if (device.max_torque_nm > 0.0) worst_.torque = std::max(worst_.torque, torque / device.max_torque_nm);
+}
+
+void GovernorEvaluator::judge_slew(const Wrench& out, double passed_s) noexcept {
+  const DeviceLimits& device = governor_.device_limits();
+  const DeviceLimits& now = governor_.limits();
+  // Only straight back may be faster than a tightened slew.
+  const auto is_too_fast = [passed_s](const Vec3& from, const Vec3& to, double slew, double release) {
+    const double change = size_of(to - from);
+    return change > about(release * passed_s) || (change > about(slew * passed_s) && size_of(to) > about(size_of(from)));
+  };
+  breach_if(GovernorBreach::force_slew, is_too_fast(out_.force_n, out.force_n, now.max_slew_n_per_s, device.max_slew_n_per_s));
+  breach_if(GovernorBreach::torque_slew,
+            is_too_fast(out_.torque_nm, out.torque_nm, now.max_torque_slew_nm_per_s, device.max_torque_slew_nm_per_s));
+  const auto share = [passed_s](const Vec3& from, const Vec3& to, double slew) {
+    return slew > 0.0 && passed_s > 0.0 ? size_of(to - from) / (slew * passed_s) : 0.0;
+  };
+  worst_.force_slew = std::max(worst_.force_slew, share(out_.force_n, out.force_n, device.max_slew_n_per_s));
+  worst_.torque_slew = std::max(worst_.torque_slew, share(out_.torque_nm, out.torque_nm, device.max_torque_slew_nm_per_s));
+}
+
+void GovernorEvaluator::judge_silence(const Wrench& out) noexcept {
+  const bool is_silent = accepted_ == 0 || now_ns_ - answered_ns_ >= kPeerTimeoutNs;
+  breach_if(GovernorBreach::silence, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
+}
+
+double GovernorEvaluator::energy_share() const noexcept {
+  const double most_n = governor_.limits().max_force_n;
+  return most_n > 0.0 ? std::clamp((kMost - spent_j_ / most_n) / (kMost - kFree), 0.0, 1.0) : 0.0;
+}
+
+void GovernorEvaluator::judge_budgets(const Wrench& out, double passed_s) noexcept {
+  const DeviceLimits& now = governor_.limits();
+  const double force = size_of(out.force_n);
+  const double sunk_n = size_of(out_.force_n) - governor_.device_limits().max_slew_n_per_s * passed_s;
+  if (time_constant_s_ > 0.0) {
+    const double load = heat_n2_ / (now.continuous_force_n * now.continuous_force_n);
+    const double continuous = now.continuous_force_n * now.continuous_force_n;
+    const double most = now.max_force_n * now.max_force_n;
+    const double allowed = load <= 0.8 || continuous >= most ? most : continuous + (most - continuous) * std::max(0.0, (1.0 - load) / 0.2);
+    breach_if(GovernorBreach::heat, force > std::max(std::sqrt(allowed) * (1.0 + 1e-6), about(sunk_n)));
+    if (!has_stalled_ && is_physical_) {
+      worst_.heat = std::max(worst_.heat, load);
+      breach_if(GovernorBreach::heat, load > 1.02);
+    }
+  }
+  breach_if(GovernorBreach::energy, force > std::max(now.max_force_n * (energy_share() + 1e-6), about(sunk_n)));
+  if (is_physical_ && now.max_force_n > 0.0) {
+    // What is given while the last force is let go comes on top: 10 ms at max_speed.
+    const double most_j =
+        kMost * now.max_force_n + 0.010 * (now.max_speed_m_per_s * now.max_force_n + HostileProgram::kTurnRadPerS * now.max_torque_nm);
+    worst_.energy = std::max(worst_.energy, given_j_ / most_j);
+    breach_if(GovernorBreach::energy, given_j_ > most_j);
+  }
+}
+
+void GovernorEvaluator::judge_workspace(const Wrench& out) noexcept {
+  const DeviceLimits& now = governor_.limits();
+  const double slew = now.max_slew_n_per_s;
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    const double sign = side % 2 == 0 ? 1.0 : -1.0;
+    const double low = now.workspace_min_m[axis];
+    const double high = now.workspace_max_m[axis];
+    const double left_m = sign > 0.0 ? high - p_m_[axis] : p_m_[axis] - low;
+    const double share = has_pose_ ? std::clamp(left_m / std::min(kMargin, 0.1 * (high - low)), 0.0, 1.0) : 1.0;
+    const double outward = sign * out.force_n[axis];
+    const double before = sign * out_.force_n[axis];
+    breach_if(GovernorBreach::workspace, outward > about(std::max(now.max_force_n * share, before)));
+    if (share > 0.0 || slew <= 0.0) {
+      axes_[side].shut_ns = -1;
+      continue;
+    }
+    if (axes_[side].shut_ns < 0) axes_[side].shut_ns = now_ns_;
+    // However the goal jumps about meanwhile: each step goes slew x time of a way that is no longer than the ball is wide.
+    const double time_s = 1e-9 * static_cast<double>(now_ns_ - axes_[side].shut_ns);
+    const double most_n = governor_.device_limits().max_force_n;
+    breach_if(GovernorBreach::workspace, outward > most_n * (std::exp(-slew * time_s / (2.0 * most_n)) + 1e-9));
+  }
+}
+
+void GovernorEvaluator::judge_latch(const HostileStep& step, bool was_reset) noexcept {
+  const SafetyFault fault = governor_.fault();
+  breach_if(GovernorBreach::unlatched, fault_ != SafetyFault::none && fault != fault_ && !was_reset);
+  fault_ = fault;
+  // A reset begins all counts anew.
+  if (was_reset) {
+    bad_forces_ = bad_torques_ = bad_samples_ = {};
+    anchor_ns_ = -1;
+    is_too_fast_ = false;
+  }
+  const bool is_force_finite = !step.wanted || step.wanted->wrench.force_n.allFinite();
+  const bool is_torque_finite = !step.wanted || !is_force_finite || step.wanted->wrench.torque_nm.allFinite();
+  const bool is_seen = step.status != DeviceStatus::away && step.status != DeviceStatus::calibrating;
+  bool must_latch = step.status == DeviceStatus::fault || step.temperature >= 1.0 || has_jumped_ || is_too_fast_;
+  must_latch = bad_forces_.is_too_long(!is_force_finite, now_ns_) || must_latch;
+  must_latch = bad_torques_.is_too_long(!is_torque_finite, now_ns_) || must_latch;
+  must_latch = (is_seen && bad_samples_.is_too_long(!is_pose(step.sample), now_ns_)) || must_latch;
+  breach_if(GovernorBreach::not_latched, must_latch && fault == SafetyFault::none);
+}
+
+bool GovernorEvaluator::Row::is_too_long(bool is_bad, std::int64_t now_ns) noexcept {
+  if (count == 0) since_ns = now_ns;
+  count = is_bad ? count + 1 : 0;
+  return count >= 5 && now_ns - since_ns < 100'000'000;
+}
+
+void GovernorEvaluator::judge_gate(const HostileStep& step, const Wrench& out, double passed_s) noexcept {
+  const DeviceLimits& device = governor_.device_limits();
+  const double force = size_of(out.force_n);
+  const double before = size_of(out_.force_n);
+  const double torque = size_of(out.torque_nm);
+  const bool is_held = step.sample.is_held && (step.sample.buttons & buttons_) == buttons_;
+  const bool is_there = step.status != DeviceStatus::away && step.status != DeviceStatus::calibrating;
+  const bool is_open = is_held && is_there && is_current_ && is_live_ && fault_ == SafetyFault::none;
+  if (is_open) {
+    if (!was_open_) opened_ns_ = now_ns_;
+    open_ns_ = now_ns_;
+    const double most_n = governor_.limits().max_force_n;
+    const bool may_damp = spent_j_ > kFree * most_n || governor_.speed_m_per_s() >= 0.6 * governor_.limits().max_speed_m_per_s;
+    const double ramp = std::min(1.0, static_cast<double>(now_ns_ - opened_ns_) / static_cast<double>(kRampInNs));
+    breach_if(GovernorBreach::ramp, !may_damp && force > about(std::max(ramp * most_n, before)));
+  } else {
+    const double sunk_n = std::max(0.0, before - device.max_slew_n_per_s * passed_s);
+    const double sunk_nm = std::max(0.0, size_of(out_.torque_nm) - device.max_torque_slew_nm_per_s * passed_s);
+    breach_if(GovernorBreach::gate, force > about(sunk_n) || torque > about(sunk_nm));
+    const bool is_release = before > 0.0 && force == 0.0 && !has_stalled_;
+    if (is_release) worst_.release_ms = std::max(worst_.release_ms, 1e-6 * static_cast<double>(now_ns_ - open_ns_));
+  }
+  was_open_ = is_open;
+}
+
+}  // namespace hapton

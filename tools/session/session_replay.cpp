@@ -1,0 +1,172 @@
+#include "tools/session/session_replay.h"
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+
+#include "haptic_step/method_text.h"
+
+namespace hapton {
+namespace {
+
+// Answers overtake each other by no more; ForceCommand::answered_before knows of as many.
+constexpr std::uint64_t kReach = 64;
+
+bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0; }
+
+std::string text_of(const Vec3& v) { return fmt::format("({:.17g}, {:.17g}, {:.17g})", v.x(), v.y(), v.z()); }
+
+}  // namespace
+
+SessionReplay::SessionReplay(HapticsSetups setups, MakeTouch make_touch) : setups_(std::move(setups)), make_touch_(std::move(make_touch)) {}
+
+void SessionReplay::on_state(const DeviceState& state) {
+  if (first_time_ns_ == 0) first_time_ns_ = state.sample_time_ns;
+  states_[state.sample] = state;
+}
+
+void SessionReplay::on_view(const ViewTransform& view) { views_[view.revision] = view; }
+
+Result<void> SessionReplay::on_answer(std::uint64_t sender, const ForceCommand& command) {
+  if (sender != sender_) {
+    if (const auto settled = finish(); !settled) return settled;
+    if (const auto begun = begin(sender, command); !begun) return begun;
+  }
+  if (command.echo_sample <= last_sample_) return {};  // a duplicate
+  answers_.emplace(command.echo_sample, command);
+  const std::uint64_t newest = answers_.rbegin()->first;
+  return newest > kReach ? settle(newest - kReach) : Result<void>();
+}
+
+Result<void> SessionReplay::finish() { return answers_.empty() ? Result<void>() : settle(answers_.rbegin()->first); }
+
+Result<void> SessionReplay::settle(std::uint64_t up_to_sample) {
+  while (!answers_.empty() && answers_.begin()->first <= up_to_sample) {
+    const ForceCommand command = answers_.begin()->second;
+    answers_.erase(answers_.begin());
+    if (const auto felt = feel(command); !felt) return felt;
+  }
+  return {};
+}
+
+Result<std::unique_ptr<TouchStep>> SessionReplay::make_method_of(const HapticsSetup& setup, double* offset_m) {
+  const auto settings = parse_method_text(setup.method.data());
+  if (!settings) return tl::unexpected(settings.error());
+  if (offset_m != nullptr) *offset_m = settings->offset_m;
+  return make_touch_(setup);
+}
+
+// A haptics process that was not there before: it begins in free space, unless the recording began after it.
+Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& first) {
+  sender_ = sender;
+  serial_ = first.method_serial;
+  last_sample_ = 0;
+  const auto named = setups_.find({sender_, serial_});
+  is_method_known_ = named != setups_.end();
+  const auto any = is_method_known_ ? named : setups_.lower_bound({sender_, 0});
+  if (any == setups_.end() || any->first.first != sender_) {
+    return fail("the recording does not name its scene and method; only a session of a haptics node of this version can be replayed");
+  }
+  is_certain_ = is_method_known_ && first.answered_before == 0;
+  double offset_m = 0.0;
+  auto touch = make_method_of(any->second, &offset_m);
+  if (!touch) return tl::unexpected(touch.error());
+  step_ = std::make_unique<HapticsStep>(std::move(*touch), offset_m);
+  return {};
+}
+
+// Puts in place what was put in place then. A method that the recording does not name leaves what it felt unknown.
+Result<void> SessionReplay::change_method(std::uint32_t serial) {
+  while (serial_ != serial) {
+    const auto named = setups_.find({sender_, ++serial_});
+    is_method_known_ = named != setups_.end();
+    if (!is_method_known_) {
+      is_certain_ = false;
+      continue;
+    }
+    auto touch = make_method_of(named->second);
+    if (!touch) return tl::unexpected(touch.error());
+    step_->replace(std::move(*touch));
+  }
+  return {};
+}
+
+void SessionReplay::turn(std::uint32_t revision) {
+  if (revision == step_->view().revision) return;
+  if (const auto sent = views_.find(revision); sent != views_.end()) {
+    step_->turn_scene(sent->second);
+    return;
+  }
+  for (const auto& [key, setup] : setups_) {
+    if (key.first != sender_ || setup.view_revision != revision) continue;
+    step_->turn_scene({revision, setup.X_WS});
+    return;
+  }
+  ++counts_.missing_views;
+  is_certain_ = false;
+}
+
+std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
+  const auto state = states_.find(sample);
+  if (state == states_.end()) {
+    ++counts_.missing_states;
+    is_certain_ = false;
+    return std::nullopt;
+  }
+  step_->offer(state->second);
+  const ForceCommand felt = step_->answer();
+  states_.erase(states_.begin(), std::next(state));
+  last_sample_ = sample;
+  ++counts_.steps;
+  counts_.contact_steps += felt.contact ? 1 : 0;
+  return felt;
+}
+
+// Samples that were answered before this one, by answers that never arrived.
+void SessionReplay::feel_lost(const ForceCommand& before) {
+  const bool knows_all = before.echo_sample - last_sample_ <= kReach || last_sample_ == 0;
+  if (!knows_all) is_certain_ = false;
+  for (std::uint64_t back = kReach; back > 0; --back) {
+    const bool was_answered = (before.answered_before >> (back - 1) & 1U) != 0;
+    if (!was_answered || back >= before.echo_sample || before.echo_sample - back <= last_sample_) continue;
+    const bool is_before_the_recording = states_.empty() || before.echo_sample - back < states_.begin()->first;
+    if (last_sample_ == 0 && is_before_the_recording) continue;
+    if (step(before.echo_sample - back)) ++counts_.lost_answers;
+  }
+}
+
+Result<void> SessionReplay::feel(const ForceCommand& command) {
+  const std::uint64_t lost_before = counts_.lost_answers;
+  feel_lost(command);
+  // Which of the lost answers was the new method's first is not known.
+  if (command.method_serial != serial_ && counts_.lost_answers > lost_before) is_certain_ = false;
+  if (const auto changed = change_method(command.method_serial); !changed) return changed;
+  turn(command.view_revision);
+  // What was free then is free now: from here on nothing before is needed.
+  if (!is_certain_ && is_method_known_ && !command.contact) {
+    step_->restart();
+    is_certain_ = true;
+  }
+  const auto felt = step(command.echo_sample);
+  if (felt) compare(command, *felt);
+  return {};
+}
+
+void SessionReplay::compare(const ForceCommand& recorded, const ForceCommand& felt) {
+  if (!is_certain_) {
+    ++(is_method_known_ ? counts_.not_compared : counts_.unknown_method);
+    return;
+  }
+  ++counts_.compared;
+  const bool is_same = recorded.contact == felt.contact && same_bits(recorded.force_n, felt.force_n) &&
+                       same_bits(recorded.visual_offset_m, felt.visual_offset_m);
+  if (is_same) return;
+  ++counts_.different;
+  counts_.max_difference_n = std::max(counts_.max_difference_n, (recorded.force_n - felt.force_n).norm());
+  if (!counts_.first_difference.empty()) return;
+  counts_.first_difference = fmt::format("sample {}, {:.6f} s after the first: recorded force {} N, replayed {} N", recorded.echo_sample,
+                                         1e-9 * static_cast<double>(recorded.echo_sample_time_ns - first_time_ns_),
+                                         text_of(recorded.force_n), text_of(felt.force_n));
+}
+
+}  // namespace hapton

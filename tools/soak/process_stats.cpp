@@ -1,0 +1,44 @@
+#include "tools/soak/process_stats.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <system_error>
+
+namespace hapton {
+namespace {
+
+// The number behind "NAME:" in a file of such lines; -1 where there is none.
+std::int64_t read_number(const std::filesystem::path& file, const std::string& name) {
+  std::ifstream lines(file);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(name + ":")) continue;
+    std::int64_t number = -1;
+    std::istringstream(line.substr(name.size() + 1)) >> number;
+    return number;
+  }
+  return -1;
+}
+
+int count_entries(const std::filesystem::path& folder) {
+  std::error_code error;
+  int count = 0;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) ++count;
+  return error ? -1 : count;
+}
+
+}  // namespace
+
+Result<ProcessStats> read_process_figures(pid_t pid) {
+  const std::filesystem::path folder = "/proc/" + std::to_string(pid);
+  ProcessStats figures;
+  figures.resident_kib = read_number(folder / "status", "VmRSS");
+  figures.threads = static_cast<int>(read_number(folder / "status", "Threads"));
+  figures.descriptors = count_entries(folder / "fd");
+  if (figures.resident_kib < 0 || figures.threads < 0) return fail("{}: the process has ended", folder.string());
+  if (figures.descriptors < 0) return fail("{}: its descriptors cannot be counted; run as the user whose process it is", folder.string());
+  return figures;
+}
+
+}  // namespace hapton

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+
+#include "core/base/result.h"
+
+namespace hapton {
+
+// What a running process holds of the machine.
+struct ProcessStats {
+  std::int64_t resident_kib = 0;
+  int descriptors = 0;
+  int threads = 0;
+};
+
+// From /proc/PID. RT: no. Error: one line: there is no such process, or it is not ours to look at.
+Result<ProcessStats> read_process_figures(pid_t pid);
+
+}  // namespace hapton

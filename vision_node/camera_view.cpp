@@ -1,0 +1,47 @@
+#include "vision_node/camera_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+constexpr double kSteepest = 89.0 * std::numbers::pi / 180.0;
+constexpr double kLeastZoom = 0.1;
+constexpr double kMostZoom = 100.0;
+// A little air around what is looked at.
+constexpr double kMargin = 1.1;
+
+}  // namespace
+
+void CameraView::orbit(double yaw_by_rad, double pitch_by_rad) {
+  if (!std::isfinite(yaw_by_rad) || !std::isfinite(pitch_by_rad)) return;
+  yaw_rad = std::remainder(yaw_rad + yaw_by_rad, 2.0 * std::numbers::pi);
+  // Twice the steepest is enough to get from any beginning to any end.
+  pitch_rad = std::clamp(pitch_rad + pitch_by_rad, -2.0 * kSteepest, 2.0 * kSteepest);
+}
+
+void CameraView::zoom_by(double factor) {
+  if (!(factor > 0.0) || !std::isfinite(factor)) return;
+  zoom = std::clamp(zoom * factor, kLeastZoom, kMostZoom);
+}
+
+void CameraView::look_at(const Framing& home, const Vec3& p_WO, double radius_m) {
+  if (!(radius_m > 0.0) || !p_WO.allFinite()) return;
+  pan_m = p_WO - home.p_WC;
+  zoom = std::clamp(home.view_m / (2.0 * kMargin * radius_m), kLeastZoom, kMostZoom);
+}
+
+Framing CameraView::apply(const Framing& home) const {
+  Framing seen = home;
+  seen.p_WC += pan_m;
+  seen.yaw_rad += yaw_rad;
+  seen.pitch_rad = std::clamp(home.pitch_rad + pitch_rad, -kSteepest, kSteepest);
+  seen.view_m /= zoom;
+  seen.ipd_m /= std::max(1.0, zoom);
+  seen.depth_m += pan_m.norm();
+  return seen;
+}
+
+}  // namespace hapton

@@ -1,0 +1,67 @@
+#include "vision_node/flat_level.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+constexpr float kOne = 511.0F;
+constexpr std::uint32_t kMask = 1023;
+// No triangle has taken this corner as its last. A packed normal never has the top bits set.
+constexpr std::uint32_t kFree = 0xFFFFFFFFU;
+
+}  // namespace
+
+std::uint32_t pack_normal(const Vec3f& unit) {
+  std::uint32_t packed = 0;
+  for (int k = 0; k < 3; ++k) {
+    const auto step = static_cast<int>(std::lround(std::clamp(unit[k], -1.0F, 1.0F) * kOne));
+    packed |= (static_cast<std::uint32_t>(step) & kMask) << (10 * k);
+  }
+  return packed;
+}
+
+Vec3f unpack_normal(std::uint32_t packed) {
+  Vec3f unit;
+  for (int k = 0; k < 3; ++k) {
+    const auto bits = static_cast<int>((packed >> (10 * k)) & kMask);
+    unit[k] = static_cast<float>(bits > 511 ? bits - 1024 : bits) / kOne;
+  }
+  return unit;
+}
+
+FlatLevel make_flat(const DetailLevel& level) {
+  FlatLevel flat;
+  flat.clusters = level.clusters;
+  flat.error = level.error;
+  flat.indices.reserve(level.indices.size());
+  flat.vertices.reserve(2 * level.positions.size());
+  for (const Vec3f& p : level.positions) flat.vertices.push_back({p, kFree});
+  for (std::size_t i = 0; i < level.indices.size(); i += 3) {
+    std::array<std::uint32_t, 3> corner = {level.indices[i], level.indices[i + 1], level.indices[i + 2]};
+    const Vec3f& a = level.positions[corner[0]];
+    const Vec3f across = (level.positions[corner[1]] - a).cross(level.positions[corner[2]] - a);
+    const float length = across.norm();
+    const std::uint32_t normal = pack_normal(length > 0.0F ? Vec3f(across / length) : Vec3f::UnitZ());
+    int last = -1;
+    for (int k = 0; k < 3 && last < 0; ++k) {
+      const std::uint32_t taken = flat.vertices[corner[k]].normal;
+      if (taken == normal || taken == kFree) last = k;
+    }
+    if (last < 0) {
+      flat.vertices.push_back({a, normal});
+      corner[0] = static_cast<std::uint32_t>(flat.vertices.size() - 1);
+      last = 0;
+    }
+    flat.vertices[corner[last]].normal = normal;
+    for (int k = 1; k <= 3; ++k) flat.indices.push_back(corner[(last + k) % 3]);
+  }
+  for (FlatVertex& vertex : flat.vertices) {
+    if (vertex.normal == kFree) vertex.normal = 0;
+  }
+  return flat;
+}
+
+}  // namespace hapton

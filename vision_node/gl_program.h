@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string_view>
+
+#include <GL/glew.h>
+
+#include "core/base/result.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// A shader program of our own beside VTK's, OpenGL 3.2. Threads: the window's. Pre: the window's context is current, at the end as well.
+class GlProgram {
+ public:
+  // The vertex shader's inputs `position` (and `direction`, where there is one) are at 0 and 1. Error: what the driver says.
+  static Result<GlProgram> make(std::string_view vertex, std::string_view fragment);
+  GlProgram(GlProgram&& other) noexcept;
+  GlProgram& operator=(GlProgram&& other) noexcept;
+  ~GlProgram();
+
+  void use() const { glUseProgram(program_); }
+  void set(const char* name, const Eigen::Matrix4d& m) const;
+  void set(const char* name, const Vec3& v) const;
+  void set(const char* name, double x) const;
+  void set(const char* name, int i) const;
+
+ private:
+  explicit GlProgram(GLuint program) : program_(program) {}
+  GLint find(const char* name) const { return glGetUniformLocation(program_, name); }
+  GLuint program_ = 0;
+};
+
+}  // namespace hapton

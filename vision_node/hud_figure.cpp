@@ -1,0 +1,88 @@
+#include "vision_node/hud_figure.h"
+
+#include <algorithm>
+#include <string>
+
+#include <vtkCellArray.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper2D.h>
+#include <vtkProperty2D.h>
+#include <vtkTextProperty.h>
+
+namespace hapton {
+namespace {
+
+// A text that did not change is not set: VTK would draw its letters again.
+void set_text(vtkTextActor* actor, std::string_view text) {
+  const std::string owned(text);
+  actor->SetVisibility(!owned.empty());
+  if (!owned.empty() && (actor->GetInput() == nullptr || owned != actor->GetInput())) actor->SetInput(owned.c_str());
+}
+
+}  // namespace
+
+void HudFigure::add_to(vtkRenderer* renderer) {
+  for (vtkTextActor* text : {facts_.Get(), help_.Get(), scale_label_.Get()}) {
+    vtkTextProperty* look = text->GetTextProperty();
+    look->SetFontFamilyToArial();
+    look->SetColor(0.96, 0.97, 0.98);
+    look->SetBackgroundColor(0.03, 0.04, 0.06);
+    look->SetBackgroundOpacity(0.45);
+    look->SetLineSpacing(1.15);
+    text->SetVisibility(false);
+    renderer->AddActor2D(text);
+  }
+  facts_->GetTextProperty()->SetVerticalJustificationToTop();
+  scale_label_->GetTextProperty()->SetJustificationToCentered();
+  scale_label_->GetTextProperty()->SetBackgroundOpacity(0.0);
+  // A line with an upright end at either side.
+  scale_corners_->SetNumberOfPoints(6);
+  vtkNew<vtkCellArray> lines;
+  for (vtkIdType i = 0; i < 6; i += 2) {
+    const vtkIdType ends[2] = {i, i + 1};
+    lines->InsertNextCell(2, ends);
+  }
+  vtkNew<vtkPolyData> shape;
+  shape->SetPoints(scale_corners_);
+  shape->SetLines(lines);
+  vtkNew<vtkPolyDataMapper2D> mapper;
+  mapper->SetInputData(shape);
+  scale_->SetMapper(mapper);
+  scale_->GetProperty()->SetColor(0.96, 0.97, 0.98);
+  scale_->GetProperty()->SetLineWidth(2.0F);
+  scale_->VisibilityOff();
+  renderer->AddActor2D(scale_);
+}
+
+void HudFigure::set_scale_bar(const ScaleBar& bar, PictureSize size) {
+  const bool shown = bar.length_m > 0.0;
+  set_text(scale_label_, shown ? bar.label : "");
+  scale_->SetVisibility(shown);
+  if (!shown) return;
+  const double edge = 0.03 * std::min(size.width_px, size.height_px);
+  const double to = size.width_px - edge;
+  const double from = to - bar.pixels;
+  const double y = 4.0 * edge;
+  const double end = 0.25 * edge;
+  const double corners[6][2] = {{from, y}, {to, y}, {from, y - end}, {from, y + end}, {to, y - end}, {to, y + end}};
+  for (vtkIdType i = 0; i < 6; ++i) scale_corners_->SetPoint(i, corners[i][0], corners[i][1], 0.0);
+  scale_corners_->Modified();
+  scale_label_->SetPosition(0.5 * (from + to), y + end);
+}
+
+void HudFigure::place(PictureSize size) {
+  const int font = std::clamp(std::min(size.width_px / 44, size.height_px / 46), 9, 40);
+  const int edge = font / 2;
+  facts_->GetTextProperty()->SetFontSize(font);
+  help_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
+  scale_label_->GetTextProperty()->SetFontSize(std::max(9, font - 2));
+  facts_->SetPosition(edge, size.height_px - edge);
+  help_->SetPosition(edge, edge);
+}
+
+void HudFigure::set(std::string_view facts, std::string_view help) {
+  set_text(facts_, facts);
+  set_text(help_, help);
+}
+
+}  // namespace hapton

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string_view>
+
+#include <vtkActor2D.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkRenderer.h>
+#include <vtkTextActor.h>
+
+#include "vision_node/depth_cues.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// Lines of text in two corners of one eye's picture: the same place in both eyes', so they lie in the screen's plane. RT: no.
+class HudFigure {
+ public:
+  void add_to(vtkRenderer* renderer);
+  void place(PictureSize size);
+  void set(std::string_view facts, std::string_view help);
+  // Above the right end of the picture's foot; one without a length is not shown.
+  void set_scale_bar(const ScaleBar& bar, PictureSize size);
+
+ private:
+  vtkNew<vtkTextActor> facts_;
+  vtkNew<vtkTextActor> help_;
+  vtkNew<vtkTextActor> scale_label_;
+  vtkNew<vtkActor2D> scale_;
+  vtkNew<vtkPoints> scale_corners_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,127 @@
+#include "vision_node/scene_layers.h"
+
+#include <limits>
+#include <utility>
+
+namespace hapton {
+namespace {
+
+// Triangles of one part: some milliseconds, which a probe's picture can wait.
+constexpr std::size_t kPart = 60'000;
+
+bool same_screen(const StereoScreen& a, const StereoScreen& b) {
+  return a.X_WV.matrix() == b.X_WV.matrix() && a.width_m == b.width_m && a.height_m == b.height_m && a.distance_m == b.distance_m &&
+         a.ipd_m == b.ipd_m && a.near_m == b.near_m && a.far_m == b.far_m;
+}
+
+bool same_pass(const ScenePass& a, const ScenePass& b) {
+  return a.eye == b.eye && a.size == b.size && a.cull == b.cull && a.plain == b.plain && a.depth_cues == b.depth_cues &&
+         a.X_WS.matrix() == b.X_WS.matrix() && same_screen(a.screen, b.screen);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SceneLayers>> SceneLayers::make(const std::vector<ShownObject>& objects) {
+  auto painter = ScenePainter::make(objects);
+  if (!painter) return tl::unexpected(painter.error());
+  return std::unique_ptr<SceneLayers>(new SceneLayers(std::move(*painter)));
+}
+
+bool SceneLayers::has_new_levels() {
+  has_new_levels_ = painter_->take_levels() || has_new_levels_;
+  return has_new_levels_;
+}
+
+void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& format) {
+  const bool better = std::exchange(has_new_levels_, false) || painter_->take_levels();
+  for (Layer& each : layers_) each.is_active = false;
+  for (const ScenePass& pass : passes) {
+    Layer& here = layer(pass.eye);
+    here.is_active = true;
+    const bool is_same = here.is_valid && same_pass(here.pass, pass) && here.shown.format() == format;
+    if (is_same && (here.is_full || !better)) continue;
+    const GlStateGuard guard;
+    here.pass = pass;
+    here.shown.shape(pass.size, format);
+    begin(here, here.shown);
+    count_ = painter_->paint(pass);
+    ++drawn_;
+    here.is_valid = true;
+    here.is_full = painter_->is_full(pass);
+    here.is_finer_whole = false;
+    here.cursor = {};
+  }
+}
+
+// The target is bound, with the background in it.
+void SceneLayers::begin(Layer& here, GlTarget& target) {
+  const bool is_new = here.background.shape(target.size(), target.format());
+  if (is_new || !same_screen(here.background_pass.screen, here.pass.screen) || here.background_pass.depth_cues != here.pass.depth_cues) {
+    here.background_pass = here.pass;
+    here.background.bind();
+    painter_->paint_background(here.pass);
+  }
+  target.bind();
+  here.background.copy_to_bound(0, 0);
+}
+
+bool SceneLayers::wants_refining() const {
+  if (painter_->progress() < 1.0) return false;
+  for (const Layer& here : layers_) {
+    if (here.is_active && here.is_valid && !here.is_full) return true;
+  }
+  return false;
+}
+
+bool SceneLayers::refine() {
+  const GlStateGuard guard;
+  painter_->take_levels();
+  for (Layer& here : layers_) {
+    if (!here.is_active || !here.is_valid || here.is_full || here.is_finer_whole) continue;
+    here.finer.shape(here.shown.size(), here.shown.format());
+    here.cursor.object == 0 && here.cursor.cluster == 0 ? begin(here, here.finer) : here.finer.bind();
+    here.is_finer_whole = painter_->paint_full(here.pass, here.cursor, kPart);
+    if (!here.is_finer_whole) return false;
+  }
+  for (Layer& here : layers_) {
+    if (!std::exchange(here.is_finer_whole, false)) continue;
+    here.shown.swap(here.finer);
+    here.is_full = true;
+  }
+  return true;
+}
+
+void SceneLayers::refine_whole() {
+  const GlStateGuard guard;
+  painter_->take_levels();
+  for (Layer& here : layers_) {
+    if (!here.is_active || !here.is_valid || here.is_full) continue;
+    begin(here, here.shown);
+    here.cursor = {};
+    while (!painter_->paint_full(here.pass, here.cursor, std::numeric_limits<std::size_t>::max() / 8)) {
+    }
+    here.is_full = true;
+    here.is_finer_whole = false;
+  }
+}
+
+void SceneLayers::copy_to_bound(Eye eye, int x, int y) const {
+  const GlStateGuard guard;
+  glDisable(GL_SCISSOR_TEST);
+  layers_[static_cast<std::size_t>(eye)].shown.copy_to_bound(x, y);
+}
+
+std::optional<Vec3> SceneLayers::find_surface(Eye eye, int x, int y) const {
+  const Layer& here = layers_[static_cast<std::size_t>(eye)];
+  if (!here.is_valid || x < 0 || y < 0 || x >= here.pass.size.width_px || y >= here.pass.size.height_px) return std::nullopt;
+  if (here.shown.format().samples > 0) return std::nullopt;
+  const GlStateGuard guard;
+  const double depth = here.shown.read_depth(x, y);
+  if (!(depth < 1.0)) return std::nullopt;
+  const Mat4 to_clip = compute_projection_matrix(here.pass.screen, eye) * compute_view_matrix(here.pass.screen, eye);
+  const Eigen::Vector4d clip(2.0 * (x + 0.5) / here.pass.size.width_px - 1.0, 2.0 * (y + 0.5) / here.pass.size.height_px - 1.0,
+                             2.0 * depth - 1.0, 1.0);
+  return Vec3((to_clip.inverse() * clip).hnormalized());
+}
+
+}  // namespace hapton

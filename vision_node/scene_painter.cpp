@@ -1,0 +1,408 @@
+#include "vision_node/scene_painter.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include <GL/glew.h>
+
+#include "vision_node/depth_cues.h"
+#include "vision_node/detail_choice.h"
+#include "vision_node/view_culling.h"
+
+namespace hapton {
+namespace {
+
+// One colour for each triangle, from its last corner. The side that is seen is lit. The highlight's power of 18 by products.
+constexpr std::string_view kVertexShader = R"(#version 150
+in vec3 position;
+in vec4 direction;
+uniform mat4 to_clip, to_eye;
+uniform vec3 colour, light;
+uniform float haze_from, haze_to;
+uniform int plain;
+flat out vec3 shade;
+out float far;
+void main() {
+  gl_Position = to_clip * vec4(position, 1.0);
+  vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
+  vec3 normal = normalize(mat3(to_eye) * direction.xyz);
+  normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
+  float towards = dot(normal, light);
+  float mirrored = max(0.0, dot(2.0 * towards * normal - light, normalize(to_viewer)));
+  float p2 = mirrored * mirrored;
+  float p4 = p2 * p2;
+  float p16 = p4 * p4;
+  p16 *= p16;
+  vec3 lit = colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards);
+  shade = plain != 0 ? colour : lit;
+  far = clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 0.45);
+}
+)";
+
+constexpr std::string_view kFragmentShader = R"(#version 150
+flat in vec3 shade;
+in float far;
+uniform vec3 haze;
+out vec4 shown;
+void main() { shown = vec4(mix(shade, haze, far), 1.0); }
+)";
+
+constexpr std::string_view kBackgroundVertexShader = R"(#version 150
+out float height;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  height = 0.5 * corner.y + 0.5;
+  gl_Position = vec4(corner, 1.0, 1.0);
+}
+)";
+
+constexpr std::string_view kBackgroundFragmentShader = R"(#version 150
+in float height;
+uniform vec3 low, high;
+out vec4 shown;
+void main() { shown = vec4(mix(low, high, height), 1.0); }
+)";
+
+// One colour, wherever the matrix puts it.
+constexpr std::string_view kSingleVertexShader = R"(#version 150
+in vec3 position;
+uniform mat4 to_clip;
+void main() { gl_Position = to_clip * vec4(position, 1.0); }
+)";
+
+constexpr std::string_view kSingleFragmentShader = R"(#version 150
+uniform vec3 colour;
+out vec4 shown;
+void main() { shown = vec4(colour, 1.0); }
+)";
+
+const Vec3 kLow(0.055, 0.07, 0.095);
+const Vec3 kHigh(0.30, 0.36, 0.44);
+const Vec3 kHaze(0.19, 0.23, 0.29);
+const Vec3 kGrid(0.20, 0.24, 0.30);
+const Vec3 kBox(0.34, 0.40, 0.48);
+const Vec3 kShadow(0.045, 0.05, 0.06);
+// The shadow lies this far above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
+constexpr std::size_t kPreviewTriangles = 150'000;
+// A shadow of more triangles costs more than it shows: of a large mesh before its levels are made.
+constexpr std::size_t kShadowTriangles = 20'000;
+constexpr double kAboveGround = 1e-3;
+// From over the viewer's left shoulder.
+const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
+
+struct Vertices {
+  GLuint array = 0;
+  GLuint buffer = 0;
+};
+
+}  // namespace
+
+struct ScenePainter::Object {
+  DetailFrame frame;
+  Vec3 colour;
+  double radius_m = 0.0;               // around frame.centre
+  std::unique_ptr<DetailLevel> whole;  // read by the builder
+  FlatLevel full;
+  Vertices full_vertices;
+  std::vector<FlatLevel> coarser;  // from the finest
+  std::vector<Vertices> coarser_vertices;
+  bool has_rough = false;
+  std::vector<LevelFacts> facts;  // full, then coarser
+
+  const FlatLevel& level(std::size_t i) const { return i > 0 ? coarser[i - 1] : full; }
+  GLuint vertices(std::size_t i) const { return i > 0 ? coarser_vertices[i - 1].array : full_vertices.array; }
+
+  void list_facts() {
+    facts = {{full.triangles(), 0.0}};
+    for (const FlatLevel& made : coarser) facts.push_back({made.triangles(), made.error * frame.scale_m});
+  }
+};
+
+namespace {
+
+void release(Vertices& vertices) {
+  if (vertices.array != 0) glDeleteVertexArrays(1, &vertices.array);
+  if (vertices.buffer != 0) glDeleteBuffers(1, &vertices.buffer);
+  vertices = {};
+}
+
+Vertices upload(const std::vector<FlatVertex>& vertices, GLuint index_buffer) {
+  Vertices made;
+  glGenVertexArrays(1, &made.array);
+  glGenBuffers(1, &made.buffer);
+  glBindVertexArray(made.array);
+  glBindBuffer(GL_ARRAY_BUFFER, made.buffer);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(FlatVertex)), vertices.data(), GL_STATIC_DRAW);
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(FlatVertex), nullptr);
+  glEnableVertexAttribArray(1);
+  glVertexAttribPointer(1, 4, GL_INT_2_10_10_10_REV, GL_TRUE, sizeof(FlatVertex),
+                        reinterpret_cast<const void*>(offsetof(FlatVertex, normal)));
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  return made;
+}
+
+}  // namespace
+
+ScenePainter::ScenePainter() = default;
+
+ScenePainter::~ScenePainter() {
+  builder_.reset();
+  for (const auto& object : objects_) {
+    release(object->full_vertices);
+    for (Vertices& vertices : object->coarser_vertices) release(vertices);
+  }
+  if (line_vertices_ != 0) glDeleteVertexArrays(1, &line_vertices_);
+  if (line_buffer_ != 0) glDeleteBuffers(1, &line_buffer_);
+  if (index_buffer_ != 0) glDeleteBuffers(1, &index_buffer_);
+  if (empty_vertices_ != 0) glDeleteVertexArrays(1, &empty_vertices_);
+}
+
+Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<ShownObject>& objects) {
+  std::unique_ptr<ScenePainter> painter(new ScenePainter);
+  auto shaded = GlProgram::make(kVertexShader, kFragmentShader);
+  if (!shaded) return tl::unexpected(shaded.error());
+  auto background = GlProgram::make(kBackgroundVertexShader, kBackgroundFragmentShader);
+  if (!background) return tl::unexpected(background.error());
+  auto single = GlProgram::make(kSingleVertexShader, kSingleFragmentShader);
+  if (!single) return tl::unexpected(single.error());
+  painter->single_ = std::make_unique<GlProgram>(std::move(*single));
+  painter->shaded_ = std::make_unique<GlProgram>(std::move(*shaded));
+  painter->background_ = std::make_unique<GlProgram>(std::move(*background));
+  glGenBuffers(1, &painter->index_buffer_);
+  glGenVertexArrays(1, &painter->empty_vertices_);
+  painter->upload_lines();
+  std::vector<const DetailLevel*> levels;
+  for (const ShownObject& shown : objects) {
+    auto object = std::make_unique<Object>();
+    object->frame = frame_detail(*shown.mesh);
+    object->colour = shown.colour;
+    object->whole = std::make_unique<DetailLevel>(make_full_level(*shown.mesh, object->frame));
+    object->radius_m = object->whole->clusters.front().radius * object->frame.scale_m;
+    levels.push_back(object->whole.get());
+    painter->objects_.push_back(std::move(object));
+  }
+  painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));
+  for (const auto& object : painter->objects_) {
+    object->full = make_flat(*object->whole);
+    painter->all_triangles_ += object->full.triangles();
+    object->list_facts();
+    object->full_vertices = upload(object->full.vertices, painter->index_buffer_);
+  }
+  return painter;
+}
+
+bool ScenePainter::take_levels() {
+  auto made = builder_->take_made();
+  for (DetailBuilder::Made& one : made) {
+    Object& object = *objects_[one.object];
+    if (one.is_full) {
+      object.full = std::move(one.level);
+      release(object.full_vertices);
+      object.full_vertices = upload(object.full.vertices, index_buffer_);
+      continue;
+    }
+    if (object.has_rough && !one.is_rough) {
+      object.coarser.clear();
+      for (Vertices& vertices : object.coarser_vertices) release(vertices);
+      object.coarser_vertices.clear();
+    }
+    object.has_rough = one.is_rough;
+    object.coarser.push_back(std::move(one.level));
+    object.coarser_vertices.push_back(upload(object.coarser.back().vertices, index_buffer_));
+    object.list_facts();
+  }
+  return !made.empty();
+}
+
+std::size_t ScenePainter::choose(const Object& object, const ScenePass& pass, double* error_px) const {
+  // Where the object comes nearest to the viewer a metre has the most pixels.
+  const Vec3 p_VO = pass.screen.X_WV.inverse(Eigen::Isometry) * (pass.X_WS * object.frame.centre);
+  const double nearest_m = std::max(pass.screen.near_m, pass.screen.distance_m - p_VO.z() - object.radius_m);
+  const double pixels_per_m = pass.size.width_px / pass.screen.width_m * pass.screen.distance_m / nearest_m;
+  const auto budget = static_cast<std::size_t>(static_cast<double>(kTriangleBudget) * static_cast<double>(object.full.triangles()) /
+                                               static_cast<double>(std::max<std::size_t>(1, all_triangles_)));
+  const std::size_t level = choose_level(object.facts, pixels_per_m, budget);
+  if (error_px != nullptr) *error_px = object.facts[level].error_m * pixels_per_m;
+  return level;
+}
+
+bool ScenePainter::is_full(const ScenePass& pass) const {
+  if (builder_->progress() < 1.0) return false;
+  return std::all_of(objects_.begin(), objects_.end(), [&](const auto& object) { return choose(*object, pass) == 0; });
+}
+
+void ScenePainter::paint_background(const ScenePass& pass) const {
+  glDepthMask(GL_TRUE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+  glClear(GL_DEPTH_BUFFER_BIT | (pass.plain ? GL_COLOR_BUFFER_BIT : 0));
+  if (pass.plain) return;
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  background_->use();
+  background_->set("low", kLow);
+  background_->set("high", kHigh);
+  glBindVertexArray(empty_vertices_);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (pass.depth_cues) paint_lines(pass);
+}
+
+void ScenePainter::upload_lines() {
+  std::vector<Vec3f> corners;
+  for (const auto& segment : make_ground_grid()) {
+    for (const Vec3& p : segment) corners.push_back(p.cast<float>());
+  }
+  grid_corners_ = static_cast<int>(corners.size());
+  for (const auto& segment : make_workspace_box()) {
+    for (const Vec3& p : segment) corners.push_back(p.cast<float>());
+  }
+  glGenVertexArrays(1, &line_vertices_);
+  glGenBuffers(1, &line_buffer_);
+  glBindVertexArray(line_vertices_);
+  glBindBuffer(GL_ARRAY_BUFFER, line_buffer_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(Vec3f)), corners.data(), GL_STATIC_DRAW);
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), nullptr);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+}
+
+void ScenePainter::paint_lines(const ScenePass& pass) const {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  single_->use();
+  single_->set("to_clip", Mat4(compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye)));
+  glBindVertexArray(line_vertices_);
+  glLineWidth(1.0F);
+  single_->set("colour", kGrid);
+  glDrawArrays(GL_LINES, 0, grid_corners_);
+  single_->set("colour", kBox);
+  // But for the three edges that meet in the corner nearest to the viewer, in front of all that is looked at.
+  const auto edges = make_workspace_box();
+  const Vec3 nearest = find_nearest_corner(compute_eye_position(pass.screen, Eye::centre));
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (edges[i][0] == nearest || edges[i][1] == nearest) continue;
+    glDrawArrays(GL_LINES, grid_corners_ + 2 * static_cast<int>(i), 2);
+  }
+  glBindVertexArray(0);
+}
+
+// Of the coarsest levels: it is flat and of one colour. What lies below the ground throws none, because it is beneath.
+void ScenePainter::paint_shadow(const ScenePass& pass) {
+  if (pass.plain || !pass.depth_cues) return;
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);  // where it is dark already, nothing more is done
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  Mat4 raise = Mat4::Identity();
+  raise(1, 3) = kAboveGround * pass.screen.distance_m;
+  const Mat4 to_ground = raise * compute_shadow_matrix(shadow_light()) * pass.X_WS.matrix();
+  const Mat4 to_clip = compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye) * to_ground;
+  single_->use();
+  single_->set("colour", kShadow);
+  for (const auto& object : objects_) {
+    const std::size_t coarsest = object->facts.size() - 1;
+    const FlatLevel& level = object->level(coarsest);
+    if (level.triangles() > kShadowTriangles) continue;
+    single_->set("to_clip", Mat4(to_clip * object->frame.matrix()));
+    glBindVertexArray(object->vertices(coarsest));
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(level.indices.size() * sizeof(std::uint32_t)), level.indices.data(),
+                 GL_STREAM_DRAW);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(level.indices.size()), GL_UNSIGNED_INT, nullptr);
+  }
+  glBindVertexArray(0);
+}
+
+void ScenePainter::begin_objects(const ScenePass& pass) const {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  pass.cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
+  shaded_->use();
+  shaded_->set("light", kLight_V);
+  shaded_->set("plain", pass.plain ? 1 : 0);
+  shaded_->set("haze", kHaze);
+  // From where the picture's centre is to the far end of what is drawn, in eyes' distances; beyond every depth where there is none.
+  const bool is_hazy = pass.depth_cues && !pass.plain;
+  shaded_->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
+  shaded_->set("haze_to", is_hazy ? 1.0 + 1.0 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
+}
+
+std::size_t ScenePainter::paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass,
+                                         std::size_t from, std::size_t to, std::uint32_t every) {
+  const Mat4 X_WU = pass.X_WS.matrix() * object.frame.matrix();
+  const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
+  const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
+  const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();
+  const ViewCulling culling(clip, p_UE, pass.cull);
+  visible_.clear();
+  for (std::size_t i = from; i < to; ++i) {
+    const DetailCluster& cluster = level.clusters[i];
+    if (!culling.may_see(cluster)) continue;
+    if (every > 1) {
+      for (std::uint32_t k = cluster.first; k + 2 < cluster.first + cluster.count; k += 3 * every) {
+        visible_.insert(visible_.end(), level.indices.begin() + k, level.indices.begin() + k + 3);
+      }
+      continue;
+    }
+    const auto first = level.indices.begin() + cluster.first;
+    visible_.insert(visible_.end(), first, first + cluster.count);
+  }
+  if (visible_.empty()) return 0;
+  // In eyes' distances, so that a scene of any size is in the range of single precision.
+  Mat4 to_eye = X_EU;
+  to_eye.topRows<3>() /= pass.screen.distance_m;
+  shaded_->set("to_clip", clip);
+  shaded_->set("to_eye", to_eye);
+  shaded_->set("colour", object.colour);
+  glBindVertexArray(vertices);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(visible_.size() * sizeof(std::uint32_t)), visible_.data(), GL_STREAM_DRAW);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(visible_.size()), GL_UNSIGNED_INT, nullptr);
+  glBindVertexArray(0);
+  return visible_.size() / 3;
+}
+
+PaintCount ScenePainter::paint(const ScenePass& pass) {
+  paint_shadow(pass);
+  begin_objects(pass);
+  PaintCount count;
+  for (const auto& object : objects_) {
+    double error_px = 0.0;
+    const std::size_t i = choose(*object, pass, &error_px);
+    const FlatLevel& level = object->level(i);
+    count.triangles += level.triangles();
+    count.largest_error_px = std::max(count.largest_error_px, error_px);
+    // Of a large mesh without any level yet only some of the triangles: a picture at once, and in a moment a better one.
+    const bool is_preview = object->facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
+    const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
+    count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size(), every);
+  }
+  return count;
+}
+
+bool ScenePainter::paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles) {
+  if (cursor.object == 0 && cursor.cluster == 0) paint_shadow(pass);
+  begin_objects(pass);
+  std::size_t drawn = 0;
+  while (cursor.object < objects_.size() && drawn < triangles) {
+    const Object& object = *objects_[cursor.object];
+    const FlatLevel& level = object.level(0);
+    std::size_t to = cursor.cluster;
+    for (std::size_t sum = 0; to < level.clusters.size() && sum < 3 * (triangles - drawn); ++to) sum += level.clusters[to].count;
+    drawn += std::max<std::size_t>(1, paint_clusters(object, level, object.full_vertices.array, pass, cursor.cluster, to));
+    cursor.cluster = to;
+    if (cursor.cluster == level.clusters.size()) cursor = {cursor.object + 1, 0};
+  }
+  return cursor.object >= objects_.size();
+}
+
+}  // namespace hapton

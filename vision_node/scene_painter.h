@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/geometry/triangle_mesh.h"
+#include "vision_node/detail_builder.h"
+#include "vision_node/gl_program.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// A mesh of the static scene. Frame S.
+struct ShownObject {
+  std::shared_ptr<const TriangleMesh> mesh;
+  Vec3 colour = {0.7, 0.7, 0.72};
+};
+
+// One eye's picture of the scene, and how it is drawn.
+struct ScenePass {
+  Eye eye = Eye::centre;
+  StereoScreen screen;
+  PictureSize size;
+  Pose X_WS = Pose::Identity();
+  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
+  bool plain = false;      // one dark colour behind, no light
+  bool depth_cues = true;  // ground, shadow, workspace, haze; none where plain
+};
+
+// What was drawn, for reports.
+struct PaintCount {
+  std::size_t triangles = 0;      // of the levels drawn
+  std::size_t sent = 0;           // what was left of them without the clusters out of sight
+  double largest_error_px = 0.0;  // of the levels drawn
+};
+
+// Where a picture in full detail goes on.
+struct PaintCursor {
+  std::size_t object = 0;
+  std::size_t cluster = 0;
+};
+
+// Draws the static scene, flat shaded under one light that goes with the viewer, by OpenGL in the window's context, each mesh in a level of
+// detail. A mesh is sent to the graphics driver once for all eyes. Threads: the window's; its context is current, at the end as well.
+class ScenePainter {
+ public:
+  // Triangles of a picture while the scene moves, of all objects together, where no coarser level is as good (frames_bench).
+  static constexpr std::size_t kTriangleBudget = 60'000;
+
+  // Begins to make the levels of detail. Error: shaders the driver refuses.
+  static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects);
+  ~ScenePainter();
+
+  // Takes what levels have been made. True when there are any, so that a picture may look better than the last.
+  bool take_levels();
+  // How much of all levels has been made, 0 to 1.
+  double progress() const { return builder_->progress(); }
+
+  // What lies behind and around the scene, over everything in the framebuffer that is bound: does not depend on the scene's pose.
+  void paint_background(const ScenePass& pass) const;
+  // The scene and its shadow, with their depth, in levels good enough to move.
+  PaintCount paint(const ScenePass& pass);
+  // The scene in full detail, in parts: from the cursor on, about as many triangles as asked for. True when the picture is whole.
+  bool paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles);
+  // Whether the levels of paint() are the meshes themselves, seen from there.
+  bool is_full(const ScenePass& pass) const;
+
+ private:
+  struct Object;
+  ScenePainter();
+  std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
+  void upload_lines();
+  void paint_lines(const ScenePass& pass) const;
+  void paint_shadow(const ScenePass& pass);
+  void begin_objects(const ScenePass& pass) const;
+  std::size_t paint_clusters(const Object& object, const FlatLevel& level, std::uint32_t vertices, const ScenePass& pass, std::size_t from,
+                             std::size_t to, std::uint32_t every = 1);
+
+  std::vector<std::unique_ptr<Object>> objects_;
+  std::size_t all_triangles_ = 0;
+  std::unique_ptr<GlProgram> shaded_, background_, single_;
+  std::uint32_t index_buffer_ = 0, empty_vertices_ = 0;
+  std::uint32_t line_vertices_ = 0, line_buffer_ = 0;
+  int grid_corners_ = 0;
+  std::vector<std::uint32_t> visible_;
+  std::unique_ptr<DetailBuilder> builder_;  // last: it reads the objects' levels
+};
+
+}  // namespace hapton

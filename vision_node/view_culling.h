@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+
+#include "vision_node/detail_levels.h"
+#include "vision_node/stereo_camera.h"
+
+namespace hapton {
+
+// What an eye can see of a level's clusters. All in the level's frame U, made once for each eye and picture. RT: no.
+class ViewCulling {
+ public:
+  // clip: U to clip coordinates; p_UE: the eye. without_backs: triangles seen from behind are not drawn.
+  ViewCulling(const Mat4& clip, const Vec3& p_UE, bool without_backs);
+
+  // False where no triangle of the cluster shows in the picture; true may be wrong.
+  bool may_see(const DetailCluster& cluster) const;
+
+ private:
+  std::array<Eigen::Vector4f, 6> planes_;  // normal inwards, of length 1
+  Vec3f p_UE_;
+  bool without_backs_;
+};
+
+}  // namespace hapton
