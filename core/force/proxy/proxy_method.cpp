@@ -50,7 +50,8 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
       surfaces_(materials_of(scene)),
       shading_(settings.shading),
-      surface_(geometry_, surfaces_) {
+      surface_(geometry_, surfaces_),
+      glance_(geometry_, surfaces_) {
   for (const TouchObject& object : scene.objects) {
     has_one_sided_ |= !object.material.two_sided;
     has_friction_ |= object.material.friction_static > 0.0;
