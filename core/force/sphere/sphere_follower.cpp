@@ -103,7 +103,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   exit_work_ = 0;
   corner_tries_ = 0;
   passes_ = 0;
-  if (!from.allFinite() || !to.allFinite()) return Outcome::unclear;
+  if (!from.allFinite() || !to.allFinite()) return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
   bool is_with_device = touching_ == 0 && centre_ == on_way(from, to, time);
@@ -170,9 +170,9 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     count_ = 0;
     touching_ = 0;
     time = began;
-    return Outcome::unclear;
+    return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
   }
-  if (next == Next::unclear || (idle_ > kMostIdle && !is_point_)) return Outcome::unclear;
+  if (next == Next::unclear) return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
   note_multipliers(to);
   Vec3 way;
   const bool leaves = next == Next::settled && !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, way);
@@ -245,10 +245,10 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = geometry_.corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return Next::unclear;
+  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   hint_ = motion;
   is_descending_ = true;
-  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::unclear;
+  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : (note_unclear(__FILE__, __LINE__), Next::unclear);
 }
 
 bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
@@ -314,7 +314,7 @@ bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 pull = device - centre_;
   Vec3 way;
-  if (!find_active(pull, motion, way)) return Next::unclear;
+  if (!find_active(pull, motion, way)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   if (count_ == 0) {
     touching_ = 0;
     ++idle_;
@@ -339,27 +339,27 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return Next::unclear;
+    if (!is_unstable) return (note_unclear(__FILE__, __LINE__), Next::unclear);
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
     return Next::wait;
   }
   Event event;
-  if (!find_event(path, event)) return Next::unclear;
+  if (!find_event(path, event)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(path, event, [&](double share) {
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return Next::unclear;
+  if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   note_move(before);
   note_gain(device, false);
   // Over a face it comes to rest at the end.
   const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
-  return take_event(event, path) ? Next::again : Next::unclear;
+  return take_event(event, path) ? Next::again : (note_unclear(__FILE__, __LINE__), Next::unclear);
 }
 
 // With the device moving: until the end of its motion, or the next event.
@@ -376,7 +376,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   Event event;
-  if (!find_event(leg.path, event)) return Next::unclear;
+  if (!find_event(leg.path, event)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   const Vec3 before = centre_;
   const double was = time;
   const bool is_whole = event.time >= 1.0;
@@ -388,7 +388,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return Next::unclear;
+  if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   note_move(before);
   if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
@@ -398,7 +398,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
 // After a leg: what its event, or the contact that is released at its end, leads to. None: the leg went on to its end.
 std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
                                                             const Vec3& device) noexcept {
-  if (!take_event(event, path)) return Next::unclear;
+  if (!take_event(event, path)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
   ++idle_;
@@ -484,7 +484,7 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
 // Held by three: multipliers are affine in time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
-  if (!find_frame(centre_, frame)) return Next::unclear;
+  if (!find_frame(centre_, frame)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   const Vec3 now = centre_ - on_way(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <span>
 
@@ -38,6 +40,8 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A
 // step has kLeastWork of them, and kWorkPerEdge more for each edge that a straight way over the object's surface crosses on the average, as
 // long as the device's way and twice the pull; kMostWork in all.
+inline void note_unclear(const char* f, int l) { static const bool on = std::getenv("NOTE") != nullptr; if (on) std::fprintf(stderr, "unclear %s:%d\n", f, l); }
+
 class SphereFollower {
  public:
   static constexpr int kLeastWork = 4096;
