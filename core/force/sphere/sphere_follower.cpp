@@ -160,6 +160,11 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     } else {
       next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     }
+    if (std::getenv("TRACE")) {
+      std::fprintf(stderr, "  e next %d desc %d touch %d count %d idle %d t %.17g dist %.12g lost %d |", (int)next, is_descending_, touching_, count_, idle_, time, (on_way(from,to,time)-centre_).norm(), has_lost_minimum_);
+      for (int i = 0; i < touching_; ++i) std::fprintf(stderr, " p%d t%u gap %g lam %g;", (int)contacts_[i].part, contacts_[i].triangle & 0xFFFFF, contacts_[i].stand(centre_).distance - keep_.offset, contacts_[i].stand(centre_).normal.dot(on_way(from,to,time)-centre_));
+      std::fprintf(stderr, "\n");
+    }
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::settled && !(has_friction_ && rubs()) && leave_rest(to, to - from)) next = Next::again;
   }
@@ -174,9 +179,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   }
   if (next == Next::unclear) return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
   note_multipliers(to);
-  Vec3 way;
-  const bool leaves = next == Next::settled && !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, way);
-  if (next == Next::settled) return leaves ? Outcome::unclear : Outcome::settled;
+  if (next == Next::settled) return Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
 }
@@ -339,7 +342,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+    if (!is_unstable) return count_ == 2 ? let_go_of_weaker(pull) : (note_unclear(__FILE__, __LINE__), Next::unclear);
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
@@ -360,6 +363,17 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
   return take_event(event, path) ? Next::again : (note_unclear(__FILE__, __LINE__), Next::unclear);
+}
+
+// Two that are too nearly one for a way between them: the one that holds less is met again if it is in the way.
+SphereFollower::Next SphereFollower::let_go_of_weaker(const Vec3& pull) noexcept {
+  if (std::getenv("NOTE")) { ContactFrame f; bool ok = find_frame(centre_, f); std::fprintf(stderr, "weak parts %d %d ok %d n.n-1 %g along.pull %g stab %g turn %g gap %g %g orig %g dirs %g\n", (int)contacts_[0].part, (int)contacts_[1].part, ok, f.normal[0].dot(f.normal[1])-1, f.along.dot(pull), find_stability(centre_, centre_+pull), find_turn(f.along), contacts_[0].stand(centre_).distance-keep_.offset, contacts_[1].stand(centre_).distance-keep_.offset, (contacts_[0].origin()-contacts_[1].origin()).norm(), contacts_[0].axis().dot(contacts_[1].axis())); }
+  const double first = contacts_[0].stand(centre_).normal.dot(pull);
+  const double second = contacts_[1].stand(centre_).normal.dot(pull);
+  remove_contact(first < second ? 1 : 0);
+  touching_ = count_;
+  ++idle_;
+  return Next::again;
 }
 
 // With the device moving: until the end of its motion, or the next event.
@@ -522,7 +536,6 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
 // Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
 // contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
 bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
-  constexpr double kShallow = 0x1p-30;
   ContactFrame all;
   if (touching_ < 2 || !find_frame(centre_, all)) return false;
   for (int j = 0; j < count_; ++j) {

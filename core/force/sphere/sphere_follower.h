@@ -107,6 +107,7 @@ class SphereFollower {
   static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;  // local units: farther out, positions are coarser than the tolerance
+  static constexpr double kShallow = 0x1p-30;  // a rest that what climbs by so much gets out of is none: the reference's hover
   static constexpr int kMostIdle = 24;  // events that lead no nearer
   static constexpr int kMostPasses = 16;
   static constexpr int kMostExits = 128;
@@ -195,6 +196,7 @@ class SphereFollower {
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool pass_by(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Next let_go_of_weaker(const Vec3& pull) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
@@ -235,6 +237,7 @@ class SphereFollower {
   bool find_cone() noexcept;
   double least_corner_way(const Vec3& pull) const noexcept;
   double time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept;
+  bool leave_shallow_rest(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_rest(const Vec3& device, const Vec3& motion) noexcept;
   bool go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool go_over(const Vec3& way, double height) noexcept;
