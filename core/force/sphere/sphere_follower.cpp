@@ -356,6 +356,10 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
+  if (!is_restored && count_ == 2) {
+    centre_ = before;
+    return let_go_of_weaker(pull);
+  }
   if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   note_move(before);
   note_gain(device, false);
