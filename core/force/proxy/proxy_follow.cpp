@@ -1,6 +1,5 @@
 // One step: over the surface from event to event where it is walkable, through the air between, and by sweeps elsewhere.
 #include <algorithm>
-#include <cstdlib>
 
 #include "core/force/proxy/proxy_method.h"
 #include "core/math/side_sign.h"
@@ -25,8 +24,6 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   }
   if (sphere_ != nullptr && follow_offset(last, device, time)) return;
   ++counters_.careful;
-  static const bool no = std::getenv("NO_SWEEPS") != nullptr;
-  if (no && sphere_ != nullptr) return;
   const Vec3 from = on_way(last, device, time);
   if (free_ && is_point_) clear_start();
   if (!free_ && time > 0.0) solve(from);

@@ -16,7 +16,6 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   const std::uint64_t slips = sphere_->slips();
   const SphereFollower::Outcome outcome = sphere_->follow(last, device, time);
   counters_.slips += sphere_->slips() - slips;
-  if (std::getenv("NOTE")) std::fprintf(stderr, "step %d out %d t %g dist %g free %d contacts %d ev %d\n", (int)counters_.steps, (int)outcome, time, (sphere_->centre() - device).norm(), sphere_->is_free(), (int)sphere_->contacts().size(), (int)sphere_->events());
   if (outcome == SphereFollower::Outcome::unclear) {
     stand_at_sphere(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_->leave();

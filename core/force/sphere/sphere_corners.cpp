@@ -10,10 +10,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kAround = 32.0;                   // offsets: a corner as near is the point's own
-constexpr double kThrough = 4.0;  // offsets: a triangle as near to the corner ends or passes there; a crack as narrow does not count
-constexpr double kLeastBetter = 2.0;               // offsets: nearer by less is no way out
-constexpr double kAbove = 1.25;                    // offsets, over the faces that it passes
+constexpr double kAround = 32.0;      // offsets: a corner as near is the point's own
+constexpr double kThrough = 4.0;      // offsets: a triangle as near to the corner ends or passes there; a crack as narrow does not count
+constexpr double kLeastBetter = 2.0;  // offsets: nearer by less is no way out
+constexpr double kAbove = 1.25;       // offsets, over the faces that it passes
 constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets: how far from the corner it goes round it
 constexpr double kHeights[] = {8.0, 32.0};         // offsets: of a lift
 constexpr int kMostTries = 2;                      // in a step
@@ -131,10 +131,7 @@ bool SphereFollower::leave_shallow_rest(const Vec3& device, const Vec3& motion) 
   if (corner_tries_ >= kMostTries || !is_shallow(device, way)) return false;
   ++corner_tries_;
   const double length = 8.0 * std::sqrt(2.0 * kShallow * keep_.offset);
-  const Vec3 was = centre_;
-  const bool gone = try_way(device, motion, [&] { return go_over(length * way, 2.0 * kShallow); });
-  if (std::getenv("NOTE")) std::fprintf(stderr, "shallow %d dist %g -> %g count %d len %g moved %g\n", gone, (device - was).norm(), (device - centre_).norm(), count_, length, (centre_ - was).norm());
-  return gone;
+  return try_way(device, motion, [&] { return go_over(length * way, 2.0 * kShallow); });
 }
 
 // Round the corner, a little above the faces of its border, to the direction that leads on.

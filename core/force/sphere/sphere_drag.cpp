@@ -54,7 +54,7 @@ SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept
 // With the device held: one piece of the way along the pull, until it is on the cone.
 SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const Vec3& motion) noexcept {
   Vec3 way;
-  if (!find_active(device - centre_, motion, way)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_active(device - centre_, motion, way)) return Next::unclear;
   if (count_ == 0) {
     touching_ = 0;
     rub_.slips = false;
@@ -63,14 +63,14 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
   }
   const OffsetDrag drag = make_drag();
   OffsetDrag::Pull pull;
-  if (!drag.find_pull(centre_, device, pull)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!drag.find_pull(centre_, device, pull)) return Next::unclear;
   const double held = (rub_.slides ? pull.friction.sliding : pull.friction.at_rest) * (1.0 + kOnCone) * pull.depth;
   const bool moves = count_ < 3 && (rub_.slips || pull.length * pull.length > held * held + kLeast * kLeast);
   if (!moves) return hold(pull);
   const bool has_vanished = rub_.slips && rub_.vanished;
   rub_ = {.slides = true, .coefficients = rub_.coefficients};
   Slip slip;
-  if (!make_slip(drag, pull, device, has_vanished, slip)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!make_slip(drag, pull, device, has_vanished, slip)) return Next::unclear;
   if (slip.waits || slip.stands) {
     rub_.drags = true;
     is_descending_ = false;
@@ -79,7 +79,7 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
   }
   ++slips_;
   Event event;
-  if (!find_event(slip.path, event)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_event(slip.path, event)) return Next::unclear;
   const bool is_whole = event.time >= 1.0;
   const Vec3 before = centre_;
   bool is_restored = true;
@@ -87,14 +87,14 @@ SphereFollower::Next SphereFollower::descend_rubbing(const Vec3& device, const V
     centre_ = slip.is_exact ? slip.path.at(share) : before;
     is_restored = slip.is_exact || share <= 0.0 || drag.descend(device, slip.way, share * slip.length, centre_, work_);
   });
-  if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!is_restored) return Next::unclear;
   note_move(before);
   note_gain(device, false);
   if (is_whole && event.contact < 0 && event.slot < 0 && slip.stops) {
     rub_.drags = true;
     is_descending_ = false;
   }
-  return take_event(event, slip.path) ? Next::again : (note_unclear(__FILE__, __LINE__), Next::unclear);
+  return take_event(event, slip.path) ? Next::again : Next::unclear;
 }
 
 // With the device moving, the pull on the cone: until the end of its motion, or the next event.
@@ -115,7 +115,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   Event event;
-  if (!find_event(leg.path, event)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_event(leg.path, event)) return Next::unclear;
   const Vec3 before = centre_;
   const Vec3 device = on_way(from, to, time);
   const double was = time;
@@ -142,7 +142,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
       is_restored = restore(centre_);
     }
   });
-  if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!is_restored) return Next::unclear;
   note_move(before);
   if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
@@ -265,7 +265,7 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
     return Next::again;
   }
   Vec3 way;
-  return find_active(to - centre_, to - from, way) ? Next::settled : (note_unclear(__FILE__, __LINE__), Next::unclear);
+  return find_active(to - centre_, to - from, way) ? Next::settled : Next::unclear;
 }
 
 }  // namespace hapton

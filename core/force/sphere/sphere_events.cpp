@@ -108,14 +108,10 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
     std::swap(contacts_[0], contacts_[event.contact]);
     count_ = touching_ = 1;
     ++idle_;
-    const Vec3 was = centre_;
-    if (restore(centre_)) return true;
-    if (std::getenv("NOTE")) std::fprintf(stderr, "takefail event %d part %d -> %d gap %g moved %g heights %g %g %g\n", (int)event.exit.part, (int)contacts_[0].part, (int)event.exit.slot, contacts_[0].stand(was).distance / keep_.offset - 1, (was-centre_).norm(), contacts_[0].shape.length(0), contacts_[0].shape.length(1), contacts_[0].shape.length(2));
-    return false;
+    return restore(centre_);
   } else if (event.slot >= 0) {
     hint_ = path.slope(event.time);
     is_descending_ = true;
-    if (touching_ == kMostContacts && std::getenv("NOTE")) std::fprintf(stderr, "takefull\n");
     return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
   }
   return true;

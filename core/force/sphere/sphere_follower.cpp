@@ -103,7 +103,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   exit_work_ = 0;
   corner_tries_ = 0;
   passes_ = 0;
-  if (!from.allFinite() || !to.allFinite()) return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
+  if (!from.allFinite() || !to.allFinite()) return Outcome::unclear;
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
   bool is_with_device = touching_ == 0 && centre_ == on_way(from, to, time);
@@ -160,11 +160,6 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     } else {
       next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     }
-    if (std::getenv("TRACE")) {
-      std::fprintf(stderr, "  e next %d desc %d touch %d count %d idle %d t %.17g dist %.12g lost %d |", (int)next, is_descending_, touching_, count_, idle_, time, (on_way(from,to,time)-centre_).norm(), has_lost_minimum_);
-      for (int i = 0; i < touching_; ++i) std::fprintf(stderr, " p%d t%u gap %g lam %g;", (int)contacts_[i].part, contacts_[i].triangle & 0xFFFFF, contacts_[i].stand(centre_).distance - keep_.offset, contacts_[i].stand(centre_).normal.dot(on_way(from,to,time)-centre_));
-      std::fprintf(stderr, "\n");
-    }
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::settled && !(has_friction_ && rubs()) && leave_rest(to, to - from)) next = Next::again;
   }
@@ -175,9 +170,9 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     count_ = 0;
     touching_ = 0;
     time = began;
-    return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
+    return Outcome::unclear;
   }
-  if (next == Next::unclear) return (note_unclear(__FILE__, __LINE__), Outcome::unclear);
+  if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
   note_multipliers(to);
   if (next == Next::settled) return Outcome::settled;
   is_descending_ = true;
@@ -248,10 +243,10 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = geometry_.corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (shape.separation(centre_).distance < keep_.offset - kDeepest) return Next::unclear;
   hint_ = motion;
   is_descending_ = true;
-  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : (note_unclear(__FILE__, __LINE__), Next::unclear);
+  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::unclear;
 }
 
 bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
@@ -317,7 +312,7 @@ bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& way
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 pull = device - centre_;
   Vec3 way;
-  if (!find_active(pull, motion, way)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_active(pull, motion, way)) return Next::unclear;
   if (count_ == 0) {
     touching_ = 0;
     ++idle_;
@@ -342,36 +337,34 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return count_ == 2 ? let_go_of_weaker(pull) : (note_unclear(__FILE__, __LINE__), Next::unclear);
+    if (!is_unstable) return count_ == 2 ? drop_weaker(pull) : Next::unclear;
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
     return Next::wait;
   }
   Event event;
-  if (!find_event(path, event)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_event(path, event)) return Next::unclear;
   const Vec3 before = centre_;
   bool is_restored = true;
   place_at_event(path, event, [&](double share) {
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored && count_ == 2) {
+  if (!is_restored) {
     centre_ = before;
-    return let_go_of_weaker(pull);
+    return count_ == 2 ? drop_weaker(pull) : Next::unclear;
   }
-  if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
   note_move(before);
   note_gain(device, false);
   // Over a face it comes to rest at the end.
   const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
-  return take_event(event, path) ? Next::again : (note_unclear(__FILE__, __LINE__), Next::unclear);
+  return take_event(event, path) ? Next::again : Next::unclear;
 }
 
 // Two that are too nearly one for a way between them: the one that holds less is met again if it is in the way.
-SphereFollower::Next SphereFollower::let_go_of_weaker(const Vec3& pull) noexcept {
-  if (std::getenv("NOTE")) { ContactFrame f; bool ok = find_frame(centre_, f); std::fprintf(stderr, "weak parts %d %d ok %d n.n-1 %g along.pull %g stab %g turn %g gap %g %g orig %g dirs %g\n", (int)contacts_[0].part, (int)contacts_[1].part, ok, f.normal[0].dot(f.normal[1])-1, f.along.dot(pull), find_stability(centre_, centre_+pull), find_turn(f.along), contacts_[0].stand(centre_).distance-keep_.offset, contacts_[1].stand(centre_).distance-keep_.offset, (contacts_[0].origin()-contacts_[1].origin()).norm(), contacts_[0].axis().dot(contacts_[1].axis())); }
+SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
   const double first = contacts_[0].stand(centre_).normal.dot(pull);
   const double second = contacts_[1].stand(centre_).normal.dot(pull);
   remove_contact(first < second ? 1 : 0);
@@ -394,7 +387,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return Next::again;
   }
   Event event;
-  if (!find_event(leg.path, event)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_event(leg.path, event)) return Next::unclear;
   const Vec3 before = centre_;
   const double was = time;
   const bool is_whole = event.time >= 1.0;
@@ -406,7 +399,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!is_restored) return Next::unclear;
   note_move(before);
   if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
@@ -416,7 +409,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
 // After a leg: what its event, or the contact that is released at its end, leads to. None: the leg went on to its end.
 std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& path, const Event& event, bool is_whole, int released,
                                                             const Vec3& device) noexcept {
-  if (!take_event(event, path)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!take_event(event, path)) return Next::unclear;
   if (event.contact >= 0 || event.slot >= 0 || !is_whole) return Next::again;
   if (released < 0) return std::nullopt;
   ++idle_;
@@ -502,7 +495,7 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
 // Held by three: multipliers are affine in time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
-  if (!find_frame(centre_, frame)) return (note_unclear(__FILE__, __LINE__), Next::unclear);
+  if (!find_frame(centre_, frame)) return Next::unclear;
   const Vec3 now = centre_ - on_way(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;
@@ -538,7 +531,8 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
 }
 
 // Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
-// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
+// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b, of half the squared
+// distance to the device, d^2: the distance climbs by a^2 / 2bd.
 bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
   ContactFrame all;
   if (touching_ < 2 || !find_frame(centre_, all)) return false;
@@ -560,7 +554,7 @@ bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
     for (int i = 0; i < others.count; ++i) {
       turn += std::max(0.0, others.dual[i].dot(centre_ - device)) * by[static_cast<std::size_t>(i)]->curvature(way, keep_.offset);
     }
-    if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
+    if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn * (centre_ - device).norm()) return true;
   }
   return false;
 }

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <span>
 
@@ -40,8 +38,6 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes. Bounded: an event, a triangle looked at and a round of a search are a piece of work each. A
 // step has kLeastWork of them, and kWorkPerEdge more for each edge that a straight way over the object's surface crosses on the average, as
 // long as the device's way and twice the pull; kMostWork in all.
-inline void note_unclear(const char* f, int l) { static const bool on = std::getenv("NOTE") != nullptr; if (on) std::fprintf(stderr, "unclear %s:%d\n", f, l); }
-
 class SphereFollower {
  public:
   static constexpr int kLeastWork = 4096;
@@ -106,9 +102,9 @@ class SphereFollower {
   static constexpr double kLeastRise = 0x1p-45;       // rad: faces of less are one plane, as far as borders can tell
   static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
   static constexpr double kLeastGain = 0x1p-44;
-  static constexpr double kFar = 32.0;  // local units: farther out, positions are coarser than the tolerance
+  static constexpr double kFar = 32.0;         // local units: farther out, positions are coarser than the tolerance
   static constexpr double kShallow = 0x1p-30;  // a rest that what climbs by so much gets out of is none: the reference's hover
-  static constexpr int kMostIdle = 24;  // events that lead no nearer
+  static constexpr int kMostIdle = 24;         // events that lead no nearer
   static constexpr int kMostPasses = 16;
   static constexpr int kMostExits = 128;
 
@@ -196,7 +192,7 @@ class SphereFollower {
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool pass_by(const Vec3& from, const Vec3& to, double& time) noexcept;
-  Next let_go_of_weaker(const Vec3& pull) noexcept;
+  Next drop_weaker(const Vec3& pull) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;

@@ -141,7 +141,7 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
 bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
   constexpr int kMostHalvings = 40;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kNearZero = 0x1p-50;     // of a multiplier: its rounding
+  constexpr double kNearZero = 0x1p-50;  // of a multiplier: its rounding
   constexpr int kMostGrowing = 8;
   constexpr double kUneven = 0x1p-20;       // of the offset,
   constexpr double kUnevenShare = 0x1p-24;  // and of the way
@@ -194,11 +194,6 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
       Vec3 c = end;
       return solve(on_way(from, to, then), c) ? multiplier(c, on_way(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
     };
-    if (std::getenv("TRACE")) {
-      std::fprintf(stderr, "   leg i %d t %.17g span %g start %g end %g:", i, time, leg.time - time, multiplier(centre_, device, i), at_end);
-      for (int k = 12; k >= 1; --k) std::fprintf(stderr, " %g", multiplier_then(time + std::ldexp(leg.time - time, -2 * k)));
-      std::fprintf(stderr, "\n");
-    }
     double begin = time;
     double at_start = std::max(0.0, multiplier(centre_, device, i));
     // What has just been met begins at zero, and may grow before it is released.

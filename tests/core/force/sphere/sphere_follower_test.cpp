@@ -253,8 +253,8 @@ TEST_P(OverBumps, OneStepIsTheSameMotionInParts) {
 INSTANTIATE_TEST_SUITE_P(Seeds, OverBumps, testing::Values(1, 2, 3, 4, 5, 6));
 
 // In each of these it cannot go on in one step: what was tried there must not be left as the centre.
-TEST(SphereFollower, TheCentreKeepsItsDistanceWhereTheOutcomeIsUnclear) {
-  int unclear = 0;
+TEST(SphereFollower, TheCentreKeepsItsDistanceWhateverTheOutcome) {
+  int touching = 0;
   for (const std::uint64_t seed : {107U, 149U}) {
     RecordProperty("seed", std::to_string(seed));
     Stage stage(made::sphere(0.4, 16, 0.05), 0.03);
@@ -264,13 +264,13 @@ TEST(SphereFollower, TheCentreKeepsItsDistanceWhereTheOutcomeIsUnclear) {
       const Vec3 to = stage.geometry.to_local(wanderer.next(i % 4 == 0 ? 0.2 : 0.05));
       const Outcome outcome = stage.move_local(to);
       ASSERT_GE(stage.distance_to_nearest(), stage.offset - kSlop) << "seed " << seed << " step " << i;
+      touching += stage.follower->is_free() ? 0 : 1;
       if (outcome != Outcome::unclear) continue;
-      ++unclear;
       stage.follower->take_free(stage.geometry.to_local(Vec3(0.6 * to.normalized())));
       stage.device = stage.follower->centre();
     }
   }
-  EXPECT_GT(unclear, 0);
+  EXPECT_GT(touching, 100);
 }
 
 // A fine and bumpy sheet beside a large plain one: for its object on the average a way crosses few edges, here it crosses hundreds.
@@ -326,9 +326,9 @@ TEST(SphereFollower, ADeviceFarOutIsFollowed) {
   ASSERT_EQ(stage.move_local(Vec3(0.05, 0.0, -1e9)), Outcome::settled);
   ASSERT_EQ(stage.move_local(Vec3(0.05, 0.0, -0.2)), Outcome::settled);
   EXPECT_LE((stage.follower->centre() - Vec3(0.05, 0.0, height)).norm(), 1e-13);
-  ASSERT_EQ(stage.move_local(Vec3(0.0, 0.0, 2e6)), Outcome::settled);
+  ASSERT_EQ(stage.move_local(Vec3(0.05, 0.0, 2e6)), Outcome::settled);
   EXPECT_TRUE(stage.follower->is_free());
-  ASSERT_EQ(stage.move_local(Vec3(0.0, 0.0, -2e6)), Outcome::settled);
+  ASSERT_EQ(stage.move_local(Vec3(0.05, 0.0, -2e6)), Outcome::settled);
   EXPECT_FALSE(stage.follower->is_free()) << "its way leads through the sheet";
 }
 
