@@ -90,8 +90,7 @@ double SphereFollower::time_to_corner_way(const Vec3& from, const Vec3& to, doub
 
 // Off the rest by the steepest way that leads to a nearer one. False, and nothing changed, where none does.
 bool SphereFollower::leave_rest(const Vec3& device, const Vec3& motion) noexcept {
-  if (touching_ == 0) return false;
-  if (!is_point_) return leave_shallow_rest(device, motion);
+  if (!is_point_ || touching_ == 0) return false;
   if (find_cone()) {
     const Vec3 pull = device - cone_.apex();
     const TangentCone::Steepest steepest = cone_.find_steepest(pull);
@@ -123,15 +122,6 @@ bool SphereFollower::leave_rest(const Vec3& device, const Vec3& motion) noexcept
     if (!normal.isZero(0.0) && length > least_corner_way(pull) && leads_over(along / length)) return true;
   }
   return false;
-}
-
-// Out of a rest so shallow that rounding of the mesh makes it one: over the crest, which is lower than the lift.
-bool SphereFollower::leave_shallow_rest(const Vec3& device, const Vec3& motion) noexcept {
-  Vec3 way;
-  if (corner_tries_ >= kMostTries || !is_shallow(device, way)) return false;
-  ++corner_tries_;
-  const double length = 8.0 * std::sqrt(2.0 * kShallow * keep_.offset);
-  return try_way(device, motion, [&] { return go_over(length * way, 2.0 * kShallow); });
 }
 
 // Round the corner, a little above the faces of its border, to the direction that leads on.
@@ -234,23 +224,21 @@ bool SphereFollower::try_way(const Vec3& device, const Vec3& motion, Go&& go) no
     if (next != Next::again) return end(false);
   }
   const bool is_done = touching_ == 0 ? centre_ == device : !is_descending_;
-  const double least_better = is_point_ ? kLeastBetter * keep_.offset : kShallow;
-  return end(is_done && (device - centre_).norm() < distance - least_better);
+  return end(is_done && (device - centre_).norm() < distance - kLeastBetter * keep_.offset);
 }
 
-// The least motion that is `height` over all that is near: a point over the triangles, a sphere with its surface.
+// The least motion that is `height` over all that is near.
 Vec3 SphereFollower::find_lift(double height) noexcept {
   constexpr int kMostNear = 48;
   std::array<ContactPlane, kMostNear> planes;
   int count = 0;
-  const double clear = is_point_ ? height : keep_.offset + height;
-  const double near = clear + height;
+  const double near = 2.0 * height;
   if (!near_.covers(centre_, near) && (!gather(Vec3::Zero()) || !near_.covers(centre_, near))) return Vec3::Zero();
   near_.visit_near(centre_, centre_, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     const Separation at = shape.separation(centre_);
     if (count == kMostNear || at.distance > near || !can_touch(near_.triangle(slot), shape, centre_)) return;
-    planes[static_cast<std::size_t>(count++)] = {at.normal, clear - at.distance};
+    planes[static_cast<std::size_t>(count++)] = {at.normal, height - at.distance};
   });
   work_ += count;
   const ConstrainedMotion up =

@@ -104,6 +104,7 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
     }
     leave_part(event.contact, event.exit, path.slope(event.time));
     if (restore(centre_)) return true;
+    if (!is_point_) return false;
     // With the others it has no place: they are met again if they are in the way.
     std::swap(contacts_[0], contacts_[event.contact]);
     count_ = touching_ = 1;

@@ -150,7 +150,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
       has_touched = true;
       most = most_work(from, to);
     }
-    if (idle_ > kMostIdle && !pass_by(from, to, time)) break;
+    if (idle_ > kMostIdle && !(is_point_ && pass_by(from, to, time))) break;
     if (touching_ == 0) {
       next = fly(from, to, time);
     } else if (has_friction_ && rubs()) {
@@ -174,7 +174,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   }
   if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
   note_multipliers(to);
-  if (next == Next::settled) return Outcome::settled;
+  Vec3 way;
+  if (next == Next::settled) return !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, way) ? Outcome::unclear : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
 }
@@ -337,7 +338,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return count_ == 2 ? drop_weaker(pull) : Next::unclear;
+    if (!is_unstable) return count_ == 2 && is_point_ ? drop_weaker(pull) : Next::unclear;
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
@@ -353,7 +354,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   });
   if (!is_restored) {
     centre_ = before;
-    return count_ == 2 ? drop_weaker(pull) : Next::unclear;
+    return count_ == 2 && is_point_ ? drop_weaker(pull) : Next::unclear;
   }
   note_move(before);
   note_gain(device, false);
@@ -531,8 +532,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
 }
 
 // Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
-// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b, of half the squared
-// distance to the device, d^2: the distance climbs by a^2 / 2bd.
+// contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
 bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
   ContactFrame all;
   if (touching_ < 2 || !find_frame(centre_, all)) return false;
@@ -554,7 +554,7 @@ bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
     for (int i = 0; i < others.count; ++i) {
       turn += std::max(0.0, others.dual[i].dot(centre_ - device)) * by[static_cast<std::size_t>(i)]->curvature(way, keep_.offset);
     }
-    if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn * (centre_ - device).norm()) return true;
+    if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
   }
   return false;
 }

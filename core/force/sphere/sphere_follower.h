@@ -233,7 +233,6 @@ class SphereFollower {
   bool find_cone() noexcept;
   double least_corner_way(const Vec3& pull) const noexcept;
   double time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept;
-  bool leave_shallow_rest(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_rest(const Vec3& device, const Vec3& motion) noexcept;
   bool go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool go_over(const Vec3& way, double height) noexcept;
