@@ -20,7 +20,7 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives what was gathered from it.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 4096;
+  static constexpr int kCapacity = 1024;
 
   // False, and empty, where there are more than kCapacity. `looked_at`: how many triangles were asked for their distance.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& looked_at) noexcept;
