@@ -31,10 +31,15 @@ class ObjectGeometry {
  public:
   // No triangle of another part of the surface comes as near to a walkable triangle (surface_adjacency.h).
   static constexpr double kWalkableMargin = 0x1p-26;
+  // Cracks up to so wide are always sealed: a point, which is a sphere of half a hover (2^-31) there, could be held between their borders.
+  static constexpr double kResolution = 0x1p-27;
 
   // shading_crease_rad: with a value, smooth normals are kept too: the mesh's authored ones where they are valid, else computed ones; edges
   // whose faces turn by more stay sharp then (corner_normals.h).
   ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
+  // The same for touch: what is finer than its resolution is made one (touch_resolution.h), unless that takes more triangles.
+  static ObjectGeometry make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
+                             std::optional<double> shading_crease_rad = std::nullopt);
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(triangles_.size()); }
   std::size_t bytes() const;
@@ -76,6 +81,8 @@ class ObjectGeometry {
   }
 
  private:
+  bool is_whole() const;
+
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Vector3f> normals_;

@@ -228,11 +228,11 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
                                                                     std::span<const Triangle> triangles) const {
   struct Round {
     Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any would do, as long as it is the same for all
-    std::uint8_t valence = 0;
-    std::uint8_t turns = 0;
+    std::uint16_t valence = 0;
+    std::uint16_t turns = 0;
     bool is_even = true;
   };
-  static_assert(kMostValence < 255);
+  static_assert(kMostValence < 65535);
   std::vector<Round> rounds(vertices.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
@@ -244,7 +244,7 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
       const Across next = across(t, k);
       const bool runs_on = next.exists && !next.flips && !repeats;
       round.axis += normal.cast<float>();
-      round.valence = static_cast<std::uint8_t>(std::min(round.valence + 1, kMostValence + 1));
+      round.valence = static_cast<std::uint16_t>(std::min(round.valence + 1, kMostValence + 1));
       round.is_even = round.is_even && runs_on;
       if (!runs_on) rounds[corner[(k + 1) % 3]].is_even = false;
     }

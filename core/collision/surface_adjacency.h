@@ -23,7 +23,7 @@ namespace hapton {
 // Threads: immutable but for mark_unwalkable. RT: queries yes; construction, find_walkable and mark_unwalkable set-up only.
 class SurfaceAdjacency {
  public:
-  static constexpr int kMostValence = 128;         // triangles round a vertex: more, and it is not walkable: bounds the work at a vertex
+  static constexpr int kMostValence = 4096;        // triangles round a vertex: more, and it is not walkable: bounds the work at a vertex
   static constexpr double kLeastAngle = 0x1p-20;   // rad, as seen from a shared vertex: nearer, and rounding could decide what is hit first
   static constexpr double kLeastHeight = 0x1p-36;  // of a triangle: far above the distance within which a point is taken to be at a vertex
 

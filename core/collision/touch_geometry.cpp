@@ -36,12 +36,20 @@ std::size_t most_triangles_of(const std::vector<std::shared_ptr<const TriangleMe
   return most;
 }
 
+constexpr int kMostBits = 28;  // SurfaceAdjacency packs a triangle's number, an edge and a side into 32
+
+// Twice as many as there are, where they can be numbered: sealed cracks split triangles (ObjectGeometry::make).
+int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
+  const int bits = static_cast<int>(std::bit_width(most_triangles_of(meshes)));
+  const bool has_room = bits < kMostBits && meshes.size() <= (std::size_t{1} << (31 - bits));
+  return has_room ? bits + 1 : bits;
+}
+
 }  // namespace
 
 Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   const std::size_t most = most_triangles_of(meshes);
   const int bits = static_cast<int>(std::bit_width(most));
-  constexpr int kMostBits = 28;  // SurfaceAdjacency packs a triangle's number, an edge and a side into 32
   if (bits <= kMostBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};
   return fail(
       "{} objects, the largest of {} triangles, are more than can be numbered; beside that one there may be {} objects: join small ones",
@@ -53,7 +61,7 @@ TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : T
 TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy,
                              std::optional<double> shading_crease_rad)
     : shading_crease_rad_(shading_crease_rad),
-      triangle_bits_(static_cast<int>(std::bit_width(most_triangles_of(meshes)))),
+      triangle_bits_(bits_for_triangles(meshes)),
       triangle_mask_((1U << triangle_bits_) - 1U),
       active_(meshes.size(), nullptr),
       slots_(meshes.size()),
@@ -200,7 +208,7 @@ bool TouchGeometry::build_wanted() {
   if (begun_ == requested_count_.load(std::memory_order_acquire)) return false;
   const std::uint32_t o = requested_[begun_++];
   Slot& slot = slots_[o];
-  slot.built = std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_);
+  slot.built = std::make_unique<ObjectGeometry>(ObjectGeometry::make(*slot.mesh, frame_, triangle_mask_, shading_crease_rad_));
   // While the others are still to come, their boxes stand for them; those built before have taken this one's.
   if (approach_.object_count() > 0) {
     hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {

@@ -129,7 +129,7 @@ ProxyMethod::Met ProxyMethod::fly(const Vec3& from, const Vec3& to, bool slides,
 
 // Near an edge a segment that cuts it goes through both its triangles within what rounding can tell apart. Only that is met which p sees: p
 // lies on that side of the wedge that the two form.
-bool ProxyMethod::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept {
+bool ProxyMethod::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept {
   constexpr double kNearEdge = 0x1p-40;
   const ContactTriangle shape = shape_of(id);
   const auto in_front = [](const ContactTriangle& of, const Vec3& point) {
@@ -158,8 +158,8 @@ bool ProxyMethod::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, 
 
 // The same at corner k, where more than two triangles have a say. Which sides it goes through alternates, so where one is met once more
 // than the other, it is the first.
-bool ProxyMethod::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept {
-  SurfacePoint vertex(geometry_, surfaces_);
+bool ProxyMethod::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept {
+  SurfacePoint& vertex = glance_;
   if (!vertex.land(id, back, hit) || !vertex.reach_vertex(k)) return true;
   int more = 0;
   for (const SurfacePoint::FanFacet& facet : vertex.fan()) {
@@ -192,6 +192,7 @@ void ProxyMethod::clear_start() noexcept {
 // The surface holds the proxy at the end of a step.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   proxy_ = surface_.at().lifted(hover_);
+  off_ = hover_;
   free_ = false;
   sliding_ = surface_.slides();
   std::array<SurfacePoint::Contact, 3> contacts;
@@ -210,6 +211,8 @@ void ProxyMethod::lift_off_surface() noexcept {
   const SurfacePoint::Inside from = surface_.at().inside(kBeside * hover_);
   surface_.leave();
   proxy_ = from.point + clearance_.rest * from.normal;
+  off_ = hover_;
+  if (sphere_ != nullptr) sphere_->leave();
   free_ = false;
   sliding_ = surface_.slides();
   Touch& touch = touching_[0];

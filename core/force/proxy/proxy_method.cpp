@@ -50,7 +50,8 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
                 settings.shading > 0.0 ? std::optional(settings.crease_deg * std::numbers::pi / 180.0) : std::nullopt),
       surfaces_(materials_of(scene)),
       shading_(settings.shading),
-      surface_(geometry_, surfaces_) {
+      surface_(geometry_, surfaces_),
+      glance_(geometry_, surfaces_) {
   for (const TouchObject& object : scene.objects) {
     has_one_sided_ |= !object.material.two_sided;
     has_friction_ |= object.material.friction_static > 0.0;
@@ -66,6 +67,9 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
   // A sphere hardly larger than the hover has too few digits for a surface of its own.
   constexpr double kLeastRadius = 0x1p-20;
   if (clearance_.rest - kHover >= kLeastRadius) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, clearance_.rest);
+  // For what a point cannot walk on: as small as the reference's, so that it goes wherever that goes.
+  if (is_point_) sphere_ = std::make_unique<SphereFollower>(geometry_, surfaces_, 0.5 * kHover, true);
+  off_ = hover_;
 }
 
 Material ProxyMethod::touched_material() const noexcept {
@@ -130,6 +134,7 @@ void ProxyMethod::step_off_surface() noexcept {
 void ProxyMethod::settle_at(const Vec3& p) noexcept {
   proxy_ = p;
   free_ = true;
+  off_ = hover_;
   sliding_ = false;
   touching_count_ = 0;
   pushing_count_ = 0;
@@ -177,8 +182,8 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 stretch = proxy_ - device;
   const double length = stretch.norm();
   const Vec3 turned = shading_ > 0.0 ? shaded(stretch) : stretch;
-  const Vec3 felt = length > hover_ ? Vec3(turned * ((length - hover_) / length * geometry_.unit_m())) : Vec3::Zero();
-  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > hover_};
+  const Vec3 felt = length > off_ ? Vec3(turned * ((length - off_) / length * geometry_.unit_m())) : Vec3::Zero();
+  return {.force_n = force_of(felt, moved * speed_m_per_s), .p_SP = p_SP, .contact = length > off_};
 }
 
 // The planes that hold the proxy, made the first of those it touches.

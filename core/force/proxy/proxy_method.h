@@ -139,8 +139,8 @@ class ProxyMethod final : public ForceMethod {
   void stand_at_sphere(const Vec3& device) noexcept;
   enum class Met : std::uint8_t { nothing, walkable, other };
   Met fly(const Vec3& from, const Vec3& to, bool slides, double& time) noexcept;
-  bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) const noexcept;
-  bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) const noexcept;
+  bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept;
+  bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept;
   void clear_start() noexcept;
   void lift_off_surface() noexcept;
   bool stand_on_surface() noexcept;
@@ -197,10 +197,12 @@ class ProxyMethod final : public ForceMethod {
   Clearance clearance_;
   double shading_ = 0.0;
   double hover_ = 0.0;
+  double off_ = 0.0;  // of what holds the proxy: the force leaves it out
   bool is_point_ = true;
   bool has_one_sided_ = false;
   bool has_friction_ = false;
   SurfaceFollower surface_;                 // while it stands, it holds the proxy
+  SurfacePoint glance_;                     // at a vertex that a flight comes to
   bool short_of_rest_ = false;              // it ran out of events
   std::unique_ptr<SphereFollower> sphere_;  // of a probe with a radius
 

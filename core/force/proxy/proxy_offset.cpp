@@ -8,6 +8,7 @@ namespace hapton {
 // True when that led to the end of the step. Else the proxy is where it came, with the device at `time`.
 bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept {
   if (free_) {
+    if (is_point_) clear_start();
     sphere_->take_free(proxy_);
   } else if (!sphere_->holds() && !sphere_->take(proxy_, false, clearance_.slack, sliding_)) {
     return false;
@@ -18,6 +19,8 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   if (outcome == SphereFollower::Outcome::unclear) {
     stand_at_sphere(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_->leave();
+    off_ = hover_;
+    if (is_point_) clear_start();
     return false;
   }
   if (outcome == SphereFollower::Outcome::exhausted) ++counters_.exhausted;
@@ -27,6 +30,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
 
 void ProxyMethod::stand_at_sphere(const Vec3& device) noexcept {
   settle_at(sphere_->centre());
+  if (is_point_) off_ = sphere_->offset();
   free_ = sphere_->is_free() && proxy_ == device;
   sliding_ = sphere_->slides();
   for (const OffsetContact& contact : sphere_->contacts()) {

@@ -32,9 +32,15 @@ int SurfaceFollower::most_events(double way, const Vec3& device) const noexcept 
   return static_cast<int>(std::min<double>(kMostEvents, kLeastEvents + kEventsPerEdge * crossed));
 }
 
+// A vertex costs by its facets.
+void SurfaceFollower::spend() noexcept {
+  budget_ -= 1;
+  if (at_.on() == On::vertex) budget_ -= static_cast<int>(at_.fan().size()) / kFacetsPerEvent;
+}
+
 SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device) noexcept {
   if (budget_ <= 0) budget_ = most_events(0.0, device);
-  for (; budget_ > 0; --budget_) {
+  for (; budget_ > 0; spend()) {
     ++events_;
     const Next next = next_descent(device);
     if (next != Next::again) return outcome_of(next);
@@ -56,7 +62,7 @@ SurfaceFollower::Outcome SurfaceFollower::outcome_of(Next next) noexcept {
 }
 
 SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
-  for (budget_ = most_events((to - from).norm(), from); budget_ > 0; --budget_) {
+  for (budget_ = most_events((to - from).norm(), from); budget_ > 0; spend()) {
     ++events_;
     const Next next = next_event(from, to, time);
     if (next == Next::again) continue;

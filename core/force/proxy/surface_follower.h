@@ -31,6 +31,7 @@ class SurfaceFollower {
   static constexpr int kLeastEvents = 1024;
   static constexpr double kEventsPerEdge = 32.0;
   static constexpr int kMostEvents = 16384;
+  static constexpr int kFacetsPerEvent = 16;  // round a vertex
 
   enum class Outcome : std::uint8_t {
     settled,     // at a local minimum for the device where it is at `time`, or held by friction
@@ -65,6 +66,7 @@ class SurfaceFollower {
   static constexpr double kBalance = 0x1p-28;
 
   static Outcome outcome_of(Next next) noexcept;
+  void spend() noexcept;
   int most_events(double way, const Vec3& device) const noexcept;
   Next next_descent(const Vec3& device) noexcept;
   Next next_event(const Vec3& from, const Vec3& to, double& time) noexcept;

@@ -287,6 +287,7 @@ SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
 }
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {
+  if (on_ == On::vertex && fan_count_ > kMostPlanes) return lifted_over_fan(height);
   if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
   return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
 }
@@ -303,7 +304,7 @@ bool SurfacePoint::is_near_edges(double within) const noexcept {
 
 // Apart from lifted(), which is for every step: only to set up so many planes takes longer than all else in it.
 Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
-  std::array<ContactPlane, kMostFan> planes;
+  std::array<ContactPlane, kMostPlanes> planes;
   Vec3 sum = Vec3::Zero();
   int count = 0;
   const auto add = [&](const Vec3& normal, double over) {
@@ -369,6 +370,14 @@ Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
   return (2.0 * height / widest) * way;
 }
 
+// At a vertex of more facets than are worth the least way: along the mean normal.
+Vec3 SurfacePoint::lifted_over_fan(double height) const noexcept {
+  const Vec3 up = vertex_normal().normalized();
+  double least = 1.0;
+  for (const FanFacet& facet : fan()) least = std::min(least, facet.normal.dot(up));
+  return least * kSteepest > 1.0 ? Vec3(p_ + (height / least) * up) : Vec3(p_ + over_widest_face(height));
+}
+
 // The least way to `height` over two planes through zero.
 Vec3 SurfacePoint::between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
   const Vec3 sum = normal_a + normal_b;
@@ -432,7 +441,14 @@ int SurfacePoint::find_contacts(const Vec3& device, std::array<Contact, 3>& cont
     contacts[1] = {b().id, b().normal(), of_b};
     return 2;
   }
-  std::array<ContactPlane, kMostFan> planes;
+  if (fan_count_ > kMostPlanes) {
+    const auto deepest = std::min_element(fan().begin(), fan().end(), [&](const FanFacet& one, const FanFacet& other) {
+      return one.normal.dot(to_device) < other.normal.dot(to_device);
+    });
+    contacts[0] = {deepest->id, deepest->normal, std::max(0.0, -deepest->normal.dot(to_device))};
+    return 1;
+  }
+  std::array<ContactPlane, kMostPlanes> planes;
   for (int i = 0; i < fan_count_; ++i) planes[i] = {fan_[i].normal, 0.0};
   const ConstrainedMotion held =
       constrain_motion(to_device, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));

@@ -153,6 +153,7 @@ class SurfacePoint {
 
  private:
   static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
+  static constexpr int kMostPlanes = 256;               // a larger fan is looked at facet by facet
   static constexpr double kSteepest = 4096.0;           // of a lift's height: how far it may lead
   static constexpr int kMostTried = 16;                 // faces of a fan that a lift may lead over
   static constexpr int kMostNear = 64;                  // faces looked at for a lift
@@ -173,6 +174,7 @@ class SurfacePoint {
   const Vec3& edge_before(int i) const noexcept;
   double distance_from_facet(int i, const Vec3& p) const noexcept;
   Vec3 over_widest_face(double height) const noexcept;
+  Vec3 lifted_over_fan(double height) const noexcept;
   bool is_near_edge(const Facet& facet, int k, double within) const noexcept;
   template <class Add>
   void add_near_planes(double height, Add&& add) const noexcept;

@@ -8,6 +8,16 @@ namespace {
 
 constexpr double kLeastStep = 0x1p-50;  // of a path's time
 
+// What the normal's error may add to the rate at which the distance changes along `way`. An edge's normal is square to the edge whatever
+// rounding does: along the edge it adds nothing.
+double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& way) {
+  if (at.feature != Feature::edge) return normal_error(at) * way.norm();
+  const int k = triangle.border(at.nearest).edge;
+  const Vec3 along = triangle.edge(k) / triangle.length(k);
+  constexpr double kDirectionError = 0x1p-51;
+  return normal_error(at) * (way - along.dot(way) * along).norm() + kDirectionError * way.norm();
+}
+
 }  // namespace
 
 CentrePath CentrePath::straight(const Vec3& from, const Vec3& to) noexcept {
@@ -25,7 +35,28 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
   const Vec3 chord = to - from;
   path.rate_ = {slope_from, 3.0 * chord - 2.0 * slope_from - slope_to, slope_from + slope_to - 2.0 * chord};
   constexpr double kOfTheCurve = 1.0625;  // the curve itself bends by as much more than the cubic, at most
-  path.bend_ = kOfTheCurve * std::max((2.0 * path.rate_[1]).norm(), (2.0 * path.rate_[1] + 6.0 * path.rate_[2]).norm());
+  const Vec3 first = kOfTheCurve * 2.0 * path.rate_[1];
+  const Vec3 last = first + kOfTheCurve * 6.0 * path.rate_[2];
+  path.bend_ = std::max(first.norm(), last.norm());
+  path.bend_across_ = path.bend_;
+  path.bulge_ = path.bend_;
+  const double length = chord.norm();
+  if (!(length > 0.0)) return path;
+  const Vec3 along = chord / length;
+  const double pace[2] = {along.dot(slope_from), along.dot(slope_to)};
+  const double turn = slope_from.cross(slope_to).norm() / (slope_from.norm() * slope_to.norm());
+  path.bend_along_ = std::max(std::fabs(along.dot(first)), std::fabs(along.dot(last)));
+  // Where the curve turns, what it is gone along unevenly shows across, too.
+  const double across =
+      std::max((first - along.dot(first) * along).norm(), (last - along.dot(last) * along).norm()) + turn * path.bend_along_;
+  if (!(across < path.bend_)) {
+    path.bend_along_ = 0.0;
+    return path;
+  }
+  path.chord_ = along;
+  path.bend_across_ = across;
+  // Along the chord it does not go back, nor beyond its ends (Fritsch and Carlson 1980).
+  if (std::min(pace[0], pace[1]) > 0.0 && std::max(pace[0], pace[1]) <= 3.0 * length) path.bulge_ = across;
   return path;
 }
 
@@ -178,14 +209,15 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
     }
     const Vec3 way = slope(time, place);
     const double rate = now.normal.dot(way);
-    const double approach = rate - normal_error(now) * way.norm() - slope_error * std::fabs(rate);
+    const double approach = rate - rate_error(triangle, now, way) - slope_error * std::fabs(rate);
     const double gap = now.distance - level.distance;
     if (gap <= level.tolerance && (approach < 0.0 || gap < 0.0)) return {time, true};
     // gap + approach x - bend / 2 x^2 = 0
     double step = 0.0;
     if (bend_ > 0.0) {
-      const double root = std::sqrt(approach * approach + 2.0 * bend_ * std::max(gap, 0.0));
-      step = approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : (approach + root) / bend_;
+      const double bend = bend_towards(now.normal);
+      const double root = std::sqrt(approach * approach + 2.0 * bend * std::max(gap, 0.0));
+      step = approach < 0.0 ? 2.0 * std::max(gap, 0.0) / (root - approach) : bend > 0.0 ? (approach + root) / bend : 1.0;
     } else {
       if (!(approach < 0.0)) return {};
       step = gap / -approach;
@@ -201,12 +233,12 @@ CentrePath::Block CentrePath::find_block(const ContactTriangle& triangle, const 
   ++tests;
   const Separation start = triangle.separation(start_);
   const Vec3 way = rate_[0];
-  const double approach = start.normal.dot(way) - normal_error(start) * way.norm();
+  const double approach = start.normal.dot(way) - rate_error(triangle, start, way);
   const double gap = start.distance - keep.offset;
   const double low = keep.offset - 0.5 * keep.slop;
   // Safe from the start: the parabola stays above.
-  const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - 0.5 * bend_ * until * until)
-                                        : gap + approach * until - 0.5 * bend_ * until * until;
+  const double bent = 0.5 * bend_towards(start.normal) * until * until;
+  const double bottom = approach >= 0.0 ? gap + std::min(0.0, approach * until - bent) : gap + approach * until - bent;
   if (keep.offset + bottom > low) return {};
   // What rounding took from a centre that is as near as can be does not hold it.
   if (start.distance < low + keep.tolerance) {

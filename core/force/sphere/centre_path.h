@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -43,7 +44,7 @@ class CentrePath {
   // The derivative: along the guides to rounding, its length to 2^-11 of itself.
   Vec3 slope(double time) const noexcept;
   // No point of the path is farther from the chord.
-  double bulge() const { return 0.125 * bend_; }
+  double bulge() const { return 0.125 * bulge_; }
   bool is_straight() const { return bend_ == 0.0; }
 
   // The first time in [from, until] at which direction . (p - origin) exceeds `margin` on its way up, or kNever.
@@ -68,6 +69,7 @@ class CentrePath {
   double find_crest(const Vec3& direction, double low, double high) const noexcept;
   double time_off_corner(const ContactTriangle& triangle, int corner, double from, double until) const noexcept;
 
+  double bend_towards(const Vec3& normal) const { return std::fabs(normal.dot(chord_)) * bend_along_ + bend_across_; }
   void bring_back(Vec3& p) const noexcept;
   double bring_nearer(Vec3& p) const noexcept;
   Vec3 slope(double time, const Vec3& p) const noexcept;  // p: at that time
@@ -75,8 +77,12 @@ class CentrePath {
 
   Vec3 start_ = Vec3::Zero();
   Vec3 end_ = Vec3::Zero();
-  std::array<Vec3, 3> rate_;  // start + rate 0 t + rate 1 t^2 + rate 2 t^3
-  double bend_ = 0.0;         // the most of the second derivative
+  std::array<Vec3, 3> rate_;   // start + rate 0 t + rate 1 t^2 + rate 2 t^3
+  double bend_ = 0.0;          // the most of the second derivative,
+  Vec3 chord_ = Vec3::Zero();  // unit
+  double bend_along_ = 0.0;    // of its part along the chord: how unevenly it is gone along,
+  double bend_across_ = 0.0;   // and of the rest
+  double bulge_ = 0.0;
   std::array<Guide, 2> guides_;
   int guide_count_ = 0;
 };

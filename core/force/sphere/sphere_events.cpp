@@ -103,6 +103,12 @@ bool SphereFollower::take_event(const Event& event, const CentrePath& path) noex
       return true;
     }
     leave_part(event.contact, event.exit, path.slope(event.time));
+    if (restore(centre_)) return true;
+    if (!is_point_) return false;
+    // With the others it has no place: they are met again if they are in the way.
+    std::swap(contacts_[0], contacts_[event.contact]);
+    count_ = touching_ = 1;
+    ++idle_;
     return restore(centre_);
   } else if (event.slot >= 0) {
     hint_ = path.slope(event.time);

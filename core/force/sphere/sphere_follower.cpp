@@ -82,14 +82,64 @@ void SphereFollower::take_free(const Vec3& centre) noexcept {
   holds_ = true;
 }
 
+// Where the straight way is within a ball round the scene, in time. Empty: end < begin.
+SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to) {
+  const Vec3 way = to - from;
+  const double length = way.norm();
+  if (!(from.squaredNorm() > kFar * kFar) && !(to.squaredNorm() > kFar * kFar)) return {0.0, 1.0};
+  const Vec3 direction = length > 0.0 ? Vec3(way / length) : Vec3::Zero();
+  const double foot = -from.dot(direction);
+  const double miss = (from + foot * direction).norm();
+  if (!(miss < kFar) || !(length > 0.0)) return {1.0, 0.0};
+  const double half = std::sqrt((kFar - miss) * (kFar + miss));
+  return {std::max(0.0, (foot - half) / length), std::min(1.0, (foot + half) / length)};
+}
+
+// While the device is farther out than the digits reach, only where it is counts, as seen from the centre.
 SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time) noexcept {
-  constexpr double kFar = 4.0;  // local units: farther out positions are too coarse
   work_ = 0;
   idle_ = 0;
+  ++step_;
+  exit_work_ = 0;
+  corner_tries_ = 0;
+  passes_ = 0;
+  if (!from.allFinite() || !to.allFinite()) return Outcome::unclear;
+  const Span span = find_span(from, to);
+  Outcome outcome = Outcome::settled;
+  bool is_with_device = touching_ == 0 && centre_ == on_way(from, to, time);
+  if (span.begin <= span.end && time <= span.end) {
+    const Vec3 first = on_way(from, to, span.begin);
+    const Vec3 last = on_way(from, to, span.end);
+    const double length = span.end - span.begin;
+    double part = length > 0.0 ? std::max(0.0, (time - span.begin) / length) : 0.0;
+    if (span.begin > time) {
+      if (is_with_device) centre_ = first;
+      is_descending_ = touching_ != 0;
+    }
+    outcome = follow_near(first, last, part);
+    time = span.end >= 1.0 && part >= 1.0 ? 1.0 : span.begin + part * length;
+    if (outcome != Outcome::settled || span.end >= 1.0) return outcome;
+    is_with_device = touching_ == 0;
+  }
+  if (is_with_device) {  // there is nothing to meet out there
+    centre_ = to;
+    time = 1.0;
+    return Outcome::settled;
+  }
+  const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm());
+  is_descending_ = true;
+  double part = 0.0;
+  outcome = follow_near(seen, seen, part);
+  if (outcome != Outcome::settled) return outcome;
+  time = 1.0;
+  if (touching_ == 0) centre_ = to;
+  return outcome;
+}
+
+SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3& to, double& time) noexcept {
   least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
-  if (!(std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff()) <= kFar)) return Outcome::unclear;
   Next next = Next::again;
   int most = kLeastWork;
   bool has_touched = false;
@@ -100,7 +150,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
       has_touched = true;
       most = most_work(from, to);
     }
-    if (idle_ > kMostIdle) break;
+    if (idle_ > kMostIdle && !(is_point_ && pass_by(from, to, time))) break;
     if (touching_ == 0) {
       next = fly(from, to, time);
     } else if (has_friction_ && rubs()) {
@@ -111,6 +161,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
       next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
+    if (next == Next::settled && !(has_friction_ && rubs()) && leave_rest(to, to - from)) next = Next::again;
   }
   looked_at_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
@@ -123,9 +174,22 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   }
   if (next == Next::unclear || idle_ > kMostIdle) return Outcome::unclear;
   note_multipliers(to);
-  if (next == Next::settled) return !(has_friction_ && rubs()) && is_shallow(to) ? Outcome::unclear : Outcome::settled;
+  Vec3 way;
+  if (next == Next::settled) return !is_point_ && !(has_friction_ && rubs()) && is_shallow(to, way) ? Outcome::unclear : Outcome::settled;
   is_descending_ = true;
   return Outcome::exhausted;
+}
+
+// What leads no nearer, event after event, is a place that rounding cannot tell from a minimum: a little later it is told, or the device
+// has arrived.
+bool SphereFollower::pass_by(const Vec3& from, const Vec3& to, double& time) noexcept {
+  const double length = (to - from).norm();
+  if (time >= 1.0 || !(length > 0.0) || passes_ > kMostPasses) return false;
+  time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, passes_) / length);
+  ++passes_;
+  idle_ = 0;
+  is_descending_ = touching_ != 0;
+  return true;
 }
 
 int SphereFollower::most_work(const Vec3& from, const Vec3& to) const noexcept {
@@ -274,7 +338,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   CentrePath path;
   if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return Next::unclear;
+    if (!is_unstable) return count_ == 2 && is_point_ ? drop_weaker(pull) : Next::unclear;
     is_descending_ = false;
     touching_ = count_;
     ++idle_;
@@ -288,13 +352,26 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     centre_ = path.at(share);
     is_restored = restore(centre_);
   });
-  if (!is_restored) return Next::unclear;
+  if (!is_restored) {
+    centre_ = before;
+    return count_ == 2 && is_point_ ? drop_weaker(pull) : Next::unclear;
+  }
   note_move(before);
   note_gain(device, false);
   // Over a face it comes to rest at the end.
   const bool is_at_rest = event.time >= 1.0 && event.contact < 0 && event.slot < 0 && touching_ == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
   return take_event(event, path) ? Next::again : Next::unclear;
+}
+
+// Two that are too nearly one for a way between them: the one that holds less is met again if it is in the way.
+SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
+  const double first = contacts_[0].stand(centre_).normal.dot(pull);
+  const double second = contacts_[1].stand(centre_).normal.dot(pull);
+  remove_contact(first < second ? 1 : 0);
+  touching_ = count_;
+  ++idle_;
+  return Next::again;
 }
 
 // With the device moving: until the end of its motion, or the next event.
@@ -433,6 +510,14 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     released = i;
     soonest = share;
   }
+  const double opens = time_to_corner_way(from, to, time);
+  if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
+    time = opens;
+    // Else it is not tried again in this step.
+    ++corner_tries_;
+    leave_rest(on_way(from, to, time), to - from);
+    return Next::again;
+  }
   if (released < 0) {
     time = 1.0;
     return Next::settled;
@@ -448,8 +533,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
 
 // Whether a rest is so shallow that what climbs by a hover gets out of it: over the edges and vertices that hold the centre but for one
 // contact, away from that one. The way there first leads up, by a slope of a, and turns down by its curvature of b: it climbs a^2 / 2b.
-bool SphereFollower::is_shallow(const Vec3& device) const noexcept {
-  constexpr double kShallow = 0x1p-30;
+bool SphereFollower::is_shallow(const Vec3& device, Vec3& way) const noexcept {
   ContactFrame all;
   if (touching_ < 2 || !find_frame(centre_, all)) return false;
   for (int j = 0; j < count_; ++j) {
@@ -462,7 +546,7 @@ bool SphereFollower::is_shallow(const Vec3& device) const noexcept {
     }
     if (!others.prepare()) continue;
     const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
-    Vec3 way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
+    way = others.count == 1 ? off : Vec3(others.along * (others.along.dot(all.normal[j]) < 0.0 ? -1.0 : 1.0));
     if (!(way.norm() > 0.0)) continue;
     way.normalize();
     const double slope = std::max(0.0, way.dot(centre_ - device));

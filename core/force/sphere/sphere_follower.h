@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -12,6 +13,7 @@
 #include "core/force/sphere/contact_frame.h"
 #include "core/force/sphere/offset_drag.h"
 #include "core/force/sphere/offset_surface.h"
+#include "core/force/sphere/tangent_cone.h"
 #include "core/force/touch_scene.h"
 
 namespace hapton {
@@ -50,14 +52,18 @@ class SphereFollower {
   };
 
   // `offset`: how near the centre comes. `materials`: one an object. Both outlive it.
-  SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset)
-      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance} {
+  // `is_point`: it stands for a point, which no corner holds that only its radius closes.
+  SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
+      : geometry_(geometry), materials_(materials), keep_{offset, kSlop, kTolerance}, is_point_(is_point) {
     for (const Material& material : materials) has_friction_ |= material.friction_static > 0.0;
   }
 
   // Whether it holds the centre, or the centre was last moved by others.
   bool holds() const { return holds_; }
-  void leave() { holds_ = false; }
+  void leave() {
+    holds_ = false;
+    cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  }
   bool slides() const { return rub_.slides; }  // the dynamic coefficient is in force
   // What was gathered no longer is all there is.
   void forget_near() { near_.clear(); }
@@ -69,6 +75,7 @@ class SphereFollower {
   // The device goes straight from `from` to `to`. Pre: holds.
   Outcome follow(const Vec3& from, const Vec3& to, double& time) noexcept;
 
+  double offset() const { return keep_.offset; }
   const Vec3& centre() const { return centre_; }
   bool is_free() const { return touching_ == 0; }
   // What holds the centre; multipliers sum up to centre - device when it has settled.
@@ -95,7 +102,10 @@ class SphereFollower {
   static constexpr double kLeastRise = 0x1p-45;       // rad: faces of less are one plane, as far as borders can tell
   static constexpr double kLeastLevel = 0x1p-50;      // in distance: less is rounding
   static constexpr double kLeastGain = 0x1p-44;
-  static constexpr int kMostIdle = 24;  // events that lead no nearer
+  static constexpr double kFar = 32.0;         // local units: farther out, positions are coarser than the tolerance
+  static constexpr double kShallow = 0x1p-30;  // a rest that what climbs by so much gets out of is none: the reference's hover
+  static constexpr int kMostIdle = 24;         // events that lead no nearer
+  static constexpr int kMostPasses = 16;
   static constexpr int kMostExits = 128;
 
   enum class Next : std::uint8_t { again, wait, settled, unclear };
@@ -176,6 +186,13 @@ class SphereFollower {
   Held find_held(const Vec3& pull) const noexcept;
   Next stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept;
 
+  struct Span {
+    double begin = 0.0, end = 1.0;
+  };
+  static Span find_span(const Vec3& from, const Vec3& to);
+  Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool pass_by(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Next drop_weaker(const Vec3& pull) noexcept;
   int most_work(const Vec3& from, const Vec3& to) const noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
@@ -211,6 +228,18 @@ class SphereFollower {
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void leave_part(int i, const Exit& exit, const Vec3& way) noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& way) noexcept;
+  static constexpr int kMostExitWork = 16384;
+  bool find_apex(Vec3& apex) const noexcept;
+  bool find_cone() noexcept;
+  double least_corner_way(const Vec3& pull) const noexcept;
+  double time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept;
+  bool leave_rest(const Vec3& device, const Vec3& motion) noexcept;
+  bool go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
+  bool go_over(const Vec3& way, double height) noexcept;
+  template <class Go>
+  bool try_way(const Vec3& device, const Vec3& motion, Go&& go) noexcept;
+  Vec3 find_lift(double height) noexcept;
+  bool go_straight(const Vec3& motion, double share) noexcept;
   int find_level(const OffsetContact& contact, const Exit& exit) noexcept;
   bool add_contact(const OffsetContact& contact) noexcept;
   void remove_contact(int i) noexcept;
@@ -221,12 +250,13 @@ class SphereFollower {
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
   bool is_clear_here(double short_by) noexcept;
-  bool is_shallow(const Vec3& device) const noexcept;
+  bool is_shallow(const Vec3& device, Vec3& way) const noexcept;
   void note_multipliers(const Vec3& device) noexcept;
 
   const TouchGeometry& geometry_;
   std::span<const Material> materials_;
   CentrePath::Keep keep_;
+  bool is_point_;
   bool has_friction_ = false;
   Rubbing rub_;
   bool holds_ = false;
@@ -243,6 +273,14 @@ class SphereFollower {
   int work_ = 0;                 // triangles looked at in this step
   int idle_ = 0;                 // events that led no nearer
   double least_distance_ = 0.0;  // to the device where it is
+  TangentCone cone_;             // of the corner that the centre was last at rest in
+  bool has_cone_ = false;
+  Vec3 cone_from_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  int corner_tries_ = 0;  // in this step,
+  int passes_ = 0;        // and places passed by
+  std::uint64_t step_ = 1;
+  int exit_work_ = 0;  // in this step, on ways off a rest
+  std::uint64_t tried_over_in_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, looked_at_ = 0;
 };
 

@@ -90,6 +90,7 @@ bool SphereFollower::solve(const Vec3& device, Vec3& c) const noexcept {
 bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept {
   constexpr int kMostRounds = 16;
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
+  Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMostRounds; ++round) {
     ContactFrame frame;
     std::array<double, 2> short_by{};
@@ -100,6 +101,9 @@ bool SphereFollower::solve_on_curve(const Vec3& device, Vec3& c) const noexcept 
       short_by[i] = keep_.offset - stand.distance;
     }
     if (!frame.prepare()) return false;
+    // Between two offset surfaces there are two curves, one on either side of a crest: it stays on its own.
+    if (round == 0) along = frame.along;
+    if (!(frame.along.dot(along) > 0.0)) return false;
     double stability = 1.0;
     for (int i = 0; i < 2 && !is_line; ++i) {
       stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, keep_.offset);
@@ -137,7 +141,8 @@ Vec3 SphereFollower::find_rate(const Vec3& c, const Vec3& device, const Vec3& mo
 bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
   constexpr int kMostHalvings = 40;
   constexpr double kLeastTime = 0x1p-44;
-  constexpr double kNearZero = 0x1p-50;     // of a multiplier: its rounding
+  constexpr double kNearZero = 0x1p-50;  // of a multiplier: its rounding
+  constexpr int kMostGrowing = 8;
   constexpr double kUneven = 0x1p-20;       // of the offset,
   constexpr double kUnevenShare = 0x1p-24;  // and of the way
   const Vec3 device = on_way(from, to, time);
@@ -185,11 +190,21 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   for (int i = 0; i < count_; ++i) {
     const double at_end = multiplier(end, on_way(from, to, leg.time), i);
     if (!(at_end < -kLeastWay)) continue;
-    const double at_start = std::max(0.0, multiplier(centre_, device, i));
-    const double zero = find_zero(time, at_start, leg.time, at_end, kNearZero, [&](double then) {
+    const auto multiplier_then = [&](double then) {
       Vec3 c = end;
       return solve(on_way(from, to, then), c) ? multiplier(c, on_way(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
-    });
+    };
+    double begin = time;
+    double at_start = std::max(0.0, multiplier(centre_, device, i));
+    // What has just been met begins at zero, and may grow before it is released.
+    for (int k = 1; k <= kMostGrowing && at_start <= kLeastWay; ++k) {
+      const double then = time + std::ldexp(leg.time - time, -2 * k);
+      const double grown = multiplier_then(then);
+      if (!(grown > kLeastWay)) continue;
+      begin = then;
+      at_start = grown;
+    }
+    const double zero = find_zero(begin, at_start, leg.time, at_end, kNearZero, multiplier_then);
     leg.released = i;
     leg.time = zero;
     end = centre_;
@@ -280,6 +295,9 @@ bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, b
     length = !is_unstable && stability > kLeastStability ? std::min(length / stability, most) : most;
   }
   const double distance = (device - centre_).norm();
+  ContactFrame here;
+  if (!find_frame(centre_, here)) return false;
+  const double sense = here.along.dot(way);
   for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
     Vec3 end = centre_ + length * way;
     if (!restore(end)) continue;
@@ -290,7 +308,7 @@ bool SphereFollower::climb(const Vec3& way, double length, const Vec3& device, b
     if (is_unstable && !((device - end).norm() < distance)) continue;
     ContactFrame there;
     if (!find_frame(end, there)) continue;
-    const Vec3 way_there = there.along.dot(way) < 0.0 ? Vec3(-there.along) : there.along;
+    const Vec3 way_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // else it is the curve on the other side of a crest
     if (!(way_there.dot(way) > 1.0 - 2.0 * kTurn * kTurn)) continue;
     const double chord = (end - centre_).norm();
     path = CentrePath::curved(centre_, end, chord * way, chord * way_there);
@@ -318,8 +336,8 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr int kMostTries = 24;
   constexpr int kFew = 24;
   constexpr double kWidest = 0.25;
-  const double least = 0x1p-6 * keep_.offset;
-  if (!(reach_ > 0.0)) reach_ = 0.5 * keep_.offset;
+  const double least = (is_point_ ? 64.0 : 0x1p-6) * keep_.offset;
+  if (!(reach_ > 0.0)) reach_ = std::max(least, 0.5 * keep_.offset);
   const double length = towards.norm();
   for (int i = 0; i < kMostTries; ++i, reach_ *= 0.5) {
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * reach_ / length)) : Vec3::Zero();

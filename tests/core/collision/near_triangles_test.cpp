@@ -139,7 +139,7 @@ TEST(NearTriangles, BoundsHoldFromCloseAboveABorder) {
 }
 
 TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
-  const TriangleMesh mesh = made::sheet(0.5, 0.0, 40);
+  const TriangleMesh mesh = made::sheet(0.5, 0.0, 80);
   const TouchGeometry geometry({&mesh});
   ASSERT_GT(geometry.triangle_count(), static_cast<std::size_t>(NearTriangles::kCapacity));
   const auto near = std::make_unique<NearTriangles>();

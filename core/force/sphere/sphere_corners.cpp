@@ -1,0 +1,258 @@
+// Where a point that a small sphere stands for leaves a rest that only the sphere's radius makes one: out of a corner along its faces, and
+// over a barrier lower than the sphere.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/force/contact_qp.h"
+#include "core/force/sphere/sphere_follower.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kAround = 32.0;      // offsets: a corner as near is the point's own
+constexpr double kThrough = 4.0;      // offsets: a triangle as near to the corner ends or passes there; a crack as narrow does not count
+constexpr double kLeastBetter = 2.0;  // offsets: nearer by less is no way out
+constexpr double kAbove = 1.25;       // offsets, over the faces that it passes
+constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets: how far from the corner it goes round it
+constexpr double kHeights[] = {8.0, 32.0};         // offsets: of a lift
+constexpr int kMostTries = 2;                      // in a step
+
+}  // namespace
+
+// The vertex that the centre is near, or the place where three faces that hold it meet.
+bool SphereFollower::find_apex(Vec3& apex) const noexcept {
+  double nearest = kAround * keep_.offset;
+  bool any = false;
+  for (int i = 0; i < touching_; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = contacts_[i].shape.corner(k);
+      const double distance = (corner - centre_).norm();
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      apex = corner;
+      any = true;
+    }
+  }
+  if (any) return true;
+  ContactFrame frame;
+  if (count_ != 3 || !find_frame(centre_, frame)) return false;
+  apex = centre_;
+  for (int i = 0; i < 3; ++i) {
+    if (contacts_[i].part != OffsetContact::Part::face) return false;
+    apex -= keep_.offset * frame.dual[i];
+  }
+  return (apex - centre_).norm() <= kAround * keep_.offset;
+}
+
+// The directions in which the point could leave the corner that it is in. False: there is no corner, or its border is not found.
+bool SphereFollower::find_cone() noexcept {
+  if ((centre_ - cone_from_).norm() <= 4.0 * keep_.offset) return has_cone_;
+  cone_from_ = centre_;
+  has_cone_ = false;
+  Vec3 apex;
+  if (!find_apex(apex)) return false;
+  const double near = kThrough * keep_.offset;
+  const double reach = near + (apex - centre_).norm();
+  if (!near_.covers(centre_, reach) && (!gather(Vec3::Zero()) || !near_.covers(centre_, reach))) return false;
+  cone_.begin(apex);
+  bool fits = true;
+  near_.visit_near(apex, apex, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    fits = fits && cone_.add(shape, near);
+    ++work_;
+  });
+  has_cone_ = fits && cone_.find_border((centre_ - apex).normalized());
+  return has_cone_;
+}
+
+// How far along an edge of the corner the place nearest to the device must be: so far that the point comes nearer by some offsets.
+double SphereFollower::least_corner_way(const Vec3& pull) const noexcept {
+  return std::sqrt(8.0 * kLeastBetter * keep_.offset * pull.norm());
+}
+
+// When the first edge of the corner leads nearer to the device, in time: 2 if none does.
+double SphereFollower::time_to_corner_way(const Vec3& from, const Vec3& to, double time) noexcept {
+  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone()) return 2.0;
+  const Vec3 pull = from - cone_.apex();
+  const Vec3 pull_then = to - cone_.apex();
+  const double least = 1.0625 * std::max(least_corner_way(pull), least_corner_way(pull_then));
+  double soonest = 2.0;
+  for (const TangentCone::Piece& piece : cone_.border()) {
+    const double there = piece.to.dot(pull_then) - least;
+    if (!(there > 0.0)) continue;
+    const double here = std::min(piece.to.dot(pull) - least, 0.0);
+    soonest = std::min(soonest, std::max(time, here / (here - there)));
+  }
+  return soonest;
+}
+
+// Off the rest by the steepest way that leads to a nearer one. False, and nothing changed, where none does.
+bool SphereFollower::leave_rest(const Vec3& device, const Vec3& motion) noexcept {
+  if (!is_point_ || touching_ == 0) return false;
+  if (find_cone()) {
+    const Vec3 pull = device - cone_.apex();
+    const TangentCone::Steepest steepest = cone_.find_steepest(pull);
+    if (steepest.slope > least_corner_way(pull)) {
+      for (const double wide : kWide) {
+        const double way = wide * keep_.offset;
+        for (const bool ahead : {true, false}) {
+          if (try_way(device, motion, [&] { return go_round(steepest, way, ahead); })) return true;
+        }
+      }
+    }
+  }
+  if (tried_over_in_ == step_) return false;
+  tried_over_in_ = step_;
+  const auto leads_over = [&](const Vec3& way) {
+    return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
+      return try_way(device, motion, [&] { return go_over(32.0 * height * keep_.offset * way, height * keep_.offset); });
+    });
+  };
+  Vec3 over;
+  if (is_shallow(device, over) && leads_over(over)) return true;
+  // Along a face that it touches, over the border of a crack as narrow as the sphere.
+  const int touching = touching_;
+  for (int i = 0; i < touching; ++i) {
+    const Vec3& normal = contacts_[i].shape.normal();
+    const Vec3 pull = device - centre_;
+    const Vec3 along = pull - normal.dot(pull) * normal;
+    const double length = along.norm();
+    if (!normal.isZero(0.0) && length > least_corner_way(pull) && leads_over(along / length)) return true;
+  }
+  return false;
+}
+
+// Round the corner, a little above the faces of its border, to the direction that leads on.
+bool SphereFollower::go_round(const TangentCone::Steepest& to, double wide, bool ahead) noexcept {
+  constexpr double kQuarter = 0.5 * std::numbers::pi;
+  const std::span<const TangentCone::Piece> border = cone_.border();
+  const int count = static_cast<int>(border.size());
+  const double above = kAbove * keep_.offset;
+  const auto go = [&](const Vec3& to_apex) { return go_straight(cone_.apex() + to_apex - centre_, 1.0); };
+  // The corner at the end of a piece: about its edge, by less than a quarter at a time.
+  const auto go_about = [&](const TangentCone::Piece& piece, bool forward) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(piece.opening / kQuarter - 0x1p-20)));
+    const double each = piece.opening / steps;
+    const double off = above / std::sin(std::min(0.5 * each, 0.5 * kQuarter));
+    if (!(off < 0.25 * wide)) return false;
+    for (int i = 0; i < steps; ++i) {
+      const double angle = each * ((forward ? i : steps - 1 - i) + 0.5);
+      if (!go(wide * piece.to + off * (std::cos(angle) * piece.back + std::sin(angle) * piece.normal))) return false;
+    }
+    return true;
+  };
+  // Over a piece, so that the way does not cut across the corner.
+  const auto go_over_piece = [&](const TangentCone::Piece& piece, const Vec3& from, const Vec3& end) {
+    const double angle = std::acos(std::clamp(from.dot(end), -1.0, 1.0));
+    const int steps = static_cast<int>(angle / (0.5 * kQuarter));
+    for (int i = 1; i <= steps; ++i) {
+      const double share = static_cast<double>(i) / (steps + 1);
+      if (!go(wide * ((1.0 - share) * from + share * end).normalized() + above * piece.normal)) return false;
+    }
+    return true;
+  };
+  const TangentCone::Piece& last = border[static_cast<std::size_t>(to.piece)];
+  const bool is_edge = to.direction == last.to;
+  if (!go(wide * border[0].from + above * border[0].normal)) return false;
+  if (ahead) {
+    for (int i = 0; i < to.piece; ++i) {
+      if (!go_over_piece(border[static_cast<std::size_t>(i)], border[static_cast<std::size_t>(i)].from,
+                         border[static_cast<std::size_t>(i)].to) ||
+          !go_about(border[static_cast<std::size_t>(i)], true))
+        return false;
+    }
+    if (!go_over_piece(last, last.from, to.direction)) return false;
+  } else {
+    for (int i = count - 1; i > to.piece; --i) {
+      const TangentCone::Piece& piece = border[static_cast<std::size_t>(i)];
+      if (!go_over_piece(piece, piece.to, piece.from) || !go_about(border[static_cast<std::size_t>(i - 1)], false)) return false;
+    }
+    if (!go_over_piece(last, last.to, to.direction)) return false;
+  }
+  return is_edge ? !ahead || go_about(last, true) : go(wide * to.direction + above * last.normal);
+}
+
+// Over all that is near, and along from there.
+bool SphereFollower::go_over(const Vec3& way, double height) noexcept {
+  const Vec3 from = centre_;
+  const Vec3 up = find_lift(height);
+  if (up.isZero(0.0) || !go_straight(up, 1.0)) return false;
+  go_straight(way, 0.0);
+  return (centre_ - from).norm() >= 4.0 * height;
+}
+
+// Through the air by `go`, and on from there with the device held. False, and it is put back, where that ends no nearer.
+template <class Go>
+bool SphereFollower::try_way(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
+  constexpr int kMostEvents = 256;
+  if (exit_work_ > kMostExitWork) return false;
+  const int work_before = work_;
+  const Vec3 centre = centre_;
+  const auto contacts = contacts_;
+  const int count = count_;
+  const int touching = touching_;
+  const double distance = (device - centre_).norm();
+  const auto end = [&](bool is_better) {
+    exit_work_ += work_ - work_before;
+    work_ = work_before;
+    idle_ = 0;
+    if (is_better) return true;
+    centre_ = centre;
+    contacts_ = contacts;
+    count_ = count;
+    touching_ = touching;
+    is_descending_ = false;
+    has_lost_minimum_ = false;
+    least_distance_ = std::numeric_limits<double>::infinity();
+    return false;
+  };
+  count_ = 0;
+  touching_ = 0;
+  idle_ = 0;
+  if (!go()) return end(false);
+  hint_ = centre_ - centre;
+  is_descending_ = true;
+  least_distance_ = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle; ++i) {
+    ++work_;
+    double until = 1.0;
+    if (touching_ != 0 && !is_descending_) break;
+    const Next next = touching_ == 0 ? fly_to(device, until) : descend(device, motion);
+    if (next == Next::settled) break;
+    if (next != Next::again) return end(false);
+  }
+  const bool is_done = touching_ == 0 ? centre_ == device : !is_descending_;
+  return end(is_done && (device - centre_).norm() < distance - kLeastBetter * keep_.offset);
+}
+
+// The least motion that is `height` over all that is near.
+Vec3 SphereFollower::find_lift(double height) noexcept {
+  constexpr int kMostNear = 48;
+  std::array<ContactPlane, kMostNear> planes;
+  int count = 0;
+  const double near = 2.0 * height;
+  if (!near_.covers(centre_, near) && (!gather(Vec3::Zero()) || !near_.covers(centre_, near))) return Vec3::Zero();
+  near_.visit_near(centre_, centre_, near, [&](int slot) {
+    const ContactTriangle& shape = near_.shape(slot);
+    const Separation at = shape.separation(centre_);
+    if (count == kMostNear || at.distance > near || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    planes[static_cast<std::size_t>(count++)] = {at.normal, height - at.distance};
+  });
+  work_ += count;
+  const ConstrainedMotion up =
+      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  return up.solved && up.motion.norm() <= 64.0 * height ? up.motion : Vec3(Vec3::Zero());
+}
+
+// Through the air, until something is in the way. False where it gets no farther than the share.
+bool SphereFollower::go_straight(const Vec3& motion, double share) noexcept {
+  const CentrePath path = CentrePath::straight(centre_, centre_ + motion);
+  Event event;
+  if (!find_event(path, event)) return false;
+  centre_ = path.at(event.time);
+  return event.time >= share;
+}
+
+}  // namespace hapton

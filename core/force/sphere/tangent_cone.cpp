@@ -1,0 +1,188 @@
+#include "core/force/sphere/tangent_cone.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace hapton {
+namespace {
+
+constexpr double kSame = 0x1p-20;  // rad: directions nearer to each other are one
+
+Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
+
+}  // namespace
+
+void TangentCone::begin(const Vec3& apex) {
+  apex_ = apex;
+  arc_count_ = 0;
+  piece_count_ = 0;
+}
+
+bool TangentCone::add_arc(const Vec3& a, const Vec3& b) {
+  const Vec3 normal = a.cross(b);
+  const double length = normal.norm();
+  if (!(length > kSame)) return true;  // a needle covers nothing
+  if (arc_count_ == kMostArcs) return false;
+  arcs_[static_cast<std::size_t>(arc_count_++)] = {a, b, normal / length};
+  return true;
+}
+
+bool TangentCone::add(const ContactTriangle& shape, double near) {
+  if (shape.normal().isZero(0.0)) return true;
+  const int before = arc_count_;
+  if (add_arcs(shape, near)) return true;
+  arc_count_ = before;
+  return false;
+}
+
+// No arc is longer than a quarter, or than a corner of a triangle.
+bool TangentCone::add_arcs(const ContactTriangle& shape, double near) {
+  for (int k = 0; k < 3; ++k) {
+    if ((shape.corner(k) - apex_).norm() > near) continue;
+    return add_arc(shape.edge(k).normalized(), -shape.edge((k + 2) % 3).normalized());
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (std::fabs(shape.inside(k, apex_)) > near * shape.length(k)) continue;
+    const Vec3 along = shape.edge(k) / shape.length(k);
+    const Vec3 inward = shape.normal().cross(along);
+    return add_arc(along, inward) && add_arc(inward, -along);
+  }
+  const Vec3 u = shape.edge(0) / shape.length(0);
+  const Vec3 v = shape.normal().cross(u);
+  return add_arc(u, v) && add_arc(v, -u) && add_arc(-u, -v) && add_arc(-v, u);
+}
+
+bool TangentCone::is_on(const Arc& arc, const Vec3& direction) {
+  return arc.normal.cross(arc.a).dot(direction) > -kSame && arc.b.cross(arc.normal).dot(direction) > -kSame &&
+         std::fabs(arc.normal.dot(direction)) <= kSame;
+}
+
+// The end of the arc, or where another one meets it before.
+Vec3 TangentCone::find_stop(int arc, bool ahead, const Vec3& from) const {
+  const Arc& own = arcs_[static_cast<std::size_t>(arc)];
+  Vec3 stop = ahead ? own.b : own.a;
+  double nearest = from.dot(stop) + kSame * kSame;
+  const Vec3 forward = tangent(own.normal, from, ahead);
+  for (int j = 0; j < arc_count_; ++j) {
+    const Arc& other = arcs_[static_cast<std::size_t>(j)];
+    const Vec3 both = own.normal.cross(other.normal);
+    const double length = both.norm();
+    if (j == arc || !(length > kSame)) continue;
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 at = both * (sign / length);
+      if (!(at.dot(forward) > kSame) || !(at.dot(from) > nearest) || !is_on(own, at) || !is_on(other, at)) continue;
+      nearest = at.dot(from);
+      stop = at;
+    }
+  }
+  return stop;
+}
+
+// The first piece that is met when turning from `back` through `up` about `at`.
+TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
+  Turn first;
+  first.opening = std::numeric_limits<double>::infinity();
+  for (int j = 0; j < arc_count_; ++j) {
+    const Arc& arc = arcs_[static_cast<std::size_t>(j)];
+    const bool begins = (arc.a - at).norm() <= 2.0 * kSame;
+    const bool ends = (arc.b - at).norm() <= 2.0 * kSame;
+    if (!begins && !ends && !is_on(arc, at)) continue;
+    for (const bool ahead : {true, false}) {
+      if (ahead ? ends : begins) continue;
+      const Vec3 way = tangent(arc.normal, at, ahead);
+      double angle = std::atan2(way.dot(up), way.dot(back));
+      if (angle <= kSame) angle += 2.0 * std::numbers::pi;
+      if (angle >= first.opening) continue;
+      first = {j, ahead, angle};
+    }
+  }
+  return first;
+}
+
+// The place on any arc that is nearest to `inside`: nothing lies between. At an end of arcs, the piece that is met first from there.
+bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
+  double nearest = -2.0;
+  bool is_end = false;
+  for (int j = 0; j < arc_count_; ++j) {
+    const Arc& arc = arcs_[static_cast<std::size_t>(j)];
+    const Vec3 below = inside - arc.normal.dot(inside) * arc.normal;
+    const double length = below.norm();
+    if (length > nearest && is_on(arc, below / length)) {
+      nearest = length;
+      is_end = false;
+      start = {j, true, arc.normal.dot(inside) > 0.0, below / length};
+    }
+    for (const Vec3& end : {arc.a, arc.b}) {
+      if (!(end.dot(inside) > nearest)) continue;
+      nearest = end.dot(inside);
+      is_end = true;
+      start.from = end;
+    }
+  }
+  if (!is_end) return nearest > -2.0;
+  const Vec3 back = inside - start.from.dot(inside) * start.from;
+  const double length = back.norm();
+  if (!(length > kSame)) return false;
+  start = turn(start.from, back / length, start.from.cross(back / length)).walk;
+  return start.arc >= 0;
+}
+
+// Round `at`, from a piece to the next.
+TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up) const {
+  const Turn turn = find_turn(at, back, up);
+  if (turn.arc < 0) return {};
+  const Vec3 to_free = std::sin(turn.opening) * back - std::cos(turn.opening) * up;
+  return {{turn.arc, turn.ahead, arcs_[static_cast<std::size_t>(turn.arc)].normal.dot(to_free) > 0.0, at}, turn.opening};
+}
+
+bool TangentCone::find_border(const Vec3& inside) {
+  piece_count_ = 0;
+  Walk start;
+  if (!find_start(inside, start)) return false;
+  Walk here = start;
+  while (piece_count_ < kMostPieces) {
+    const Arc& own = arcs_[static_cast<std::size_t>(here.arc)];
+    Piece& piece = pieces_[static_cast<std::size_t>(piece_count_++)];
+    piece.from = here.from;
+    piece.to = find_stop(here.arc, here.ahead, here.from);
+    piece.normal = here.on_normal ? own.normal : Vec3(-own.normal);
+    const bool is_again = piece_count_ > 1 && here.arc == start.arc && here.ahead == start.ahead && here.on_normal == start.on_normal;
+    if (is_again && (here.from - start.from).norm() <= 2.0 * kSame) {  // it has come round
+      --piece_count_;
+      return true;
+    }
+    if (is_again && start.from.dot(tangent(own.normal, here.from, here.ahead)) > 0.0 &&
+        start.from.dot(here.from) >= piece.to.dot(here.from)) {
+      piece.to = start.from;
+      piece.back = tangent(own.normal, start.from, !here.ahead);
+      piece.opening = std::numbers::pi;
+      return true;
+    }
+    piece.back = tangent(own.normal, piece.to, !here.ahead);
+    const Turned turned = turn(piece.to, piece.back, piece.normal);
+    if (turned.walk.arc < 0) return false;
+    piece.opening = turned.opening;
+    here = turned.walk;
+  }
+  return false;
+}
+
+TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull) const {
+  Steepest best;
+  best.slope = -std::numeric_limits<double>::infinity();
+  const auto offer = [&](const Vec3& direction, int piece) {
+    const double slope = direction.dot(pull);
+    if (slope > best.slope) best = {slope, direction, piece};
+  };
+  for (int i = 0; i < piece_count_; ++i) {
+    const Piece& piece = pieces_[static_cast<std::size_t>(i)];
+    offer(piece.to, i);
+    const Vec3 below = pull - piece.normal.dot(pull) * piece.normal;
+    const double length = below.norm();
+    const Vec3 axis = piece.from.cross(piece.to);
+    if (length > 0.0 && piece.from.cross(below).dot(axis) > 0.0 && below.cross(piece.to).dot(axis) > 0.0) offer(below / length, i);
+  }
+  return best;
+}
+
+}  // namespace hapton

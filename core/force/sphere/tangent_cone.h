@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "core/geometry/contact_triangle.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// The directions in which a point at the apex, where triangles meet, can go: the tangent cone of the free space there (Rockafellar and
+// Wets 1998, 6.A). On the unit sphere round the apex each triangle is an arc of a great circle, and arcs bound the region that the point is
+// in. Its border is a loop of pieces of arcs, each seen from one side: at the end of a piece the next one is the first that is met when the
+// piece is turned about that direction through the free side. It follows from directions alone, whether triangles share edges, cross, or
+// end in the air.
+//
+// Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMostArcs and kMostPieces.
+class TangentCone {
+ public:
+  static constexpr int kMostArcs = 96;
+  static constexpr int kMostPieces = 96;
+
+  struct Piece {
+    Vec3 from = Vec3::Zero();
+    Vec3 to = Vec3::Zero();
+    Vec3 normal = Vec3::Zero();  // to the free side
+    Vec3 back = Vec3::Zero();    // at `to`, along the piece to where it came from
+    double opening = 0.0;        // rad: the free angle at `to` between this piece and the next
+  };
+  struct Steepest {
+    double slope = 0.0;  // direction.dot(pull): the largest of all
+    Vec3 direction = Vec3::Zero();
+    int piece = -1;
+  };
+
+  void begin(const Vec3& apex);
+  // What a triangle covers of the sphere: an edge or corner as near as `near` to the apex counts as through it. False: no room for it.
+  bool add(const ContactTriangle& shape, double near);
+  // Finds the border of the region that `inside` is in. False: there is none, or it does not close.
+  bool find_border(const Vec3& inside);
+
+  const Vec3& apex() const { return apex_; }
+  std::span<const Piece> border() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
+  // Of the directions on the border.
+  Steepest find_steepest(const Vec3& pull) const;
+
+ private:
+  struct Arc {
+    Vec3 a, b, normal;  // a x b
+  };
+  struct Turn {
+    int arc = -1;
+    bool ahead = true;  // towards b
+    double opening = 0.0;
+  };
+
+  // Along an arc, from a direction on it, with the free side on that of its normal or the other.
+  struct Walk {
+    int arc = -1;
+    bool ahead = true;
+    bool on_normal = true;
+    Vec3 from = Vec3::Zero();
+  };
+  struct Turned {
+    Walk walk;
+    double opening = 0.0;
+  };
+
+  bool add_arc(const Vec3& a, const Vec3& b);
+  bool add_arcs(const ContactTriangle& shape, double near);
+  static bool is_on(const Arc& arc, const Vec3& direction);
+  Vec3 find_stop(int arc, bool ahead, const Vec3& from) const;
+  Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
+  Turned turn(const Vec3& at, const Vec3& back, const Vec3& up) const;
+  bool find_start(const Vec3& inside, Walk& start) const;
+
+  Vec3 apex_ = Vec3::Zero();
+  std::array<Arc, kMostArcs> arcs_;
+  int arc_count_ = 0;
+  std::array<Piece, kMostPieces> pieces_;
+  int piece_count_ = 0;
+};
+
+}  // namespace hapton

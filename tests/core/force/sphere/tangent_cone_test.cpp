@@ -1,0 +1,142 @@
+#include "core/force/sphere/tangent_cone.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Vec3 random_direction(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  return Vec3(normal(random), normal(random), normal(random)).normalized();
+}
+
+TangentCone cone_of(const Vec3& apex, const std::vector<ContactTriangle>& triangles) {
+  TangentCone cone;
+  cone.begin(apex);
+  for (const ContactTriangle& triangle : triangles) EXPECT_TRUE(cone.add(triangle, 1e-9));
+  return cone;
+}
+
+// The corner of a cube that fills x, y, z < 0, each face in two triangles.
+std::vector<ContactTriangle> cube_corner() {
+  const Vec3 o = Vec3::Zero();
+  std::vector<ContactTriangle> triangles;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 u = -Vec3::Unit((axis + 1) % 3);
+    const Vec3 v = -Vec3::Unit((axis + 2) % 3);
+    triangles.emplace_back(o, u, Vec3(u + v));
+    triangles.emplace_back(o, Vec3(u + v), v);
+  }
+  return triangles;
+}
+
+TEST(TangentCone, OfACubesCornerHasThreeEdgesThatOpenOutwardsOrInwards) {
+  for (const double side : {1.0, -1.0}) {
+    TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
+    ASSERT_TRUE(cone.find_border(side * Vec3(0.5, 0.6, 0.7).normalized()));
+    int edges = 0;
+    for (const TangentCone::Piece& piece : cone.border()) {
+      EXPECT_LE(piece.normal.dot(piece.from), 1e-12);
+      if (std::fabs(piece.opening - kPi) < 1e-9) continue;  // a diagonal, or where the walk began
+      EXPECT_NEAR(piece.opening, side > 0.0 ? 1.5 * kPi : 0.5 * kPi, 1e-12);
+      ++edges;
+    }
+    EXPECT_EQ(edges, 3);
+  }
+}
+
+TEST(TangentCone, OfOneTriangleGoesRoundBothItsSides) {
+  TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY())});
+  ASSERT_TRUE(cone.find_border(Vec3(0.1, 0.1, 1.0).normalized()));
+  bool above = false;
+  bool below = false;
+  double opening = 0.0;
+  for (const TangentCone::Piece& piece : cone.border()) {
+    above = above || piece.normal.z() > 0.5;
+    below = below || piece.normal.z() < -0.5;
+    opening = std::max(opening, piece.opening);
+  }
+  EXPECT_TRUE(above && below);
+  EXPECT_NEAR(opening, 2.0 * kPi, 1e-12);
+}
+
+// Three large triangles that share nothing and cross at a point: the border of an octant, whichever the point is in.
+TEST(TangentCone, OfThreeFacesThatCrossIsTheOctantThatThePointIsIn) {
+  const Vec3 apex(0.3, -0.2, 0.1);
+  std::vector<ContactTriangle> triangles;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 u = Vec3::Unit((axis + 1) % 3);
+    const Vec3 v = Vec3::Unit((axis + 2) % 3);
+    triangles.emplace_back(apex + 5.0 * u, apex - 4.0 * u + 6.0 * v, apex - 4.0 * u - 7.0 * v);
+  }
+  for (int octant = 0; octant < 8; ++octant) {
+    const Vec3 inside = Vec3(octant & 1 ? 1.0 : -1.0, octant & 2 ? 1.1 : -1.1, octant & 4 ? 0.9 : -0.9).normalized();
+    TangentCone cone = cone_of(apex, triangles);
+    ASSERT_TRUE(cone.find_border(inside)) << octant;
+    double turned = 0.0;
+    for (const TangentCone::Piece& piece : cone.border()) {
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_GE(piece.to[k] * inside[k], -1e-12) << octant;
+        EXPECT_GE(piece.normal[k] * inside[k], -1e-12) << octant;
+      }
+      turned += std::acos(std::clamp(piece.from.dot(piece.to), -1.0, 1.0));
+    }
+    EXPECT_NEAR(turned, 1.5 * kPi, 1e-6) << octant;
+  }
+}
+
+// Against every direction of a dense sample of the fan itself: of a fan that is one sheet, both sides have all of it for their border.
+TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
+  constexpr std::uint64_t kSeed = 20261121;
+  SCOPED_TRACE(kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> height(-0.9, 0.9);
+  for (int round = 0; round < 300; ++round) {
+    const Vec3 apex = random_direction(random);
+    const int spokes = 4 + static_cast<int>(random() % 9);
+    std::vector<Vec3> ends;
+    for (int i = 0; i < spokes; ++i) {
+      const double angle = 2.0 * kPi * i / spokes;
+      ends.emplace_back(apex + Vec3(std::cos(angle), std::sin(angle), height(random)));
+    }
+    std::vector<ContactTriangle> fan;
+    for (int i = 0; i < spokes; ++i)
+      fan.emplace_back(apex, ends[static_cast<std::size_t>(i)], ends[static_cast<std::size_t>((i + 1) % spokes)]);
+    const Vec3 pull = random_direction(random);
+    double steepest = -1.0;
+    for (const ContactTriangle& triangle : fan) {
+      for (int k = 0; k <= 1000; ++k) {
+        const double share = k / 1000.0;
+        steepest = std::max(steepest, ((1.0 - share) * triangle.edge(0) - share * triangle.edge(2)).normalized().dot(pull));
+      }
+    }
+    for (const Vec3& inside : {Vec3(Vec3::UnitZ()), Vec3(-Vec3::UnitZ())}) {
+      TangentCone cone = cone_of(apex, fan);
+      ASSERT_TRUE(cone.find_border(inside)) << round;
+      const TangentCone::Steepest found = cone.find_steepest(pull);
+      EXPECT_NEAR(found.slope, steepest, 1e-5) << round;
+      EXPECT_NEAR(found.direction.dot(pull), found.slope, 1e-15) << round;
+      EXPECT_GE(found.slope, steepest - 1e-12) << round;
+    }
+  }
+}
+
+TEST(TangentCone, HasNoBorderWithoutTrianglesAndRefusesMoreThanItHolds) {
+  TangentCone cone;
+  cone.begin(Vec3::Zero());
+  EXPECT_FALSE(cone.find_border(Vec3::UnitZ()));
+  int added = 0;
+  const ContactTriangle corner(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+  while (added <= TangentCone::kMostArcs && cone.add(corner, 1e-9)) ++added;
+  EXPECT_EQ(added, TangentCone::kMostArcs);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,79 @@
+#include "core/geometry/touch_resolution.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/cracked_shapes.h"
+#include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
+#include "core/geometry/seam_mesh.h"
+
+namespace hapton {
+namespace {
+
+TEST(TouchResolution, ASoundMeshNeedsNothing) {
+  EXPECT_FALSE(resolve_for_touch(make_icosphere(0.1, 3), 1e-9, 1e-12).has_value());
+  EXPECT_FALSE(resolve_for_touch({}, 1e-9, 1e-12).has_value());
+}
+
+TEST(TouchResolution, CopiesGoAndTrianglesWithoutArea) {
+  TriangleMesh mesh = make_icosphere(0.1, 2);
+  const auto sound = mesh.triangles.size();
+  mesh.triangles.push_back({mesh.triangles[3][1], mesh.triangles[3][2], mesh.triangles[3][0]});  // the same, from another vertex on
+  mesh.triangles.push_back({5, 5, 9});
+  const Vec3 between = 0.5 * (mesh.corner(7, 0) + mesh.corner(7, 1));
+  mesh.vertices.push_back(between);
+  mesh.triangles.push_back({mesh.triangles[7][0], mesh.triangles[7][1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
+  const auto resolved = resolve_for_touch(mesh, 1e-9, 1e-12);
+  ASSERT_TRUE(resolved.has_value());
+  EXPECT_EQ(resolved->triangles.size(), sound);
+}
+
+TEST(TouchResolution, ATurnedCopyStays) {
+  TriangleMesh sheet;
+  sheet.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 1}};
+  EXPECT_FALSE(resolve_for_touch(sheet, 1e-9, 1e-12).has_value());
+}
+
+// A triangle without area that joins an edge to its two halves: without it they are joined by a split.
+TEST(TouchResolution, AFillerOfATJunctionIsReplacedByASplit) {
+  TriangleMesh mesh;
+  mesh.vertices = {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(1, 1, 0), Vec3(1, 0, 0), Vec3(0.5, -1, 0), Vec3(1.5, -1, 0)};
+  mesh.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 4, 3}, {3, 5, 1}, {3, 4, 5}};
+  const auto resolved = resolve_for_touch(mesh, 1e-8, 1e-11);
+  ASSERT_TRUE(resolved.has_value());
+  EXPECT_EQ(resolved->triangles.size(), 5U);
+  for (const Triangle& t : resolved->triangles) EXPECT_FALSE(t == (Triangle{0, 1, 2}));
+}
+
+// A thin triangle beside a border would leave a slit there.
+TEST(TouchResolution, AThinTriangleWhoseGapCannotBeSealedStays) {
+  TriangleMesh mesh;
+  mesh.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, -1e-10, 0), Vec3(0.5, 1, 0)};
+  mesh.triangles = {{0, 1, 3}, {0, 2, 1}};
+  EXPECT_FALSE(resolve_for_touch(mesh, 1e-9, 1e-12).has_value());
+}
+
+TEST(TouchResolution, AThinTriangleBetweenOthersGoes) {
+  TriangleMesh mesh = make_icosphere(0.1, 2);
+  const auto sound = mesh.triangles.size();
+  const Triangle first = mesh.triangles[0];
+  const auto between = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.push_back(0.5 * (mesh.vertices[first[0]] + mesh.vertices[first[1]]) + Vec3(1e-11, 0, 0));
+  mesh.triangles[0] = {first[0], between, first[2]};
+  mesh.triangles.push_back({between, first[1], first[2]});
+  mesh.triangles.push_back({first[0], first[1], between});
+  const auto resolved = resolve_for_touch(mesh, 1e-9, 1e-13);
+  ASSERT_TRUE(resolved.has_value());
+  EXPECT_EQ(resolved->triangles.size(), sound + 2);  // the neighbour is split instead
+  EXPECT_TRUE(find_boundary_vertices(*resolved).empty());
+}
+
+TEST(TouchResolution, CracksFinerThanItAreSealedAndWiderOnesStay) {
+  const TriangleMesh cracked = make_torn(make_icosphere(0.1, 3), 1e-10);
+  EXPECT_TRUE(resolve_for_touch(cracked, 1e-9, 1e-12).has_value());
+  EXPECT_FALSE(resolve_for_touch(cracked, 1e-12, 1e-14).has_value());
+}
+
+}  // namespace
+}  // namespace hapton
