@@ -57,7 +57,7 @@ std::span<const DemoStep> demo_steps() {
        .judge = [](const DemoEvidence& evidence) { return judge_network(evidence, 2.0 * kDelayMs); }},
       {.name = "a node dies",
        .look = "The haptics node is killed while the hand presses, and started again.\n"
-               "The motors are let go within 20 ms, the picture says why there is no force, and the contact goes on where it was.",
+               "The force is released within 20 ms, the picture says why there is no force, and the contact goes on where it was.",
        .scene = "scenes/car_front.toml",
        .event = DemoStep::Event::haptics_dies,
        .make_path = stay_on_the_bonnet,
