@@ -136,9 +136,9 @@ ScenePainter::~ScenePainter() {
 
 Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<ShownObject>& objects) {
   std::unique_ptr<ScenePainter> painter(new ScenePainter);
-  auto shaded = GlProgram::make(kVertexShader, kFragmentShader);
+  auto shaded = GlProgram::make(fmt::format("{}{}", kLighting, kVertexShader), kFragmentShader);
   if (!shaded) return tl::unexpected(shaded.error());
-  auto painted = GlProgram::make(kPaintedVertexShader, kPaintedFragmentShader);
+  auto painted = GlProgram::make(fmt::format("{}{}", kLighting, kPaintedVertexShader), kPaintedFragmentShader);
   if (!painted) return tl::unexpected(painted.error());
   auto background = GlProgram::make(kBackgroundVertexShader, kBackgroundFragmentShader);
   if (!background) return tl::unexpected(background.error());

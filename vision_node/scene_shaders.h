@@ -5,20 +5,18 @@
 // The shaders of ScenePainter, GLSL of OpenGL 3.2.
 namespace hapton {
 
-// One colour for each triangle, from its last corner. The side that is seen is lit. The highlight's power of 18 by products.
-inline constexpr std::string_view kVertexShader = R"(#version 150
-in vec3 position;
-in vec4 direction;
+// Of every vertex shader of the scene: places the vertex. The side of a triangle that is seen is lit: the share of its own colour, and the
+// highlight, whose power of 18 is made by products.
+inline constexpr std::string_view kLighting = R"(#version 150
 uniform mat4 to_clip, to_eye;
-uniform vec3 colour, light;
+uniform vec3 light;
 uniform float haze_from, haze_to;
 uniform int plain;
-flat out vec3 shade;
 out float far;
-void main() {
+vec2 place_and_light(vec3 position, vec3 direction) {
   gl_Position = to_clip * vec4(position, 1.0);
   vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
-  vec3 normal = normalize(mat3(to_eye) * direction.xyz);
+  vec3 normal = normalize(mat3(to_eye) * direction);
   normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
   float towards = dot(normal, light);
   float mirrored = max(0.0, dot(2.0 * towards * normal - light, normalize(to_viewer)));
@@ -26,9 +24,20 @@ void main() {
   float p4 = p2 * p2;
   float p16 = p4 * p4;
   p16 *= p16;
-  vec3 lit = colour * (0.20 + 0.88 * max(0.0, towards)) + 0.22 * p16 * p2 * step(0.0, towards);
-  shade = plain != 0 ? colour : lit;
   far = clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 0.45);
+  return plain != 0 ? vec2(1.0, 0.0) : vec2(0.20 + 0.88 * max(0.0, towards), 0.22 * p16 * p2 * step(0.0, towards));
+}
+)";
+
+// After kLighting. One colour for each triangle, from its last corner.
+inline constexpr std::string_view kVertexShader = R"(
+in vec3 position;
+in vec4 direction;
+uniform vec3 colour;
+flat out vec3 shade;
+void main() {
+  vec2 lit = place_and_light(position, direction.xyz);
+  shade = colour * lit.x + lit.y;
 }
 )";
 
@@ -40,37 +49,21 @@ out vec4 shown;
 void main() { shown = vec4(mix(shade, haze, far), 1.0); }
 )";
 
-// The same light for each triangle; its colour goes from corner to corner, and is that of a texture where there is one.
-inline constexpr std::string_view kPaintedVertexShader = R"(#version 150
+// After kLighting. The same light for each triangle; its colour goes from corner to corner, and is that of a texture where there is one.
+inline constexpr std::string_view kPaintedVertexShader = R"(
 in vec3 position;
 in vec4 direction;
 in vec4 tint;
 in vec2 place;
-uniform mat4 to_clip, to_eye;
-uniform vec3 light;
-uniform float haze_from, haze_to;
-uniform int plain;
 flat out vec2 lit;
 flat out float layer;
 out vec3 colour;
 out vec2 at;
-out float far;
 void main() {
-  gl_Position = to_clip * vec4(position, 1.0);
-  vec3 to_viewer = -(to_eye * vec4(position, 1.0)).xyz;
-  vec3 normal = normalize(mat3(to_eye) * direction.xyz);
-  normal *= dot(normal, to_viewer) < 0.0 ? -1.0 : 1.0;
-  float towards = dot(normal, light);
-  float mirrored = max(0.0, dot(2.0 * towards * normal - light, normalize(to_viewer)));
-  float p2 = mirrored * mirrored;
-  float p4 = p2 * p2;
-  float p16 = p4 * p4;
-  p16 *= p16;
-  lit = plain != 0 ? vec2(1.0, 0.0) : vec2(0.20 + 0.88 * max(0.0, towards), 0.22 * p16 * p2 * step(0.0, towards));
+  lit = place_and_light(position, direction.xyz);
   layer = floor(255.0 * tint.w + 0.5);
   colour = tint.rgb;
   at = place;
-  far = clamp((to_viewer.z - haze_from) / (haze_to - haze_from), 0.0, 0.45);
 }
 )";
 

@@ -270,7 +270,7 @@ FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_poin
   const auto b = fdh_project<K>(high_point - centre_);
   FdhInterval<K> out;
   for (int i = 0; i < K / 2; ++i) {
-    const double pad = grow * (i < 3 ? 1.0 : std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i)))) * (1.0 + 1e-12) +
+    const double pad = grow * (i < 3 ? 1.0 : std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i)))) * (1.0 + kOutward) +
                        0x1p-50 * (std::fabs(a[i]) + std::fabs(b[i]));
     out.low[i] = detail::float_below(std::min(a[i], b[i]) - pad);
     out.high[i] = detail::float_above(std::max(a[i], b[i]) + pad);

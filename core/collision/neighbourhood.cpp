@@ -6,6 +6,9 @@
 namespace hapton {
 namespace {
 
+// A squared length from here on has terms that underflow by 2^-150 at most, which is less than a float's rounding, and a float as inverse.
+constexpr float kLeastSquare = 0x1p-122F;
+
 Float8 dot(const Float8 u[3], const Float8 v[3]) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
 
 Float8 dot(const float u[3][8], const Float8 v[3]) {
@@ -396,7 +399,7 @@ void Neighbourhood::derive(Block& block) noexcept {
   // A zero edge gets factor zero; an overflowing one too, which only weakens the bound.
   const auto inverse = [&](const Float8 edge[3]) {
     const Float8 squared = dot(edge, edge);
-    return (Float8(1.0F) / squared) & (squared > Float8(1e-37F));
+    return (Float8(1.0F) / squared) & (squared > Float8(kLeastSquare));
   };
   store(block.inverse_ab, inverse(ab));
   store(block.inverse_ac, inverse(ac));
@@ -404,7 +407,7 @@ void Neighbourhood::derive(Block& block) noexcept {
   Float8 normal[3];
   cross(ab, ac, normal);
   const Float8 squared = dot(normal, normal);
-  const Float8 has_area = squared > Float8(1e-37F);
+  const Float8 has_area = squared > Float8(kLeastSquare);
   const Float8 scale = (Float8(1.0F) / sqrt(squared)) & has_area;
   for (int k = 0; k < 3; ++k) {
     normal[k] = normal[k] * scale;
@@ -422,7 +425,7 @@ void Neighbourhood::derive(Block& block) noexcept {
     Float8 side[3];
     cross(normal, edges[k], side);
     const Float8 side_squared = dot(side, side);
-    const Float8 has_length = side_squared > Float8(1e-37F);
+    const Float8 has_length = side_squared > Float8(kLeastSquare);
     Float8 unit = (Float8(1.0F) / sqrt(side_squared)) & has_length;
     if (k == 2) unit = unit ^ no_sign;  // ac runs the other way round
     for (int i = 0; i < 3; ++i) {

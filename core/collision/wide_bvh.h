@@ -295,6 +295,8 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
   // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24
   // of the coordinates; times are widened by what the reciprocal and the product round.
   constexpr float kSlack = 16.0F / 16777216.0F;
+  // In coordinates of about 1 a motion of less leads nowhere, and its inverse, 2^100, is still a float.
+  constexpr double kLeastMotion = 0x1p-100;
   Float8 start[3];
   Float8 inverse[3];
   float size = 1.0F;
@@ -302,7 +304,7 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
   const Float8 error = Float8(size / 2097152.0F + detail::round_up(radius));
   for (int k = 0; k < 3; ++k) {
     start[k] = Float8(static_cast<float>(p[k]));
-    const double least = motion[k] < 0.0 ? std::min(motion[k], -1e-30) : std::max(motion[k], 1e-30);
+    const double least = motion[k] < 0.0 ? std::min(motion[k], -kLeastMotion) : std::max(motion[k], kLeastMotion);
     inverse[k] = Float8(static_cast<float>(1.0 / least));
   }
   const Float8 zero = Float8(0.0F);

@@ -91,11 +91,11 @@ Result<bool> run_in_window(const DemoOptions& options, const DemoSettings& setti
   while (number <= last) {
     fmt::print("{}\n", step_text(number));
     std::fflush(stdout);
-    const auto wish = watch_demo_step(number, settings, stop, keys);
-    if (!wish) return tl::unexpected(wish.error());
-    if (wish->choice == DemoChoice::quit) break;
-    number = wish->choice == DemoChoice::go_to ? wish->number : number + 1;
-    last = wish->choice == DemoChoice::go_to ? demo_steps().size() : last;
+    const auto request = watch_demo_step(number, settings, stop, keys);
+    if (!request) return tl::unexpected(request.error());
+    if (request->choice == DemoChoice::quit) break;
+    number = request->choice == DemoChoice::go_to ? request->number : number + 1;
+    last = request->choice == DemoChoice::go_to ? demo_steps().size() : last;
   }
   return true;
 }

@@ -135,33 +135,33 @@ Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settin
   if (!motion || !report) return tl::unexpected(motion ? report.error() : motion.error());
   evidence.motion = std::move(*motion);
   evidence.report = std::move(*report);
-  outcome.verdict = step.judge(evidence);
+  outcome.verdict = step.evaluate(evidence);
   return outcome;
 }
 
-std::optional<DemoWish> find_demo_wish(char key) {
-  if (key == 'q' || key == 'Q') return DemoWish{DemoChoice::quit, 0};
-  if (key == 'n' || key == 'N' || key == ' ' || key == '\n') return DemoWish{DemoChoice::next, 0};
+std::optional<DemoRequest> find_demo_request(char key) {
+  if (key == 'q' || key == 'Q') return DemoRequest{DemoChoice::quit, 0};
+  if (key == 'n' || key == 'N' || key == ' ' || key == '\n') return DemoRequest{DemoChoice::next, 0};
   const auto number = static_cast<std::size_t>(key - '0');
-  if (key >= '1' && number <= demo_steps().size()) return DemoWish{DemoChoice::go_to, number};
+  if (key >= '1' && number <= demo_steps().size()) return DemoRequest{DemoChoice::go_to, number};
   return std::nullopt;
 }
 
-Result<DemoWish> watch_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop, KeyReader& keys) {
+Result<DemoRequest> watch_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop, KeyReader& keys) {
   const DemoStep& step = demo_steps()[number - 1];
   const auto scratch = ScratchFolder::make();
   if (!scratch) return tl::unexpected(scratch.error());
   DemoSystem system({.out = scratch->path(), .scratch = scratch->path(), .cpu = settings.cpu, .records = false, .vision = {}});
   if (const auto started = system.start(step); !started) return tl::unexpected(started.error());
   if (const auto started = system.start_vision(step); !started) return tl::unexpected(started.error());
-  std::optional<DemoWish> wish;
+  std::optional<DemoRequest> request;
   Stopwatch since_event;
   bool is_dead = false;
-  for (const Stopwatch watch; !wish;) {
-    if (const auto key = keys.read_key()) wish = find_demo_wish(*key);
-    if (stop.stop_requested() || !system.is_vision_open()) wish = DemoWish{DemoChoice::quit, 0};
-    if (!wish && settings.seconds && watch.seconds() >= *settings.seconds) wish = DemoWish{DemoChoice::next, 0};
-    if (step.event == DemoStep::Event::none || wish) continue;
+  for (const Stopwatch watch; !request;) {
+    if (const auto key = keys.read_key()) request = find_demo_request(*key);
+    if (stop.stop_requested() || !system.is_vision_open()) request = DemoRequest{DemoChoice::quit, 0};
+    if (!request && settings.seconds && watch.seconds() >= *settings.seconds) request = DemoRequest{DemoChoice::next, 0};
+    if (step.event == DemoStep::Event::none || request) continue;
     if (!is_dead && since_event.seconds() > kKillAfterS && since_event.seconds() < kRestartAfterS) {
       system.kill_haptics();
       is_dead = true;
@@ -172,9 +172,9 @@ Result<DemoWish> watch_demo_step(std::size_t number, const DemoSettings& setting
       since_event = Stopwatch();
     }
   }
-  if (wish->choice == DemoChoice::quit) return *wish;
+  if (request->choice == DemoChoice::quit) return *request;
   const auto ended = system.stop();
-  return ended ? Result<DemoWish>(*wish) : tl::unexpected(ended.error());
+  return ended ? Result<DemoRequest>(*request) : tl::unexpected(ended.error());
 }
 
 }  // namespace hapton

@@ -32,15 +32,15 @@ inline constexpr double kLeastDemoSeconds = 4.0;
 Result<DemoOutcome> run_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop);
 
 enum class DemoChoice { next, go_to, quit };
-struct DemoWish {
+struct DemoRequest {
   DemoChoice choice = DemoChoice::quit;
   std::size_t number = 0;  // of go_to
 };
 
 // What a key asks for; none: it is none of the tour's.
-std::optional<DemoWish> find_demo_wish(char key);
+std::optional<DemoRequest> find_demo_request(char key);
 
 // One step in a window, until a key, the closing of the window or the end of its seconds says how to go on. Error: as above.
-Result<DemoWish> watch_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop, KeyReader& keys);
+Result<DemoRequest> watch_demo_step(std::size_t number, const DemoSettings& settings, const StopSignal& stop, KeyReader& keys);
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ struct DemoStep {
   std::string picture_at = "contact";    // when the picture of a run by script is taken, as vision_node --screenshot-when
   Event event = Event::none;
   Result<HandPath> (*make_path)(const Scene& scene) = nullptr;
-  DemoVerdict (*judge)(const DemoEvidence& evidence) = nullptr;
+  DemoVerdict (*evaluate)(const DemoEvidence& evidence) = nullptr;
 };
 
 // The tour in its order; a step's number is its place, from 1. RT: set-up only.

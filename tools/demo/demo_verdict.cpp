@@ -67,13 +67,13 @@ double between_ms(std::int64_t from_ns, std::int64_t to_ns) { return 1e-6 * stat
 
 }  // namespace
 
-DemoVerdict judge_rest(const DemoEvidence& evidence) {
+DemoVerdict evaluate_rest(const DemoEvidence& evidence) {
   const Contact contact = count_contact(evidence.motion);
   return make_verdict(contact, contact.is_mostly() && contact.deepest_m >= kBehindM,
                       fmt::format("; the hand's device up to {:.1f} mm behind the probe", 1e3 * contact.deepest_m));
 }
 
-DemoVerdict judge_groove(const DemoEvidence& evidence) {
+DemoVerdict evaluate_groove(const DemoEvidence& evidence) {
   using namespace demo_groove;
   const Contact contact = count_contact(evidence.motion);
   double lowest = 0.0;
@@ -91,7 +91,7 @@ DemoVerdict judge_groove(const DemoEvidence& evidence) {
                                   1e3 * (highest - lowest), 1e3 * astray, 2e3 * kHalfWidthM));
 }
 
-DemoVerdict judge_wall(const DemoEvidence& evidence) {
+DemoVerdict evaluate_wall(const DemoEvidence& evidence) {
   using namespace demo_wall;
   const Contact contact = count_contact(evidence.motion);
   double longest = 0.0;
@@ -117,7 +117,7 @@ DemoVerdict judge_wall(const DemoEvidence& evidence) {
                   1e3 * longest, 1e3 * kThicknessM, 1e3 * behind, 1e3 * probe_behind));
 }
 
-DemoVerdict judge_heavy(const DemoEvidence& evidence) {
+DemoVerdict evaluate_heavy(const DemoEvidence& evidence) {
   const Contact contact = count_contact(evidence.motion);
   const double typical_us = hop_us(evidence.report, "haptics_compute", "p50_us");
   return make_verdict(
@@ -125,7 +125,7 @@ DemoVerdict judge_heavy(const DemoEvidence& evidence) {
       fmt::format("; a force takes {:.1f} us (p50), {:.1f} us (p99)", typical_us, hop_us(evidence.report, "haptics_compute", "p99_us")));
 }
 
-DemoVerdict judge_network(const DemoEvidence& evidence, double least_round_trip_ms) {
+DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_trip_ms) {
   const Contact contact = count_contact(evidence.motion);
   const double round_trip_ms = 1e-3 * hop_us(evidence.report, "round_trip", "p50_us");
   const double faults = number(evidence.report, "counters", "faults_latched");
@@ -134,7 +134,7 @@ DemoVerdict judge_network(const DemoEvidence& evidence, double least_round_trip_
                                   number(evidence.report, "counters", "energy_damped"), faults));
 }
 
-DemoVerdict judge_death(const DemoEvidence& evidence) {
+DemoVerdict evaluate_death(const DemoEvidence& evidence) {
   const Contact contact = count_contact(evidence.motion);
   bool was_felt = false;
   std::int64_t released_ns = evidence.killed_ns;

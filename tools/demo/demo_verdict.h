@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// What a step of the tour left behind, to be judged.
+// What a step of the tour left behind, to be evaluated.
 struct DemoEvidence {
   DemoMotion motion;
   nlohmann::ordered_json report;  // the hub's report.json, schema hapton.report/2
@@ -26,16 +26,16 @@ struct DemoVerdict {
 // RT: no.
 
 // The probe stays on the surface while the hand presses: in contact most of the time, the device behind the surface.
-DemoVerdict judge_rest(const DemoEvidence& evidence);
+DemoVerdict evaluate_rest(const DemoEvidence& evidence);
 // The probe goes along the groove's bends (demo_shapes.h) while the device is pulled straight on.
-DemoVerdict judge_groove(const DemoEvidence& evidence);
+DemoVerdict evaluate_groove(const DemoEvidence& evidence);
 // Some step is longer than the wall is thick, the device comes to stand behind it, and the probe never does.
-DemoVerdict judge_wall(const DemoEvidence& evidence);
+DemoVerdict evaluate_wall(const DemoEvidence& evidence);
 // In contact most of the time, and the typical force takes less than a period of 1 kHz.
-DemoVerdict judge_heavy(const DemoEvidence& evidence);
+DemoVerdict evaluate_heavy(const DemoEvidence& evidence);
 // In contact most of the time though the typical round trip is as slow as the network makes it; no fault was latched.
-DemoVerdict judge_network(const DemoEvidence& evidence, double least_round_trip_ms);
-// The motors are let go soon after the haptics node was killed, and the force is felt again after it was started again.
-DemoVerdict judge_death(const DemoEvidence& evidence);
+DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_trip_ms);
+// The force is released soon after the haptics node was killed, and the force is felt again after it was started again.
+DemoVerdict evaluate_death(const DemoEvidence& evidence);
 
 }  // namespace hapton

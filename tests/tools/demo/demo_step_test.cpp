@@ -22,21 +22,21 @@ TEST(DemoStep, SaysInALineOrTwoWhatToLookAt) {
     EXPECT_TRUE(names.insert(demo_file_name(number)).second);
     EXPECT_EQ(demo_file_name(number).find(' '), std::string::npos);
     EXPECT_NE(step.make_path, nullptr);
-    EXPECT_NE(step.judge, nullptr);
+    EXPECT_NE(step.evaluate, nullptr);
     // A mesh made for the step has no file.
     EXPECT_TRUE(step.scene.empty() || std::filesystem::exists(std::filesystem::path(HAPTON_SOURCE_DIR) / step.scene)) << step.scene;
   }
 }
 
 TEST(DemoStep, KeysAreNumbersNextAndQuit) {
-  EXPECT_EQ(find_demo_wish('q')->choice, DemoChoice::quit);
-  for (const char next : {'n', ' ', '\n'}) EXPECT_EQ(find_demo_wish(next)->choice, DemoChoice::next);
+  EXPECT_EQ(find_demo_request('q')->choice, DemoChoice::quit);
+  for (const char next : {'n', ' ', '\n'}) EXPECT_EQ(find_demo_request(next)->choice, DemoChoice::next);
   for (char key = '1'; key <= '6'; ++key) {
-    ASSERT_TRUE(find_demo_wish(key)) << key;
-    EXPECT_EQ(find_demo_wish(key)->choice, DemoChoice::go_to);
-    EXPECT_EQ(find_demo_wish(key)->number, static_cast<std::size_t>(key - '0'));
+    ASSERT_TRUE(find_demo_request(key)) << key;
+    EXPECT_EQ(find_demo_request(key)->choice, DemoChoice::go_to);
+    EXPECT_EQ(find_demo_request(key)->number, static_cast<std::size_t>(key - '0'));
   }
-  for (const char other : {'0', '7', '9', 'x', '\t', '\xff'}) EXPECT_FALSE(find_demo_wish(other)) << other;
+  for (const char other : {'0', '7', '9', 'x', '\t', '\xff'}) EXPECT_FALSE(find_demo_request(other)) << other;
 }
 
 }  // namespace

@@ -27,13 +27,13 @@ DemoEvidence evidence_of(std::vector<DemoStepSeen> steps) {
 
 TEST(DemoVerdict, RestIsContactThatLastsWithTheDeviceInside) {
   std::vector<DemoStepSeen> steps(100, touch(Vec3::Zero(), 0.002));
-  const DemoVerdict held = judge_rest(evidence_of(steps));
+  const DemoVerdict held = evaluate_rest(evidence_of(steps));
   EXPECT_TRUE(held.touched && held.held) << held.text;
   EXPECT_THAT(held.text, HasSubstr("up to 2.0 mm behind the probe"));
   steps.insert(steps.end(), 150, free_step(Vec3::Zero()));
-  EXPECT_FALSE(judge_rest(evidence_of(steps)).held) << "lost again";
-  EXPECT_FALSE(judge_rest(evidence_of(std::vector<DemoStepSeen>(100, touch(Vec3::Zero(), 0.0001)))).held) << "brushed";
-  const DemoVerdict never = judge_rest(evidence_of(std::vector<DemoStepSeen>(100, free_step(Vec3::Zero()))));
+  EXPECT_FALSE(evaluate_rest(evidence_of(steps)).held) << "lost again";
+  EXPECT_FALSE(evaluate_rest(evidence_of(std::vector<DemoStepSeen>(100, touch(Vec3::Zero(), 0.0001)))).held) << "brushed";
+  const DemoVerdict never = evaluate_rest(evidence_of(std::vector<DemoStepSeen>(100, free_step(Vec3::Zero()))));
   EXPECT_FALSE(never.touched || never.held);
   EXPECT_THAT(never.text, HasSubstr("touched nothing"));
 }
@@ -46,9 +46,9 @@ DemoEvidence slide(double share) {
 }
 
 TEST(DemoVerdict, TheGrooveLeadsTheProbeAlongItsBends) {
-  EXPECT_TRUE(judge_groove(slide(1.0)).held) << judge_groove(slide(1.0)).text;
-  EXPECT_FALSE(judge_groove(slide(0.0)).held) << "straight on, through the walls";
-  EXPECT_FALSE(judge_groove(slide(-1.0)).held) << "beside the groove";
+  EXPECT_TRUE(evaluate_groove(slide(1.0)).held) << evaluate_groove(slide(1.0)).text;
+  EXPECT_FALSE(evaluate_groove(slide(0.0)).held) << "straight on, through the walls";
+  EXPECT_FALSE(evaluate_groove(slide(-1.0)).held) << "beside the groove";
 }
 
 DemoEvidence tap(double step_m, double probe_behind_m) {
@@ -60,13 +60,13 @@ DemoEvidence tap(double step_m, double probe_behind_m) {
 }
 
 TEST(DemoVerdict, TheProbeNeverComesBehindTheWall) {
-  EXPECT_TRUE(judge_wall(tap(0.0004, 0.0)).held) << judge_wall(tap(0.0004, 0.0)).text;
-  EXPECT_FALSE(judge_wall(tap(0.0004, demo_wall::kThicknessM)).held) << "fallen through";
+  EXPECT_TRUE(evaluate_wall(tap(0.0004, 0.0)).held) << evaluate_wall(tap(0.0004, 0.0)).text;
+  EXPECT_FALSE(evaluate_wall(tap(0.0004, demo_wall::kThicknessM)).held) << "fallen through";
   DemoEvidence slow = tap(0.00005, 0.0);
   for (DemoStepSeen& step : slow.motion.steps) {
     if (step.contact) step.p_WD.z() = demo_wall::kFrontM - 0.00001;
   }
-  EXPECT_FALSE(judge_wall(slow).held) << "no step longer than the wall is thick";
+  EXPECT_FALSE(evaluate_wall(slow).held) << "no step longer than the wall is thick";
 }
 
 DemoEvidence with_hop(const char* hop, double p50_us) {
@@ -76,18 +76,18 @@ DemoEvidence with_hop(const char* hop, double p50_us) {
 }
 
 TEST(DemoVerdict, TheHeavyMeshAnswersWithinAPeriod) {
-  EXPECT_TRUE(judge_heavy(with_hop("haptics_compute", 5.0)).held);
-  EXPECT_THAT(judge_heavy(with_hop("haptics_compute", 5.0)).text, HasSubstr("5.0 us (p50), 10.0 us (p99)"));
-  EXPECT_FALSE(judge_heavy(with_hop("haptics_compute", 1500.0)).held);
-  EXPECT_FALSE(judge_heavy(with_hop("round_trip", 5.0)).held) << "not measured";
+  EXPECT_TRUE(evaluate_heavy(with_hop("haptics_compute", 5.0)).held);
+  EXPECT_THAT(evaluate_heavy(with_hop("haptics_compute", 5.0)).text, HasSubstr("5.0 us (p50), 10.0 us (p99)"));
+  EXPECT_FALSE(evaluate_heavy(with_hop("haptics_compute", 1500.0)).held);
+  EXPECT_FALSE(evaluate_heavy(with_hop("round_trip", 5.0)).held) << "not measured";
 }
 
 TEST(DemoVerdict, TheNetworkIsSlowAndTheContactStays) {
-  EXPECT_TRUE(judge_network(with_hop("round_trip", 9000.0), 8.0).held);
-  EXPECT_FALSE(judge_network(with_hop("round_trip", 100.0), 8.0).held) << "the network was not slow at all";
+  EXPECT_TRUE(evaluate_network(with_hop("round_trip", 9000.0), 8.0).held);
+  EXPECT_FALSE(evaluate_network(with_hop("round_trip", 100.0), 8.0).held) << "the network was not slow at all";
   DemoEvidence faulty = with_hop("round_trip", 9000.0);
   faulty.report["counters"]["faults_latched"] = 1;
-  EXPECT_FALSE(judge_network(faulty, 8.0).held);
+  EXPECT_FALSE(evaluate_network(faulty, 8.0).held);
 }
 
 // Forces every millisecond but between these times, ms; killed at 1000, restarted at 2000.
@@ -102,11 +102,11 @@ DemoEvidence death(int last_ms, int first_again_ms) {
 }
 
 TEST(DemoVerdict, ADeathLetsTheMotorsGoAndTheForceComesBack) {
-  EXPECT_TRUE(judge_death(death(1018, 2150)).held);
-  EXPECT_THAT(judge_death(death(1018, 2150)).text, HasSubstr("no force 18 ms after the node is killed, felt again 150 ms after"));
-  EXPECT_FALSE(judge_death(death(1300, 2150)).held) << "held on to the force";
-  EXPECT_FALSE(judge_death(death(1018, 5000)).held) << "never felt again";
-  EXPECT_FALSE(judge_death(death(-1, 2150)).held) << "not felt before it was killed";
+  EXPECT_TRUE(evaluate_death(death(1018, 2150)).held);
+  EXPECT_THAT(evaluate_death(death(1018, 2150)).text, HasSubstr("no force 18 ms after the node is killed, felt again 150 ms after"));
+  EXPECT_FALSE(evaluate_death(death(1300, 2150)).held) << "held on to the force";
+  EXPECT_FALSE(evaluate_death(death(1018, 5000)).held) << "never felt again";
+  EXPECT_FALSE(evaluate_death(death(-1, 2150)).held) << "not felt before it was killed";
 }
 
 }  // namespace

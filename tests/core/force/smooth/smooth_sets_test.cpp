@@ -235,7 +235,7 @@ TEST(SmoothMethod, ExchangingSetsCannotBeFelt) {
 }
 
 TEST(SmoothMethod, StepUsesNoHeap) {
-  if (!AllocationGuard::is_available()) GTEST_SKIP();
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "allocations cannot be counted in this build";
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   for (const std::uint32_t size : {16U, 64U, 256U}) {
     const auto method = make(scene_of(mesh), with_size(size, 1.0));
