@@ -8,10 +8,11 @@
 namespace hapton {
 namespace {
 
-constexpr std::array<std::pair<StereoMode, std::string_view>, 14> kNames = {{
+constexpr std::array<std::pair<StereoMode, std::string_view>, 15> kNames = {{
     {StereoMode::automatic, "auto"},
     {StereoMode::mono, "mono"},
     {StereoMode::side_by_side, "side_by_side"},
+    {StereoMode::top_bottom, "top_bottom"},
     {StereoMode::crystal_eyes, "crystal_eyes"},
     {StereoMode::red_blue, "red_blue"},
     {StereoMode::interlaced, "interlaced"},

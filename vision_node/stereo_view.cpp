@@ -62,6 +62,7 @@ int vtk_stereo_type(StereoMode mode) {
     case StereoMode::automatic:
     case StereoMode::mono:
     case StereoMode::side_by_side:
+    case StereoMode::top_bottom:
       return 0;
   }
   return 0;
@@ -79,11 +80,20 @@ class SceneProp : public vtkProp {
 };
 vtkStandardNewMacro(SceneProp)
 
-    // One viewport: the whole window, or one eye's half of it.
-    struct EyeView {
+    // A part of the window, as shares of it from the lower left corner.
+    struct Viewport {
+  double from_x = 0.0;
+  double from_y = 0.0;
+  double to_x = 1.0;
+  double to_y = 1.0;
+};
+
+// One viewport: the whole window, or one eye's half of it.
+struct EyeView {
   Eye eye = Eye::centre;
   bool composed = false;  // VTK draws both eyes through this view and says which by the camera's LeftEye
   bool swapped = false;   // and these are the other way round
+  int squeeze = 1;        // the display stretches the picture to so many times its height
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkCamera> camera;
   vtkNew<vtkLight> light;
@@ -95,6 +105,11 @@ vtkStandardNewMacro(SceneProp)
   PictureSize size() {
     const int* pixels = renderer->GetSize();
     return {pixels[0], pixels[1]};
+  }
+
+  StereoScreen screen(const Framing& framing) {
+    const PictureSize drawn = size();
+    return compute_screen(framing, {drawn.width_px, squeeze * drawn.height_px});
   }
 
   Eye eye_now() const {
@@ -153,7 +168,7 @@ struct StereoView::Window {
   vtkOpenGLRenderWindow* opengl() { return vtkOpenGLRenderWindow::SafeDownCast(window); }
   Result<void> open();
   void arrange();
-  void add_eye(Eye eye, double from, double to);
+  void add_eye(Eye eye, const Viewport& part);
   void begin(EyeView& view);
   void prepare();
   void render();
@@ -197,21 +212,25 @@ void StereoView::Window::arrange() {
   if (type != 0) window->SetStereoType(type);
   window->SetStereoRender(type != 0);
   if (mode == StereoMode::side_by_side) {
-    add_eye(swapped ? Eye::right : Eye::left, 0.0, 0.5);
-    add_eye(swapped ? Eye::left : Eye::right, 0.5, 1.0);
+    add_eye(swapped ? Eye::right : Eye::left, {.to_x = 0.5});
+    add_eye(swapped ? Eye::left : Eye::right, {.from_x = 0.5});
+  } else if (mode == StereoMode::top_bottom) {
+    add_eye(swapped ? Eye::right : Eye::left, {.from_y = 0.5});
+    add_eye(swapped ? Eye::left : Eye::right, {.to_y = 0.5});
   } else {
-    add_eye(mode == StereoMode::emulate ? Eye::left : Eye::centre, 0.0, 1.0);
+    add_eye(mode == StereoMode::emulate ? Eye::left : Eye::centre, {});
   }
   stale = true;
 }
 
-void StereoView::Window::add_eye(Eye eye, double from, double to) {
+void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   auto view = std::make_unique<EyeView>();
   view->eye = eye;
   view->composed = vtk_stereo_type(mode) != 0;
   view->swapped = swapped;
+  view->squeeze = mode == StereoMode::top_bottom ? 2 : 1;
   vtkRenderer* renderer = view->renderer;
-  renderer->SetViewport(from, 0.0, to, 1.0);
+  renderer->SetViewport(part.from_x, part.from_y, part.to_x, part.to_y);
   renderer->SetActiveCamera(view->camera);
   renderer->AutomaticLightCreationOff();
   renderer->GetCullers()->RemoveAllItems();
@@ -246,7 +265,7 @@ void StereoView::Window::begin(EyeView& view) {
   if (pixels.width_px <= 0 || pixels.height_px <= 0) return;
   if (!std::exchange(is_prepared, true)) prepare();
   view.shows_scale = settings.depth_cues && !settings.plain;
-  const StereoScreen screen = compute_screen(settings.framing, pixels);
+  const StereoScreen screen = view.screen(settings.framing);
   view.aim(screen);
   const bool points = p_WP && !settings.plain;
   view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
@@ -256,8 +275,7 @@ void StereoView::Window::begin(EyeView& view) {
 void StereoView::Window::prepare() {
   std::vector<ScenePass> passes;
   for (const auto& view : eyes) {
-    ScenePass pass{view->eye,          compute_screen(settings.framing, view->size()), view->size(), X_WS, settings.cull, settings.plain,
-                   settings.depth_cues};
+    ScenePass pass{view->eye, view->screen(settings.framing), view->size(), X_WS, settings.cull, settings.plain, settings.depth_cues};
     if (view->composed) {
       pass.eye = Eye::left;
       passes.push_back(pass);
@@ -430,7 +448,7 @@ StereoMode StereoView::mode() const { return window_->mode; }
 
 PictureSize StereoView::picture_size() const { return window_->eyes.front()->size(); }
 
-StereoScreen StereoView::screen() const { return compute_screen(window_->settings.framing, picture_size()); }
+StereoScreen StereoView::screen() const { return window_->eyes.front()->screen(window_->settings.framing); }
 
 const ProbeSizes& StereoView::probe_sizes() const { return window_->probe->sizes(); }
 

@@ -63,6 +63,29 @@ TEST(StereoView, SideBySideShowsEachMarkerWhereTheoryPutsItInEachEye) {
   EXPECT_GT(compute_disparity_m(screen, -0.09) * 640 / screen.width_m, 15.0);
 }
 
+// The rows from..to of a picture, with the same columns.
+Picture rows_of(const Picture& picture, int from, int to) {
+  const std::size_t row = 3 * static_cast<std::size_t>(picture.size.width_px);
+  return {{picture.size.width_px, to - from}, {picture.rgb.begin() + from * row, picture.rgb.begin() + to * row}};
+}
+
+TEST(StereoView, TopBottomShowsEachMarkerWhereTheoryPutsItAtHalfTheHeight) {
+  auto view = open_or_fail(plain_settings(StereoMode::top_bottom, 1280, 720), three_markers());
+  ASSERT_TRUE(view);
+  view->draw();
+  const Picture picture = view->read_picture();
+  ASSERT_EQ(view->picture_size(), (PictureSize{1280, 360}));
+  const StereoScreen screen = compute_screen(plain_settings(StereoMode::top_bottom, 1280, 720).framing, {1280, 720});
+  for (int channel = 0; channel < 3; ++channel) {
+    const auto above = centroid(rows_of(picture, 360, 720), channel, 0, 1280);
+    const auto below = centroid(rows_of(picture, 0, 360), channel, 0, 1280);
+    ASSERT_TRUE(above && below);
+    const Vec2 half(1.0, 0.5);
+    EXPECT_LT((*above - project_to_pixel(screen, Eye::left, {1280, 720}, kMarkers[channel]).cwiseProduct(half)).norm(), 0.6);
+    EXPECT_LT((*below - project_to_pixel(screen, Eye::right, {1280, 720}, kMarkers[channel]).cwiseProduct(half)).norm(), 0.6);
+  }
+}
+
 TEST(StereoView, SideBySideDoesNotSqueeze) {
   const Picture picture = picture_of(StereoMode::side_by_side, 1280, 720, {{make_marker(Vec3::Zero(), 0.03), kWhite}});
   int min_x = 640, max_x = -1, min_y = 720, max_y = -1;
