@@ -75,14 +75,14 @@ class SealedClient final : public Endpoint {
   Options options_;
   ClientHandshake handshake_;
   SealedChannel channel_;
-  SealedChannel previous_;  // the hub still sends in it until it has received in the new one, and what it sent may come late
+  SealedChannel previous_;  // the hub uses it until it has received in the new one, and its datagrams may be late
   std::int64_t previous_ends_ns_ = 0;
   SealCounts counts_;
   std::int64_t next_request_ns_ = 0;
   std::int64_t rekey_ns_ = 0;
   std::int64_t last_heard_ns_ = 0;
   bool has_heard_ = false;  // since last_heard_ns_
-  bool may_retry_ = false;  // one request in answer to a retry for each sent in its time
+  bool may_retry_ = false;  // one request in reply to a retry for each regular request
   std::size_t held_bytes_ = 0;
   std::array<std::byte, kMaxDatagramBytes> held_ = {};
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};

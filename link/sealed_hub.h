@@ -42,7 +42,7 @@ class SealedHub final : public Endpoint {
   // Pre: endpoint and clock outlive this.
   SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& master, AgreementWorker::Where worker = AgreementWorker::Where::caller);
 
-  // False when nobody at that address has a session, when it does not fit (seal::kMaxPayloadBytes), or when the system rejected it.
+  // False if there is no session with that address, if it does not fit (seal::kMaxPayloadBytes), or if the system rejected it.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   // Received::role is the role of the session's key.
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
@@ -55,7 +55,7 @@ class SealedHub final : public Endpoint {
   enum class State : std::uint8_t {
     free,
     agreeing,   // the worker has it
-    candidate,  // answered; nothing was opened in it yet
+    candidate,  // replied to; nothing has been opened in it yet
     live,
     retiring,  // replaced: received in until ends_ns
   };
@@ -91,8 +91,8 @@ class SealedHub final : public Endpoint {
   std::uint64_t oversized_noted_ = 0;
   std::uint64_t kept_out_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};
-  std::array<std::uint8_t, 16> hints_ = {};  // place that was last sent to, by the lower bits of its port
-  std::uint32_t generation_ = 0;             // in the upper bits of a connection's number, its place in the lower
+  std::array<std::uint8_t, 16> hints_ = {};  // slot that was last sent to, by the lower bits of its port
+  std::uint32_t generation_ = 0;             // the upper bits of a connection's number; the lower ones are its slot
   SealCounts counts_;
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};
   std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};

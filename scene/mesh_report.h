@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "core/geometry/border_edges.h"
+#include "core/geometry/boundary_edges.h"
 #include "core/geometry/corner_normals.h"
 #include "core/geometry/inside_out.h"
 #include "core/geometry/mesh_topology.h"
@@ -19,8 +19,8 @@ namespace hapton {
 // when it is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
-  BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
-  RepairReport mend;
+  BoundaryEdges borders;  // its boundary edges: cracks are up to a thousandth of the longest side wide
+  RepairReport repair;
   ClosedBodies bodies;           // told apart by the side that their fronts are on
   AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
@@ -38,9 +38,9 @@ std::string describe_inside_out(const ClosedBodies& bodies);
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;    // of the welded mesh, as the file has it
-  SealReport sealed;  // what is done to it before it is touched
-  BorderEdges left;   // its boundary edges then
+  MeshFlaws flaws;     // of the welded mesh, as the file has it
+  SealReport sealed;   // what is done to it before it is touched
+  BoundaryEdges left;  // its boundary edges then
   bool is_closed_for_touch = false;
 };
 

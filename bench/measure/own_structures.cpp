@@ -7,8 +7,8 @@
 
 #include "bench/measure/triangle_tests.h"
 #include "core/collision/fdh_tree.h"
-#include "core/collision/neighbourhood.h"
 #include "core/collision/touch_geometry.h"
+#include "core/collision/triangle_cache.h"
 #include "core/collision/uniform_grid.h"
 #include "core/collision/visit_stamps.h"
 #include "core/collision/wide_bvh.h"
@@ -202,7 +202,7 @@ class Near final : public QueryStructure {
         if (near_.count() < kFew) reach_ *= 1.4;
         continue;
       }
-      if (reach_ < kRadius) return kNothingFound;  // more than its capacity at one place
+      if (reach_ < kRadius) return kNothingFound;  // more than its capacity in one place
       reach_ *= 0.5;
     }
     const int count = near_.find_meetings(p, way, kRadius, box, meetings_);
@@ -222,8 +222,8 @@ class Near final : public QueryStructure {
   static constexpr int kMany = 48;
 
   TouchGeometry geometry_;
-  Neighbourhood near_;
-  std::array<Neighbourhood::Meeting, Neighbourhood::kCapacity> meetings_;
+  TriangleCache near_;
+  std::array<TriangleCache::Meeting, TriangleCache::kCapacity> meetings_;
   double reach_ = 0x1p-6;
 };
 

@@ -39,7 +39,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
   for (const Vec3& v : mesh.vertices) vertices.push_back((frame.to_local(v) / kGrid).array().round() * kGrid);
   tree_ = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
 
-  // Tree order for triangles, first-use order for vertices: what is near in space is near in memory.
+  // Triangles in tree order, vertices in the order of their first use: what is near in space is near in memory.
   const std::vector<std::uint32_t> order = tree_.items_in_tree_order();
   constexpr std::uint32_t kUnset = 0xFFFFFFFFU;
   std::vector<std::uint32_t> new_vertex(vertices.size(), kUnset);
@@ -85,12 +85,12 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }
 
-// Walkable all over, and without a border.
+// Every triangle is walkable, and there is no boundary.
 bool ObjectGeometry::is_whole() const {
   for (std::uint32_t t = 0; t < triangle_count(); ++t) {
     if (!adjacency_.is_walkable(t)) return false;
     for (int k = 0; k < 3; ++k) {
-      if (adjacency_.across(t, k).triangle == t) return false;
+      if (adjacency_.adjacent(t, k).triangle == t) return false;
     }
   }
   return true;

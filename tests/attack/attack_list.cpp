@@ -30,7 +30,7 @@ void sleep_s(double seconds) {
 // In a thread that is there in time, where this user may have one; it starts no programs, which would inherit that.
 void observe(const std::function<void()>& what, bool in_realtime = true) {
   std::thread thread([&] {
-    // Before all that is observed, where that is granted: not even a real-time program run wild keeps it from looking.
+    // With priority over everything observed, if permitted: not even a real-time program run wild keeps it from observing.
     if (in_realtime && !enter_deadline(100'000, 200'000))
       (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .lock_memory = false, .low_dma_latency = false});
     what();
@@ -38,7 +38,7 @@ void observe(const std::function<void()>& what, bool in_realtime = true) {
   thread.join();
 }
 
-// Over its bound by no more than this machine, in which nothing runs without a hypervisor, let nobody run: not even the observers.
+// Over its bound by no more than a stall of this machine, in which a hypervisor ran nobody: not even the observers.
 bool is_stalled(const Row& row) { return row.is_over && row.release_ms() - row.blind_ms <= row.bound_ms; }
 
 class List {
@@ -209,7 +209,7 @@ void List::io_node_freezes() {
       note(row, bed->observer().release_after([&] { ::kill(bed->io().pid(), SIGSTOP); }));
       sleep_s(0.2);
       ::kill(bed->io().pid(), SIGCONT);
-      // What was out before must not come back: the first 10 ms bring at most the beginning of a ramp.
+      // The earlier force must not come back: the first 10 ms bring at most the beginning of a ramp.
       thawed_n = std::max(thawed_n, bed->observer().watch(0.01).strongest_n);
     });
   }
@@ -247,7 +247,7 @@ void List::realtime_is_taken() {
   finish(row);
 }
 
-// The counters of a report; 0 for what is not there.
+// A counter of a report; 0 if missing.
 double counter(const nlohmann::json& report, const char* name) {
   const auto counters = report.find("counters");
   return report.is_object() && counters != report.end() ? counters->value(name, 0.0) : 0.0;

@@ -199,7 +199,7 @@ TEST_F(Wooden, GoesOnWhereItWasWhenItsElectronicsKeptTheirPower) {
   EXPECT_EQ(hear(kInTheMiddle).sample.p_WD, before);
 }
 
-TEST_F(Wooden, WhoseCountsBeganAnewInUseIsNotTrustedUntilItHasRested) {
+TEST_F(Wooden, WithCountsResetInUseIsNotTrustedUntilItHasBeenAtRest) {
   begin();
   hear(kInTheMiddle);
   begin_again();
@@ -214,7 +214,7 @@ TEST_F(Wooden, WhoseCountsBeganAnewInUseIsNotTrustedUntilItHasRested) {
   EXPECT_LT(hear({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
 }
 
-TEST_F(Wooden, ThatTremblesDoesNotRest) {
+TEST_F(Wooden, ThatTremblesIsNotAtRest) {
   begin();
   hear(kInTheMiddle);
   begin_again();

@@ -68,7 +68,7 @@ void change_header(Item& item, Mutation& mutation) {
     case 1:
       item.data->counter = mutation.odd_number();
       return;
-    default:  // said in another session, in the other direction, or later
+    default:  // sent in another session, in the other direction, or later
       item.datagram.flags ^= static_cast<std::uint8_t>(1U << mutation.below(5));
       item.data->connection = connection_of(item.datagram.node());
   }

@@ -52,7 +52,7 @@ TEST(ForceFade, InTheAirItIsGoneTenTimesAsSoonAndContactThereafterBringsNothingB
   EXPECT_FALSE(fade.is_felt());
 }
 
-TEST(ForceFade, AnotherSwitchWhileItFadesBeginsAtWhatIsFelt) {
+TEST(ForceFade, AnotherSwitchWhileItFadesStartsAtThePresentForce) {
   ForceFade fade;
   fade.step(kBefore, true, kMs);
   fade.begin();
@@ -73,7 +73,7 @@ TEST(ForceFade, ADifferenceThatIsNotFiniteIsLeftOut) {
   }
 }
 
-TEST(ForceFade, WhatIsForgottenIsNotFelt) {
+TEST(ForceFade, AForgottenFadeHasNoForce) {
   ForceFade fade;
   fade.step(kBefore, true, kMs);
   fade.begin();

@@ -186,7 +186,7 @@ TEST_F(Recorders, AFolderNobodyNamedIsMadeWhenThereIsSomethingToWrite) {
   EXPECT_EQ(flight_files().size(), 1U);
 }
 
-TEST_F(Recorders, ADiskThatIsFullEndsTheRecordingAndIsTold) {
+TEST_F(Recorders, AFullDiskEndsTheRecordingAndIsReported) {
   auto recorder = make({"/dev/full", {}});
   const auto started = recorder.start();
   ASSERT_FALSE(started);

@@ -223,7 +223,7 @@ TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
   EXPECT_EQ(step.drew(100 * kMs, 190 * kMs, where_)->rest_ns, 0);
 }
 
-TEST_F(VisionStepTest, AStateThatLooksTheSameIsToldOfOnce) {
+TEST_F(VisionStepTest, AnUnchangedStateIsReportedOnce) {
   VisionStep step(settings());
   step.joined();
   step.hear(state_at(0.01, 41));

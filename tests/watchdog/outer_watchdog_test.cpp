@@ -111,7 +111,7 @@ TEST_F(Watched, OneBadLookIsNotEnough) {
   EXPECT_EQ(live(1), Verdict::fine);
 }
 
-TEST(ForceCutterTest, TellsAHidDeviceToBeOffByAHandleOfItsOwn) {
+TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();

@@ -31,7 +31,7 @@ std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& st
   return walls;
 }
 
-// How far a proxy at contact offset over the ground gets to the right, as a part of the motion; 1: all the way.
+// The share of a motion to the right that a proxy at contact offset over the ground can make; 1: all of it.
 double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
   const Clearance clearance = {.rest = 1.0, .slack = 0.5, .tolerance = 0x1p-10};
   double first = 1.0;

@@ -122,7 +122,7 @@ Result<Figure> draw_algorithm_1() {
   return Figure{"algorithm1", script};
 }
 
-// --- proxy: over a ridge, in a fold ----------------------------------------------------------------------------------------------
+// --- proxy: over a convex edge, in a concave edge --------------------------------------------------------------------------------
 
 Result<Figure> draw_proxy() {
   const Outline outline = {{-0.022, -0.014}, {0.022, -0.014}, {0.022, 0.005}, {0.006, -0.003}, {-0.007, 0.006}, {-0.022, -0.002}};
@@ -171,7 +171,7 @@ Result<Figure> draw_proxy() {
 
 // --- All methods on one slide ----------------------------------------------------------------------------------------------------
 
-// The top of the block that the slide goes over, left to right: a ridge of six facets, a groove.
+// The top of the block that the slide crosses, left to right: a convex edge of six facets, a groove.
 Outline profile() {
   Outline top = {{-0.030, 0.0}};
   for (int degree = 150; degree >= 30; degree -= 20)

@@ -33,7 +33,7 @@ HostileProgram::HostileProgram(std::uint64_t seed) noexcept : random_(seed) {
   step_.sample.buttons = ~0U;
 }
 
-// From what there is in shops to what nobody builds; now and then one that makes no sense in something.
+// From devices on the market to ones that nobody builds; sometimes with an impossible value.
 void HostileProgram::choose_device() noexcept {
   device_.max_force_n = std::pow(10.0, random_.uniform(-1.0, 2.0));
   device_.max_slew_n_per_s = device_.max_force_n / random_.uniform(0.001, 0.05);
@@ -48,7 +48,7 @@ void HostileProgram::choose_device() noexcept {
   }
   if (!random_.once_in(3)) {
     device_.continuous_force_n = device_.max_force_n * random_.uniform(0.1, 0.9);
-    // One shorter than letting go takes cannot be kept by a force that must not jump: it ends in a fault.
+    // A shorter peak time than a release takes cannot be kept without a jump: it ends in a fault.
     device_.peak_s = std::pow(10.0, random_.uniform(is_physical_ ? -0.5 : -2.0, 1.0));
   }
   device_.max_speed_m_per_s = random_.once_in(4) ? 0.0 : random_.uniform(0.3, 4.0);
@@ -193,7 +193,7 @@ Vec3 HostileProgram::wanted_n(double most) noexcept {
       return Vec3::Zero();
     case Force::spring:  // a wall through the middle
       return axis_ * std::clamp(-1000.0 * axis_.dot(p_m_), 0.0, most);
-    case Force::active:  // pushes what moves
+    case Force::active:  // accelerates the motion
       return v_m_per_s_ * (most / (0.01 + v_m_per_s_.norm()));
     case Force::most:
       return axis_ * most;

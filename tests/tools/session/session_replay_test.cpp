@@ -179,7 +179,7 @@ TEST_F(FeltAgain, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, WhatAMethodFeltThatIsNotNamedIsNotCompared) {
+TEST_F(FeltAgain, ForcesOfAnUnnamedMethodAreNotCompared) {
   slide(60);
   live.replace(make_touch("reference"));  // its setup got lost
   slide(40);
@@ -222,7 +222,7 @@ TEST_F(FeltAgain, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, ARecordingWithoutSetupsIsRefusedInOneLine) {
+TEST_F(FeltAgain, ARecordingWithoutSetupsIsRejectedInOneLine) {
   setups.clear();
   slide(1);
   SessionReplay felt = make_felt();
