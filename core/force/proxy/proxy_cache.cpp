@@ -6,7 +6,7 @@
 namespace hapton {
 
 void ProxyMethod::forget_near() noexcept {
-  for (TriangleCache& neighbourhood : caches_) neighbourhood.clear();
+  for (TriangleCache& each : caches_) each.clear();
   prefetch_ = Prefetch::nothing;
   if (sphere_ != nullptr) sphere_->forget_near();
 }

@@ -421,7 +421,7 @@ TEST(FacetDescent, APointNotHeldByNeighboursIsLeftToTheGeneralMethod) {
   EXPECT_FALSE(ground.run(nobody, device));
   State far_away = start;
   far_away.triangles[0] = ground.state_over(ground.geometry().to_local({-0.3, -0.31, -0.32})).triangles[0];
-  EXPECT_FALSE(ground.run(far_away, device)) << "not in the neighbourhood";
+  EXPECT_FALSE(ground.run(far_away, device)) << "not in the triangle cache";
   const State beside = ground.state_over(start.at + Vec3(0.05, -0.05, 0.05));
   State two = start;
   two.triangles.push_back(beside.triangles[0]);
