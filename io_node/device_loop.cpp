@@ -213,7 +213,7 @@ const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
   return stats_;
 }
 
-// Repeats while there is a command that nobody has taken: a thread that finds the claim taken leaves the command to the claim's holder, who
+// Repeats while there is a command that is not yet taken: a thread that finds the claim taken leaves the command to the claim's holder, who
 // checks again after releasing it.
 void DeviceLoop::serve() noexcept {
   while (served_.load() < posted_.load()) {

@@ -15,13 +15,13 @@
 
 namespace hapton {
 
-// What is wrong with a mesh, and what method smooth would mend of it. The other methods touch it as it came, but for cracks that are sealed
-// when it is loaded.
+// The flaws of a mesh, and what method smooth would repair. The other methods use the mesh as it is, except that cracks are sealed when it
+// is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
   BoundaryEdges borders;  // its boundary edges: cracks are up to a thousandth of the longest side wide
   RepairReport repair;
-  ClosedBodies bodies;           // told apart by the side that their fronts are on
+  ClosedBodies bodies;           // distinguished by the side that their fronts are on
   AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
 
@@ -34,7 +34,7 @@ std::string to_text(const MeshFlaws& flaws);
 // "2 of 3 closed bodies are inside out: ..."; empty when none is.
 std::string describe_inside_out(const ClosedBodies& bodies);
 
-// What `hapton info` tells about a mesh file.
+// What `hapton info` reports about a mesh file.
 struct MeshReport {
   std::string path;
   MeshFile file;
@@ -44,7 +44,7 @@ struct MeshReport {
   bool is_closed_for_touch = false;
 };
 
-// Error: whatever load_mesh_file refuses. RT: set-up only.
+// Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit);
 
 // For people, a line a fact.

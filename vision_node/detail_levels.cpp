@@ -90,7 +90,7 @@ double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const Det
   double slip = difference(wanted, tint) * longest;
   const Eigen::Vector2d away = wanted.place.cast<double>() - place;
   if (wanted.layer == 0 || away.isZero()) return slip;
-  // The texture coordinates on the triangle: (b - a, c - a) = stretch * (place b - place a, place c - place a).
+  // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (place b - place a, place c - place a).
   Eigen::Matrix2d places;
   places << (paint(1).place - paint(0).place).cast<double>(), (paint(2).place - paint(0).place).cast<double>();
   Eigen::Matrix<double, 3, 2> edges;

@@ -27,7 +27,7 @@ struct MethodRow {
   MethodSettings settings;
   std::string structure;  // "neighbourhood + wide", "grid 32", "fdh 14, set 64"
   std::size_t steps = 0;
-  MethodTiming timing;  // without felt
+  MethodTiming timing;  // without the discontinuities
   ForceError error;
 };
 

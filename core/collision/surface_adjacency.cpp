@@ -97,7 +97,7 @@ bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3
   return !(a.is_over(line) && b.is_over(line)) && !(a.is_over(-line) && b.is_over(-line));
 }
 
-// Whether two triangles are folded onto each other along their common edge.
+// Whether the angle between two triangles at their common edge is zero.
 bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
   const Vec3 a = edge.cross(to_a);
   const Vec3 b = edge.cross(to_b);

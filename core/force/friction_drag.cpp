@@ -61,7 +61,7 @@ SlidingPull::SlidingPull(const Vec3& pull, const Vec3& motion, double radius, do
   tangent_ = along >= 0.0 ? width / (size + along) : (size - along) / width;
 }
 
-// With the angle psi between lag and motion and the cone's radius R, R psi' = -|motion| sin psi.
+// With the angle psi between pull and motion and the cone's radius R, R psi' = -|motion| sin psi.
 double SlidingPull::tangent_at(double time) const noexcept {
   const double relative = time * growth_ / radius_;
   if (!(relative > -1.0)) return 0.0;

@@ -38,7 +38,7 @@ void observe(const std::function<void()>& what, bool in_realtime = true) {
   thread.join();
 }
 
-// Over its bound by no more than a stall of this machine, in which a hypervisor ran nobody: not even the observers.
+// Over its bound by no more than a stall of this machine, in which the hypervisor ran no guest thread: not even the observers.
 bool is_stalled(const Row& row) { return row.is_over && row.release_ms() - row.blind_ms <= row.bound_ms; }
 
 class List {

@@ -39,7 +39,7 @@ struct Row {
   double release_ms() const { return kind == Kind::inside ? after_sample_ms : after_event_ms; }
 };
 
-// The whole list in order; told is called with each row as it is done.
+// The whole list in order; calls told with each row as it is done.
 std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& told);
 
 }  // namespace hapton::attack

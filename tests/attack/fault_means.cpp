@@ -15,7 +15,7 @@ namespace hapton::attack {
 
 StoppedThread::StoppedThread(pid_t thread) : thread_(thread) {
   if (::ptrace(PTRACE_SEIZE, thread_, nullptr, nullptr) != 0) return;
-  // The stop takes effect soon; nobody waits for it here.
+  // The stop takes effect soon and is not waited for here.
   is_stopped_ = ::ptrace(PTRACE_INTERRUPT, thread_, nullptr, nullptr) == 0;
 }
 

@@ -299,7 +299,7 @@ TEST_F(OpenHaptics, AServoThatDiesLeavesNoForce) {
   open();
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
-  // Nobody serves it any more; the device releases by itself.
+  // The servo no longer writes; the device releases by itself.
   EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[2] == 0.0; }));
 }
 

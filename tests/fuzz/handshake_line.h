@@ -41,7 +41,7 @@ class HandshakeLine {
  public:
   HandshakeLine();
 
-  // Lets its pause pass, then delivers it. Returns the number of bytes handed out that nobody has sent.
+  // Waits for its pause, then delivers it. Returns the number of bytes handed out that were never sent.
   std::size_t deliver(const ListedDatagram& datagram);
 
   const Clock& clock() const { return clock_; }

@@ -91,7 +91,7 @@ TEST_F(Desks, NonsenseIsNotAnswered) {
   report_server.publish("text", "");
   report_server.accept(tool, {ReportDocument::json, 1, 7});
   report_server.accept(1000, {ReportDocument::json, 1, 0});
-  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // nobody is there
+  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // no tool at that address
   for (int n = 0; n < 5; ++n) report_server.serve(peers);
   EXPECT_TRUE(told.empty());
 }

@@ -73,7 +73,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
 
 TEST_F(Recorders, NeverWaitForRoomButCountWhatFoundNone) {
   auto recorder = make({.record = file, .ring_bytes = 1024});
-  for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // nobody drains before start
+  for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // before start no thread drains
   ASSERT_TRUE(recorder.start());
   ASSERT_TRUE(recorder.stop());
   const auto entries = read(file);

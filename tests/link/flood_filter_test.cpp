@@ -188,7 +188,7 @@ TEST_F(Judged, FilteredAndOverflownDatagramsAreCountedSeparately) {
 TEST_F(Judged, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemOut) {
   for (std::uint16_t n = 1; n <= 100; ++n) {
     filter.note_sent({{0x20, 1, 0xd, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, n}, sealed(seal::Kind::data), now_ns);
-    // Retries to unknown peers make nobody known.
+    // Retries to unknown peers do not make them known.
     filter.note_sent(stranger, sealed(seal::Kind::retry), now_ns);
   }
   window(0);

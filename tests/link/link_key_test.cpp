@@ -158,7 +158,7 @@ TEST_F(LinkKeyTest, RejectsAFolderThatEveryoneMayChange) {
   ASSERT_FALSE(not_made);
   EXPECT_THAT(not_made.error().what, HasSubstr("chmod o-w " + open_folder.string()));
   EXPECT_FALSE(std::filesystem::exists(path));
-  // With the sticky bit, as in /tmp, nobody can put another file in its place.
+  // With the sticky bit, as in /tmp, no other user can put another file in its place.
   ASSERT_EQ(chmod(open_folder.c_str(), 01777), 0);
   ASSERT_TRUE(make_key_file(path));
   EXPECT_TRUE(read_key_file(path));

@@ -43,7 +43,7 @@ TEST(Top, WithoutAHubSaysSo) {
   EXPECT_THAT(none.err, HasSubstr("no reply from a hub at " + system.hub()));
 }
 
-// The reply to GET /metrics; empty if nobody serves.
+// The reply to GET /metrics; empty if there is no server.
 std::string read_metrics(int port) {
   const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};

@@ -19,7 +19,7 @@
 namespace hapton {
 namespace {
 
-// A hub that sends probe states at 500 Hz from a thread of its own and keeps what it hears.
+// A hub that sends probe states at 500 Hz from a thread of its own and keeps what it receives.
 class FakeHub {
  public:
   FakeHub() : endpoint_(std::move(*open_udp_endpoint("127.0.0.1:0"))), thread_([this] { run(); }) {}

@@ -43,7 +43,7 @@ Finding check_vrpn_port(const Machine& machine) {
   return good(subject, "free for io_node --vrpn");
 }
 
-// Where nodes of this user look for the key that nobody named.
+// Where nodes of this user look for the key if none is named.
 std::string shared_key_path(const Machine& machine) {
   if (const std::string runtime = machine.environment("XDG_RUNTIME_DIR"); runtime.starts_with('/')) return runtime + "/hapton/master";
   if (const std::string home = machine.environment("HOME"); home.starts_with('/')) return home + "/.config/hapton/master";

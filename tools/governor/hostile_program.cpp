@@ -33,7 +33,7 @@ HostileProgram::HostileProgram(std::uint64_t seed) noexcept : random_(seed) {
   step_.sample.buttons = ~0U;
 }
 
-// From devices on the market to ones that nobody builds; sometimes with an impossible value.
+// From devices on the market to ones that do not exist; sometimes with an impossible value.
 void HostileProgram::choose_device() noexcept {
   device_.max_force_n = std::pow(10.0, random_.uniform(-1.0, 2.0));
   device_.max_slew_n_per_s = device_.max_force_n / random_.uniform(0.001, 0.05);

@@ -26,8 +26,8 @@ bool ProxyMethod::keep_cached(const Vec3& start, const Vec3& motion, double room
     cache().commit();
   } else {
     const double half = cache_radius_ + room;
-    const Vec3 center = start + (ahead > 0.0 && length > 0.0 ? Vec3(motion * (ahead * cache_radius_ / length)) : Vec3(0.5 * beginning));
-    if (!cache().rebuild(geometry_, Box{center.array() - half, center.array() + half})) {
+    const Vec3 centre = start + (ahead > 0.0 && length > 0.0 ? Vec3(motion * (ahead * cache_radius_ / length)) : Vec3(0.5 * beginning));
+    if (!cache().rebuild(geometry_, Box{centre.array() - half, centre.array() + half})) {
       cache_radius_ *= 0.5;
       return false;
     }
@@ -53,8 +53,8 @@ void ProxyMethod::prefetch_cache(const Vec3& motion) noexcept {
   const double steps_left = cache().time_inside(proxy_, motion, room);
   if (!(steps_left <= kPrefetchSteps)) return;
   const double half = cache_radius_ + room;
-  const Vec3 center = proxy_ + (std::max(steps_left - 1.0, 0.0) + kCacheAhead * cache_radius_ / length) * motion;
-  prefetch_ = next_cache().query(geometry_, Box{center.array() - half, center.array() + half}) ? Prefetch::found : Prefetch::too_much;
+  const Vec3 centre = proxy_ + (std::max(steps_left - 1.0, 0.0) + kCacheAhead * cache_radius_ / length) * motion;
+  prefetch_ = next_cache().query(geometry_, Box{centre.array() - half, centre.array() + half}) ? Prefetch::found : Prefetch::too_much;
 }
 
 }  // namespace hapton

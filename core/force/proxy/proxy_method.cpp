@@ -143,7 +143,7 @@ void ProxyMethod::settle_at(const Vec3& p) noexcept {
 
 // Within a known empty ball the proxy is free and the step is this one comparison, which fails for samples that are not finite.
 MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
-  if (!((input.p_SD - empty_center_S_).squaredNorm() < empty_radius_squared_m2_)) return step_outside(input);
+  if (!((input.p_SD - empty_centre_S_).squaredNorm() < empty_radius_squared_m2_)) return step_outside(input);
   ++counters_.steps;
   ++counters_.skipped;
   last_free_S_ = input.p_SD;
@@ -466,7 +466,7 @@ double ProxyMethod::find_empty_ball(const Vec3& device, double may_go) noexcept 
 // From now on a step within the ball is one comparison, in the sample's own frame.
 void ProxyMethod::enter_ball(const Vec3& p_SD, double radius) noexcept {
   const double radius_m = radius * geometry_.unit_m();
-  empty_center_S_ = p_SD;
+  empty_centre_S_ = p_SD;
   last_free_S_ = p_SD;
   empty_radius_squared_m2_ = std::min(radius_m * radius_m, std::numeric_limits<double>::max());
 }
@@ -477,7 +477,7 @@ void ProxyMethod::leave_ball() noexcept {
   empty_radius_squared_m2_ = 0.0;
   proxy_ = within_limits(geometry_.to_local(last_free_S_));
   last_device_ = proxy_;
-  empty_retry_ -= (proxy_ - geometry_.to_local(empty_center_S_)).norm();
+  empty_retry_ -= (proxy_ - geometry_.to_local(empty_centre_S_)).norm();
 }
 
 bool ProxyMethod::prepare() { return geometry_.build_wanted(); }

@@ -213,7 +213,7 @@ class ProxyMethod final : public ForceMethod {
   bool sliding_ = false;                  // the dynamic coefficient applies
   int sweeps_left_ = 0;                   // of this step
   double displacement_ = 0.0;             // distance that the device moved in this step
-  Vec3 empty_center_S_ = Vec3::Zero();    // frame S, m, as the next two
+  Vec3 empty_centre_S_ = Vec3::Zero();    // frame S, m, as the next two
   double empty_radius_squared_m2_ = 0.0;  // no triangle lies within this of the centre plus the probe's rest offset; 0: no ball known
   Vec3 last_free_S_ = Vec3::Zero();       // last sample in the ball; proxy_ and last_device_ are not updated while a ball is known
   double empty_retry_ = 0.0;              // distance to travel before the next search for an empty ball

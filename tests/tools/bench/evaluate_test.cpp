@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Rows, EvaluatedRow,
                                            Row{"demosthenes_17k_open.obj", 1, 1626, true},   // the same
                                            Row{"toycar_full_109k.glb", 3, 788, true},        // the same
                                            Row{"wingnut.obj", 2, 298, true},                 // beside a concave edge: reference
-                                           Row{"demosthenes_17k_open.obj", 2, 618, false}),  // held a step too long at a border: proxy
+                                           Row{"demosthenes_17k_open.obj", 2, 618, false}),  // stuck one step too long at a boundary: proxy
                          [](const auto& test) {
                            std::string name = test.param.mesh;
                            std::replace_if(

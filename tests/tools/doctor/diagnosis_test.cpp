@@ -19,7 +19,7 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// All that a person would be told to fix.
+// All findings that a person would have to fix.
 std::vector<Finding> complaints_of(const Diagnosis& diagnosis) {
   std::vector<Finding> complaints;
   for (const Section& section : diagnosis.sections) {

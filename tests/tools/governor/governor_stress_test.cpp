@@ -34,7 +34,7 @@ TEST(GovernorStress, HoldsAgainstHostilePrograms) {
   }
   for (int fault = 1; fault < kSafetyFaults; ++fault) EXPECT_GT(g.faults[static_cast<std::size_t>(fault)], 3U) << fault;
 
-  // A judge that sees nothing near a limit has looked at nothing.
+  // A check that comes near no limit has tested nothing.
   EXPECT_GT(count.worst.force, 0.999);
   EXPECT_GT(count.worst.torque, 0.999);
   EXPECT_GT(count.worst.force_slew, 0.999);
