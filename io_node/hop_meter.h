@@ -55,7 +55,7 @@ class HopMeter {
 
  private:
   static constexpr std::size_t kStatesKept = 1024;  // by number; replies to older ones are ignored
-  static constexpr std::size_t kProbesKept = 256;   // one after the other: a second of them and more
+  static constexpr std::size_t kProbesKept = 256;   // in order of time: more than a second of them
 
   struct Sent {
     std::uint64_t sample = 0;  // 0: none

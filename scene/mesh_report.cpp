@@ -26,7 +26,7 @@ MeshFlaws find_flaws(const TriangleMesh& mesh) {
 
 std::string to_text(const MeshFlaws& flaws) {
   const MeshTopology& t = flaws.topology;
-  const std::pair<std::size_t, const char*> counts[] = {{flaws.borders.open, "open border edges"},
+  const std::pair<std::size_t, const char*> counts[] = {{flaws.borders.open, "open boundary edges"},
                                                         {flaws.borders.cracks, "crack edges"},
                                                         {t.nonmanifold_edges, "non-manifold edges"},
                                                         {t.inconsistent_edges, "inconsistent edges"},

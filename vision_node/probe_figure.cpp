@@ -21,11 +21,11 @@ namespace {
 constexpr double kHeadToShaftRadius = 2.6;
 constexpr double kHeadLengthInRadii = 7.0;
 constexpr double kLimitToShaftRadius = 3.2;
-// A point's shadow would not be seen.
+// A point has no visible shadow, so it gets a wider one.
 constexpr double kShadowInRadii = 2.0;
 // From the tip's middle to where the arrow begins.
 constexpr double kGapInRadii = 1.8;
-// Of the depth range, in front: what shows through lies in a thousandth, and the tip before the arrow.
+// Shares of the depth range, at its front, for what shows through the scene; the tip is in front of the arrow.
 constexpr double kGhostShare = 1e-3;
 constexpr double kTipShare = 5e-4;
 
@@ -180,7 +180,7 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   for (vtkActor* actor : {head_.Get(), ghost_head_.Get()}) place(actor, from + arrow, along, Vec3::Constant(head));
   place(rings_, from, along, Vec3::Ones());
   place(limit_, from + arrow, along, Vec3::Ones());
-  // Those on the shaft: under the head they would be visible.
+  // Only rings on the shaft: rings under the head would be visible through it.
   const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMostRings);
   if (newtons == rings_shown_) return;
   rings_shown_ = newtons;

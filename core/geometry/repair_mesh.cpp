@@ -128,7 +128,7 @@ void count_thin(const TriangleMesh& mesh, RepairReport& report) {
 }
 
 // Orients every piece consistently, where that is possible.
-void wind(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
+void orient_pieces(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
   enum : std::uint8_t { unseen, as_is, flipped };
   std::vector<std::uint8_t> state(mesh.triangles.size(), unseen);
   std::vector<std::uint32_t> piece;
@@ -189,7 +189,7 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::ve
     report.boundary_edges += edges[e].size() == 1 ? 1 : 0;
     report.nonmanifold_edges += edges[e].size() > 2 ? 1 : 0;
   }
-  wind(repaired, edges, report);
+  orient_pieces(repaired, edges, report);
   if (source != nullptr) *source = std::move(from);
   if (vertex_source != nullptr) *vertex_source = std::move(vertex_from);
   return repaired;
@@ -197,8 +197,9 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::ve
 
 std::string RepairReport::describe() const {
   return fmt::format(
-      "repair: welded {} vertices, dropped {} empty and {} duplicate triangles, turned {} round; left: {} double faces, {} on a line, "
-      "{} needles, {} border edges, {} non-manifold edges, {} of {} pieces unorientable",
+      "repair: welded {} vertices, dropped {} empty and {} duplicate triangles, reversed {}; left: {} double faces, {} with collinear "
+      "corners, "
+      "{} needles, {} boundary edges, {} non-manifold edges, {} of {} pieces unorientable",
       welded_vertices, dropped_empty, dropped_duplicates, turned, double_faces, empty_area, needles, boundary_edges, nonmanifold_edges,
       unorientable_pieces, pieces);
 }

@@ -144,7 +144,7 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
 
 std::string SealReport::describe() const {
   if (has_given_up) {
-    return fmt::format("cracks not sealed: its {} boundary edges lie too close together for gaps of {:.3g} m to be told; repair the mesh",
+    return fmt::format("cracks not sealed: its {} boundary edges lie too close together to identify gaps of {:.3g} m; repair the mesh",
                        boundary_edges, tolerance);
   }
   if (!has_sealed()) return fmt::format("no cracks up to {:.3g} m wide; {} boundary edges", tolerance, boundary_edges);

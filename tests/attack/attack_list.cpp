@@ -280,7 +280,7 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
   const double asked = of("forces_in_time") + of("late") + of("lost") + of("superseded");
   const double late_share = asked > 0.0 ? (asked - of("forces_in_time")) / asked : 1.0;
-  row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k refused or dropped",
+  row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k rejected or dropped",
                          1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share,
                          1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
   if (!bed->io().is_running()) {
@@ -302,7 +302,7 @@ std::vector<Row> List::run() {
       rows_.pop_back();
       ++stalls;
     }
-    if (stalls > 0) rows_.back().note += fmt::format(" (made anew {} times: the machine stood still)", stalls);
+    if (stalls > 0) rows_.back().note += fmt::format(" (repeated {} times because the machine stalled)", stalls);
     told_(rows_.back());
   };
   row("haptics_node killed", [&](const auto& name) { haptics_dies(name, SIGKILL); });

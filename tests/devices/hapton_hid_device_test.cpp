@@ -90,7 +90,7 @@ TEST_F(HaptonHid, IsWhatItsMakerSays) {
 
 TEST_F(HaptonHid, ExertsTheRequestedForce) {
   ASSERT_TRUE(begin());
-  EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was told to be off";
+  EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was commanded off";
   EXPECT_EQ(cycle(Vec3::Zero(), false), 0.0);
   EXPECT_EQ(reading_.status, DeviceStatus::ready);
   EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 3.0);

@@ -143,7 +143,7 @@ TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndLetsGoAtOnce) {
   EXPECT_LT(first_ma, 0.05 * weight.norm());
   EXPECT_LT((settled_currents(Vec3::Zero()) - weight).cwiseAbs().maxCoeff(), 0.51);
   EXPECT_EQ(currents(Vec3(1, 1, 1), false), Vec3::Zero());
-  EXPECT_LT(currents(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it begins anew, easily";
+  EXPECT_LT(currents(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it starts again, easily";
 }
 
 TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {

@@ -135,7 +135,7 @@ TEST(MeshReport, DistinguishesCracksFromBoundaries) {
                                                     "f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n"),
                                        std::nullopt);
   ASSERT_TRUE(report) << report.error().what;
-  EXPECT_EQ(to_text(report->flaws), "not closed: open border edges 6, crack edges 2");
+  EXPECT_EQ(to_text(report->flaws), "not closed: open boundary edges 6, crack edges 2");
 }
 
 TEST(MeshReport, SaysThatNotAllCracksWereLookedFor) {

@@ -241,7 +241,7 @@ TEST(VisionSession, TheMouseLeadsTheHandToTheSurfaceUnderItAndKeysChangeThePictu
   EXPECT_LT(led->p_WH.norm(), 0.0302);
   EXPECT_GT(led->p_WH.norm(), 0.028);
   EXPECT_GT(led->p_WH.z(), 0.027);
-  EXPECT_FALSE(hub.hands.back().active) << "and was let go of";
+  EXPECT_FALSE(hub.hands.back().active) << "and was released";
   EXPECT_EQ(vision.view->mode(), StereoMode::side_by_side);
   EXPECT_LT(vision.view->screen().width_m, zoomed_out_m);
 }

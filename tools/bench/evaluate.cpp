@@ -99,8 +99,8 @@ std::string to_text(const Evaluation& evaluation) {
                       degrees * error.direction_rad.p50, degrees * error.direction_rad.p99, degrees * error.direction_rad.most);
   text += fmt::format("branch switches {}, steps in them {} (all counted above; nothing but the surface or a reset ends one)\n",
                       error.branch_switches, error.switched_steps);
-  text += fmt::format("falls {}, ghosts {}, locks {}, pops {} (worst {:.4g} N above the bound)\n", error.fall_throughs,
-                      error.false_contacts, error.stuck_steps, error.discontinuities, error.worst_discontinuity_n);
+  text += fmt::format("fall-throughs {}, false contacts {}, stuck steps {}, force discontinuities {} (worst {:.4g} N above the bound)\n",
+                      error.fall_throughs, error.false_contacts, error.stuck_steps, error.discontinuities, error.worst_discontinuity_n);
   return text;
 }
 

@@ -64,8 +64,8 @@ class HostileProgram {
 
  private:
   enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, count };
-  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, count };
-  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, count };
+  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, jump, no_number, count };
+  enum class Time : std::uint8_t { steady, jitter, stall, jump, back, count };
 
   void choose_device() noexcept;
   void choose_spell() noexcept;
@@ -73,7 +73,7 @@ class HostileProgram {
   void move(const Wrench& out) noexcept;
   void move_as_matter(const Vec3& force_n, double passed_s) noexcept;
   void choose_state() noexcept;
-  void ask() noexcept;
+  void choose_command() noexcept;
   Vec3 wanted_n(double most) noexcept;
   double nasty() noexcept;
 
@@ -102,7 +102,7 @@ class HostileProgram {
   Vec3 turn_rad_per_s_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();
   double hertz_ = 1.0;
-  std::array<WrenchCommand, 16> told_ = {};
+  std::array<WrenchCommand, 16> sent_ = {};
 };
 
 }  // namespace hapton

@@ -67,7 +67,7 @@ std::string safety_text(const Json& report) {
 }
 
 std::string nodes_text(const Span& span) {
-  std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "heard/s", "sent/s", "lost",
+  std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "received/s", "sent/s", "lost",
                                  "reordered", "there for");
   for (const Json& node : section(span.now, "nodes")) {
     const Json* earlier = find_node(span.before, node);

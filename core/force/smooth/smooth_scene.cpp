@@ -148,7 +148,7 @@ Result<void> SmoothScene::move_vertices(std::uint32_t object, std::span<const Ve
   if (object >= objects_.size()) return fail("there is no object {}; the scene has {}", object, objects_.size());
   Object& moved = objects_[object];
   if (vertices.size() != moved.vertex_count) {
-    return fail("object {} has {} vertices, not {}; build the scene anew when a mesh itself changes", object, moved.vertex_count,
+    return fail("object {} has {} vertices, not {}; build the scene again when a mesh itself changes", object, moved.vertex_count,
                 vertices.size());
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -196,7 +196,7 @@ std::string SmoothScene::describe() const {
   }
   const FdhStats stats = tree_stats();
   text += fmt::format(
-      "tree: hulls of {} directions, {} triangles ({} fake), {} nodes, depth {}, {:.1f} MB\n", directions_, stats.triangles,
+      "tree: hulls of {} directions, {} triangles ({} degenerate), {} nodes, depth {}, {:.1f} MB\n", directions_, stats.triangles,
       [this] {
         std::size_t degenerate = 0;
         for (const Object& object : objects_) degenerate += object.surface.mesh.triangles.size() - object.surface.face_count;

@@ -266,7 +266,7 @@ TEST(TriangleCache, ItsEdgesAndCornersAreThoseOfTheIndexLists) {
   const Seen seen = compare_with_index_lists(make_bumpy_sphere(0.05, 0.1, 3000, 3), 0.06, 60, kSeed);
   EXPECT_GT(seen.edges, 5000U);
   EXPECT_GT(seen.corners, 5000U);
-  EXPECT_EQ(seen.boundary + seen.non_manifold + seen.flipped, 0U) << "a closed mesh, wound as one";
+  EXPECT_EQ(seen.boundary + seen.non_manifold + seen.flipped, 0U) << "a closed mesh, consistently oriented";
 }
 
 TEST(TriangleCache, ABoundaryEdgeHasNoAdjacentTriangle) {

@@ -13,7 +13,7 @@ constexpr double kPi = std::numbers::pi;
 
 void expect_closed_with_volume(const TriangleMesh& mesh, double volume, double relative) {
   const EdgeCensus census = count_edges(mesh);
-  EXPECT_TRUE(census.closed()) << census.boundary << " border, " << census.non_manifold << " non-manifold, " << census.inconsistent
+  EXPECT_TRUE(census.closed()) << census.boundary << " boundary, " << census.non_manifold << " non-manifold, " << census.inconsistent
                                << " inconsistent";
   EXPECT_NEAR(compute_volume(mesh), volume, relative * volume);
 }

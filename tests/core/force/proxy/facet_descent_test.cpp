@@ -281,7 +281,7 @@ TEST(FacetDescent, DownAGrooveItSettlesInTheConcaveEdge) {
       EXPECT_EQ(ground.descent().constraints().size(), 1U);
       ground.expect_minimum(up);
       EXPECT_NEAR((ground.geometry().to_scene(ground.descent().end()) - Vec3(-0.132, 0.17, 0.066)).norm(), 0.0, 1e-8)
-          << "foot on z = -x / 2";
+          << "closest point on z = -x / 2";
     }
   }
 }
@@ -316,7 +316,7 @@ TEST(FacetDescent, BoundariesAreLeftToTheGeneralMethod) {
   const State start = ground.state_over(ground.geometry().to_local({0.4, 0.03, 0.01}));
   EXPECT_TRUE(ground.run(start, ground.geometry().to_local({0.49, 0.05, -0.1})));
   EXPECT_FALSE(ground.run(start, ground.geometry().to_local({0.51, 0.05, -0.1})));
-  EXPECT_FALSE(ground.run(start, ground.geometry().to_local({0.5 - 0.5 * kMargin, 0.05, -0.1}))) << "at rest on the very border";
+  EXPECT_FALSE(ground.run(start, ground.geometry().to_local({0.5 - 0.5 * kMargin, 0.05, -0.1}))) << "at rest exactly on the boundary";
 }
 
 TEST(FacetDescent, EdgesOfThreeFacesAreLeftToOthers) {
@@ -427,7 +427,7 @@ TEST(FacetDescent, APointNotHeldByNeighboursIsLeftToTheGeneralMethod) {
   two.triangles.push_back(beside.triangles[0]);
   two.normals.push_back(beside.normals[0]);
   ASSERT_NE(two.triangles[0], two.triangles[1]);
-  EXPECT_FALSE(ground.run(two, device)) << "no fold between them";
+  EXPECT_FALSE(ground.run(two, device)) << "no concave edge between them";
 }
 
 TEST(FacetDescent, WhatIsNotKnownToBeNearIsLeftToOthers) {

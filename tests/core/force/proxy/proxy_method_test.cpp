@@ -257,9 +257,9 @@ TEST(Proxy, AConcaveEdgeReleasesTheProxyAgain) {
     proxy->reset({0, 0.06, -0.03});
     MethodOutput felt;
     for (int i = 0; i <= 200; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.06 - 0.0002 * i, -0.03)});
-    ASSERT_GT(felt.force_n.y(), 1.0) << "not pressed into the fold, opening " << opening;
+    ASSERT_GT(felt.force_n.y(), 1.0) << "not pressed into the concave edge, opening " << opening;
     for (int i = 0; i < 600; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02, -0.03 + 1e-4 * i)});
-    EXPECT_LE(std::fabs(felt.force_n.z()), 1e-3) << "it sticks along the fold, opening " << opening;
+    EXPECT_LE(std::fabs(felt.force_n.z()), 1e-3) << "it sticks along the concave edge, opening " << opening;
     EXPECT_NEAR(felt.p_SP.y(), 0.03, 1e-6);
     for (int i = 0; i < 400; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02 + 2e-4 * i, 0.03)});
     EXPECT_FALSE(felt.contact);

@@ -120,7 +120,7 @@ Transcribed algorithm1(const std::vector<SetTriangle>& object, const Vec3& P, do
 void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int least_hidden) {
   const auto triangles = triangles_of(mesh);
   ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
-      << "fake triangles are not in the transcription";
+      << "degenerate triangles are not in the transcription";
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int felt_several = 0;
@@ -183,7 +183,7 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
     double low = t.corner[0].y();
     double high = low;
     for (const Vec3& corner : t.corner) {
-      EXPECT_EQ(corner.x(), 0.0) << "only the ridge has fakes";
+      EXPECT_EQ(corner.x(), 0.0) << "only the convex edge has degenerate triangles";
       low = std::min(low, corner.y());
       high = std::max(high, corner.y());
     }

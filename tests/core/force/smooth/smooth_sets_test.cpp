@@ -198,7 +198,7 @@ TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
     for (int k = 1; k <= parts; ++k) {
       felt = changing->step({.p_SD = at(t - 0.003 * (parts - k) / parts * (i > 0 ? 1 : 0)), .dt_s = 1e-3 / parts}).force_n;
       if (i > 0) {
-        EXPECT_LT((felt - last).norm(), 0.5) << "no pop when the rate changes";
+        EXPECT_LT((felt - last).norm(), 0.5) << "no discontinuity when the rate changes";
       }
       last = felt;
     }
