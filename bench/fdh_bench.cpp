@@ -101,7 +101,7 @@ void nearest_64(benchmark::State& state) {
   count(state, visits);
 }
 
-// The same about the way of the next eight steps.
+// The same about the path of the next eight steps.
 template <int K>
 void nearest_64_to_way(benchmark::State& state) {
   const FdhTree<K>& tree = tree_of<K>(state.range(0));

@@ -1,4 +1,4 @@
-// What a datagram costs between the numbers and the socket: encode, seal, open, decode. The budget of all four together is 1.5 us.
+// The cost of a datagram between the numbers and the socket: encode, seal, open, decode. The budget of all four together is 1.5 us.
 //
 //   build/release/bin/seal_bench
 #include <benchmark/benchmark.h>
@@ -114,7 +114,7 @@ void seal_and_open(benchmark::State& state) {
   }
 }
 
-// What a stranger's datagram costs: one with a live session's number in it, and a handshake with another key.
+// The cost of an unknown peer's datagram: one with a live session's number, and a handshake with another key.
 void refuse_forged(benchmark::State& state) {
   Channels channels;
   Bytes plain = {};
@@ -126,7 +126,7 @@ void refuse_forged(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(channels.hub.open(std::span(sealed).first(size), opened, bytes));
 }
 
-// A request of another node, or of none: what comes first in it is a look at its tag.
+// A request of another node, or an invalid one: its tag is checked first.
 std::array<std::byte, seal::kRequestBytes> make_request(ClientHandshake& client, std::int64_t now_ns) {
   std::array<std::byte, seal::kRequestBytes> request;
   client.begin();
@@ -151,8 +151,8 @@ void refuse_replayed_request(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(hub.judge(request, {}, 1));
 }
 
-// What the hub's loop does for a good request: it is judged, handed to the worker thread, and its answer taken. The agreement itself is the
-// worker's, and is waited for with the clock of this benchmark stopped.
+// The hub's work for a valid request: check, hand-over to the worker thread, and its result. The agreement itself is the worker's; it is
+// awaited with the benchmark's clock stopped.
 void hand_over_request(benchmark::State& state) {
   const LinkKey key = make_key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);

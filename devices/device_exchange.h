@@ -86,7 +86,7 @@ class DeviceExchange {
     return {share * command.wrench.force_n, share * command.wrench.torque_nm};
   }
 
-  // Driver: until the first read nobody has asked for anything.
+  // Driver: before the first read no command has been requested.
   bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoSilenceNs; }
 
  private:

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// Which device, with which parameters, and where it stands in W.
+// Which device, with which parameters, and where it is placed in W.
 struct DeviceSettings {
   std::string name = "simulated";  // one of device_makers()
   std::string id;                  // which of several: serial number, path, index or the vendor's name for it; empty: the first found

@@ -14,7 +14,7 @@ namespace hapton::dhd {
 using Id = char;
 
 constexpr int kOk = 0;
-constexpr int kTimeguard = 1;       // the device was asked too soon again: what it gives is the answer of before
+constexpr int kTimeguard = 1;       // called again too soon: the library returned the previous answer
 constexpr int kMotorSaturated = 2;  // a motor cannot give more
 
 // Places in what get_status fills; newer releases have more of them.

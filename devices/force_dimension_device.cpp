@@ -170,7 +170,7 @@ void ForceDimensionDevice::run() {
   }
 }
 
-// The arm moves by itself: whoever holds it must know before.
+// The arm moves by itself: warn the person who holds it first.
 bool ForceDimensionDevice::wait_warning() {
   log_warning("{} will move by itself to calibrate: release it and keep clear", model_);
   const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.warning_before_moving_s);

@@ -11,7 +11,7 @@ namespace hapton {
 
 struct ForceDimensionOptions {
   std::string library_file;              // instead of libdrd or libdhd by their usual names
-  double warning_before_moving_s = 3.0;  // a device that calibrates moves by itself: so long after having said so
+  double warning_before_moving_s = 3.0;  // a device that calibrates moves by itself this long after the warning
 };
 
 // A device of Force Dimension, or a Novint Falcon, through the Force Dimension SDK, loaded at run time. A thread of ours, a thousand times

@@ -8,8 +8,8 @@ namespace hapton {
 namespace {
 
 constexpr double kStepS = 1e-9 * static_cast<double>(HandScript::kStepNs);
-constexpr double kFeelS = 0.02;   // time constant of the felt force and normal
-constexpr double kTouchN = 0.15;  // felt above this: contact
+constexpr double kFeelS = 0.02;   // time constant of the filter on the felt force and normal
+constexpr double kTouchN = 0.15;  // a felt force above this is a contact
 constexpr double kLostN = 0.03;   // below this for kLostS: contact lost
 constexpr double kLostS = 0.25;
 constexpr double kTravelSpeed = 0.25;  // m/s
@@ -66,7 +66,7 @@ void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
   lost_s_ = felt < kLostN ? lost_s_ + kStepS : 0.0;
 }
 
-// In front of a point of the surface; not told of any, a point of the front plane within reach_m_ of the middle.
+// In front of the given surface point; if there is none, in front of a point of the front plane within reach_m_ of the middle.
 void HandScript::choose_aim() noexcept {
   const Vec3 middle = 0.5 * (options_.workspace_min_m + options_.workspace_max_m);
   const Vec3 half = 0.5 * (options_.workspace_max_m - options_.workspace_min_m);
@@ -179,7 +179,7 @@ void HandScript::turn_tangent(double angle_rad) noexcept {
   tangent_ = length > 1e-3 ? Vec3(tangent_ / length) : normal_.unitOrthogonal();
 }
 
-// Moves along the surface felt and keeps up the force.
+// Slides along the surface and keeps up the force.
 void HandScript::rub(const Vec3& p_WD, double turn_rad_per_s) noexcept {
   turn_tangent(turn_rad_per_s * kStepS);
   const double speed = phase_ == Phase::press ? 0.0 : rub_m_per_s_;

@@ -20,15 +20,15 @@ struct HandIntention {
   Vec3 gimbal_rad = Vec3::Zero();  // yaw about y, pitch about x, roll about the stylus
 };
 
-// A blind person's exploration: travel in front of the scene, approach along -z until something pushes back, press, slide, tap,
-// circle, leave, and again elsewhere. It knows no surface: contact is the force it feels, the surface normal is that force's
-// direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene there is; where it
-// met nothing, it looks nearer to the middle next, then farther out. Told where the surface is (aim), it goes there instead: a scene may be
-// a small thing, or lie aside.
-// Given a path, it follows that instead of a script of its own: to its first row, then row by row, straight in between; what is in the way
-// holds the stylus, not the hand, which pulls at it. Rows beyond the workspace are taken at its border, jumps at kMostPathSpeed.
-// A lead (the mouse in the vision window) takes the hand over; when it ends, the script (or the path) starts again from there.
-// Every number it draws comes from the seed; when it is told of a surface, it sets out anew. RT: step, lead and aim yes.
+// The motion of a hand that cannot see: travel in front of the scene, approach along -z until something pushes back, press, slide,
+// tap, circle, leave, and again elsewhere. It knows no surface: contact is the force it feels, the surface normal is that force's
+// direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene is loaded; after a miss
+// it searches nearer to the middle first, then farther out. Given a surface point (aim), it goes there instead: a scene may be
+// small, or far from the middle. Given a path, it follows that instead of its own script: to its first row, then row by row,
+// straight in between; an obstacle holds the stylus, not the hand, which pulls at it. Rows outside the workspace are clamped to
+// it, jumps are made at kMostPathSpeed. A lead (the mouse in the vision window) takes the hand over; when it ends, the script (or
+// the path) starts again from there. Every random number comes from the seed; an aim restarts the sequence. RT: step, lead and aim
+// yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
@@ -47,7 +47,7 @@ class HandScript {
 
   explicit HandScript(const Options& options);
 
-  // One step of kStepNs: what the hand feels now (device point, force on it, both in W) to where it wants to be at the step's end.
+  // One step of kStepNs. Takes what the hand feels now (device point, force on it, both in W), returns its goal for the step's end.
   HandIntention step(const Vec3& p_WD, const Vec3& force_n) noexcept;
   void lead(const std::optional<Vec3>& p_WH) noexcept;
   // Points of the surface, W; those that are not finite or out of the workspace are left out. The same ones again change nothing.
@@ -78,7 +78,7 @@ class HandScript {
   double tilted_s_ = 0.0;        // of the script, without the time it was led: a led hand holds the stylus still
   Vec3 hand_m_;                  // the intention, moved on step by step
   Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
-  Vec3 normal_ = Vec3::UnitZ();  // of the surface felt last
+  Vec3 normal_ = Vec3::UnitZ();  // of the surface touched last
   Vec3 tangent_ = Vec3::UnitX();
   Vec3 felt_n_ = Vec3::Zero();     // force, low-passed as a hand does
   Vec3 contact_m_ = Vec3::Zero();  // device point when last in contact
@@ -88,7 +88,7 @@ class HandScript {
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;
-  double lost_s_ = 0.0;       // since something was felt
+  double lost_s_ = 0.0;       // since the last contact
   double reach_m_ = 0.3;      // how far from the middle it looks, share of the workspace
   double path_s_ = 0.0;       // along the path; below 0: on the way to its first row
   std::size_t path_row_ = 0;  // the last row that has been reached

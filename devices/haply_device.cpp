@@ -131,7 +131,7 @@ void HaplyDevice::run() {
     }
   }
   if (socket_ == nullptr) return;
-  // The last word, so that nothing pushes on; heard out, for what is under way when a connection ends may be lost.
+  // A zero force as the last message; the answer is awaited, since data under way when a connection closes may be lost.
   if (socket_->receive(said_, kAnswerPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kAnswerPatienceNs)) {
     socket_->receive(said_, kAnswerPatienceNs);
   }

@@ -25,7 +25,7 @@ static_assert(sizeof(ErrorInfo) == 12, "it is returned by value");
 constexpr Handle kInvalidHandle = 0xFFFFFFFF;
 constexpr Enum kSuccess = 0;
 
-// What can be asked and set.
+// Parameters that can be read and set.
 constexpr Enum kCurrentButtons = 0x2000, kCurrentSafetySwitch = 0x2001, kCurrentInkwellSwitch = 0x2002;
 constexpr Enum kCurrentPosition = 0x2050, kCurrentVelocity = 0x2051, kCurrentTransform = 0x2052;
 constexpr Enum kModelType = 0x2501, kDriverVersion = 0x2502, kVendor = 0x2503, kSerialNumber = 0x2504, kFirmwareVersion = 0x2505;
@@ -53,7 +53,7 @@ std::string_view remedy_for_error(Enum code);
 
 // An error after which the force is released for a moment, and the device goes on: 0x200 .. 0x2FF.
 constexpr bool is_force_error(Enum code) { return (code & ~0xFFU) == 0x200; }
-// An error after which the device has to be opened anew: 0x300 .. 0x3FF, or a handle that is no longer good.
+// An error after which the device has to be opened again: 0x300 .. 0x3FF, or an invalid handle.
 constexpr bool is_device_error(Enum code) { return (code & ~0xFFU) == 0x300 || code == kBadHandle; }
 
 // The functions of the library, all there.
@@ -80,7 +80,7 @@ struct Library {
   std::string file;
 };
 
-// Takes what errors wait to be asked for, but no more than a broken library would give without end.
+// Removes the waiting errors, up to a limit, so that a defective library that returns errors without end cannot block.
 void forget_errors(const Library& hd) noexcept;
 
 // Loads libHD by its names, or the one file. Error: one line, see VendorLibrary. RT: set-up only.

@@ -11,12 +11,12 @@
 
 namespace hapton::hd {
 
-// The one scheduler that libHD has in a process, shared by all its devices: the first to come starts it, the last to go stops it. The
-// library has one current device, too, that opening and closing change; so the scheduler stands still meanwhile, or a frame of one device
-// might end with the force of another. RT: set-up only. Threads: any.
+// The one scheduler that libHD has in a process, shared by all its devices: the first device starts it, the last one stops it. The library
+// also has one current device, which opening and closing change. The scheduler is therefore stopped meanwhile; otherwise a frame of one
+// device might end with the force of another. RT: set-up only. Threads: any.
 class Session {
  public:
-  // The session of this library file, or of libHD by its names; the same for all who ask while one holds it.
+  // The session of this library file, or of libHD by its names; all callers share one while any of them holds it.
   static Result<std::shared_ptr<Session>> join(const std::string& library_file = "");
 
   explicit Session(Library library) : hd_(std::move(library)) {}
@@ -34,7 +34,7 @@ class Session {
   // Calls it no more, and closes the device. After this nothing of it is running.
   void detach(const Attached& attached);
 
-  // Whether anybody would have to stand still for an attempt to attach one more.
+  // Whether attaching one more device would interrupt others.
   bool has_users() const;
 
  private:

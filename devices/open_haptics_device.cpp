@@ -23,8 +23,8 @@ constexpr double kMPerMm = 1e-3;
 constexpr double kMNmPerNm = 1e3;
 constexpr auto kLookEvery = std::chrono::milliseconds(20);
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
-constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // they stand still meanwhile
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of what goes on, no oftener is it worth a line
+constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // the others are interrupted meanwhile
+constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of the same state; more often is not worth a line
 // The library's scheduler calls a thousand times a second: after so long it has stopped, or the device with it.
 constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
@@ -186,7 +186,7 @@ Result<void> OpenHapticsDevice::read_limits() {
   return {};
 }
 
-// While it is the current device and nobody ticks.
+// While it is the current device and the scheduler is stopped.
 Result<void> OpenHapticsDevice::set_up() {
   const bool is_first = model_.empty();
   if (is_first) read_texts();
@@ -196,7 +196,7 @@ Result<void> OpenHapticsDevice::set_up() {
   styles_ = static_cast<hd::Enum>(styles);
   for (const hd::Enum capability : {hd::kForceOutput, hd::kMaxForceClamping, hd::kSoftwareForceLimit, hd::kForceRamping}) {
     hd_.enable(capability);
-    // Not all devices have all of them; without force output there would be no force to be felt, and no harm.
+    // Not all devices have all of these; a device without force output exerts no force, which is harmless.
     hd::forget_errors(hd_);
   }
   reading_ = {};
@@ -367,7 +367,7 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
                 error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler has stopped");
     session_->detach(attached_);
     is_open_ = false;
-    // Nobody ticks now: the last word until it is back.
+    // The scheduler no longer runs: this is the last reading until the device is back.
     reading_.status = DeviceStatus::away;
     exchange_.publish(reading_);
     next_reopen_ns_ = now_ns + kReopenEveryNs / 4;

@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// A device somewhere else in W than its maker puts it: beside another one, or turned. Whoever uses it sees frame W alone.
-// The workspace becomes the box around the turned one. RT: as the device's own.
+// A device whose pose in W is not the driver's: beside another device, or turned. Its user sees frame W alone. The workspace becomes the
+// box around the turned one. RT: as the device's own.
 class PlacedDevice final : public Device {
  public:
   // X_WB: pose in W of the base frame that the device itself takes for W.

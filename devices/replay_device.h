@@ -9,13 +9,13 @@
 
 namespace hapton {
 
-// A recording in place of a hand: plays a trajectory from its first row on, starting at the first read, straight lines between
-// rows (and the shortest turn). Forces go nowhere. At the end it stays at the last row and says `ended`, or with loop begins
-// again, as if the first row came one mean row distance after the last: a recording that does not close jumps there, and says `away` for
-// that one read, so that nobody takes it for a hand.
-// The limits are a PHANToM Model A's, without a limit of speed: a recording is what it is. The workspace is the recording's own box, with
-// kMarginM around it.
-// RT: all but making one; a read moves on by the rows that have passed.
+// A recording in place of a hand: plays a trajectory from its first row on, starting at the first read, straight lines
+// between rows (and the shortest turn). Forces are discarded. At the end it stays at the last row and reports `ended`,
+// or with loop starts again, as if the first row came one mean row distance after the last: a recording that does not
+// close jumps there, and reports `away` for that one read, so that the jump is not taken for a hand's motion. The
+// limits are a PHANToM Model A's, without a limit of speed, since a recording cannot be slowed down. The workspace is
+// the recording's own box, with kMarginM around it. RT: all but making one; a read moves on by the rows that have
+// passed.
 class ReplayDevice final : public Device {
  public:
   struct Options {

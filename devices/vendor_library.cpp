@@ -88,7 +88,7 @@ VendorLibrary VendorLibrary::try_open(const KnownVendorLibrary& known, const std
   std::vector<std::string> names(known.file_names.begin(), known.file_names.end());
   if (!file.empty()) names = {file};
   for (const std::string& name : names) {
-    // Now rather than at the first call: what is missing is to be told here, not to end the program later.
+    // Binds all symbols now: a missing one is reported here instead of ending the program at its first call.
     library.handle_ = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (library.handle_ != nullptr) {
       library.file_ = name;

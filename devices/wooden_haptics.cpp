@@ -77,7 +77,7 @@ Result<void> WoodenHapticsBackend::begin(HidTransport& transport) {
   return {};
 }
 
-// Whether the counts still mean what they meant: not if they began anew.
+// Whether the counts still have the same zero: not if the electronics started again.
 DeviceStatus WoodenHapticsBackend::follow_zero(const Counts& counts, std::int64_t now_ns) noexcept {
   const auto arm_differs = [](const Counts& a, const Counts& b, int by) {
     return std::abs(less(a[0], b[0])) > by || std::abs(less(a[1], b[1])) > by || std::abs(less(a[2], b[2])) > by;

@@ -52,7 +52,7 @@ class WoodenHapticsBackend final : public HidBackend {
   Counts still_counts_ = {};  // since still_ns_
   std::int64_t still_ns_ = 0;
   bool has_counts_ = false;  // of this session
-  bool is_new_ = true;       // nothing was heard since begin
+  bool is_new_ = true;       // nothing was received since begin
   bool is_zero_lost_ = false;
   Vec3 angles_rad_ = Vec3::Zero();
   double gravity_share_ = 0.0;

@@ -56,7 +56,7 @@ class WoodenKinematics {
   Vec3 joint_torque_nm(const Vec3& angles_rad, const Vec3& force_n) const noexcept;
   Vec3 motor_current_a(const Vec3& joint_torque_nm) const noexcept;
 
-  // The gimbal's frame, which stands on the end of the lower arm, in B.
+  // The frame of the gimbal's base, at the end of the lower arm, in B.
   Quat lower_arm(const Vec3& angles_rad) const noexcept;
 
  private:

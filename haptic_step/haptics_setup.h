@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// What a haptics node that begins with these settings tells the hub of itself. RT: set-up only.
+// The setup message that a haptics node with these settings sends to the hub. RT: set-up only.
 HapticsSetup make_haptics_setup(const std::filesystem::path& scene, const SceneLoading& loading, std::uint64_t scene_hash,
                                 const MethodSettings& method);
 

@@ -56,7 +56,7 @@ ForceCommand HapticsStep::answer() noexcept {
           .answered_before = answered_before_};
 }
 
-// Where a method begins that knows nothing yet: at the device, or off the surface, on the side that was felt, that it rested on before.
+// Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.
 TouchInput HapticsStep::make_start() noexcept {
   const std::optional<Vec3> p_WP = state_.is_resumed ? std::optional(state_.p_WP) : std::exchange(p_WP_, std::nullopt);
   TouchInput start = input_;
@@ -85,7 +85,7 @@ void HapticsStep::resume() noexcept {
   if (is_felt) p_WP_ = input_.p_WD + felt_.visual_offset_m;
 }
 
-// Moves the answers known of on by as many samples as have passed, and adds the last one.
+// Shifts the known replies by the number of samples passed, and adds the last one.
 void HapticsStep::remember_answered() noexcept {
   const std::uint64_t passed = state_.sample - last_sample_;
   if (passed == 0 || passed > 64) {
@@ -117,7 +117,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
       start.p_WD += felt_.visual_offset_m + offset_m_ * felt_.force_n.normalized();
     }
     touch_->reset(start);
-    // On the way from there to the device, which the hand did not go, it comes into contact and to rest.
+    // On the path from there to the device, which the hand did not take, it comes into contact and settles.
     const TouchOutput settled = touch_->step(input_);
     if (felt_.contact || fade_.is_felt() || settled.contact) fade_.begin();
   }

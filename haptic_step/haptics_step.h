@@ -10,11 +10,11 @@
 
 namespace hapton {
 
-// What the haptics node has done so far.
+// Counters of the haptics node.
 struct HapticsCounts {
   std::uint64_t answered = 0;
   std::uint64_t contact_steps = 0;
-  std::uint64_t skipped = 0;  // states superseded before they could be answered
+  std::uint64_t skipped = 0;  // states superseded before the reply
   std::uint64_t views_taken = 0;
   std::uint64_t views_rejected = 0;  // not rigid
   std::uint64_t methods_taken = 0;   // changes while running
@@ -25,7 +25,7 @@ struct HapticsCounts {
 // RT: all but construction yes. Threads: one.
 class HapticsStep {
  public:
-  // offset_m: how far off the surface, on the side that is felt, a new method starts when it takes over in contact.
+  // offset_m: distance off the surface, on the side in contact, at which a new method starts when it takes over in contact.
   explicit HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m);
 
   // A newer state for the next reply; one still waiting is skipped.
@@ -44,9 +44,9 @@ class HapticsStep {
   // Moves the static scene; false if the pose is not rigid: the scene stays.
   bool turn_scene(const ViewTransform& view) noexcept;
 
-  // Replaces the method and returns the old one. In contact the new one starts on the felt side of the surface where the
-  // old one's probe rests, so its first step feels the same surface; in free space at the device point. Where the two feel different forces
-  // the difference fades (ForceFade).
+  // Replaces the method and returns the old one. In contact the new one starts where the old one's probe is, on the same side of the
+  // surface, so its first step has the same contact; in free space at the device point. Where the forces of the two differ, the difference
+  // fades (ForceFade).
   std::unique_ptr<TouchStep> replace(std::unique_ptr<TouchStep> touch) noexcept;
 
   // Forgets contact and time: for a new hub session, or after a long gap in the samples.
@@ -57,7 +57,7 @@ class HapticsStep {
     fade_.forget();
   }
 
-  // A new hub session begins: as restart, but contact goes on where the probe rests, if the device is still near (kResumeReachM).
+  // A new hub session begins: as restart, but contact continues at the probe's position, if the device is still near (kResumeReachM).
   void resume() noexcept;
 
   // The newest view transform taken.
@@ -75,16 +75,16 @@ class HapticsStep {
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;
   DeviceState state_;
-  TouchInput input_;          // last answered
-  TouchOutput felt_;          // last answered, by the method alone
+  TouchInput input_;          // of the last reply
+  TouchOutput felt_;          // of the last reply, by the method alone
   ForceFade fade_;            // from the method before
   std::optional<Vec3> p_WP_;  // where the probe rested when the session ended
   std::int64_t last_time_ns_ = 0;
-  std::uint64_t last_sample_ = 0;      // answered
-  std::uint64_t answered_before_ = 0;  // as in ForceCommand, of the answer to come: without last_sample_
+  std::uint64_t last_sample_ = 0;      // of the last reply
+  std::uint64_t answered_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_
   std::uint32_t skipped_ = 0;
   bool has_state_ = false;
-  bool running_ = false;  // last answered is there
+  bool running_ = false;  // there was a last reply
   HapticsCounts counts_;
 };
 

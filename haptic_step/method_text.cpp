@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Every setting but the name, in one place for both ways.
+// Every setting but the name, for both directions.
 template <class S, class Visit>
 void for_each_setting(S& s, Visit&& visit) {
   visit("grid_division", s.grid_division);

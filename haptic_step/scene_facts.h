@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// What a haptics node tells the others of its scene. RT: set-up only.
+// The scene facts that a haptics node sends to the others. RT: set-up only.
 SceneFacts make_scene_facts(const Scene& scene);
 
 }  // namespace hapton

@@ -8,15 +8,15 @@
 
 namespace hapton {
 
-// A few lines for people about a run: answers, contact, what was skipped or lost, the step's times and from arrival to reply, and the
-// method's own words. RT: set-up only.
+// A few lines for people about a run: replies, contact, skipped and lost samples, times of the step and from arrival to reply, and the
+// method's own report. RT: set-up only.
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
                                 const LatencyHistogram& step_times);
 
-// "WHAT: p50 .. us, p90 .., p99 .., p99.9 .., worst .., n ..", a line; empty where there is none. RT: set-up only.
+// "WHAT: p50 .. us, p90 .., p99 .., p99.9 .., worst .., n ..", a line; empty if there are none. RT: set-up only.
 std::string describe_times(const std::string& what, const LatencyHistogram& times);
 
-// What the method says of itself, line by line to the log. RT: no.
+// Logs the method's report, line by line. RT: no.
 void log_method(const ForceMethod& method);
 
 }  // namespace hapton

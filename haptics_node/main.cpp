@@ -28,11 +28,11 @@ int give_up(const Error& error) {
   return 1;
 }
 
-// With a connection of its own, so that the one that is used for forces begins afresh.
+// With a connection of its own, so that the one used for forces starts fresh.
 void tell_hub(const HapticsOptions& options, const Address& hub, const RoleKey& key, const Clock& clock, const SceneFacts& facts,
               std::int64_t began_ns, DoneSignal& done) {
   const auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(hub) : options.bind);
-  if (!endpoint) return;  // said by who needs it
+  if (!endpoint) return;  // reported where it is needed
   (void)(*endpoint)->accept_only(hub);
   SealedClient sealed(**endpoint, clock, key, hub);
   HubClient client(sealed, clock, NodeRole::haptics, hub);
@@ -59,7 +59,7 @@ int run(const HapticsOptions& options) {
   log_method(**method);
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
-  // A flood at this node's port is not to take its time. Rejected: it costs a look at each datagram.
+  // So that a flood at this node's port does not take its time. If this fails, each datagram costs one check.
   (void)(*endpoint)->accept_only(*hub);
 
   SealedClient::Options sealing;

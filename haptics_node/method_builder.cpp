@@ -24,7 +24,7 @@ MethodBuilder::~MethodBuilder() {
 }
 
 std::unique_ptr<BuiltMethod> MethodBuilder::take() noexcept {
-  // One place for what is retired: nothing new is handed out before the old one was collected.
+  // There is one slot for a retired method: no new one is handed out before the old one is collected.
   if (built_.load(std::memory_order_relaxed) == nullptr || retired_.load(std::memory_order_acquire) != nullptr) {
     return nullptr;
   }
@@ -32,7 +32,7 @@ std::unique_ptr<BuiltMethod> MethodBuilder::take() noexcept {
 }
 
 void MethodBuilder::run() {
-  // Looks rather than waits: waking a sleeper would be a system call in the loop that asks.
+  // Polls instead of waiting: waking a sleeping thread would be a system call in the real-time loop.
   constexpr auto kPeriod = std::chrono::milliseconds(10);
   while (!stop_.load()) {
     free_retired();

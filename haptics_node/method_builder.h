@@ -26,11 +26,11 @@ struct RejectedMethod {
   HapticsSetup::Text why = {};
 };
 
-// Builds force methods over one scene in a thread of its own, and takes back those no longer needed, so that the loop that answers the
-// device neither builds nor frees anything. It also is the slow task of the method in use: what that method's steps request is prepared
-// here. A method that cannot be built is logged and reported, and the current one stays in use. A method that takes over in contact must be
-// complete: nothing of such a method is left to be built on approach. RT: request, take, take_rejection and retire yes; the rest set-up
-// only. Threads: one caller.
+// Builds force methods over one scene in its own thread, and frees those no longer needed, so that the loop that replies to the device
+// neither builds nor frees anything. It also is the slow task of the method in use: it prepares what that method's steps request. A
+// method that cannot be built is logged and reported, and the current one stays in use. A method that takes over in contact must be
+// complete: nothing of it is built on approach. RT: request, take, take_rejection and retire yes; the rest set-up only. Threads: one
+// caller.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -40,7 +40,7 @@ class MethodBuilder {
   MethodBuilder(const MethodBuilder&) = delete;
   MethodBuilder& operator=(const MethodBuilder&) = delete;
 
-  // Requests a method; a later request replaces one that has not begun.
+  // Requests a method; a later request replaces one that has not started.
   void request(const MethodName& name, std::uint32_t ask = 0) noexcept { requests_.publish({name, ask}); }
 
   // How often the slow task found nothing to do: two more than before mean that everything requested by then is built.
@@ -52,7 +52,7 @@ class MethodBuilder {
   // The request rejected last, once; none when there is no new one. It stays until the next call.
   const RejectedMethod* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
-  // Takes what take() gave, with the method that it replaced in it, to be freed.
+  // Takes what take() returned, now with the method that it replaced, to be freed.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
 
  private:

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// What is built by then is not worth a word.
+// A shorter preparation is not reported.
 constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kTellEveryNs = 200 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLookNs = 20 * kNanosecondsPerMillisecond;

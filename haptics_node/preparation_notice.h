@@ -17,7 +17,7 @@ namespace hapton {
 class DoneSignal {
  public:
   void set();
-  // True once it is done; false when it is not after so long.
+  // True when it is done; false after the given time.
   bool wait_ns(std::int64_t longest_ns);
 
  private:
@@ -26,12 +26,12 @@ class DoneSignal {
   bool is_done_ = false;
 };
 
-// Joins the hub and tells vision nodes, by SceneFacts, that what is felt is still being built and for how long, until it is done. Commands
-// nothing. began_ns: of the clock. RT: no.
+// Joins the hub and notifies vision nodes, by SceneFacts, that the haptic scene is still being built and for how long, until it is done.
+// Commands nothing. began_ns: of the clock. RT: no.
 void tell_of_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, std::int64_t began_ns, DoneSignal& done);
 
-// Builds a method in a thread of its own. Where that takes longer than a moment, `tell` is called once meanwhile, and has to return when
-// the signal that it is given is set. RT: set-up only.
+// Builds a method in its own thread. If that takes longer than a moment, calls `tell` once meanwhile, which must return when the given
+// signal is set. RT: set-up only.
 Result<std::unique_ptr<ForceMethod>> build_and_tell(const std::function<Result<std::unique_ptr<ForceMethod>>()>& build,
                                                     const std::function<void(DoneSignal&)>& tell);
 

@@ -11,10 +11,10 @@ namespace {
 constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
-// After a change it is told a few times more, soon: a datagram may get lost.
+// After a change it is sent a few times more, soon, because a datagram may be lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
-// A first reply that waits no longer than that is not worth a word; else vision nodes are told so often how long it has waited.
+// A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
 constexpr std::int64_t kMomentNs = 300 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kPreparingEveryNs = 200 * kNanosecondsPerMillisecond;
 
@@ -64,7 +64,7 @@ void ReplyLoop::hear(const Message& message) noexcept {
   const bool overtaken = hub_.last_arrival() == Arrival::reordered;
   if (const auto* state = std::get_if<DeviceState>(&message)) {
     if (overtaken) {
-      return;  // a newer one was answered or is waiting
+      return;  // a newer one has its reply or is waiting
     }
     if (hub_.session() != session_) {
       session_ = hub_.session();
@@ -80,14 +80,14 @@ void ReplyLoop::hear(const Message& message) noexcept {
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
     scene_shown_ = scene->given_hash;
   } else if (const auto* settings = std::get_if<Settings>(&message); settings != nullptr && settings->method[0] != '\0') {
-    // Who waits for an answer asks again until it comes.
+    // A requester repeats its request until the reply comes.
     if (settings->method_request != 0 && settings->method_request == heard_ask_) return;
     heard_ask_ = settings->method_request;
     builder_.request(settings->method, settings->method_request);
   }
 }
 
-// True at once but for the first answer.
+// True at once except for the first reply.
 bool ReplyLoop::is_ready() noexcept {
   if (!builds_on_approach_ || step_.is_running()) return true;
   if (!looks_before_) {
@@ -99,7 +99,7 @@ bool ReplyLoop::is_ready() noexcept {
   return true;
 }
 
-// A person who looks at the picture is told that it is not dead.
+// Notifies vision nodes, so that people see that the node is working.
 void ReplyLoop::wait_for_builder() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   if (preparing_since_ns_ == 0) preparing_since_ns_ = now_ns;

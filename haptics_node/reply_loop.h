@@ -12,20 +12,20 @@
 
 namespace hapton {
 
-// The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. Where a method builds
-// on approach, the first reply waits until the objects nearby are built: so resumed contact is felt from the first reply on, and the same
-// states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the result of a
-// method request, and its scene. A vision node with another scene is a line in the log. RT: run and turn yes, apart from such lines.
-// Threads: one.
+// The loop of the haptics node: replies to the newest device state at once, and does everything else after the reply. With a method that
+// builds on approach, the first reply waits until the objects nearby are built, so resumed contact has a force from the first reply on,
+// and the same states give the same forces again. It sends the hub its setup once a second and after a change, for recordings, with the
+// result of a method request, and its scene. A vision node with another scene is logged. RT: run and turn yes, except logging. Threads:
+// one.
 class ReplyLoop {
  public:
   ReplyLoop(HubClient& hub, const Clock& clock, HapticsStep& step, MethodBuilder& builder, const HapticsSetup& setup = {},
             bool builds_on_approach = false, const SceneFacts& scene = {});
 
-  // Until a signal asks to stop or, when it is above 0, that many seconds have passed.
+  // Runs until a signal requests the stop or, if `seconds` is above 0, for that time.
   void run(const StopSignal& stop, double seconds);
 
-  // One turn of it: waits for a message no longer than until deadline_ns, answers the newest state there is.
+  // One turn: waits for a message until deadline_ns, replies to the newest state.
   void turn(std::int64_t deadline_ns);
 
   // From a state's arrival to its reply's departure.
@@ -51,13 +51,13 @@ class ReplyLoop {
   MethodBuilder& builder_;
   HapticsSetup setup_;
   SceneFacts scene_;
-  std::uint64_t scene_shown_ = 0;  // its hash, as a vision node said last; 0: none did
+  std::uint64_t scene_shown_ = 0;  // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_told_ = 0;   // of these, the one that the log spoke of
   bool builds_on_approach_;
   std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
   std::int64_t next_setup_ns_ = 0;
   std::int64_t told_setup_ns_ = 0;
-  std::int64_t preparing_since_ns_ = 0;  // a state waits for the first answer since then; 0: none does
+  std::int64_t preparing_since_ns_ = 0;  // a state waits for the first reply since then; 0: none
   std::uint64_t told_session_ = 0;       // of the setup
   int setup_repeats_ = 0;                // still to be sent soon
   Datagram datagram_;

@@ -17,7 +17,7 @@ const HidCatalogEntry* find_in_hid_catalog(const HidDescription& device) noexcep
 // RT: no.
 Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices, HidKind kind, std::string_view id);
 
-// Whether they are the same piece of hardware, as far as one can tell after it was unplugged: its node may be another one then.
+// Whether both describe the same piece of hardware, as far as the descriptions show; its node may have changed after it was unplugged.
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept;
 
 }  // namespace hapton

@@ -59,7 +59,7 @@ struct State {
   bool is_calibrated = false;
   bool is_on = false;  // the motors are
   bool is_held = false;
-  bool has_barked = false;  // the watchdog has: the motors stay off until they have been told to be off
+  bool has_barked = false;  // its watchdog has tripped: the motors stay off until they are commanded off
   bool is_hot = false;
   bool has_fault = false;
   std::uint16_t sequence = 0;
@@ -67,7 +67,7 @@ struct State {
   Vec3 position_m = Vec3::Zero();
   Quat orientation = Quat::Identity();
   std::uint32_t buttons = 0;
-  std::uint16_t newest_force = 0;  // sequence of the newest force report that the device had heard
+  std::uint16_t newest_force = 0;  // sequence of the newest force report that the device has received
   double temperature = -1.0;       // 0 cold .. 1 too hot; below 0: not known
 };
 
@@ -84,7 +84,7 @@ struct Force {
 Result<Limits> decode_limits(std::span<const std::uint8_t> report);
 Result<Names> decode_names(std::span<const std::uint8_t> report);
 
-// None: too short, another report, or a quaternion that is none. Longer reports are taken: a later version may add to them. RT: yes.
+// None: too short, another report, or an invalid quaternion. Longer reports are accepted: a later version may add to them. RT: yes.
 std::optional<State> decode_state(std::span<const std::uint8_t> report) noexcept;
 
 // What is beyond the format's range, 2147 N, is cut to it; what is no number is zero. RT: yes.

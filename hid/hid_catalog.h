@@ -13,8 +13,8 @@ enum class HidKind : std::uint8_t {
   vendor_driver,   // a force-feedback device that only its vendor's library can drive
 };
 
-// One device, or one family of them. A zero pid stands for every product of the vendor, a zero vid for every vendor; a zero usage_page for
-// any usage. Receivers and keyboards show several interfaces under one id, so where a usage is given it must match too.
+// One device, or one family of them. A zero pid matches every product of the vendor, a zero vid every vendor, a zero usage_page any usage.
+// Receivers and keyboards show several interfaces under one id, so where a usage is given it must match too.
 struct HidCatalogEntry {
   std::uint16_t vid = 0;
   std::uint16_t pid = 0;

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// What a HID report descriptor says of its reports: enough to recognise a device and to tell its variants apart.
+// The contents of a HID report descriptor, as far as they serve to recognise a device and to distinguish its variants.
 struct HidLayout {
   struct Usage {
     std::uint16_t page = 0;

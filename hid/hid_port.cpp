@@ -43,7 +43,7 @@ std::shared_ptr<HidTransport> HidPort::transport() const noexcept {
 }
 
 void HidPort::set_transport(std::shared_ptr<HidTransport> transport) noexcept {
-  // What was there is closed after the lock is let go: that may wait for the bus.
+  // The old transport is closed after the lock is released, since closing may wait for the bus.
   const std::lock_guard lock(mutex_);
   transport_.swap(transport);
 }
@@ -59,7 +59,7 @@ Result<void> HidPort::look() {
 }
 
 void HidPort::run() noexcept {
-  // What the system refuses, the servo's own report has told already.
+  // A denial by the system has already been reported by the servo.
   if (realtime_) (void)enter_realtime(*realtime_);
   while (!ends_.load(std::memory_order_acquire)) {
     if (const auto transport = this->transport()) {

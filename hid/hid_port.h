@@ -20,11 +20,11 @@ class HidListener {
  public:
   virtual ~HidListener() = default;
 
-  // The device is there, for the first time or again. Error: it is not usable, one line; it is closed and asked again later.
+  // The device is there, for the first time or again. Error: it is not usable, one line; it is closed and tried again later.
   virtual Result<void> on_opened(HidTransport& transport) = 0;
   // A report, stamped with when it was read. RT: must be.
   virtual void on_report(std::span<const std::uint8_t> report, std::int64_t now_ns) noexcept = 0;
-  // No more reports are waiting: what has been heard is the newest there is. RT: must be.
+  // No more reports are waiting: the last one received is the newest. RT: must be.
   virtual void on_drained(std::int64_t now_ns) noexcept = 0;
   virtual void on_gone() noexcept = 0;
 };
@@ -51,7 +51,7 @@ class HidPort {
   // The open device, for writing; null while it is away. It stays valid for who holds it. RT: no lock that is ever held for long.
   std::shared_ptr<HidTransport> transport() const noexcept;
 
-  // Someone could not write to it: it is closed, and opened anew.
+  // A write to it failed: it is closed and opened again.
   void suspect() noexcept { is_suspect_.store(true, std::memory_order_release); }
 
  private:

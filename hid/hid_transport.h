@@ -54,7 +54,7 @@ class HidTransport {
   // False: it did not go out. Waits until the bus has taken it, which with some devices is a millisecond.
   virtual bool write(std::span<const std::uint8_t> report) noexcept = 0;
 
-  // Asks for feature report into[0], which stays there; the bytes that came, the number included. Error: one line.
+  // Requests feature report into[0], a byte that stays there; returns the number of bytes received, that one included. Error: one line.
   virtual Result<std::size_t> get_feature(std::span<std::uint8_t> into) = 0;
 };
 

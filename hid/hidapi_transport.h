@@ -8,12 +8,12 @@
 
 namespace hapton {
 
-// Every HID device that the system shows through hidraw, whoever made it; one entry for each of its nodes, sorted by path. Needs no
+// Every HID device that the system shows through hidraw, of any vendor; one entry for each of its nodes, sorted by path. Needs no
 // permission. RT: no. Error: never; a system without HID has none.
 std::vector<HidDescription> list_hid_devices();
 
-// Opens a node. The system makes it before it grants the right to it: a rejection is asked about again for a second.
-// Error: one line with the remedy. RT: set-up only.
+// Opens a node. The system creates it before it grants access: a denied access is retried for a second. Error: one line with the remedy.
+// RT: set-up only.
 Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device);
 
 // Opens the device that choose_hid_device finds, and after that only the same one again.

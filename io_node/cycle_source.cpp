@@ -6,12 +6,12 @@
 namespace hapton {
 namespace {
 
-// After so many cycles in a row that were there already this thread sleeps for a moment: LimitRTTIME ends a thread that never sleeps, and
-// the kernel throttles it.
+// After this many cycles in a row that were already waiting, this thread sleeps for a moment: LimitRTTIME ends a thread that never sleeps,
+// and the kernel throttles it.
 constexpr std::uint32_t kMaxBehind = 8;
 constexpr std::int64_t kFewestDatagrams = 32;  // of a cycle's budget, however high the rate
 
-// Tells the CPU that this thread only waits.
+// Tells the CPU that this thread is spinning.
 void relax() noexcept {
 #ifdef __x86_64__
   __builtin_ia32_pause();

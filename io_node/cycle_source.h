@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// Cycle timing of the servo: waits for the device side's next cycle and receives datagrams meanwhile. The device side has a thread of its
-// own, or (tests on simulated time) runs its cycles here.
-// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// Cycle timing of the servo: waits for the device side's next cycle and receives datagrams meanwhile. The device side has
+// its own thread, or (tests on simulated time) runs its cycles here. Units: ns of the hub's clock. RT: yes. Threads: the
+// servo's.
 class CycleSource {
  public:
   // How long to spin for a cycle of the device side that is due: it is made on another CPU, or it displaces this thread.

@@ -23,7 +23,7 @@
 namespace hapton {
 namespace {
 
-// The bare echo's own socket and what measures with it; empty when it is not asked for.
+// The bare echo's own socket and its measurement; empty without --echo.
 struct Echo {
   std::unique_ptr<Endpoint> endpoint;
   std::unique_ptr<EchoProbe> probe;
@@ -46,7 +46,7 @@ OverrunPolicy overrun_policy(const IoOptions& options) {
   return options.overrun == "stop" ? OverrunPolicy::stop : OverrunPolicy::skip;
 }
 
-// Null when nobody wants them.
+// Null if metrics are off.
 Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) {
   if (options.metrics.empty()) return std::unique_ptr<MetricsEndpoint>();
   auto metrics = MetricsEndpoint::open(options.metrics);
@@ -54,7 +54,7 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
   return metrics;
 }
 
-// A thread that talks to a device for the servo is as punctual as that; what concerns the whole process the servo's thread asks for.
+// A device's own thread gets the same real-time settings; settings of the whole process are made by the servo's thread.
 DeviceSettings device_settings(const IoOptions& options) {
   DeviceSettings settings = options.device;
   if (options.realtime.mode == RealtimeMode::off) return settings;
@@ -63,7 +63,7 @@ DeviceSettings device_settings(const IoOptions& options) {
   return settings;
 }
 
-// Who sees the device besides the nodes; empty when nobody is to.
+// The device's other observers; empty if there are none.
 struct Show {
   std::unique_ptr<vrpn::Feed> feed;
   std::unique_ptr<vrpn::Server> server;
@@ -204,7 +204,7 @@ std::string DeviceHub::describe() const {
                      parts_->device->name(), options.rate_hz, parts_->servo->limits().max_force_n, options.device.seed);
 }
 
-// What it takes that another process lets go for this one. Without it this process still does.
+// Starts the process that releases the force if this one cannot. Without it this process still releases the force itself.
 Result<void> DeviceHub::start_watchdog() {
   const IoOptions& options = parts_->options;
   if (options.watchdog == RealtimeMode::off) return {};
@@ -221,7 +221,7 @@ Result<void> DeviceHub::start_watchdog() {
   return {};
 }
 
-// What a person was to see to before the last end of this program is to be seen to still.
+// A fault that was latched when this program last ended stays latched.
 void DeviceHub::latch_again() {
   const SafetyFault fault = parts_->latch_file.read();
   parts_->session.set_latch_file(&parts_->latch_file);

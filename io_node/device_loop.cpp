@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kLookNs = 250 * kNanosecondsPerMillisecond;
 
-// Tells the CPU that this thread only waits.
+// Tells the CPU that this thread is spinning.
 void relax() noexcept {
 #ifdef __x86_64__
   __builtin_ia32_pause();
@@ -67,7 +67,7 @@ void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
   if (policy_ == OverrunPolicy::stop) has_overrun_.store(true, std::memory_order_release);
 }
 
-// By the clock readings of the cycle before alone: nothing is asked of the system.
+// From the clock readings of the last cycle alone, without a system call.
 MissCause DeviceLoop::cause_of(std::int64_t late_ns) const noexcept {
   if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
   if (late_ns >= kStallNs) return MissCause::machine_stalled;
@@ -87,14 +87,14 @@ bool DeviceLoop::run_cycle() noexcept {
   }
   device_ns_ = 0;
   stats_.end_ns = tick_ns_ + period_ns();
-  // First of all, and before the device takes its time: what the governor would not put out any more.
+  // First of all, before the device takes its time: release a force that the governor would no longer output.
   const std::int64_t now_ns = clock_.now_ns();
   if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
   // A force that came since the last tick has used the slew of this one; one from before a stall has not.
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
-  // Whoever cut the device, the force that is still out sinks before it is given back.
+  // After a cut by any thread, the force is ramped down before it is given back.
   const bool sinks = is_cut() && force_sample_ns() != 0;
   if (sinks) governor_.interrupt();
   if (!has_fresh_force || sinks) hold_force();
@@ -137,7 +137,7 @@ void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
   if (guard_ != nullptr) guard_->force_sample_ns.store(sample_ns, std::memory_order_release);
 }
 
-// Without the claim the force cannot be written; what it takes to cut it is the device's own and atomic.
+// Without the claim the force cannot be written; cutting the device needs no claim, because it is atomic.
 bool DeviceLoop::cut_if_older(std::int64_t limit_ns) noexcept {
   const std::int64_t sample_ns = force_sample_ns();
   if (sample_ns == 0 || clock_.now_ns() - sample_ns < limit_ns) return false;
@@ -150,7 +150,7 @@ void DeviceLoop::sample_device() noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
   cycle_.tick_ns = tick_ns_;
   cycle_.sample = device_.read(begin_ns);
-  // A sample is taken when the device has given it; how long that takes is a figure of its own.
+  // The sample's time is when the device has returned it; the duration of the reading is measured separately.
   cycle_.sample.time_ns = clock_.now_ns();
   stats_.device_read.record(cycle_.sample.time_ns - begin_ns);
   device_ns_ += cycle_.sample.time_ns - begin_ns;
@@ -160,8 +160,8 @@ void DeviceLoop::sample_device() noexcept {
   cycle_.number = ++stats_.samples;
 }
 
-// Without news the governor may still have to let the force sink or rise. With news every cycle it must not be asked in between: it would
-// spend the cycle's share of the slew on nothing.
+// Without a new command the governor may still have to ramp the force. With a command every cycle it must not run in between: it would use
+// up the cycle's share of the slew limit.
 void DeviceLoop::hold_force() noexcept {
   const Wrench& held = governor_.step(std::nullopt, clock_.now_ns());
   if (held.force_n != written_.force_n || held.torque_nm != written_.torque_nm) write(held);
@@ -170,7 +170,7 @@ void DeviceLoop::hold_force() noexcept {
 void DeviceLoop::write(const Wrench& wrench) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
   const bool is_zero = wrench.force_n == Vec3::Zero();
-  // A force is told of before it is there, zero once it is: whoever is stopped in between errs on the safe side.
+  // A force is announced before it is written, and zero after it is: an interruption in between errs on the safe side.
   const bool is_off = is_zero && wrench.torque_nm == Vec3::Zero();
   if (!is_off) set_force_sample(answered_ns_);
   device_.write(wrench, begin_ns);
@@ -208,13 +208,13 @@ const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
   stats_.status = device_.status();
   stats_.cuts = cuts_.load(std::memory_order_relaxed);
   stats_.condition = device_.condition();
-  // The silence at the end is our own doing.
+  // The timeout at the end is our own doing.
   if (!is_finished_) stats_.governor = governor_.figures();
   return stats_;
 }
 
-// As long as there is a command that nobody has taken: who finds the claim taken leaves it to its holder, who comes by here after giving it
-// back.
+// Repeats while there is a command that is not yet taken: a thread that finds the claim taken leaves the command to the claim's holder, who
+// checks again after releasing it.
 void DeviceLoop::serve() noexcept {
   while (served_.load() < posted_.load()) {
     if (!claim()) return;

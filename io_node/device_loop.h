@@ -17,14 +17,14 @@
 
 namespace hapton {
 
-// What happens to cycles that are late:
+// The handling of late cycles:
 //   skip      whole periods are skipped, and the next tick is on time again
-//   catch_up  the cycles that were missed run at once, one after the other, up to kMostCaughtUp of them; what is beyond that is skipped
+//   catch_up  the missed cycles run at once, one after the other, up to kMostCaughtUp of them; more are skipped
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
-// How a person's presence is known to whoever asks for a reset of a latched fault (reset_permission.h): already, or by the dead man's
-// switch, which must still be held when the reset takes effect.
+// How the presence of a person is verified for a reset of a latched fault (reset_permission.h): already known, or by the dead man's switch,
+// which must still be held when the reset takes effect.
 enum class ResetPresence : std::uint8_t { known, while_held };
 
 // One cycle of the device loop, as reported to the network side.
@@ -53,7 +53,7 @@ struct DeviceSide {
   std::int64_t written_ns = 0;
 };
 
-// What the device side has measured.
+// Measurements of the device side.
 struct DeviceLoopStats {
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
@@ -126,7 +126,7 @@ class DeviceLoop {
   void note_behind(bool is_behind) noexcept { is_behind_ = is_behind; }
   void note_wake_up(std::int64_t late_ns) noexcept { spin_.note_wake_up(late_ns); }
   void note_overslept(std::int64_t late_ns) noexcept { overslept_ns_ = late_ns > overslept_ns_ ? late_ns : overslept_ns_; }
-  // Spins to the tick and settles what was missed before it.
+  // Spins to the tick and accounts for cycles missed before it.
   void begin_cycle() noexcept;
   // The cycle. False: the network side is writing a force; call again soon. Nothing was done, except what is_cut() reports.
   bool run_cycle() noexcept;
@@ -137,7 +137,7 @@ class DeviceLoop {
 
   // --- the network side
 
-  // The next cycle that was not taken yet, in order; false: there is none.
+  // The next cycle not taken yet, in order; false: there is none.
   bool take_cycle(DeviceCycle& cycle) noexcept;
   bool has_cycle() const noexcept { return cycles_begin_.load(std::memory_order_relaxed) != cycles_end_.load(std::memory_order_acquire); }
   // The newest state of the device side; stays as it is until the next call.
@@ -153,7 +153,7 @@ class DeviceLoop {
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
   void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
-  // Asks for a copy of what was measured; take_stats is true once when it is there.
+  // Requests a copy of the measurements; take_stats returns true once when it is there.
   void request_stats() noexcept;
   bool take_stats() noexcept { return stats_copies_.take(); }
   const DeviceLoopStats& stats_copy() const noexcept { return stats_copies_.value(); }
@@ -226,7 +226,7 @@ class DeviceLoop {
   std::uint32_t resets_if_held_granted_ = 0;
   std::uint32_t stats_granted_ = 0;
 
-  // Whoever holds the claim.
+  // Owned by the holder of the claim.
   std::int64_t device_ns_ = 0;  // spent on the device since the last tick
   Wrench written_;
   std::int64_t answered_ns_ = 0;   // the sample of the last force that the governor accepted

@@ -47,22 +47,22 @@ void DeviceThread::run(const RealtimeSettings& settings) {
   while (!ends_.load(std::memory_order_acquire)) {
     await_tick();
     loop_.begin_cycle();
-    // Before the sample is taken: what the network side waits for is not to wait for a timer to be set.
+    // Before the sample is taken, so that the network side does not wait for the timer to be set.
     timer_.set(loop_.wake_after_next_ns());
     while (!loop_.run_cycle()) SteadyClock().sleep_until_ns(clock_.now_ns() + kMomentNs);
   }
   while (!loop_.finish()) SteadyClock().sleep_until_ns(clock_.now_ns() + kMomentNs);
 }
 
-// A cycle that is late already waits all the same, for a moment: a thread that never blocks is stopped by LimitRTTIME and by the kernel's
-// throttling, and lets nobody else have its CPU.
+// A late cycle still waits for a moment: LimitRTTIME and the kernel's throttling stop a thread that never blocks, and no other thread gets
+// its CPU.
 void DeviceThread::await_tick() noexcept {
   const std::int64_t wake_ns = loop_.wake_ns();
   const bool is_behind = clock_.now_ns() >= loop_.tick_ns();
   loop_.note_behind(is_behind);
   timer_.wait();
   const std::int64_t now_ns = clock_.now_ns();
-  // A timer that has expired, or could not be set, lets nobody sleep.
+  // An expired timer, or one that could not be set, does not sleep.
   if (is_behind) return SteadyClock().sleep_until_ns(now_ns + kMomentNs);
   if (now_ns < wake_ns) SteadyClock().sleep_until_ns(wake_ns);
   loop_.note_wake_up(clock_.now_ns() - wake_ns);

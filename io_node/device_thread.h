@@ -25,12 +25,12 @@ class DeviceThread {
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
 
-  // Begins the cycles. network: what the network side asks for. Error: real time required and rejected, or no timer.
+  // Starts the cycles. network: the settings of the network side. Error: real time required and denied, or no timer.
   Result<void> start(const RealtimeSettings& network);
   // Zero on the motors, and the end of the cycles.
   void stop();
 
-  // After start: its number, and what it was granted, as RealtimeReport::to_lines has it.
+  // After start: its thread id, and what it was granted, as in RealtimeReport::to_lines.
   pid_t id() const noexcept { return id_; }
   const std::vector<std::string>& realtime_lines() const noexcept { return realtime_lines_; }
 

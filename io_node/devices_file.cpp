@@ -19,7 +19,7 @@ constexpr double kMostSlewNPerS = 1e6;
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::size_t kLongestName = 32;
 
-// It is a folder and stands in front of lines.
+// It is used as a folder's name and as a prefix of lines.
 bool is_good_name(std::string_view name) {
   const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_'; };
   return !name.empty() && name.size() <= kLongestName && std::all_of(name.begin(), name.end(), is_plain);

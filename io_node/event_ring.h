@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// Something a person wants to read about, told by the servo loop.
+// An event for the log, from the servo loop.
 struct ServoEvent {
   enum class Kind : std::uint8_t {
     joined,
@@ -27,13 +27,13 @@ struct ServoEvent {
     away,
     calibrating,
     back,
-    reset_without_right,   // a tool whose key is not an operator's asked for a reset
-    reset_without_person,  // ... an operator, and nobody is known to be at the device
+    reset_without_right,   // a tool with a key other than an operator's requested a reset
+    reset_without_person,  // ... an operator, but no person is known to be at the device
     flood,                 // more datagrams were rejected than anyone of good will sends
     out_of_reach,          // the device cannot touch the scene
     too_small,             // ... nor find it
     in_reach,              // ... can, after it could not
-    role_violation,        // a node asked for a role, or sent what belongs to one, that its key does not allow
+    role_violation,        // a node requested a role, or sent a message, that its key does not allow
   };
   Kind kind = Kind::joined;
   NodeRole role = NodeRole::tool;
@@ -41,13 +41,13 @@ struct ServoEvent {
   double rate_hz = 0.0;                    // of rate_changed; of flood: datagrams a second
   std::array<char, 16> method = {};        // of method_requested
   SafetyFault fault = SafetyFault::none;   // of latched, reset and reset_rejected
-  Rejection flood = Rejection::malformed;  // of flood: what it is of
+  Rejection flood = Rejection::malformed;  // of flood: its kind
   bool is_from_several = false;            // of flood: from other addresses, too
   bool is_kept_out = false;                // of flood: most of it in the kernel
 };
 
-// From the servo loop to a thread that has time to print. A full ring drops what comes and counts it.
-// RT: push yes, wait-free. Threads: one pushes, one pops.
+// From the servo loop to a thread without deadlines. A full ring drops new events and counts them. RT: push yes, wait-free. Threads: one
+// pushes, one pops.
 class EventRing {
  public:
   void push(const ServoEvent& event) noexcept {

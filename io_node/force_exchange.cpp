@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// A node that has been silent for that long loses its slot to the next haptics node: it counts as gone.
+// A node silent for that long loses its slot to the next haptics node.
 bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
   return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_heard_ns < HubPeers::kHapticsTimeoutNs;
 }

@@ -18,7 +18,7 @@ namespace hapton {
 // and writes it, and measures how long that took. Frames: world. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class ForceExchange {
  public:
-  // Pre: all outlive this. What it measures goes into stats.
+  // Pre: all outlive this. Measurements go into stats.
   ForceExchange(DeviceLoop& loop, HubPeers& peers, const Clock& clock, ServoStats& stats) noexcept
       : loop_(loop), peers_(peers), clock_(clock), stats_(stats) {}
 
@@ -30,8 +30,8 @@ class ForceExchange {
   void send(const DeviceCycle& cycle) noexcept;
   // The force for the newest sample may still arrive.
   bool is_awaited() const noexcept { return !responses_.is_newest_answered() && peers_.has_haptics(); }
-  // The newest force is governed and written to the device before this returns, as a rule. One that answers an older sample than the last
-  // force did is counted and dropped.
+  // Normally the newest force is governed and written to the device before this returns. A force for an older sample than the last one's is
+  // counted and dropped.
   void accept(const Header& header, const ForceCommand& command) noexcept;
   // Measures the force that was posted last, once it is on the motors.
   void note_written() noexcept;

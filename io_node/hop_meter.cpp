@@ -20,7 +20,7 @@ void HopMeter::on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) 
 
 void HopMeter::on_probe_sent(std::uint64_t sample) noexcept {
   Sent& last = probes_[(next_probe_ + kProbesKept - 1) % kProbesKept];
-  if (last.sample == sample) {  // sent again, the figures beside it having changed
+  if (last.sample == sample) {  // sent again with changed statistics
     last.time_ns = endpoint_.last_send_ns();
     return;
   }
@@ -36,8 +36,8 @@ void HopMeter::on_force(const Header& header, const ForceCommand& command, std::
   stats_.decode.record(ready_ns - taken_ns);
   const Sent& sent = states_[command.echo_sample % kStatesKept];
   if (sent.sample != command.echo_sample || sent.sample == 0) return;
-  // The node says how long it held the sample, so the time of its answer tells when the sample came. What it says is its own affair: times
-  // that no number holds are left out here and in ClockOffset.
+  // The node reports how long it held the sample, so the time of its reply gives the arrival of the sample. Invalid times of a node are
+  // ignored here and in ClockOffset.
   std::int64_t arrived_ns = 0;
   if (__builtin_sub_overflow(header.send_time_ns, static_cast<std::int64_t>(command.compute_ns), &arrived_ns)) return;
   ClockOffset& offset = offsets_[HubPeers::kHapticsSlot];
@@ -47,7 +47,7 @@ void HopMeter::on_force(const Header& header, const ForceCommand& command, std::
   const std::int64_t wire_ns = taken_ns - sent.time_ns - static_cast<std::int64_t>(command.compute_ns);
   std::int64_t out_ns = 0;
   if (__builtin_sub_overflow(arrived_ns, sent.time_ns + ahead_ns, &out_ns)) return;
-  if (out_ns < 0 || out_ns > wire_ns) return;  // the clocks cannot be told apart well enough for this one
+  if (out_ns < 0 || out_ns > wire_ns) return;  // the clock offset is not known well enough for this one
   stats_.wire_out.record(out_ns);
   stats_.wire_back.record(wire_ns - out_ns);
 }
@@ -70,7 +70,7 @@ const HopStats& HopMeter::collect(std::int64_t now_ns) noexcept {
   const ClockOffset& offset = offsets_[HubPeers::kHapticsSlot];
   stats_.link = endpoint_.counts();
   stats_.is_one_clock = is_one_clock_[HubPeers::kHapticsSlot];
-  // The estimate is told even where it is not needed: it shows how good it is.
+  // The estimate is reported even where it is not needed, to show its accuracy.
   stats_.is_offset_known = offset.is_known();
   stats_.clock_offset_ns = offset.is_known() ? offset.offset_ns() : 0;
   stats_.clock_error_ns = offset.is_known() ? offset.error_bound_ns(now_ns) : 0;

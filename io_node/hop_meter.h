@@ -11,29 +11,29 @@
 
 namespace hapton {
 
-// What the ways between the nodes take, hop by hop. Those of one sample add up to its round trip:
-// encode + wire_out + haptics_compute + wire_back + decode.
+// Latencies between the nodes, hop by hop. Those of one sample add up to its round trip: encode + wire_out + haptics_compute + wire_back +
+// decode.
 struct HopStats {
   LatencyHistogram encode;            // sample taken -> encoded, sealed and about to be handed to the system
   LatencyHistogram wire_out;          // -> the haptics node has read it
-  LatencyHistogram wire_back;         // its answer is ready to be encoded -> taken from the system
+  LatencyHistogram wire_back;         // its reply is ready to be encoded -> taken from the system
   LatencyHistogram decode;            // -> opened, decoded and guarded
   LatencyHistogram device_write;      // -> written to the device
   LatencyHistogram jitter;            // difference of the round trip to the one before
   LatencyHistogram vision_draw;       // a vision node has read a state -> it has drawn it
-  LatencyHistogram motion_to_photon;  // sample taken -> the picture that shows it is drawn
+  LatencyHistogram motion_to_photon;  // sample taken -> the frame that shows it is drawn
   MeteredEndpoint::Counts link;
 
-  // The haptics node's clock minus ours, and how far off that may be. One clock: the node is on this host, the offset is zero by itself.
+  // The haptics node's clock minus ours, with its error bound. On one host there is one clock, and the offset is zero.
   bool is_offset_known = false;
   bool is_one_clock = false;
   std::int64_t clock_offset_ns = 0;
   std::int64_t clock_error_ns = 0;
 };
 
-// Measures them from the times that the datagrams carry and those at which the endpoint sent and received them.
-// One-way times between hosts rest on ClockOffset and are as good as its error bound; on one host they are exact.
-// RT: yes. Threads: the servo's.
+// Measures them from the times in the datagrams and those of the endpoint. One-way times between
+// hosts use ClockOffset and have its error bound; on one host they are exact. RT: yes. Threads: the
+// servo's.
 class HopMeter {
  public:
   // Pre: the endpoint, the one that carries the hub's datagrams, outlives this.
@@ -54,8 +54,8 @@ class HopMeter {
   const HopStats& collect(std::int64_t now_ns) noexcept;
 
  private:
-  static constexpr std::size_t kStatesKept = 1024;  // by number; what answers an older one is left out
-  static constexpr std::size_t kProbesKept = 256;   // one after the other: a second of them and more
+  static constexpr std::size_t kStatesKept = 1024;  // by number; replies to older ones are ignored
+  static constexpr std::size_t kProbesKept = 256;   // in order of time: more than a second of them
 
   struct Sent {
     std::uint64_t sample = 0;  // 0: none

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// Who handles what the hub's peers send. RT: yes.
+// Handles messages of the hub's peers. RT: yes.
 class PeerEventHandler {
  public:
   // datagram: set for PeerEvent::Kind::message.
@@ -25,7 +25,7 @@ class HubReceiver {
   // Pre: all outlive this; handler may be under construction.
   HubReceiver(HubPeers& peers, const Clock& clock, PeerEventHandler& handler) noexcept : peers_(peers), clock_(clock), handler_(handler) {}
 
-  // The device loop whose cycles run in this thread: it is told how late a wait ended. Null: it has a thread of its own.
+  // The device loop whose cycles run in this thread: it is notified how late a wait ended. Null: it has its own thread.
   void set_device_loop(DeviceLoop* loop) noexcept { loop_ = loop; }
 
   // Until the deadline.
@@ -41,7 +41,7 @@ class HubReceiver {
     }
   }
 
-  // What has already arrived; at most kMaxDrained datagrams, so that a flood cannot delay the loop for long.
+  // Handles what has already arrived; at most kMaxDrained datagrams, so that a flood cannot delay the loop for long.
   void drain() noexcept;
 
   // A wait that was to end at deadline_ns ended at woke_ns.

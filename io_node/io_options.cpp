@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kBadCommandLine = 2;
 
-// The first flag given that is one device's own and stands in the file of several.
+// The first given flag that applies to one device and belongs into the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
   for (const char* flag :
        {"--device", "--device-id", "--device-file", "--trajectory", "--loop", "--seed", "--max-force", "--max-slew", "--max-torque",

@@ -22,8 +22,8 @@ struct IoOptions {
   std::string flight;    // folder for flight records; empty: see find_flight_folder; "off": none
   std::string overrun = "skip";
   double spin_share = 0.1;  // of a period that the loop may spin before its tick, at most
-  std::string metrics;      // where the figures are served by HTTP; empty: nowhere
-  std::string vrpn;         // where the stylus is shown by VRPN; empty: nowhere
+  std::string metrics;      // address of the HTTP metrics; empty: off
+  std::string vrpn;         // address of the VRPN server; empty: off
   std::string vrpn_name = "Phantom0";
   std::size_t echo_bytes = 0;  // of the bare echo's datagrams; 0: as a DeviceState's
   std::string echo_probe;      // responder of the bare echo; empty: not measured
@@ -32,7 +32,7 @@ struct IoOptions {
   RealtimeMode watchdog = RealtimeMode::attempt;  // the watchdog process: try, require or off
 };
 
-// "NAME: " in front of what people are told of one of several devices.
+// "NAME: " before the log lines of one of several devices.
 inline std::string name_prefix(const IoOptions& options) { return options.name.empty() ? "" : options.name + ": "; }
 
 // The program's options, or the exit code to leave main with (help, or an error that has been printed). RT: set-up only.

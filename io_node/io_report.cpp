@@ -96,7 +96,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"events_dropped", whole(s.events_dropped)}};
 }
 
-// What the safety governor does and has done.
+// The state and counters of the safety governor.
 void add_safety(LatencyReport& report, const GovernorStats& g) {
   const GovernorCounters& c = g.counters;
   report.counters["workspace_limited"] = whole(c.stopped);
@@ -175,7 +175,7 @@ const char* name_of(DeviceStatus status) {
   return "ready";
 }
 
-// What the hardware says of itself, as far as it says anything.
+// The hardware's own condition, if it reports any.
 void add_device(LatencyReport& report, const ServoStats& stats) {
   const auto add = [&](const char* name, std::string_view text) {
     if (!text.empty()) report.notes[name] = std::string(text);
@@ -192,7 +192,7 @@ std::string text_of(const HapticsSetup::Text& text) {
   return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
 }
 
-// What was touched and with what, as the haptics node told last.
+// The scene and method, as last reported by the haptics node.
 void add_setup(LatencyReport& report, const HapticsSetup& setup) {
   if (setup.scene_hash == 0) return;
   constexpr std::array kUnits = {"not given", "m", "cm", "mm", "in"};
@@ -232,7 +232,7 @@ void add_ratio(LatencyReport& report, const ServoStats& stats, const char* name,
   if (stats.round_trip.count() > 0 && echo_ns > 0.0) report.ratios[name] = stats.round_trip.quantile_ns(fraction) / echo_ns;
 }
 
-// The way of one sample first, in its order; then what it adds up to.
+// The hops of one sample first, in order; then their total.
 std::vector<LatencyHop> make_hops(const ServoStats& stats, bool has_echo) {
   std::vector<LatencyHop> hops = {{"wake_lateness", stats.wake_lateness},
                                   {"device_read", stats.device_read},

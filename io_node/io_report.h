@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// What the run was like, for report.json: the hops, rates and counters of the stats and the notes that make the figures repeatable.
-// Hops: round_trip, haptics_compute, wire, force_age, wake_lateness, device_read, device_to_drawn, bare_echo.
-// Ratios: round_trip_over_echo_p50 and _p99, where an echo was measured. RT: no.
+// The report of a run, for report.json: hops, rates and counters of the stats, and notes that make the numbers repeatable. Hops:
+// round_trip, haptics_compute, wire, force_age, wake_lateness, device_read, device_to_drawn, bare_echo. Ratios: round_trip_over_echo_p50
+// and _p99, if an echo was measured. RT: no.
 LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
                              const SchedulingStats& scheduling = {});
 

@@ -167,7 +167,7 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
   return reported;
 }
 
-// A loop that nears what the kernel allows is told of once: beyond it, it would stand still for the rest of each period.
+// A loop near the kernel's limit is reported once: above it, it would be stopped for the rest of each period.
 void IoSession::watch_scheduling(bool now) {
   if (!now) return;
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
@@ -202,7 +202,7 @@ void IoSession::look_after_watchdog() {
   }
 }
 
-// The service manager hears of life only while the device side lives: that is what has to be started again when it hangs.
+// The service manager gets a sign of life only while the device side lives, so that it restarts the program if that hangs.
 void IoSession::tell_service() {
   if (!service_.is_wanted() || clock_.now_ns() < next_sign_ns_) return;
   if (next_sign_ns_ == 0) service_.send("READY=1");
@@ -248,7 +248,7 @@ void IoSession::print_events() {
   }
 }
 
-// A device that has ended ends this program: to start it again is what a person does about it.
+// A device that has ended ends this program; a person must start it again.
 void IoSession::keep_latch(const ServoEvent& event) {
   if (event.kind == ServoEvent::Kind::reset) latch_file_->forget();
   if (event.kind != ServoEvent::Kind::latched || event.fault == SafetyFault::device) return;

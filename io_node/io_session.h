@@ -19,7 +19,7 @@
 
 namespace hapton {
 
-// Runs a servo in a real-time thread, and does everything without deadlines meanwhile: prints who joins and leaves, writes reports, checks
+// Runs a servo in a real-time thread, and does everything without deadlines meanwhile: logs who joins and leaves, writes reports, checks
 // for the end. RT: no; the servo's thread is. Threads: call from one.
 class IoSession {
  public:
@@ -34,8 +34,8 @@ class IoSession {
   // ... and where a latched fault is kept for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
-  // From the start to the end: seconds over, told to stop, or the device ended. Error: real time required and rejected, the device
-  // failed, or a report could not be written.
+  // Runs until the seconds are over, a stop is requested, or the device has ended. Error: real time required and denied, the device failed,
+  // or a report could not be written.
   Result<void> run(const StopSignal& stop);
 
   const std::string& realtime() const noexcept { return realtime_; }
@@ -65,7 +65,7 @@ class IoSession {
   ServiceNotify service_;
   std::int64_t next_sign_ns_ = 0;
   std::uint64_t cuts_told_ = 0;
-  // What the next copy of the figures is for.
+  // The purpose of the next copy of the statistics.
   bool file_requested_ = false;
   bool server_wants_report_ = false;
   bool metrics_requested_ = false;

@@ -22,7 +22,7 @@ using namespace hapton;
 
 using Hubs = std::vector<std::unique_ptr<DeviceHub>>;
 
-// One for each device, or none at all: half a pair of hands is not what was asked for.
+// A hub for each device, or none at all: part of the devices is not what was requested.
 Result<Hubs> open_hubs(const IoOptions& options, const Clock& clock) {
   auto devices =
       options.devices_file.empty() ? Result<std::vector<IoOptions>>({options}) : read_devices_file(options.devices_file, options);
@@ -43,7 +43,7 @@ bool run_hub(DeviceHub& hub, const StopSignal& stop) {
   return ended.has_value();
 }
 
-// Each in a thread of its own: what befalls one device, the others go on.
+// Each in its own thread, so that the fault of one device does not stop the others.
 bool run_hubs(const Hubs& hubs, const StopSignal& stop) {
   if (hubs.size() == 1) return run_hub(*hubs.front(), stop);
   std::vector<char> went_well(hubs.size(), 0);
@@ -71,8 +71,8 @@ int run(const IoOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // What is large, as a flight record in the making is, goes back to the system when it is done with: glibc would raise this limit with the
-  // first.
+  // So that large blocks, such as a flight record, return to the system when freed: glibc would raise this limit with the first
+  // one.
   ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);
   check_cpu("io_node");
   check_descriptors("io_node");

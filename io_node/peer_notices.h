@@ -40,8 +40,8 @@ class UnknownPeerNotices {
   std::int64_t next_ns_ = 0;
 };
 
-// A node that is rejected because its slot is taken tries again ten times a second. A person gets one notice, and another when the node
-// comes back after a pause. RT: yes. Threads: one.
+// A node rejected because its slot is taken retries ten times a second. The log has one line, and another when the node returns after a
+// pause. RT: yes. Threads: one.
 class RejectionNotices {
  public:
   static constexpr std::int64_t kPauseNs = 10 * kNanosecondsPerSecond;
@@ -59,8 +59,8 @@ class RejectionNotices {
   std::array<std::int64_t, 8> last_ns_ = {kNever, kNever, kNever, kNever, kNever, kNever, kNever, kNever};  // by NodeRole
 };
 
-// What a person at the hub reads about its peers: who joined, left, was rejected, or floods it.
-// RT: yes. Threads: one.
+// Log lines about the peers: joined, left, rejected, or flooding. RT: yes. Threads:
+// one.
 class PeerNotices {
  public:
   // Pre: both outlive this.

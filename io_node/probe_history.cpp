@@ -21,7 +21,7 @@ std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noex
 void ProbeHistory::show(bool is_silent, ProbeState& probe) const noexcept {
   const bool is_live = !is_silent && is_known(last_.echo_sample);
   const std::uint64_t shown = is_live ? last_.echo_sample : newest_;
-  if (shown < probe.sample) return;  // an answer to a sample before the silence comes too late for the picture
+  if (shown < probe.sample) return;  // a reply to a sample from before the timeout is too late to be shown
   const Pose& pose = poses_[shown % kSamples];
   probe.sample = shown;
   probe.sample_time_ns = pose.time_ns;

@@ -12,9 +12,9 @@
 
 namespace hapton {
 
-// Poses of the newest samples, and where the probe rests: for the frame, whose pose and visual offset must belong to one sample, and for a
-// haptics node that replaces another and resumes contact from there.
-// Frames: world. Units: m, ns of the hub's clock. RT: yes. Threads: one.
+// Poses of the newest samples, and the probe's last position: for the frame, whose pose and visual offset must belong to one sample, and
+// for a haptics node that replaces another and resumes contact from there. Frames: world. Units: m, ns of the hub's clock. RT: yes.
+// Threads: one.
 class ProbeHistory {
  public:
   // Samples kept: a force that replies to an older one has no pose.
@@ -27,7 +27,7 @@ class ProbeHistory {
   // A haptics node has joined and not replied yet.
   void note_new_haptics() noexcept { is_haptics_new_ = true; }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
-  // The scene was turned: the rest position is no longer valid.
+  // The scene was turned: the last position is no longer valid.
   void forget_rest() noexcept { p_WP_.reset(); }
 
   // Where a new haptics node resumes contact, if the device is still near (kResumeReachM).

@@ -21,7 +21,7 @@ void ReleaseWatch::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Forces that come later answer later samples: the one that is out is the first to be too old.
+// Later forces answer later samples, so the present one is the first to become too old.
 std::int64_t ReleaseWatch::check() noexcept {
   (void)loop_.cut_if_older(kLimitNs);
   const std::int64_t now_ns = clock_.now_ns();

@@ -8,11 +8,11 @@
 
 namespace hapton {
 
-// The second barrier within io_node: a thread that cuts the device when its force gets older than the device loop lets it. It sleeps until
-// the force that is out would be too old, so it costs fifty wake-ups a second. Other than the device loop's it is no SCHED_FIFO thread:
-// those of one CPU are all throttled together, and displaced together by one that has run wild (docs/realtime.md). It asks for
-// SCHED_DEADLINE, which comes before them and is not throttled; where that is rejected it stays an ordinary thread, which runs when they
-// are throttled. RT: no. Threads: one; device_loop.h says why its own may cut.
+// The second barrier within io_node: a thread that cuts the device if its force gets older than the device loop permits. It sleeps until
+// the present force would be too old, so it costs fifty wake-ups a second. Unlike the device loop's it is no SCHED_FIFO thread: those of
+// one CPU are all throttled together, and displaced together by one that has run wild (docs/realtime.md). It requests SCHED_DEADLINE, which
+// has priority over them and is not throttled; if that is denied it stays an ordinary thread, which runs when they are throttled. RT: no.
+// Threads: one; device_loop.h explains why another thread may cut.
 class ReleaseWatch {
  public:
   // Half a cycle of 1 kHz later than the loop itself releases the force.

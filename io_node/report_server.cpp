@@ -29,12 +29,12 @@ bool ReportServer::answer(HubPeers& peers, std::size_t peer) noexcept {
   const Texts& texts = texts_.value();
   const bool is_there = waiting.wanted.revision == 0 ? texts.revision > waiting.newer_than : texts.revision != 0;
   if (!is_there) return false;
-  // A newer report than the one asked for: its first part says so.
+  // A newer report than the requested one: its first part says so.
   const std::uint32_t place = waiting.wanted.revision == texts.revision ? waiting.wanted.part : 0;
   const std::string_view text = waiting.wanted.document == ReportDocument::csv ? texts.csv : texts.json;
   const std::size_t most = part_.text.size();
   const auto parts = static_cast<std::uint32_t>((text.size() + most - 1) / most);
-  if (place >= parts) return true;  // nothing to tell
+  if (place >= parts) return true;  // nothing to send
   const std::string_view piece = text.substr(place * most, most);
   part_.document = waiting.wanted.document;
   part_.revision = texts.revision;

@@ -12,8 +12,8 @@
 
 namespace hapton {
 
-// Where tools get the hub's report: they ask for it, the thread that has time writes it, and the servo hands it out, a part to a datagram
-// and a datagram a cycle at most. RT: ask and serve yes, no heap; publish no. Threads: the servo calls ask and serve, one other
+// Serves the hub's report to tools: they request it, a thread without deadlines writes it, and the servo sends it, one part per datagram
+// and at most one datagram per cycle. RT: ask and serve yes, no heap; publish no. Threads: the servo calls ask and serve, one other
 // take_request and publish.
 class ReportServer {
  public:

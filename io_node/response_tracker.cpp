@@ -57,7 +57,7 @@ ResponseTracker::Verdict ResponseTracker::answer(const ForceCommand& command) no
   return Verdict::in_time;
 }
 
-// The node skipped `count` samples since its last answer: the newest that were sent to it below this one.
+// The node skipped `count` samples since its last reply: the newest that were sent to it before this one.
 void ResponseTracker::supersede_before(std::uint64_t sample, std::uint32_t count) noexcept {
   for (std::uint64_t s = sample - 1; count > 0 && s > settled_ && s + kCapacity > newest_; --s) {
     Entry& skipped = entry(s);

@@ -7,24 +7,23 @@
 
 namespace hapton {
 
-// Tracks which device samples got a force in response, and what became of the others.
+// Tracks which device samples got a force in response, and the fate of the others.
 //
-// A sample older than the newest one answered is `superseded` if the haptics node reports that it skipped it, else `lost` after kPatienceNs
-// (until then its response may still arrive, reordered). Newer samples wait until the haptics node responds, leaves or is replaced; in the
-// latter cases they are `excused`: no node was there to respond. So are samples taken while no haptics node had joined, or in its first
-// kWarmUpNs.
-// RT: yes. Threads: one.
+// A sample older than the newest one with a response is `superseded` if the haptics node reports that it skipped it, otherwise `lost` after
+// kPatienceNs (until then its response may still arrive, reordered). Newer samples wait until the haptics node responds, leaves or is
+// replaced; in the latter cases they are `excused`: no node was there to respond. So are samples taken while no haptics node had joined, or
+// in its first kWarmUpNs. RT: yes. Threads: one.
 class ResponseTracker {
  public:
   static constexpr std::int64_t kPatienceNs = 200'000'000;
   static constexpr std::int64_t kWarmUpNs = 50'000'000;
-  static constexpr std::uint64_t kCapacity = 16384;  // 1.6 s at 10 kHz, longer than a silent node keeps its place
+  static constexpr std::uint64_t kCapacity = 16384;  // 1.6 s at 10 kHz, longer than a silent node keeps its slot
 
   enum class Verdict : std::uint8_t {
-    in_time,    // answers the newest sample
-    late,       // answers an older one, but no newer one has been answered
-    reordered,  // a newer one has been answered before
-    duplicate,  // answered before
+    in_time,    // responds to the newest sample
+    late,       // to an older one, but no newer one has a response
+    reordered,  // a newer one already has a response
+    duplicate,  // the sample already has a response
     unknown,    // no sample of ours, or one forgotten long ago
   };
 
@@ -48,7 +47,7 @@ class ResponseTracker {
   void withhold(std::uint64_t sample, std::int64_t time_ns) noexcept;
   // A force arrived in response to this sample.
   Verdict answer(const ForceCommand& command) noexcept;
-  // The haptics node left or was replaced: nobody will respond to waiting samples.
+  // The haptics node left or was replaced: waiting samples will get no response.
   void excuse_waiting() noexcept;
   // Call periodically: declares samples lost that have been overtaken for too long.
   void settle(std::int64_t now_ns) noexcept;

@@ -8,9 +8,9 @@ namespace hapton {
 
 enum class SceneReach : std::uint8_t { unknown, in_reach, out_of_reach, too_small };
 
-// Whether a device with these limits can touch the scene where it is posed. Out of reach: its box and the workspace do not meet. In
-// reach: one of its points lies within. Too small: its longest side is below a fiftieth of the workspace's.
-// RT: yes.
+// Whether a device with these limits can touch the scene at its pose. Out of reach: its box and the workspace do not
+// intersect. In reach: one of its points is inside. Too small: its longest side is below a fiftieth of the workspace's. RT:
+// yes.
 SceneReach judge_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept;
 
 // The pose of the scene that a view transform means, as the codec lets it in.

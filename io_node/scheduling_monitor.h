@@ -17,20 +17,20 @@ struct SchedulingStats {
   std::uint64_t involuntary_switches = 0;
   double stolen_ms = 0.0;             // of the machine, by a hypervisor
   double spin_limit = 0.0;            // share of a period that it may spin now
-  double realtime_share = 1.0;        // what the kernel allows all real-time threads together
-  std::uint64_t near_throttling = 0;  // looks at which the loop had used nearly all of that
+  double realtime_share = 1.0;        // the kernel's limit for all real-time threads together
+  std::uint64_t near_throttling = 0;  // checks that found the loop near that limit
 };
 
 // Monitors a loop from another thread, a few times a second, and limits how much it may spin: work and spinning together stay well below
-// what the kernel allows real-time threads, so that the loop is never throttled. RT: no. Threads: one, not the loop's.
+// the kernel's limit for real-time threads, so that the loop is never throttled. RT: no. Threads: one, not the loop's.
 class SchedulingMonitor {
  public:
-  // Of what the kernel allows, this much may be used by work and spinning together.
+  // Share of the kernel's limit that work and spinning together may use.
   static constexpr double kMostOfAllowed = 0.8;
   // Above this much of it the loop is about to be throttled.
   static constexpr double kNearThrottling = 0.95;
 
-  // asked: share of a period that may be spun at most. realtime_share: see read_realtime_share.
+  // asked: largest share of a period that may be spun. realtime_share: see read_realtime_share.
   SchedulingMonitor(double asked, std::optional<double> realtime_share);
 
   // usage: of the loop's thread, so far; spun_ns: by the loop, so far. The limit from now on.

@@ -31,7 +31,7 @@ struct PeerStats {
 struct ServoStats {
   std::int64_t start_ns = 0;  // first tick
   std::int64_t end_ns = 0;    // end of the newest cycle: the time between is whole cycles
-  double rate_hz = 0.0;       // asked for, at present
+  double rate_hz = 0.0;       // requested at present
 
   LatencyHistogram round_trip;       // sample taken -> matching force ready to write
   LatencyHistogram haptics_compute;  // the part of it that the haptics node spent on it
@@ -39,7 +39,7 @@ struct ServoStats {
   LatencyHistogram force_age;        // sample taken -> its force written to the device
   LatencyHistogram wake_lateness;    // start of a cycle after its tick
   LatencyHistogram device_read;      // how long reading the device takes
-  LatencyHistogram device_to_drawn;  // sample taken -> a vision node tells that it has drawn it
+  LatencyHistogram device_to_drawn;  // sample taken -> a vision node acknowledges the frame that shows it
   LatencyHistogram bare_echo;
 
   std::uint64_t samples = 0;
@@ -54,12 +54,12 @@ struct ServoStats {
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
-  std::uint64_t resets_denied = 0;      // asked for without the right, or without a person at the device
-  double frame_rate_hz = 0.0;           // as the vision node heard last says
+  std::uint64_t resets_denied = 0;      // requested without the right, or without a person at the device
+  double frame_rate_hz = 0.0;           // as last reported by a vision node
   double max_force_n = 0.0;             // written to the device
   std::int64_t longest_release_ns = 0;  // sample of the last force accepted -> zero on the device, of all silences
   std::uint64_t cuts = 0;               // times the device side cut the device, as the network side was stuck in the middle of a write
-  std::uint64_t cycles_unreported = 0;  // of the device side that the network side was too far behind to be told of
+  std::uint64_t cycles_unreported = 0;  // of the device side, which the network side was too late to receive
 
   ResponseTracker::Counts responses;
   GovernorStats governor;
@@ -72,9 +72,9 @@ struct ServoStats {
   HopStats hops;
   std::array<PeerStats, HubPeers::kCapacity> peers = {};
   DeviceStatus device_status = DeviceStatus::ready;
-  ProbeStatus status = ProbeStatus::ok;  // as the picture says it
+  ProbeStatus status = ProbeStatus::ok;  // as shown in the picture
   SceneReach reach = SceneReach::unknown;
-  HapticsSetup setup;  // told last; its hash is 0 when none was
+  HapticsSetup setup;  // last reported; its hash is 0 if there was none
   DeviceCondition device;
 
   double seconds() const { return 1e-9 * static_cast<double>(end_ns - start_ns); }
@@ -83,7 +83,7 @@ struct ServoStats {
 // The device side's part of it.
 // RT: yes.
 void add_device_stats(const DeviceLoopStats& device, ServoStats& stats) noexcept;
-// The hub's part: its counters and who is there. RT: yes.
+// The hub's part: its counters and peers. RT: yes.
 void add_peer_stats(const HubPeers& peers, ServoStats& stats) noexcept;
 
 }  // namespace hapton

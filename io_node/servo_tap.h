@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// Hears what a servo does: its datagrams, its cycles and its faults.
-// Units: the servo's clock, ns. RT: yes. Threads: the servo's.
+// Receives a copy of everything a servo does: datagrams, cycles and faults. Units: the servo's clock, ns. RT: yes. Threads: the
+// servo's.
 class ServoTap : public DatagramTap {
  public:
   virtual void on_cycle(const CycleNote& note, std::int64_t time_ns) noexcept = 0;

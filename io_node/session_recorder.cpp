@@ -20,7 +20,7 @@ namespace {
 constexpr auto kCollectEvery = std::chrono::milliseconds(10);
 constexpr std::size_t kWriteBytes = std::size_t{1} << 16;
 
-// What stands in the ring in front of a datagram or instead of it.
+// The ring's header of a datagram, or an entry without one.
 struct Note {
   SessionEntry::Kind kind = SessionEntry::Kind::received;
   SessionFault fault = SessionFault::none;
@@ -143,8 +143,8 @@ void SessionRecorder::collect() {
     append_record(drained_, record);
     take(entry_of(record));
   });
-  // A copy of its exact size: were it to grow by itself and be used again, every block would end up with room for the fullest there ever
-  // was.
+  // A copy of exact size: a reused growing buffer would leave every block with the capacity of the
+  // largest.
   if (!drained_.empty()) window_.push_back({drained_, newest_ns_});
   if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_told_) {
     SessionEntry entry;
@@ -165,7 +165,7 @@ void SessionRecorder::take(const SessionEntry& entry) {
   if (entry.kind == SessionEntry::Kind::fault && !options_.flight_folder.empty()) plan_flight(entry);
 }
 
-// A recording that cannot be written on is given up, and the session goes on without it.
+// If a recording cannot be written, it is ended, and the session continues without it.
 void SessionRecorder::write_entries(bool all) {
   if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
   const bool good =

@@ -20,10 +20,10 @@
 
 namespace hapton {
 
-// Records all that a servo does, at full rate, in a thread of its own: the whole session in one file and, after a fault, the last two
-// seconds in a flight record named after the fault. The servo only copies into a ring; entries that do not fit are counted, also in the
-// file. Flight records are limited: one of a kind in kFlightEveryNs, kMostFlights in a session; a folder keeps the newest kMostKept. RT:
-// the four on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
+// Records everything a servo does, at full rate, in its own thread: the whole session in one file and, after a fault, the last two seconds
+// in a flight record named after the fault. The servo only copies into a ring; entries that do not fit are counted, also in the file.
+// Flight records are limited: one of a kind in kFlightEveryNs, kMostFlights in a session; a folder keeps the newest kMostKept. RT: the four
+// on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
 class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;
@@ -37,7 +37,7 @@ class SessionRecorder final : public ServoTap {
     std::filesystem::path record = {};         // empty: no file of the whole session
     std::filesystem::path flight_folder = {};  // empty: no flight records
     std::size_t ring_bytes = kRingBytes;
-    bool makes_flight_folder = true;  // at the start, so that one that cannot be is told of; false: when there is something to write
+    bool makes_flight_folder = true;  // at the start, so that a failure is reported early; false: when there is something to write
   };
   struct Counts {
     std::uint64_t entries = 0;  // that reached the writing thread
@@ -47,7 +47,7 @@ class SessionRecorder final : public ServoTap {
     int flights_left_out = 0;  // faults with no record of their own, because of the limits above
   };
 
-  // header: what stands in front of each file. Pre: clock outlives this.
+  // header: written at the start of each file. Pre: clock outlives this.
   SessionRecorder(Options options, SessionHeader header, const Clock& clock);
   ~SessionRecorder() override;
 
@@ -64,7 +64,7 @@ class SessionRecorder final : public ServoTap {
   void on_fault(SessionFault fault, std::int64_t time_ns) noexcept override;
 
  private:
-  // What was drained at once, as it stood in the ring.
+  // A block drained from the ring, unchanged.
   struct Block {
     std::vector<std::byte> bytes;
     std::int64_t newest_ns = 0;

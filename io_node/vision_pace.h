@@ -32,9 +32,9 @@ class VisionPace {
  private:
   struct Place {
     ProbeState told;
-    std::int64_t repeat_ns = 0;  // what was told is told again
+    std::int64_t repeat_ns = 0;  // interval at which a state is sent again
     std::int64_t next_ns = 0;    // no sooner than that
-    bool is_waiting = false;     // for its word that it has drawn
+    bool is_waiting = false;     // for its frame acknowledgement
   };
 
   std::int64_t period_ns_;

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// Where io_node listens unless told otherwise.
+// io_node's default port.
 constexpr std::uint16_t kDefaultHubPort = 4950;
 
 // Where a datagram goes to or came from: IPv4 or IPv6 address and port.
@@ -25,12 +25,12 @@ bool is_loopback(const Address& address) noexcept;
 // 0.0.0.0 or ::
 bool is_wildcard(const Address& address) noexcept;
 
-// Where a socket that speaks to `peer` is bound: any address of its family, any port. RT: yes.
+// The address to bind a socket for `peer`: any address of its family, any port. RT: yes.
 std::string_view any_address_like(const Address& peer) noexcept;
 
-// "host:port", "host", "1.2.3.4:port", "[2001:db8::1]:port" or a bare IPv6 address; without a port default_port is meant.
-// Host names are resolved, IPv4 first. A number alone could be a port or an address: it is rejected. RT: no.
-// Error: one line that names the text and what is wrong with it.
+// "host:port", "host", "1.2.3.4:port", "[2001:db8::1]:port" or a bare IPv6 address; without a port, default_port. Host names are resolved,
+// IPv4 first. A number alone is rejected, because it could be a port or an address. RT: no. Error: one line with the text and what is wrong
+// with it.
 Result<Address> parse_address(std::string_view text, std::uint16_t default_port = kDefaultHubPort);
 
 // "127.0.0.1:4950" or "[::1]:4950": what parse_address reads back. RT: no.

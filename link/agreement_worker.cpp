@@ -116,7 +116,7 @@ void AgreementWorker::work() noexcept {
     AgreementTask task;
     if (!desk_->asked.pop(task)) continue;
     run_agreement(task);
-    desk_->done.push(task);  // has room: no more than kCapacity are under way
+    desk_->done.push(task);  // has room: at most kCapacity tasks are pending
   }
 }
 

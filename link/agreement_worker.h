@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// One piece of a handshake that takes an X25519 agreement or key pair: too long for a loop that keeps time. What is secret in it is wiped
-// when it goes.
+// One part of a handshake that needs an X25519 agreement or key pair: too slow for a real-time loop. Its secrets are wiped on
+// destruction.
 struct AgreementTask {
   enum class Kind : std::uint8_t {
     make_request,    // node: psk, prologue -> first, state
@@ -40,21 +40,21 @@ struct AgreementTask {
 // Does one task, here and now. No heap, lock or throw.
 void run_agreement(AgreementTask& task) noexcept;
 
-// Does tasks for one caller: in a thread of its own at ordinary priority, so that the caller hands over and goes on, or, for tests and for
-// who has time, in the caller's.
-// RT: submit and take yes with a thread of its own (wait-free; one system call wakes a sleeping thread), no without. Construction set-up
-// only. Threads: one caller.
+// Does tasks for one caller: in its own thread at ordinary priority, so that the caller continues at once, or,
+// for tests and callers without deadlines, in the caller's. RT: submit and take yes with its own thread
+// (wait-free; one system call wakes a sleeping thread), no without. Construction set-up only. Threads: one
+// caller.
 class AgreementWorker {
  public:
   enum class Where : std::uint8_t { caller, own_thread };
-  static constexpr std::size_t kCapacity = 16;  // tasks that are under way at once, taken results included
+  static constexpr std::size_t kCapacity = 16;  // pending tasks, including results not taken yet
 
   explicit AgreementWorker(Where where);
   ~AgreementWorker();
   AgreementWorker(const AgreementWorker&) = delete;
   AgreementWorker& operator=(const AgreementWorker&) = delete;
 
-  // False when too many are under way; the task is dropped then.
+  // False if too many are pending; the task is then dropped.
   bool submit(const AgreementTask& task) noexcept;
   // The next one that is finished, in the order of submission.
   bool take(AgreementTask& task) noexcept;

@@ -10,15 +10,15 @@
 
 namespace hapton {
 
-// How a datagram for a bare echo begins, and how it comes back. An echo passes over what has come back once already: two of them that are
-// told of each other by a forged sender do not go on for ever, nor does one with another program that returns what it gets.
+// The first bytes of a datagram for a bare echo, and of its reply. An echo ignores replies: so neither two echoes that a forged sender
+// points at each other, nor an echo and another program that returns what it gets, exchange datagrams for ever.
 constexpr std::size_t kEchoMarkBytes = 8;
 constexpr std::array<char, kEchoMarkBytes> kEchoRequest = {'h', 'a', 'p', 'e', 'c', 'h', 'o', '?'};
 constexpr std::array<char, kEchoMarkBytes> kEchoReply = {'h', 'a', 'p', 'e', 'c', 'h', 'o', '!'};
 
 // A UDP socket that returns every echo request to its sender, as a reply: one blocking recvfrom, one sendto, nothing else. Its round trip
-// is what the machine and its network cost by themselves, the measure for everything that does more. RT: serve_one yes, the rest set-up
-// only. Threads: one.
+// is the cost of the machine and its network alone, the yardstick for everything that does more. RT: serve_one yes, the rest set-up only.
+// Threads: one.
 class BareEchoEndpoint {
  public:
   // bind_address as for open_udp_endpoint. Error: one line: bad address, port in use, no permission.
@@ -28,8 +28,8 @@ class BareEchoEndpoint {
   BareEchoEndpoint(BareEchoEndpoint&& other) noexcept;
   BareEchoEndpoint& operator=(BareEchoEndpoint&&) = delete;
 
-  // Returns one request, or passes over one datagram that is none; false when nothing came for 100 ms, so that the caller can look whether
-  // to go on.
+  // Returns one request, or ignores one other datagram; false if nothing came for 100 ms, so that the caller can check whether to
+  // continue.
   bool serve_one() noexcept;
 
   const Address& local_address() const { return local_; }

@@ -8,13 +8,13 @@
 
 namespace hapton {
 
-// An endpoint that hands out so many datagrams and then none until its budget is renewed: who asks for more sleeps to the deadline instead.
-// So a loop that renews it once a cycle has work of bounded time however much arrives, and always sleeps: it is neither throttled by the
-// kernel nor ended by LimitRTTIME. What is not taken waits in the socket's buffer, and is dropped by the kernel when that is full.
-// RT: as the other. Threads: as the other.
+// An endpoint that hands out a limited number of datagrams until its budget is renewed; further calls sleep to their deadline. A loop that
+// renews it once a cycle has bounded work however much arrives, and always sleeps, so the kernel neither throttles it nor ends it by
+// LimitRTTIME. Datagrams not taken wait in the socket's buffer, and the kernel drops them when that is full. RT: as the other. Threads: as
+// the other.
 class BudgetedEndpoint final : public Endpoint {
  public:
-  // The shortest sleep of who has spent his budget, when the deadline has passed already.
+  // The shortest sleep with a spent budget, if the deadline has already passed.
   static constexpr std::int64_t kShortestSleepNs = 50'000;
 
   // Pre: both outlive this.
@@ -23,7 +23,7 @@ class BudgetedEndpoint final : public Endpoint {
   void renew(std::uint32_t datagrams) noexcept { left_ = datagrams; }
   // For a loop that had no reason to wait for too long.
   void rest() noexcept { clock_.sleep_until_ns(clock_.now_ns() + kShortestSleepNs); }
-  // Times that someone wanted more.
+  // Calls after the budget was spent.
   std::uint64_t spent() const noexcept { return spent_; }
 
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override { return inner_.send(to, datagram); }

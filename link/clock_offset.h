@@ -4,13 +4,12 @@
 
 namespace hapton {
 
-// How far the clock of another host is ahead of ours, from datagrams that go there and back, and how far off that may be.
+// How far the clock of another host is ahead of ours, from datagrams that go there and back, with an error bound.
 //
-// An exchange leaves us at t1 and arrives there at t2 on their clock; the answer leaves at t3 on theirs and is here at t4. Whatever the two
-// ways took, the offset lies between t3 - t4 and t2 - t1; its middle is the estimate, and half the time on the wire its error bound.
-// The shortest exchange says most; what it said grows older, and the bound with it, by kDriftShare of its age: two clocks that the
-// kernel may each slew by that much part no faster. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter.
-// Units: ns. RT: yes. Threads: one.
+// An exchange leaves us at t1 and arrives there at t2 on their clock; the reply leaves at t3 on theirs and arrives here at t4. Whatever the
+// two directions took, the offset is between t3 - t4 and t2 - t1; the middle is the estimate, and half the time on the wire its error
+// bound. The shortest exchange is the most accurate; its bound grows with its age by kDriftShare, the fastest drift of two clocks that the
+// kernel may each slew by that much. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter. Units: ns. RT: yes. Threads: one.
 class ClockOffset {
  public:
   static constexpr double kDriftShare = 1e-3;  // 500 ppm each, the most that adjtime(2) slews
@@ -22,7 +21,7 @@ class ClockOffset {
     std::int64_t t4_ns = 0;  // ours: it is here
   };
 
-  // Takes an exchange into account; one whose times cannot be (or whose difference no number holds) is left out.
+  // Adds an exchange; one with impossible times (or whose difference overflows) is ignored.
   void add(const Exchange& exchange) noexcept;
   // Another process is there: its clock is another one.
   void forget() noexcept { *this = ClockOffset(); }

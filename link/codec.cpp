@@ -103,7 +103,7 @@ DecodeStatus read_any(const wire::Envelope& e, Datagram& datagram) {
   return status;
 }
 
-// The version stands first and alone keeps its place in every version, so it is read before anything that may have changed.
+// The version comes first and keeps its position in every version, so it is read before anything that may have changed.
 std::optional<std::uint64_t> peek_version(std::span<const std::byte> bytes) {
   constexpr std::byte kVersionTag{0x08};  // field 1, varint
   if (bytes.size() < 2 || bytes[0] != kVersionTag) {
@@ -139,8 +139,8 @@ void reserve_field(Field& field) {
   field.Reserve(static_cast<int>(kMaxDatagramBytes / sizeof(*field.data())) + 1);
 }
 
-// The lite runtime keeps what it does not know in a string of its own, which only parsing reaches: one long unknown field, once,
-// gives it the room it will ever need.
+// The lite runtime keeps unknown fields in a string, which only parsing reaches: one long unknown field at start-up gives it its final
+// capacity.
 template <class WireMessage>
 void reserve_unknown(WireMessage& message) {
   std::string unknown = "\xC2\x3E\x80\x10";  // field 1000, length-delimited, 2048 bytes

@@ -37,7 +37,7 @@ class Codec {
   Codec(Codec&&) noexcept;
   Codec& operator=(Codec&&) noexcept;
 
-  // Writes the datagram into `into` and returns its bytes; 0 when they do not fit. Values are not judged here: decode does.
+  // Writes the datagram into `into` and returns its size; 0 if it does not fit. Values are not checked here: decode does that.
   std::size_t encode(const Datagram& datagram, std::span<std::byte> into) noexcept;
 
   // Reads one datagram. Post: unless ok, `datagram` is unchanged; but with not_rigid it holds the header and a ViewTransform of the

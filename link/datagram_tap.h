@@ -8,9 +8,9 @@
 
 namespace hapton {
 
-// Hears every datagram that a hub exchanges: what it sends before it is sealed, what it receives after it was opened. What cannot be
-// opened is heard as it came.
-// Units: the hub's clock, ns. RT: yes. Threads: the hub's.
+// Receives a copy of every datagram that a hub exchanges: what it sends before sealing, what it receives after
+// opening. What cannot be opened is passed on unchanged. Units: the hub's clock, ns. RT: yes. Threads: the
+// hub's.
 class DatagramTap {
  public:
   virtual ~DatagramTap() = default;

@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// One size for every datagram: below the smallest MTU we meet, with room for sealing.
+// The maximum size of every datagram: below the smallest usual MTU, with room for sealing.
 constexpr std::size_t kMaxDatagramBytes = 1200;
 
 struct Received {
@@ -22,10 +22,10 @@ struct Received {
   KeyRole role = KeyRole::unsealed;  // of the key that it was sealed with
 };
 
-// What a socket received besides datagrams for its owner.
+// Datagrams that a socket received besides those for its owner.
 struct SocketCounts {
   std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
-  std::uint64_t unknown_peers = 0;  // handed out, but not data from a known peer: handshakes, junk, and what is oversized
+  std::uint64_t unknown_peers = 0;  // handed out, but not data from a known peer: handshakes, junk, oversized ones
   std::uint64_t dropped = 0;        // by the kernel: kept out during a flood, or no room
   std::uint64_t kept_out = 0;       // of these, those during a flood
   std::uint64_t floods = 0;         // that began
@@ -34,8 +34,8 @@ struct SocketCounts {
   Address last_oversized;
 };
 
-// A way to exchange datagrams. Real ones over UDP, in-memory ones for tests.
-// RT: send and receive yes (one bounded system call each, no heap, lock, log or throw).
+// Exchanges datagrams: over UDP, or in memory for tests. RT: send and receive yes (one bounded system call each, no heap, lock, log or
+// throw).
 class Endpoint {
  public:
   virtual ~Endpoint() = default;
@@ -59,9 +59,9 @@ class Endpoint {
   // Optional: data of this session (its connection number) is expected from there, and does not count as unknown. RT: yes.
   virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
 
-  // What a sealed endpoint has passed and rejected; all zero for others.
+  // The counters of a sealed endpoint; all zero for others.
   virtual SealCounts seal_counts() const noexcept { return {}; }
-  // What a socket has received; all zero for others.
+  // The counters of a socket; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
 
   // A flood that a person should know about, once a second at most; none for endpoints that are not sealed.

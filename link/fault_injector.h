@@ -10,14 +10,14 @@
 
 namespace hapton {
 
-// What a bad network does to the datagrams that go one way. Shares are probabilities, 0 .. 1, of each datagram by itself.
+// Faults of a bad network in one direction. Shares are probabilities, 0 .. 1, independent for each datagram.
 struct LinkFaults {
   std::int64_t delay_ns = 0;   // of every datagram
   std::int64_t jitter_ns = 0;  // and up to this much more, evenly spread: more than the time between two datagrams reorders them too
   double loss = 0.0;
-  double burst_share = 0.0;   // share of the datagrams that meet a bad spell
+  double burst_share = 0.0;   // share of the datagrams within bursts
   double burst_length = 8.0;  // how many datagrams a bad spell lasts on average, 1 or more
-  double burst_loss = 1.0;    // what is lost of those that meet one
+  double burst_loss = 1.0;    // loss within a burst
   double reorder = 0.0;       // share that is held back, so that later ones overtake it
   std::int64_t reorder_by_ns = 2'000'000;
   double duplicate = 0.0;
@@ -32,7 +32,7 @@ Result<void> check_faults(const LinkFaults& faults);
 struct Fate {
   enum class Kind : std::uint8_t { passed, lost, lost_in_burst, partitioned };
   Kind kind = Kind::passed;
-  // The rest holds of passed ones only.
+  // The following are valid for passed datagrams only.
   std::size_t copies = 1;
   std::array<std::int64_t, 2> due_ns = {};  // of each copy: when it is to arrive
   bool held_back = false;
@@ -40,12 +40,12 @@ struct Fate {
   std::uint64_t damage = 0;  // for damage_bytes
 };
 
-// Decides what becomes of the datagrams that go one way: nothing but numbers, a seed and the time that it is told, so that a run can be
-// repeated. Every datagram takes the same number of draws, so switching one fault on leaves the draws for the others as they are.
-// Bursts: a chain of two states, good and bad, changed before each datagram. Source: E. N. Gilbert, "Capacity of a burst-noise channel"
-// (1960), and E. O. Elliott (1963); loss is the good state's, burst_loss the bad one's, and the chain's two probabilities follow
-// from burst_share and burst_length.
-// RT: draw and set yes. Threads: one.
+// Decides the fate of the datagrams of one direction, from the faults, a seed and the given time alone, so that a run
+// can be repeated. Every datagram takes the same number of draws, so enabling one fault does not change the draws of
+// the others. Bursts: a chain of two states, good and bad, changed before each datagram. Source: E. N. Gilbert,
+// "Capacity of a burst-noise channel" (1960), and E. O. Elliott (1963); loss is the good state's, burst_loss the bad
+// one's, and the chain's two probabilities follow from burst_share and burst_length. RT: draw and set yes. Threads:
+// one.
 class FaultInjector {
  public:
   explicit FaultInjector(std::uint64_t seed) : random_(seed) {}
@@ -65,7 +65,7 @@ class FaultInjector {
   bool is_bad_spell_ = false;
 };
 
-// Changes one byte, as Fate::damage says; none of an empty datagram. RT: yes.
+// Changes one byte, as given by Fate::damage; an empty datagram is unchanged. RT: yes.
 void damage_bytes(std::span<std::byte> bytes, std::uint64_t damage) noexcept;
 
 }  // namespace hapton

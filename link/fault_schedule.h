@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A stretch of time in which the network is bad in one way.
+// A period in which the network has certain faults.
 struct FaultPhase {
   static constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
 
@@ -24,7 +24,7 @@ struct FaultSchedule {
   std::vector<FaultPhase> phases;
   bool repeat = false;
 
-  // The phase of the time since the start: its place, or phases.size() behind the last. Pre: elapsed_ns >= 0, durations above 0.
+  // The index of the phase at that time; phases.size() after the last. Pre: elapsed_ns >= 0, durations above 0.
   std::size_t find_phase(std::int64_t elapsed_ns) const noexcept;
 };
 

@@ -44,7 +44,7 @@ void FloodFilter::note_sent(const Address& to, std::span<const std::byte> datagr
   if (is_kind(datagram, seal::Kind::data)) remember({to, session_of(datagram), now_ns, true});
 }
 
-// Who agrees on sessions without end displaces others of that kind, and nobody who is sent data.
+// A peer that agrees on sessions endlessly displaces other such peers, but none that is sent data.
 void FloodFilter::remember(const Known& known) noexcept {
   Known* place = &known_[last_known_];
   if (!place->is(known.address, known.session)) {
@@ -125,12 +125,12 @@ void FloodFilter::add(std::uint16_t code, std::uint32_t k, std::uint8_t jump_tru
   if (program_size_ < program_.size()) program_[program_size_++] = {code, jump_true, jump_false, k};
 }
 
-// Passes what comes from there in that session; what does not goes on behind it.
+// Passes datagrams from there in that session; others continue after it.
 void FloodFilter::add_known(const Known& known) noexcept {
   const bool v4 = is_v4(known.address);
   const std::uint8_t words = v4 ? 1 : 4;
   const std::uint32_t source = kNetwork + (v4 ? 12 : 8);
-  // Behind the port: version 3, two for each word, session 2, 1 to pass.
+  // Instructions after the port: version 3, two for each word, session 2, 1 to pass.
   const auto left = [&](std::uint8_t done) { return static_cast<std::uint8_t>(3 + 2 * words + 2 + 1 - done); };
   add(BPF_LD | BPF_H | BPF_ABS, 0);
   add(BPF_JMP | BPF_JEQ | BPF_K, known.address.port, 0, left(0));
@@ -150,7 +150,7 @@ void FloodFilter::add_known(const Known& known) noexcept {
 
 void FloodFilter::build(double passed_share) noexcept {
   program_size_ = 0;
-  // Data of our version and of a length that fits goes on to the known addresses and sessions, all else to chance.
+  // Data of our version and of a possible length is compared with the known addresses and sessions; all else passes at random.
   const std::uint32_t lead =
       0x08000000U | (static_cast<std::uint32_t>(kProtocolVersion) << 16) | (static_cast<std::uint32_t>(seal::Kind::data) << 8);
   std::array<const Known*, kKnown> passing = {};
@@ -158,7 +158,7 @@ void FloodFilter::build(double passed_share) noexcept {
   for (const Known& known : known_) {
     if (known.time_ns > 0 && window_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
   }
-  // Jumps of a filter reach 255 instructions; an unconditional one reaches all of it.
+  // Conditional jumps of a filter reach 255 instructions; an unconditional one reaches all of it.
   add(BPF_LD | BPF_W | BPF_LEN, 0);
   add(BPF_JMP | BPF_JGE | BPF_K, kUdpHeaderBytes + seal::kOverheadBytes, 1, 0);
   const std::size_t too_short = program_size_;

@@ -12,28 +12,28 @@
 
 namespace hapton {
 
-// Detects a flood from unknown peers at the hub's socket, and makes the kernel program that drops them before they cost this process a
-// system call each. Known are the addresses that a session was agreed on with, or that were sent data, within kKnownNs, and that session;
-// data from them in that session passes, all else passes at random, so rarely that about kPassedPerS get through: nodes still join,
-// and what is rejected is still seen and counted, as a sample. Without a flood nothing is filtered. The filter looks at source, version,
-// kind, session and length; authentication is left to sealing. Units: ns of the caller's clock, datagrams. RT: yes,
-// no heap; installing the program is the caller's. Threads: one.
+// Detects a flood from unknown peers at the hub's socket, and makes the kernel program that drops their datagrams before they cost this
+// process a system call each. Known are the addresses that agreed on a session, or were sent data, within kKnownNs, and that session. Data
+// from them in that session passes; all else passes at random, so rarely that about kPassedPerS get through: nodes can still join, and
+// rejected datagrams are still counted, as a sample. Without a flood nothing is filtered. The filter examines source, version, kind,
+// session and length; authentication is left to sealing. Units: ns of the caller's clock, datagrams. RT: yes, no heap; installing the
+// program is the caller's. Threads: one.
 class FloodFilter {
  public:
   static constexpr std::size_t kKnown = 32;
   static constexpr std::int64_t kKnownNs = 5'000'000'000;
-  // Judged so often; more strangers than this in that time are a flood (10,000 a second), and it is over when there were fewer than a tenth
-  // of it for kQuietNs.
+  // Period of the evaluation; more datagrams from unknown peers than this in one period are a flood (10,000 a second), and it is over after
+  // less than a tenth of that for kQuietNs.
   static constexpr std::int64_t kWindowNs = 5'000'000;
   static constexpr std::uint64_t kFlood = 50;
   static constexpr std::int64_t kQuietNs = 2'000'000'000;
   static constexpr double kPassedPerS = 5000.0;
   static constexpr std::size_t kMostInstructions = 640;
 
-  // What the socket is to be told.
+  // What to do with the socket's filter.
   enum class Action : std::uint8_t { none, install, remove };
 
-  // Data of this session will come from there: what an answer to a handshake says is sealed.
+  // Data of this session is expected from there.
   void note_expected(const Address& from, std::uint32_t connection, std::int64_t now_ns) noexcept;
   void note_sent(const Address& to, std::span<const std::byte> datagram, std::int64_t now_ns) noexcept;
   // A datagram came; an oversized one with the part of it that was read.
@@ -41,9 +41,9 @@ class FloodFilter {
 
   bool is_due(std::int64_t now_ns) const noexcept { return now_ns >= due_ns_ || has_news(); }
   bool is_shut() const noexcept { return is_shut_; }
-  // dropped: what the kernel has dropped at this socket so far, by the filter or for want of room; modulo 2^32.
+  // Evaluates the last period. dropped: what the kernel has dropped at this socket so far, by the filter or for lack of room; modulo 2^32.
   Action judge(std::uint32_t dropped, std::int64_t now_ns) noexcept;
-  // After Action::install: the program, valid until the next judge.
+  // After Action::install: the program, valid until the next call of judge.
   std::span<sock_filter> program() noexcept { return std::span(program_).first(program_size_); }
 
   const SocketCounts& counts() const noexcept { return counts_; }
@@ -79,7 +79,7 @@ class FloodFilter {
   double rate_per_s_ = 0.0;
   double built_rate_per_s_ = 0.0;
   bool is_shut_ = false;
-  bool may_hasten_ = false;  // once a window: what is agreed on within it is let in at once
+  bool may_hasten_ = false;  // once per period: a new session is admitted at once
   std::array<sock_filter, kMostInstructions> program_ = {};
   std::size_t program_size_ = 0;
 };

@@ -34,7 +34,7 @@ namespace hapton {
 // RT: as its worker. begin makes no system call. Threads: one.
 class ClientHandshake {
  public:
-  // Requests whose answer may still come: one is sent every 50 ms.
+  // Requests whose reply may still come: one is sent every 50 ms.
   static constexpr std::size_t kAttempts = 4;
 
   enum class Finished : std::uint8_t {
@@ -58,10 +58,10 @@ class ClientHandshake {
   // The worker has something to do: poll() soon.
   bool is_working() const noexcept { return worker_.under_way() != 0; }
 
-  // What the worker has finished; call it until nothing. Pre: into holds seal::kRequestBytes.
+  // The next result of the worker; call until there is none. Pre: into holds seal::kRequestBytes.
   Finished poll(std::span<std::byte> into) noexcept;
 
-  // True when it was a good one. Pre: by kind and length a retry, or an answer.
+  // True if it was valid. Pre: by kind and length a retry, or an answer.
   bool read_retry(std::span<const std::byte> retry) noexcept;
   bool read_answer(std::span<const std::byte> answer) noexcept;
 
@@ -71,7 +71,7 @@ class ClientHandshake {
  private:
   struct Attempt {
     std::int64_t timestamp_ns = 0;
-    bool is_open = false;  // sent, and not answered
+    bool is_open = false;  // sent, without a reply
     noise::HandshakeState state;
   };
 
@@ -87,7 +87,7 @@ class ClientHandshake {
   AgreementWorker worker_;
   std::array<Attempt, kAttempts> attempts_ = {};
   std::size_t next_attempt_ = 0;
-  std::uint32_t round_ = 0;  // counts handshakes: what the worker finishes for an earlier one is dropped
+  std::uint32_t round_ = 0;  // number of the handshake: results for earlier ones are dropped
   std::int64_t last_timestamp_ns_ = 0;
   seal::Cookie cookie_ = {};
   bool is_pending_ = false;
@@ -105,7 +105,7 @@ class HubHandshake {
     malformed,     // of a role that there is not
     wrong_key,     // made without the key of that role
     replayed,      // no later than one that was seen before
-    wants_cookie,  // write_retry is the answer
+    wants_cookie,  // write_retry makes the reply
     shows_cookie,  // may have a session
   };
 
@@ -124,14 +124,14 @@ class HubHandshake {
 
   // A request that is later than all before is noted, so that it is good once. Pre: the datagram is a request by its kind and length.
   Verdict judge(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept;
-  // Pre: judge did not call it malformed.
+  // Pre: judge did not return malformed.
   static KeyRole role_of(std::span<const std::byte> request) noexcept;
 
-  // Pre: judged wants_cookie; into holds seal::kRetryBytes.
+  // Pre: judge returned wants_cookie; into holds seal::kRetryBytes.
   std::size_t write_retry(std::span<const std::byte> request, const Address& to, std::int64_t now_ns,
                           std::span<std::byte> into) const noexcept;
 
-  // Has the worker agree on a session with that number. False when it is busy. Pre: judged shows_cookie.
+  // Starts the worker's agreement on a session with that number. False if it is busy. Pre: judge returned shows_cookie.
   bool agree(std::span<const std::byte> request, std::uint32_t connection) noexcept;
   bool is_working() const noexcept { return worker_.under_way() != 0; }
   // The next handshake that is finished; false when none is.

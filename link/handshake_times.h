@@ -11,9 +11,9 @@
 namespace hapton {
 
 // The greatest timestamp that a hub has seen in a handshake, by role and sending host: a handshake that is not later is a replay.
-// Timestamps are the host's CLOCK_MONOTONIC, which never goes back while the host identity (host_id.h) stays the same. Each role has
-// kHosts entries of its own, so that the holder of one role's key cannot push another role's hosts out; when all are taken, the entry that
-// was accepted longest ago goes. RT: yes. Threads: one.
+// Timestamps are the host's CLOCK_MONOTONIC, which never goes back while the host identity (host_id.h) stays the same. Each role has kHosts
+// entries of its own, so that the holder of one role's key cannot displace another role's hosts; when all are taken, the entry accepted
+// longest ago is replaced. RT: yes. Threads: one.
 class HandshakeTimes {
  public:
   static constexpr std::size_t kHosts = 32;

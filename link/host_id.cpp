@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// FNV-1a: told to nobody as it is (handshake.cpp keys it), so that it need not hide anything.
+// FNV-1a: never sent unkeyed (see handshake.cpp), so it need not hide anything.
 std::uint64_t hash(const std::string& text) {
   std::uint64_t value = 0xCBF29CE484222325U;
   for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001B3U;

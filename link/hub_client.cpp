@@ -114,7 +114,7 @@ bool HubClient::accept(const Datagram& datagram, std::int64_t now_ns) noexcept {
 
 void HubClient::accept_welcome(const Header& header, const Welcome& welcome, std::int64_t now_ns) noexcept {
   if (header.session == 0 || header.session == retired_session_) {
-    ++counts_.other_session;  // a late word from the hub's earlier life
+    ++counts_.other_session;  // a late datagram from before the hub's restart
     return;
   }
   const bool was_joined = state() == JoinState::joined && header.session == session_;

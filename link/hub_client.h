@@ -45,9 +45,9 @@ class HubClient {
   // Sends to the hub; false (and counted) while not joined or when the system rejects.
   bool send(const Message& message) noexcept;
 
-  // Waits until a message from the hub is there or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are
-  // dealt with here. A deadline in the past only takes what has already come: call again until false to drain to the newest.
-  // Duplicates are dropped; reordered messages are returned, and last_arrival() reports that, so that the caller can keep the newest.
+  // Waits until a message from the hub is there or the clock has reached deadline_ns; false in the latter case. Welcome and Bye are handled
+  // internally. A deadline in the past only takes what has already come: call again until false to drain to the newest. Duplicates are
+  // dropped; reordered messages are returned, and last_arrival() reports that, so that the caller can keep the newest.
   bool receive(Datagram& out, std::int64_t deadline_ns) noexcept;
 
   // Of the message returned last.

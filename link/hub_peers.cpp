@@ -150,7 +150,7 @@ PeerEvent HubPeers::reject(const Address& to, NodeRole role, std::int64_t now_ns
 }
 
 PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
-  // Who was dropped and comes again goes on where our numbers to it ended: lower ones it would take for old.
+  // For a peer that was dropped and returns, our sequence numbers continue: lower ones would count as old.
   const auto known = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.sender == header.sender; });
   const std::uint64_t sent = known != peers_.end() ? known->sent : 0;
   Peer& peer = peers_[place];

@@ -26,7 +26,7 @@ struct Peer {
   std::int64_t last_heard_ns = 0;  // hub's clock
   std::uint64_t sent = 0;          // datagrams to it: the last sequence number used
   std::uint64_t send_failures = 0;
-  SequenceTracker tracker;  // of what comes from it
+  SequenceTracker tracker;  // of datagrams from the peer
 };
 
 struct PeerEvent {
@@ -83,11 +83,11 @@ class HubPeers {
   // See Endpoint::prepare_wait.
   void prepare_wait(std::int64_t deadline_ns) noexcept { endpoint_.prepare_wait(deadline_ns); }
 
-  // As receive, for bytes from elsewhere. Post: `datagram` holds the decoded message, if there is one.
+  // As receive, for given bytes. Post: `datagram` holds the decoded message, if there is one.
   PeerEvent handle_datagram(std::span<const std::byte> bytes, const Address& from, std::int64_t now_ns, Datagram& datagram,
                             KeyRole key_role = KeyRole::unsealed) noexcept;
 
-  // Drops one peer that has timed out; call until none. receive does it by itself.
+  // Drops one peer that has timed out; call until none. receive does so itself.
   PeerEvent drop_timed_out(std::int64_t now_ns) noexcept;
 
   // Sends to every peer of this role; the number reached.
@@ -97,7 +97,7 @@ class HubPeers {
   // Gets a copy of every datagram from now on; null: none does. Pre: outlives this.
   void set_tap(DatagramTap* tap) noexcept { tap_ = tap; }
 
-  // What Welcome tells from now on.
+  // The rate that Welcome reports from now on.
   void set_servo_rate_hz(double servo_rate_hz) noexcept { servo_rate_hz_ = servo_rate_hz; }
 
   const Peer& peer(std::size_t place) const noexcept { return peers_[place]; }

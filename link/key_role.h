@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// What the holder of a key may be. A role is part of every handshake, and so of the keys of every session; the number is its byte on the
+// The rights of the holder of a key. A role is part of every handshake, and so of the keys of every session; the number is its byte on the
 // wire.
 //
 //   haptics   the haptics node: forces and what they are computed with

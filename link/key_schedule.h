@@ -20,7 +20,7 @@ namespace seal {
 using Secret = std::array<std::uint8_t, 32>;
 using Tag = std::array<std::uint8_t, kTagBytes>;
 
-// The keys of one session, one each way; wiped when they go.
+// The keys of one session, one for each direction; wiped on destruction.
 struct SessionKeys {
   Secret client_to_hub = {};
   Secret hub_to_client = {};

@@ -67,7 +67,7 @@ struct KeyFile {
 };
 static_assert(sizeof(KeyFile) == kKeyFileBytes);
 
-// Who may change a folder on the way to a file can put another one in its place; in one with the sticky bit (/tmp) only its owner can.
+// Whoever may change a folder on the path to a file can replace the file; in a folder with the sticky bit (/tmp) only its owner can.
 Result<void> check_folders_above(const std::filesystem::path& path, const std::filesystem::path& named) {
   for (std::filesystem::path folder = path.parent_path(); !folder.empty(); folder = folder.parent_path()) {
     struct stat found = {};
@@ -80,7 +80,7 @@ Result<void> check_folders_above(const std::filesystem::path& path, const std::f
   return {};
 }
 
-// On the way as it was named, where a link could be put in another's place, and where that ends.
+// Checks the path as named, where a link could be replaced, and the path that it resolves to.
 Result<void> check_folders(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::path named = std::filesystem::absolute(path, error);
@@ -239,7 +239,8 @@ Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder) {
     const bool is_new = std::filesystem::create_directories(folder, error);
     if (is_new) std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
     if (error) return fail_to_share(path, error.value());
-    // Written whole beside, then given its name, which only the first of several can do: nobody reads half a key, and all read one.
+    // Written to a temporary file and then linked to its name, which succeeds only once: nobody reads half a key, and all read the same
+    // one.
     const std::filesystem::path beside =
         folder / fmt::format("master.{}.{:016x}", getpid(), (std::uint64_t{randombytes_random()} << 32) | randombytes_random());
     if (const int failure = write_new_file(beside, make_master()); failure != 0) return fail_to_share(beside, failure);

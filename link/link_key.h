@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// The master key of a system, which its hub holds: the key of every role is derived from it (role_key.h). Who holds it can play every role.
-// Wiped from memory when it goes.
+// The master key of a system, held by its hub: the key of every role is derived from it (role_key.h). Its holder can take every role. Wiped
+// from memory on destruction.
 class LinkKey {
  public:
   static constexpr std::size_t kBytes = 32;
@@ -43,15 +43,15 @@ constexpr std::size_t kKeyFileBytes = 16 + LinkKey::kBytes;
 
 // The master key, for a hub.
 Result<LinkKey> read_key_file(const std::filesystem::path& path);
-// The key of that role, for a node: the file's own, or derived where the file holds the master key. A tool takes an operator's key too.
+// The key of that role, for a node: the file's own, or derived if the file holds the master key. For a tool also an operator's key.
 Result<RoleKey> read_role_key_file(const std::filesystem::path& path, KeyRole role);
 
 // Write a new key, mode 0600: a random master key, or a role's key derived from it. Error: the file is there already, or cannot be written.
 Result<void> make_key_file(const std::filesystem::path& path);
 Result<void> make_role_key_file(const std::filesystem::path& path, const LinkKey& master, KeyRole role);
 
-// The master key that the nodes of one user on one host share without being told: FOLDER/master, made by the first of however many ask at
-// once.
+// The master key that the nodes of one user on one host share by default: FOLDER/master, created by the first of several concurrent
+// calls.
 Result<LinkKey> find_or_make_shared_key(const std::filesystem::path& folder);
 
 // $XDG_RUNTIME_DIR/hapton, else ~/.config/hapton. Error: neither variable says where.

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// What a MemoryNetwork does to each datagram. Probabilities 0 .. 1, drawn from the seed.
+// Faults of a MemoryNetwork, for each datagram. Probabilities 0 .. 1, drawn from the seed.
 struct Impairments {
   std::uint64_t seed = 1;
   double loss = 0.0;

@@ -65,7 +65,7 @@ bool read_pose(const Field& field, std::array<float, 12>& X) {
   return is_rigid(X);
 }
 
-// The last place stays NUL.
+// The last byte stays NUL.
 template <std::size_t N>
 bool read_text(const std::string& from, std::array<char, N>& to) {
   if (from.size() >= N ||

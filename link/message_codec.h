@@ -2,7 +2,7 @@
 
 #include "link/messages.h"
 
-// Each message to and from its form in proto/hapton.proto. Used by codec.cpp alone; it says what the contract is.
+// Converts each message to and from its form in proto/hapton.proto. Used by codec.cpp alone, which states the contract.
 namespace hapton {
 
 namespace wire {

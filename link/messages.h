@@ -28,7 +28,7 @@ struct Welcome {
 struct Bye {};
 
 // Contact survives a restart: a new haptics node or hub resumes where the probe last rested, unless the device is farther from there than
-// this. Then the hand has moved on, and the surfaces in between must not be felt.
+// this. Then the hand has moved on, and the surfaces in between must not be touched.
 constexpr double kResumeReachM = 0.02;
 
 // hub -> haptics, once a servo cycle.
@@ -158,7 +158,7 @@ struct SceneFacts {
   Point highest_m = {};
   std::uint32_t point_count = 0;
   std::array<Point, kMostPoints> points_m = {};  // spread over its surface
-  float preparing_s = 0.0F;                      // above 0: haptics is building what it feels with, for so long now, and cannot be felt yet
+  float preparing_s = 0.0F;                      // above 0: haptics has been preparing its method for this long, and there is no force yet
 };
 
 // tool -> hub: a part of the hub's report.

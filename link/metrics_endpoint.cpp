@@ -28,12 +28,12 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr auto kPatience = std::chrono::seconds(2);  // for a client to ask and to read
+constexpr auto kPatience = std::chrono::seconds(2);  // for a client to send its request and to read
 constexpr std::size_t kMostClients = 16;
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);
 constexpr std::size_t kMostRequestBytes = 8192;
 
-// A browser that was led here by a stranger's name (DNS rebinding) names that as Host. Who names none is no browser.
+// A browser that was directed here by another name (DNS rebinding) sends that name as Host. A client without Host is no browser.
 bool is_host_ours(std::string_view host) {
   if (host.empty()) return true;
   const std::size_t end = host.starts_with('[') ? host.find(']') : host.find(':');
@@ -67,7 +67,7 @@ Response respond(const http::request<http::empty_body>& request, std::string tex
 }  // namespace
 
 struct MetricsEndpoint::State {
-  // One question and its answer. Kept by its own callbacks.
+  // One request and its reply. Kept alive by its own callbacks.
   struct Client : std::enable_shared_from_this<Client> {
     Client(State& state_in, tcp::socket socket) : state(state_in), stream(std::move(socket)) {}
 
@@ -106,7 +106,7 @@ struct MetricsEndpoint::State {
         client->start();
         return listen();
       }
-      // No descriptor is left: the caller stays in line, and would be reported again at once.
+      // No descriptor is free: the pending client would be reported again at once.
       pause.expires_after(kAcceptPause);
       pause.async_wait([this](const error_code& ended) {
         if (!ended) listen();
@@ -114,7 +114,7 @@ struct MetricsEndpoint::State {
     });
   }
 
-  // The one that has been here longest goes: who asks at once is answered, however many sit here and say nothing.
+  // Closes the oldest connection, so that a new request is served however many silent connections there are.
   void make_room() {
     std::erase_if(order, [](const std::weak_ptr<Client>& client) { return client.expired(); });
     while (order.size() >= kMostClients) {

@@ -47,7 +47,7 @@ class HandshakeState {
   HandshakeState(const HandshakeState&) = default;
   HandshakeState& operator=(const HandshakeState&) = default;
 
-  // Begins anew, on either side. own_secret: 32 random bytes of this handshake alone. Pre: seal::start_crypto() went well.
+  // Starts again, on either side. own_secret: 32 random bytes of this handshake alone. Pre: seal::start_crypto() succeeded.
   void begin(const Key& psk, std::span<const std::uint8_t> prologue, const Key& own_secret) noexcept;
 
   // The initiator's: "psk, e" and the payload; the answer's payload. into: payload + kMessageOverhead, and the same less that.

@@ -17,7 +17,7 @@ class TokenBucket {
       : nanoseconds_each_(1'000'000'000 / per_second), most_ns_(nanoseconds_each_ * burst), filled_ns_(most_ns_) {}
 
   bool take(std::int64_t now_ns) noexcept {
-    // A clock that goes back refills nothing.
+    // A clock that goes back adds no tokens.
     if (now_ns > last_ns_) filled_ns_ = std::min(most_ns_, now_ns - last_ns_ > most_ns_ ? most_ns_ : filled_ns_ + (now_ns - last_ns_));
     last_ns_ = std::max(last_ns_, now_ns);
     if (filled_ns_ < nanoseconds_each_) return false;
@@ -32,8 +32,8 @@ class TokenBucket {
   std::int64_t last_ns_ = 0;
 };
 
-// A limit for each source address (the port does not count) and one for all together. Sources share kSources buckets by a hash: two that
-// meet in one are limited together, never let through more. RT: yes. Threads: one.
+// A limit for each source address (without port) and one for all together. Sources share kSources buckets by a hash: two in one bucket are
+// limited together, so never more is let through. RT: yes. Threads: one.
 class SourceLimit {
  public:
   struct Rates {
@@ -44,7 +44,7 @@ class SourceLimit {
   };
   static constexpr std::size_t kSources = 64;
 
-  // seed: not known to who sends, so that nobody can aim at another's bucket.
+  // seed: unknown to senders, so that none can aim at another's bucket.
   SourceLimit(const Rates& rates, std::uint64_t seed) : seed_(seed), all_(rates.all_per_second, rates.all_burst) {
     buckets_.fill(TokenBucket(rates.source_per_second, rates.source_burst));
   }

@@ -35,7 +35,7 @@ std::optional<Flood> RejectionMonitor::take(std::int64_t now_ns) noexcept {
   std::optional<Flood> flood;
   std::uint64_t noted = 0;
   for (const Seen& seen : seen_) noted += seen.count;
-  // Each of those noted stands for so many.
+  // Each noted rejection represents this many.
   const double weight = noted == 0 ? 0.0 : static_cast<double>(noted + kept_out_) / static_cast<double>(noted);
   for (std::size_t n = 0; n < kRejections; ++n) {
     const auto rejection = static_cast<Rejection>(n);

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// Why a sealed endpoint rejected a datagram. Each has a counter of its own in SealCounts.
+// Why a sealed endpoint rejected a datagram. Each has its own counter in SealCounts.
 enum class Rejection : std::uint8_t {
   malformed,            // of an unknown kind or length
   wrong_version,        // of another protocol version
@@ -19,13 +19,13 @@ enum class Rejection : std::uint8_t {
   too_many_handshakes,  // a valid handshake above the rate limit or the capacity for handshakes
   no_place,             // a valid handshake, and no free slot
   unknown_session,      // for an unknown session, or from another address than its own
-  replayed,             // seen before, or too old to tell
+  replayed,             // seen before, or too old to check
   forged,               // for a known session, and not by its peer
   oversized,            // longer than any datagram of ours, or empty
 };
 constexpr std::size_t kRejections = 10;
 
-// "datagrams of another protocol version": what a flood is of.
+// "datagrams of another protocol version": the kind of a flood.
 std::string_view describe(Rejection rejection) noexcept;
 
 // A flood of rejected datagrams.
@@ -43,8 +43,8 @@ class RejectionMonitor {
  public:
   static constexpr std::int64_t kEveryNs = 1'000'000'000;
 
-  // Refusals a second of this kind that are still nobody's ill will. Nodes of ours repeat no handshake and ask 20 times a second, so little
-  // of those is already an attack; a restarted hub gets a second of its nodes' datagrams for the session before.
+  // Rejections a second of this kind that are still harmless. Our nodes repeat no handshake and send 20 requests a second, so few of those
+  // are already an attack; after a restart a hub gets a second of its nodes' datagrams for the previous session.
   static constexpr double is_flood_above(Rejection rejection) noexcept {
     return rejection == Rejection::replayed_handshake || rejection == Rejection::too_many_handshakes ? 50.0 : 1000.0;
   }
@@ -56,7 +56,7 @@ class RejectionMonitor {
     seen.count += count;
   }
 
-  // So many more were kept out unseen, by chance: of each kind in the share in which it was noted.
+  // Adds rejections that the kernel dropped at random before they were seen: they count for each kind in its noted share.
   void note_kept_out(std::uint64_t count) noexcept { kept_out_ += count; }
 
   // Call it at least once a second, as often as you like.

@@ -23,14 +23,14 @@ using asio::ip::udp;
 using boost::system::error_code;
 
 constexpr int kBufferBytes = 1 << 20;
-// So that the two ways draw different numbers from one seed: 2^64 over the golden ratio.
+// So that the two directions draw different numbers from one seed: 2^64 over the golden ratio.
 constexpr std::uint64_t kOtherWay = 0x9E3779B97F4A7C15ULL;
 
 enum class Way : std::uint8_t { to_hub, to_nodes };
 
 struct InFlight {
   std::int64_t due_ns = 0;
-  std::uint64_t order = 0;  // breaks ties: first come, first gone
+  std::uint64_t order = 0;  // breaks ties: first in, first out
   Way way = Way::to_hub;
   udp::endpoint client;
   std::vector<std::byte> bytes;
@@ -97,7 +97,7 @@ error_code RelayEndpoint::State::open(const udp::endpoint& at) {
   error_code error;
   socket.open(at.protocol(), error);
   if (error) return error;
-  // Less than asked for costs no more than losses under a flood.
+  // A smaller buffer costs only losses under a flood.
   socket.set_option(asio::socket_base::receive_buffer_size(kBufferBytes), error);
   socket.bind(at, error);
   if (error) return error;
@@ -110,7 +110,7 @@ error_code RelayEndpoint::State::open(const udp::endpoint& at) {
 void RelayEndpoint::State::listen() {
   socket.async_receive_from(asio::buffer(buffer), from, [this](const error_code& error, std::size_t bytes) {
     if (error == asio::error::operation_aborted) return;
-    // Other errors tell of a node that is gone: nothing to forward, no reason to end.
+    // Other errors mean that a node is gone: nothing to forward, no reason to end.
     if (!error) {
       const std::int64_t now_ns = clock.now_ns();
       ++to_hub.received;
@@ -127,7 +127,7 @@ void RelayEndpoint::State::listen() {
 void RelayEndpoint::State::listen_to_hub(const std::shared_ptr<Client>& client) {
   client->upstream.async_receive(asio::buffer(client->buffer), [this, client](const error_code& error, std::size_t bytes) {
     if (error == asio::error::operation_aborted || !client->upstream.is_open()) return;
-    // Other errors tell that the hub is not there at the moment.
+    // Other errors mean that the hub is not there at the moment.
     if (!error) {
       ++to_nodes.received;
       if (bytes > kMaxBytes) {
@@ -224,7 +224,7 @@ void RelayEndpoint::State::send(Way way, const udp::endpoint& client, std::span<
     ++counts(way).send_failures;
     return;
   }
-  // What an earlier datagram brought back (nobody is there) is told on the next call and says nothing about this one: try again.
+  // The error of an earlier datagram (no such peer) is returned by the next call and does not concern this one: try again.
   for (int attempt = 0; attempt < 2; ++attempt) {
     if (way == Way::to_hub) {
       known->second->upstream.send(asio::buffer(bytes.data(), bytes.size()), 0, error);
@@ -253,7 +253,7 @@ void RelayEndpoint::State::set_timer() {
   if (wanted_ns == 0) return;
   timer.expires_at(std::chrono::steady_clock::time_point(std::chrono::nanoseconds(wanted_ns)));
   timer.async_wait([this](const error_code& error) {
-    if (error) return;  // set anew meanwhile
+    if (error) return;  // set again meanwhile
     timer_ns = 0;
     deliver_due();
   });

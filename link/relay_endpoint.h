@@ -17,11 +17,11 @@ struct RelaySettings {
   std::uint64_t seed = 1;
 };
 
-// What became of the datagrams that went one way.
+// Counters of the datagrams of one direction.
 struct RelayCounts {
   std::uint64_t received = 0;
   std::uint64_t forwarded = 0;      // copies included
-  std::uint64_t lost = 0;           // by chance, each by itself
+  std::uint64_t lost = 0;           // at random, independently
   std::uint64_t lost_in_burst = 0;  // in a bad spell
   std::uint64_t partitioned = 0;
   std::uint64_t held_back = 0;
@@ -32,10 +32,10 @@ struct RelayCounts {
   std::uint64_t send_failures = 0;
 };
 
-// A bad network between the nodes and their hub: a UDP relay that loses, delays, reorders, copies and spoils what it forwards, as the
-// schedule and the seed say. It looks at no datagram: bytes in, bytes out. The hub sees each node under a port of its own.
-// Bounded: at most kMaxQueued datagrams wait, at most kMaxClients nodes are known; one silent for kIdleNs makes room for another.
-// RT: no. Threads: one.
+// A bad network between the nodes and their hub: a UDP relay that loses, delays, reorders, duplicates and corrupts what it forwards,
+// by the schedule and the seed. It forwards bytes without decoding them. The hub sees each node under a port of its own. Bounded: at
+// most kMaxQueued datagrams wait, at most kMaxClients nodes are known; one silent for kIdleNs makes room for another. RT: no. Threads:
+// one.
 class RelayEndpoint {
  public:
   static constexpr std::size_t kMaxQueued = 16'384;
@@ -50,7 +50,7 @@ class RelayEndpoint {
   RelayEndpoint(RelayEndpoint&&) noexcept;
   RelayEndpoint& operator=(RelayEndpoint&&) = delete;
 
-  // Forwards for so long. The schedule began when it was opened.
+  // Forwards for the given time. The schedule started when the relay was opened.
   void run_for_ns(std::int64_t duration_ns);
 
   const Address& local_address() const;
@@ -58,7 +58,7 @@ class RelayEndpoint {
   const RelayCounts& to_nodes() const;
   // Nodes seen so far.
   std::uint64_t clients() const;
-  // The phase that holds now: its place in the schedule, or one behind the last.
+  // The index of the present phase in the schedule, or one behind the last.
   std::size_t phase() const;
 
  private:

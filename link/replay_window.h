@@ -5,8 +5,8 @@
 
 namespace hapton {
 
-// Which of a session's counters have been seen, counted from 1: each is let through once, and none that is kSpan or more behind the newest.
-// Ask first, open the seal, then mark: what is forged must leave no mark. RT: yes. Threads: one.
+// Which counters of a session have been seen, counted from 1: each is accepted once, and none that is kSpan or more behind the newest.
+// Check first, open the seal, then mark: a forged datagram must leave no mark. RT: yes. Threads: one.
 class ReplayWindow {
  public:
   static constexpr std::uint64_t kSpan = 1024;  // 100 ms at 10 kHz

@@ -10,8 +10,8 @@ namespace hapton {
 
 class LinkKey;
 
-// The key of one role, which a node holds. The hub derives the same from the master key; nobody derives the master key, or another role's
-// key, from it. Wiped from memory when it goes.
+// The key of one role, held by a node. The hub derives the same from the master key; neither the master key nor another role's key can be
+// derived from it. Wiped from memory on destruction.
 class RoleKey {
  public:
   static constexpr std::size_t kBytes = 32;

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// What sealing has passed and what it has rejected. Whatever is rejected is answered by silence.
+// Accepted and rejected datagrams of sealing. A rejected datagram gets no reply.
 struct SealCounts {
   std::uint64_t opened = 0;
   std::uint64_t handshakes = 0;           // sessions that both sides have agreed on
@@ -15,9 +15,9 @@ struct SealCounts {
   std::uint64_t replayed_handshakes = 0;  // handshakes no later than one seen before
   std::uint64_t too_many_handshakes = 0;  // good handshakes beyond the rate, or the room, that they are given
   std::uint64_t unknown_session = 0;      // for a session that there is not, or from another address than its own
-  std::uint64_t replayed = 0;             // seen before, or too old to tell
-  std::uint64_t forged = 0;               // for a session that there is, and not by who shares it
-  std::uint64_t no_place = 0;             // good handshakes that found every place taken, or their address in use by another role
+  std::uint64_t replayed = 0;             // seen before, or too old to check
+  std::uint64_t forged = 0;               // for an existing session, but not from its peer
+  std::uint64_t no_place = 0;             // valid handshakes that found no free slot, or whose address is in use by another role
   std::uint64_t oversized = 0;            // longer than any datagram of ours, or empty
 
   std::uint64_t rejected() const {

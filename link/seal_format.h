@@ -55,10 +55,10 @@ constexpr std::size_t kConnectionAt = kLeadBytes;
 constexpr std::size_t kCounterAt = kConnectionAt + 4;
 constexpr std::size_t kHeaderBytes = kCounterAt + 8;
 
-// Nobody is sent more than was received.
+// No reply is longer than its request.
 static_assert(kAnswerBytes <= kRequestBytes && kRetryBytes <= kRequestBytes);
 
-// What sealing adds to a datagram, and what then is left for what it carries.
+// The overhead of sealing, and the payload that remains.
 constexpr std::size_t kOverheadBytes = kHeaderBytes + kTagBytes;
 constexpr std::size_t kMaxPayloadBytes = kMaxDatagramBytes - kOverheadBytes;
 
@@ -87,13 +87,13 @@ enum class OpenStatus : std::uint8_t {
   malformed,        // no sealed datagram at all
   wrong_version,    // of another protocol version
   unknown_session,  // of another session
-  replayed,         // seen before, or too old to tell
+  replayed,         // seen before, or too old to check
   forged,           // not by the other side of this session
 };
 
 void count(OpenStatus status, SealCounts& counts) noexcept;
 
-// What a datagram says that it is.
+// The kind that a datagram claims to be.
 struct SealedKind {
   OpenStatus status = OpenStatus::malformed;  // opened: one of our version, with the length of its kind; else malformed or wrong_version
   seal::Kind kind = seal::Kind::data;

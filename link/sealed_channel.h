@@ -11,10 +11,10 @@
 
 namespace hapton {
 
-// One side of one session: seals what goes to the other side and opens what comes from there. AES-256-GCM with a key each way and a counter
-// for the nonce, which is never used twice; the whole header is authenticated. A datagram opens once, in this session, on
-// the side that it was meant for, unchanged, or not at all.
-// RT: yes (no heap, lock, throw or system call). Threads: one.
+// One side of one session: seals what goes to the other side and opens what comes from there. AES-256-GCM with a key for each
+// direction and a counter for the nonce, which is never used twice; the whole header is authenticated. A datagram opens once,
+// in this session, at its intended receiver, unchanged, or not at all. RT: yes (no heap, lock, throw or system call). Threads:
+// one.
 class SealedChannel {
  public:
   enum class Side : std::uint8_t { client, hub };
@@ -24,7 +24,7 @@ class SealedChannel {
   // Pre: these keys were never given to a channel of this side before.
   SealedChannel(const seal::SessionKeys& keys, std::uint32_t connection, Side side);
   ~SealedChannel();
-  // There is one of each: a copy would use its counters twice. What was moved from seals and opens nothing.
+  // Not copyable: a copy would use its counters twice. A moved-from channel seals and opens nothing.
   SealedChannel(SealedChannel&& other) noexcept;
   SealedChannel& operator=(SealedChannel&& other) noexcept;
 

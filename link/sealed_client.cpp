@@ -84,11 +84,11 @@ void SealedClient::request_if_due(std::int64_t now_ns) noexcept {
   request(now_ns);
 }
 
-// Once nothing waits to be received: a node that was busy for long has not been left in silence.
+// Only when nothing waits to be received: to a node that was busy for long, the hub only seems silent.
 void SealedClient::request_if_silent(std::int64_t now_ns) noexcept {
   if (!is_hub_silent(now_ns)) return;
   if (!handshake_.is_pending()) return begin(now_ns);
-  // A rekeying that the silence overtook goes on at the pace of a search.
+  // A rekeying interrupted by a timeout continues at the rate of a search.
   next_request_ns_ = std::min(next_request_ns_, now_ns + kRequestPeriodNs);
 }
 
@@ -131,7 +131,7 @@ void SealedClient::change_over() noexcept {
   held_bytes_ = 0;
 }
 
-// The bytes opened; 0 for what was rejected or was the handshake's.
+// The size of the opened data; 0 if rejected or part of a handshake.
 std::size_t SealedClient::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into) noexcept {
   if (from != hub_) {
     ++counts_.unknown_session;
@@ -155,7 +155,7 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
 }
 
 void SealedClient::hear_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
-  if (!handshake_.is_pending()) return;  // a late answer to an earlier request is nobody's fault
+  if (!handshake_.is_pending()) return;  // a late reply to an earlier request is no fault
   const bool is_good =
       (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::answer && handshake_.read_answer(datagram));
   counts_.wrong_key += is_good ? 0 : 1;

@@ -14,16 +14,16 @@
 
 namespace hapton {
 
-// A node's way to its hub: what it sends is sealed, what it receives was opened, and the session that this takes is agreed on by itself,
-// within send and receive.
-//   silence   When nothing was received from the hub for kPeerTimeoutNs, a new session is requested while the old one stays in use until
-//   the
-//             hub sends in the new one: a hub that restarts is found again, and one that was only slow has lost nothing.
-//   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. The old one is received in for kOverlapNs after
-//             the hub has changed over, so that no datagram is lost, nor late, at the change.
-// Datagrams sent while no session is agreed on are held, the newest of them, and sent with it; one sent while the hub is silent and a new
-// session is requested goes both ways, so that it may arrive twice.
-// Pre: whoever uses it calls send or receive at least every 100 ms, and ten times a second sends what the hub answers.
+// A node's sealed connection to its hub: it seals what it sends, hands out only what it could open, and agrees on the sessions that this
+// takes by itself, within send and receive.
+//   silence   When nothing was received from the hub for kPeerTimeoutNs, a new session is requested. The old one stays in use until the
+//             hub sends in the new one: a hub that has restarted is found again, and with a hub that was only slow nothing is lost.
+//   rekeying  A session is replaced every rekey_every_ns, and after rekey_after datagrams. Datagrams in the old one are accepted for
+//             kOverlapNs after the hub has changed over, so that the change neither loses nor delays any.
+// While no session is agreed on, the newest datagrams are held, and sent when there is one. A datagram that is sent while the hub is
+// silent and a new session is requested is sent in both, so it may arrive twice.
+// Pre: the user calls send or receive at least every 100 ms.
+// Pre: ten times a second it sends a message that the hub answers.
 // RT: yes with a worker thread, but for X25519 in the caller (0.1 ms for each request and each session) without; construction and
 // destruction set-up only. Threads: one.
 class SealedClient final : public Endpoint {
@@ -75,14 +75,14 @@ class SealedClient final : public Endpoint {
   Options options_;
   ClientHandshake handshake_;
   SealedChannel channel_;
-  SealedChannel previous_;  // the hub still sends in it until it has received in the new one, and what it sent may come late
+  SealedChannel previous_;  // the hub uses it until it has received in the new one, and its datagrams may be late
   std::int64_t previous_ends_ns_ = 0;
   SealCounts counts_;
   std::int64_t next_request_ns_ = 0;
   std::int64_t rekey_ns_ = 0;
   std::int64_t last_heard_ns_ = 0;
   bool has_heard_ = false;  // since last_heard_ns_
-  bool may_retry_ = false;  // one request in answer to a retry for each sent in its time
+  bool may_retry_ = false;  // one request in reply to a retry for each regular request
   std::size_t held_bytes_ = 0;
   std::array<std::byte, kMaxDatagramBytes> held_ = {};
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};

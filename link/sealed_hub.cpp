@@ -85,7 +85,7 @@ void SealedHub::reject(Rejection rejection, const Address& from) noexcept {
   watch_.note(rejection, from);
 }
 
-// What the socket has passed over, and what was kept out of it: here it gets a name.
+// The worst of the datagrams that the socket rejected or dropped.
 std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
   const SocketCounts socket = endpoint_.socket_counts();
   const std::uint64_t oversized = socket.oversized - oversized_noted_;
@@ -116,7 +116,7 @@ Received SealedHub::receive(std::span<std::byte> into, std::int64_t deadline_ns)
   return {};
 }
 
-// The bytes opened; 0 for what was rejected or was a handshake.
+// The size of the opened data; 0 if rejected or part of a handshake.
 std::size_t SealedHub::open(std::span<const std::byte> datagram, const Address& from, std::span<std::byte> into, KeyRole& role) noexcept {
   const SealedKind found = classify_sealed(datagram);
   if (found.status != OpenStatus::opened) {
@@ -213,7 +213,7 @@ void SealedHub::take_agreements() noexcept {
   if (!handshake_.is_working()) return;
   for (HubHandshake::Agreement agreed; handshake_.poll(agreed);) {
     Session& session = sessions_[agreed.connection % kPlaces];
-    // Its place may be someone else's by now.
+    // Its slot may have been reused by now.
     if (session.state != State::agreeing || session.connection != agreed.connection) continue;
     if (!agreed.went_well) {
       reject(Rejection::wrong_key, session.address);
@@ -242,7 +242,7 @@ std::span<SealedHub::Session> SealedHub::places_of(KeyRole role, std::array<Sess
   return std::span(sessions).subspan(std::accumulate(kRolePlaces.begin(), before, std::size_t{0}), *before);
 }
 
-// A free place, else that of the oldest candidate when there are many, else of who has been silent long; null when there is none.
+// A free slot, otherwise that of the oldest candidate if there are many, otherwise of a peer silent for long; null if there is none.
 SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_t now_ns) noexcept {
   Session* free_place = nullptr;
   Session* oldest_candidate = nullptr;
@@ -267,7 +267,7 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
   return quietest != nullptr ? quietest : oldest_candidate;
 }
 
-// An address belongs to one program. Who holds another role's key and can play that address must not end its session.
+// An address belongs to one program. The holder of another role's key who can forge that address must not end its session.
 bool SealedHub::is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept {
   return std::any_of(sessions_.begin(), sessions_.end(), [&](const Session& session) {
     return session.state == State::live && session.address == address && session.role != role && now_ns - session.last_heard_ns <= kIdleNs;

@@ -16,19 +16,19 @@
 
 namespace hapton {
 
-// The hub's way to its nodes: each address that has agreed on a session has keys of its own, what is sent to it is sealed with them, and
-// nothing is handed out that was not opened with them.
-//   junk       Who has no key gets no reply, takes no place and costs a look at four bytes, or a hash. So does who repeats a recorded
-//              handshake: it must be later than all that its host and role have sent (handshake_times.h). Each rejection is counted and the
-//              worst flood of them named (take_flood).
-//   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role by itself.
-//   X25519     Agreements are the worker's. The caller hands over what has shown key, time and address, and sends the answer when it is
-//              finished, in a later call. A full worker drops requests; it never makes the caller wait.
-//   sessions   A new session of the same role and address replaces the old one once something was opened in it. The old one is still
-//              opened for kOverlapNs, unless that one is replaced, too: nothing that is on its way is lost. Each role has places of its own
-//              (kRolePlaces), half of them at most for sessions that nothing was opened in yet: the holder of one role's key keeps no other
-//              role out. When all places are taken the one that has been silent longest goes, unless something was received in it within
-//              kIdleNs.
+// The hub's sealed connections to its nodes: each address that has agreed on a session has its own keys; datagrams to it are sealed with
+// them, and only datagrams that they open are handed out.
+//   junk       A sender without a key gets no reply and no slot, and costs a look at four bytes, or a hash. The same goes for a recorded
+//              handshake that is sent again: its time must be later than all others of its host and role (handshake_times.h). Each
+//              rejection is counted, and the worst flood of them is reported (take_flood).
+//   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role separately.
+//   X25519     A worker computes agreements. The caller hands over requests that have shown key, time and address, and sends the answer in
+//              a later call, when it is finished. A full worker drops requests; it never makes the caller wait.
+//   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. The old one can still be
+//              opened for kOverlapNs, unless the new one is replaced, too, so that no datagram under way is lost. Each role has slots of
+//              its own (kRolePlaces), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
+//              cannot keep another role out. When all slots are taken, the session that has been silent longest is dropped, unless it has
+//              received something within kIdleNs.
 // RT: yes with a worker thread; construction and destruction set-up only. Threads: one.
 class SealedHub final : public Endpoint {
  public:
@@ -42,7 +42,7 @@ class SealedHub final : public Endpoint {
   // Pre: endpoint and clock outlive this.
   SealedHub(Endpoint& endpoint, const Clock& clock, const LinkKey& master, AgreementWorker::Where worker = AgreementWorker::Where::caller);
 
-  // False when nobody at that address has a session, when it does not fit (seal::kMaxPayloadBytes), or when the system rejected it.
+  // False if there is no session with that address, if it does not fit (seal::kMaxPayloadBytes), or if the system rejected it.
   bool send(const Address& to, std::span<const std::byte> datagram) noexcept override;
   // Received::role is the role of the session's key.
   Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override;
@@ -55,7 +55,7 @@ class SealedHub final : public Endpoint {
   enum class State : std::uint8_t {
     free,
     agreeing,   // the worker has it
-    candidate,  // answered; nothing was opened in it yet
+    candidate,  // replied to; nothing has been opened in it yet
     live,
     retiring,  // replaced: received in until ends_ns
   };
@@ -91,8 +91,8 @@ class SealedHub final : public Endpoint {
   std::uint64_t oversized_noted_ = 0;
   std::uint64_t kept_out_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};
-  std::array<std::uint8_t, 16> hints_ = {};  // place that was last sent to, by the lower bits of its port
-  std::uint32_t generation_ = 0;             // in the upper bits of a connection's number, its place in the lower
+  std::array<std::uint8_t, 16> hints_ = {};  // slot that was last sent to, by the lower bits of its port
+  std::uint32_t generation_ = 0;             // the upper bits of a connection's number; the lower ones are its slot
   SealCounts counts_;
   std::array<std::byte, kMaxDatagramBytes> incoming_ = {};
   std::array<std::byte, kMaxDatagramBytes> outgoing_ = {};

@@ -8,7 +8,7 @@ namespace hapton {
 enum class Arrival : std::uint8_t {
   newest,     // newer than all before: use it
   reordered,  // new, but overtaken by a newer one: newest wins, so most receivers drop it
-  duplicate,  // seen before, or too old to tell
+  duplicate,  // seen before, or too old to check
   stale,      // from the process that the present sender replaced
 };
 
@@ -19,7 +19,7 @@ struct SequenceCounts {
   std::uint64_t duplicate = 0;
   std::uint64_t stale = 0;
   std::uint64_t restarts = 0;  // new sender ids after the first
-  std::uint64_t jumps = 0;     // leaps too far to be loss; counting starts again behind them
+  std::uint64_t jumps = 0;     // jumps too large to be loss; counting starts again after them
 };
 
 // Follows the sequence numbers of one sender's datagrams to us. Numbers are compared modulo 2^64.
@@ -28,10 +28,10 @@ class SequenceTracker {
  public:
   // Later arrivals than this many numbers behind the newest are taken for duplicates.
   static constexpr std::uint64_t kWindow = 1024;
-  // A leap of more than this (100 s at 10 kHz), either way, is no loss but a sender that counts from elsewhere.
+  // A larger jump (100 s at 10 kHz), in either direction, is no loss but a sender that counts from elsewhere.
   static constexpr std::uint64_t kMaxGap = 1'000'000;
 
-  // may_begin_again: the sender has greeted us anew, and a number behind the newest means that it counts from there now.
+  // may_begin_again: the sender has joined again, and a number behind the newest means that it counts from there now.
   Arrival track(std::uint64_t sender, std::uint64_t sequence, bool may_begin_again = false) noexcept;
 
   const SequenceCounts& counts() const noexcept { return counts_; }

@@ -33,7 +33,7 @@ enum class SessionFault : std::uint8_t {
   stalled,          // the loop stood still longer than a force may be old
   device,           // the device failed
   overrun,          // a cycle was missed where none may be
-  speed,            // from here on what the safety governor latches (safety/safety_fault.h)
+  speed,            // from here on the faults latched by the safety governor (safety/safety_fault.h)
   position,
   jump,
   thermal,
@@ -63,7 +63,7 @@ struct SessionEntry {
   std::uint64_t dropped = 0;  // entries that found no room since the one before
 };
 
-// What stands in front of them.
+// The header before the entries.
 struct SessionHeader {
   std::string build = {};
   std::int64_t start_ns = 0;

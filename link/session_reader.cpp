@@ -10,7 +10,7 @@ constexpr std::size_t kRefillBytes = 1 << 20;
 
 }  // namespace
 
-// Moves what is not read yet to the front and reads on; false when there was nothing more.
+// Moves unread bytes to the front and reads more; false if there was nothing more.
 bool SessionReader::refill() {
   buffer_.erase(0, begin_);
   buffer_offset_ += begin_;
@@ -26,7 +26,7 @@ Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (std::filesystem::is_directory(status)) return fail("{}: is a folder, not a recorded session", path.string());
-  // A pipe would be waited for as long as nobody writes to it.
+  // Opening a pipe would wait for a writer.
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     return fail("{}: is not a regular file: copy it to one", path.string());
   }

@@ -20,7 +20,7 @@ class SessionReader {
 
   const SessionHeader& header() const { return header_; }
 
-  // The next entry; false at the end of what can be read. Post: entry.datagram lives until the next call.
+  // The next entry; false at the end of the readable data. Post: entry.datagram is valid until the next call.
   bool next(SessionEntry& entry);
 
   // After next gave false: empty when the file ended with a whole entry, else one line that says where and how it breaks off.
@@ -35,7 +35,7 @@ class SessionReader {
   SessionCodec codec_;
   SessionHeader header_;
   std::string buffer_;
-  std::size_t begin_ = 0;            // of what is not read yet, in the buffer
+  std::size_t begin_ = 0;            // first unread byte in the buffer
   std::uint64_t buffer_offset_ = 0;  // of the buffer's front, in the file
   std::uint64_t entries_ = 0;
   std::string problem_;

@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// A program for a UDP socket of someone who has one peer: the kernel drops what comes from any other address, before it costs this process
-// a system call each. RT: yes, no heap; installing it is the caller's. Threads: one.
+// A filter for a UDP socket with one peer: the kernel drops datagrams from any other address, before they cost this process a system call
+// each. RT: yes, no heap; installing it is the caller's. Threads: one.
 class SourceFilter {
  public:
   explicit SourceFilter(const Address& peer) noexcept;

@@ -24,7 +24,7 @@ constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kAcceptPauseNs = 100'000'000;
 constexpr int kMostAcceptsAtOnce = 8;
 constexpr int kMostDatagramsAtOnce = 64;
-constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of what waits: what is older is of no use
+constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of the waiting data: older data is of no use
 constexpr int kTriesForAPort = 32;            // free for TCP and UDP alike
 
 std::int64_t monotonic_ns() {
@@ -61,7 +61,7 @@ void prepare(const Descriptor& connection) {
   ::setsockopt(connection.get(), SOL_SOCKET, SO_SNDBUF, &kSendBufferBytes, sizeof kSendBufferBytes);
 }
 
-// 0, or what the system said.
+// 0, or the system's error.
 int bind_to(const Descriptor& socket, const Address& address) {
   SocketAddress system = to_socket_address(address);
   return ::bind(socket.get(), system.get(), system.size) == 0 ? 0 : errno;
@@ -69,7 +69,7 @@ int bind_to(const Descriptor& socket, const Address& address) {
 
 class SocketStreams final : public StreamEndpoint {
  public:
-  // 0, or what the system said.
+  // 0, or the system's error.
   int open(const Address& at);
 
   const Address& local_address() const override { return local_; }
@@ -270,7 +270,7 @@ void SocketStreams::accept_some(Listener& listener) {
       if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) accepts_from_ns_ = monotonic_ns() + kAcceptPauseNs;
       return;
     }
-    // One more than may be is let go without a word.
+    // A connection above the limit is closed silently.
     if (count_open() >= kMostConnections) {
       const Id given_up = listener.give_up_for_another();
       if (given_up == 0) continue;

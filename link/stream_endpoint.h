@@ -11,23 +11,23 @@
 
 namespace hapton {
 
-// TCP connections with a few others, and datagrams at the same port: for protocols of others that need both. Never blocks on a peer: who
-// does not read what it is sent is cut off when more than kMostWaitingBytes wait for it.
-// RT: no. Threads: one, but for wake.
+// A few TCP connections, and datagrams at the same port: for foreign protocols that need both. Never blocks on a peer: a
+// peer that does not read is disconnected when more than kMostWaitingBytes wait for it. RT: no. Threads: one, but for
+// wake.
 class StreamEndpoint {
  public:
   using Id = std::uint64_t;  // of a connection; never used twice
   static constexpr std::size_t kMostConnections = 16;
   static constexpr std::size_t kMostWaitingBytes = std::size_t{256} * 1024;
 
-  // Hears what happens. Every connection is first on_connected (for one that was asked for: or on_closed) and last on_closed.
+  // Events. Each connection gets on_connected first (a requested one perhaps on_closed instead) and on_closed last.
   struct Listener {
     virtual ~Listener() = default;
     virtual void on_connected(Id id, const Address& peer) = 0;
     virtual void on_bytes(Id id, std::span<const std::byte> bytes) = 0;
     virtual void on_closed(Id id) = 0;
     virtual void on_datagram(const Address& from, std::span<const std::byte> bytes) = 0;
-    // All places are taken and somebody else comes: whom to close for it; 0: nobody.
+    // Called when all slots are taken and another client connects: the connection to close for it; 0: none.
     virtual Id give_up_for_another() { return 0; }
   };
 
@@ -38,17 +38,17 @@ class StreamEndpoint {
 
   virtual const Address& local_address() const = 0;
 
-  // Waits until something happens, someone calls wake, or the deadline (CLOCK_MONOTONIC, ns) has come, and tells of all there is; of any
-  // one peer only so much that no other has to wait for it.
+  // Waits for an event, a call of wake, or the deadline (CLOCK_MONOTONIC, ns), and reports all events; for any one peer only so much that
+  // no other has to wait.
   virtual void wait(std::int64_t deadline_ns, Listener& listener) = 0;
 
   // From any thread: ends a wait.
   virtual void wake() noexcept = 0;
 
-  // Connects by TCP; 0: there is no place left, or the address cannot be reached.
+  // Connects by TCP; 0: there is no free slot, or the address cannot be reached.
   virtual Id connect(const Address& to) = 0;
 
-  // False, and the connection is closed (on_closed comes with the next wait), when it is gone or too much waits.
+  // False, and the connection is closed (on_closed comes with the next wait), if it is gone or too much waits.
   virtual bool send(Id id, std::span<const std::byte> bytes) = 0;
   virtual bool send_datagram(const Address& to, std::span<const std::byte> bytes) = 0;
 

@@ -33,7 +33,7 @@ constexpr std::int64_t kNothingPrepared = std::numeric_limits<std::int64_t>::min
 // A receive blocks this long at most (and a scheduler tick or two more); further away than kFarNs a deadline cannot be missed by it.
 constexpr std::int64_t kBlockingNs = 8'000'000;
 constexpr std::int64_t kFarNs = 20'000'000;
-// What is no datagram of ours and yet passed over by one receive whose time is up, so that a flood cannot hold it.
+// Foreign datagrams that one receive skips after its deadline, so that a flood cannot hold it.
 constexpr int kMostPassedOver = 64;
 constexpr int kReceiveBufferBytes = 1 << 20;  // a second of 10 kHz traffic to a node that is paused
 
@@ -114,7 +114,7 @@ error_code UdpEndpoint::open(const udp::endpoint& local) {
       return error;
     }
   }
-  // The kernel may grant less than asked; that costs only how long a paused node can catch up.
+  // The kernel may grant less; that only limits how long a paused node can catch up.
   socket_.set_option(asio::socket_base::receive_buffer_size(kReceiveBufferBytes), error);
   socket_.bind(local, error);
   if (error) {
@@ -197,7 +197,7 @@ bool UdpEndpoint::wait_readable(std::int64_t deadline_ns) noexcept {
     if (ready == 0) {
       return false;
     }
-    // EINTR, and ENOMEM under memory pressure: the rest of the time is still to be waited.
+    // EINTR, and ENOMEM under memory pressure: wait for the rest of the time.
   }
 }
 
@@ -209,7 +209,7 @@ UdpEndpoint::Attempt UdpEndpoint::try_receive(std::span<std::byte> into, int fla
     return errno == ECONNREFUSED ? Attempt::passed_over : Attempt::nothing;
   }
   const Address sender = from_endpoint(from);
-  // With MSG_TRUNC the size of a datagram longer than the buffer is told; it is no datagram of ours.
+  // With MSG_TRUNC the size of a datagram longer than the buffer is reported; it is none of ours.
   const bool is_oversized = bytes == 0 || static_cast<std::size_t>(bytes) > into.size();
   filter_.note_received(sender, into.first(std::min(static_cast<std::size_t>(bytes), into.size())), is_oversized);
   if (is_oversized) return Attempt::passed_over;
@@ -229,7 +229,7 @@ void UdpEndpoint::judge_flood(std::int64_t now_ns) noexcept {
   if (action == FloodFilter::Action::install) {
     const auto program = filter_.program();
     const sock_fprog attached = {.len = static_cast<std::uint16_t>(program.size()), .filter = program.data()};
-    // Rejected (no memory): the budget of the reader still bounds what a flood costs.
+    // If it fails (no memory), the reader's budget still bounds the cost of a flood.
     (void)setsockopt(socket_.native_handle(), SOL_SOCKET, SO_ATTACH_FILTER, &attached, sizeof attached);
   } else if (action == FloodFilter::Action::remove) {
     const int unused = 0;
@@ -252,7 +252,7 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
     const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
     const bool is_past = deadline_ns <= now_ns;
-    // Whoever waited and found nothing has been told so by the system: it need not be asked again.
+    // After a wait that found nothing, there is no need for another system call.
     if (!is_past && !is_far && !wait_readable(deadline_ns)) return {};
     Received received;
     const Attempt attempt = try_receive(into, is_far ? 0 : MSG_DONTWAIT, received);

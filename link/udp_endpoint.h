@@ -9,12 +9,12 @@
 
 namespace hapton {
 
-// A UDP socket bound to `bind_address` ("0.0.0.0:4950", "[::]:4950", "127.0.0.1:0"; port 0 lets the system choose). An IPv6 socket
-// speaks to IPv4 peers as well, unless the host forbids it.
-// filters_floods: of a hub, whose datagrams are all sealed: FloodFilter keeps unknown peers out in the kernel while they flood it.
-// Receiving waits by ppoll to absolute CLOCK_MONOTONIC deadlines; a rejection by a peer that is not there (ICMP) is ignored.
-// RT: opening set-up only; send and receive as Endpoint says. Threads: one at a time.
-// Error: one line: bad address, port in use, no permission.
+// A UDP socket bound to `bind_address` ("0.0.0.0:4950", "[::]:4950", "127.0.0.1:0"; port 0 lets the system choose).
+// An IPv6 socket also reaches IPv4 peers, unless the host forbids it. filters_floods: for a hub, whose datagrams
+// are all sealed: FloodFilter drops unknown peers in the kernel while they flood it. Receiving waits by ppoll to
+// absolute CLOCK_MONOTONIC deadlines; an ICMP error of a peer that is not there is ignored. RT: opening set-up
+// only; send and receive see Endpoint. Threads: one at a time. Error: one line: bad address, port in use, no
+// permission.
 Result<std::unique_ptr<Endpoint>> open_udp_endpoint(std::string_view bind_address, bool filters_floods = false);
 
 }  // namespace hapton

@@ -23,7 +23,7 @@ using boost::system::error_code;
 class BeastEndpoint final : public WebSocketEndpoint {
  public:
   bool open(const Address& to, std::int64_t patience_ns) {
-    // The stream's own time limits would be started anew by every byte.
+    // The stream's own time limits would be restarted by every byte.
     stream_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(), websocket::stream_base::none(), false});
     stream_.read_message_max(kMostMessageBytes);
     const bool is_there = run(patience_ns, [&](auto&& done) {

@@ -17,7 +17,7 @@ class WebSocketEndpoint {
   // A peer that sends more in one message is cut off.
   static constexpr std::size_t kMostMessageBytes = 1 << 20;
 
-  // Error: nobody listens, it does not answer in time, or it speaks something else; one line with the system's words.
+  // Error: no listener, no reply in time, or another protocol; one line with the system's text.
   static Result<std::unique_ptr<WebSocketEndpoint>> connect(const Address& to, std::int64_t patience_ns);
 
   virtual ~WebSocketEndpoint() = default;

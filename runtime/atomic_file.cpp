@@ -34,11 +34,11 @@ int write_text(const std::filesystem::path& path, std::string_view text, FileRea
 
 std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers) {
   const bool is_private = readers == FileReaders::owner;
-  // Not blocking only until it is open: a pipe that nobody reads from would be waited for.
+  // Non-blocking until it is open: opening a pipe without a reader would wait.
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, is_private ? 0600 : 0666);
   if (file < 0) return nullptr;
   (void)::fcntl(file, F_SETFL, O_WRONLY);
-  if (is_private) (void)::fchmod(file, 0600);  // refused on what is no file of ours, a device or a pipe: that has its own mode
+  if (is_private) (void)::fchmod(file, 0600);  // fails on a device or a pipe, which keeps its own mode
   return ::fdopen(file, "wb");
 }
 

@@ -9,11 +9,11 @@
 
 namespace hapton {
 
-// What a loop that does nothing but wait for its ticks makes of a machine: the yardstick for every servo loop on it.
+// The timing of a loop that only waits for its ticks: the yardstick for every servo loop on this machine.
 struct BareTimer {
   double rate_hz = 0.0;
   std::uint64_t ticks = 0;   // woken for
-  std::uint64_t missed = 0;  // gone by while it slept, counted as a servo loop does: late by whole periods
+  std::uint64_t missed = 0;  // cycles slept through, counted as in a servo loop: late by whole periods
   LatencyHistogram lateness;
 
   double missed_share() const noexcept;
@@ -23,7 +23,7 @@ struct BareTimer {
 // The bare loop on the calling thread. Pre: rate_hz and seconds finite, above 0.
 BareTimer run_bare_timer(Clock& clock, double rate_hz, double seconds) noexcept;
 
-// The same on a thread of its own, scheduled as settings say; waits for it. RT: set-up only. Error: as enter_realtime.
+// The same in its own thread, scheduled by the settings; waits for it. RT: set-up only. Error: see enter_realtime.
 Result<BareTimer> measure_bare_timer(const RealtimeSettings& settings, double rate_hz, double seconds);
 
 }  // namespace hapton

@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// Records of any length from a thread that must keep time to one that has it. A record that finds no room is dropped and counted:
-// the writer never waits.
-// RT: push yes, wait-free; construction set-up only (all memory is taken and touched there). Threads: one pushes, one drains.
+// Records of any length from a real-time thread to another one. A record without room is dropped and counted: the writer never
+// waits. RT: push yes, wait-free; construction set-up only (it allocates and touches all memory). Threads: one pushes, one
+// drains.
 class ByteRing {
  public:
   // Pre: capacity is a power of two, at least 64.

@@ -27,7 +27,7 @@ class SteadyClock final : public Clock {
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override;
 };
 
-// Time that moves only when it is told to, or when someone sleeps on it.
+// Time that moves only on request, or when someone sleeps.
 class SimulatedClock final : public Clock {
  public:
   explicit SimulatedClock(std::int64_t start_ns = kNanosecondsPerSecond) : now_(start_ns) {}

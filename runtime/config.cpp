@@ -39,14 +39,14 @@ Result<std::string> scalar_text(const toml::node& node) {
   return fail("is not a text, number, true or false");
 }
 
-// The file's keys as they would stand on the command line, those that `given` overrides left out.
+// The file's keys as command-line arguments, without those that `given` overrides.
 class ConfigFile {
  public:
   ConfigFile(std::string path, CLI::App& app, const std::vector<std::string>& given) : path_(std::move(path)), app_(app), given_(given) {}
 
   Result<std::vector<std::string>> arguments();
 
-  // " (from FILE)" when the message speaks of a flag that came from the file.
+  // " (from FILE)" if the message is about a flag that came from the file.
   std::string origin_of(std::string_view message) const;
 
  private:

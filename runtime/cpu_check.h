@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// What the including file was compiled for (-march), as far as x86 CPUs differ in it.
+// CPU features that the including file was compiled for (-march), as far as x86 CPUs differ.
 struct CpuNeeds {
   bool avx2 = false;
   bool fma = false;

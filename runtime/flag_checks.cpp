@@ -14,7 +14,7 @@ std::optional<double> find_number(const std::string& text) {
   return CLI::detail::lexical_cast(text, value) ? std::optional(value) : std::nullopt;
 }
 
-// Refuses what is no number and what `rejection` has words for; `advice` ends both lines.
+// Rejects text that is not a number, and numbers for which `rejection` returns a reason; `advice` ends both lines.
 template <class Rejection>
 CLI::Validator check_number(Rejection rejection, const std::string& advice, const std::string& shown) {
   return CLI::Validator(
@@ -28,7 +28,7 @@ CLI::Validator check_number(Rejection rejection, const std::string& advice, cons
 
 }  // namespace
 
-// Written so that nan, which lies nowhere, is refused as well.
+// Written so that nan, which lies in no range, is rejected too.
 CLI::Validator between(double least, double most) {
   const auto rejection = [least, most](double value) -> std::string { return value >= least && value <= most ? "" : "is out of range"; };
   return check_number(rejection, fmt::format("{} to {}", least, most), fmt::format("[{}, {}]", least, most));

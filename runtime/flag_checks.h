@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// Checks for the flags of CLI11 that refuse in one short line, which CLI11 puts after the flag's name and the node after its own:
-// "--probe-radius: -1 is below zero; give metres, zero or more". CLI11's own tell such a bound with 309 digits. RT: set-up only.
+// Checks for CLI11 flags that reject in one short line, which CLI11 puts after the flag's name and the node after its own: "--probe-radius:
+// -1 is below zero; give metres, zero or more". CLI11's own checks print such a bound with 309 digits. RT: set-up only.
 //
-// `what` is what the number counts ("metres"), where the line should say so.
+// `what` is the unit or kind of the number ("metres"), for the line.
 CLI::Validator between(double least, double most);
 CLI::Validator above_zero(const std::string& what = "a number");
 CLI::Validator zero_or_more(const std::string& what = "a number");
@@ -18,7 +18,7 @@ CLI::Validator zero_or_more(const std::string& what = "a number");
 CLI::Validator folder_to_write();
 CLI::Validator file_to_write();
 
-// What one of our parsers takes: Parse is callable with the text and gives a Result, whose error is the line.
+// Accepts what a parser accepts: Parse is callable with the text and returns a Result, whose error is the line.
 template <class Parse>
 CLI::Validator accepts(Parse parse) {
   return CLI::Validator(

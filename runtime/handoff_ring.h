@@ -7,10 +7,10 @@
 
 namespace hapton {
 
-// Values of one size from one thread to another, in order. A full ring takes nothing: the writer never waits. A slot is overwritten with a
-// fresh value when it was taken, so that nothing secret stays behind.
-// Pre: Item is copyable, and its default value holds nothing secret.
-// RT: push and pop yes, wait-free. Threads: one pushes, one pops.
+// Values of one size from one thread to another, in order. A full ring rejects values: the writer never
+// waits. A slot is overwritten with a default value when it is read, so no secret remains. Pre: Item is
+// copyable, and its default value contains no secret. RT: push and pop yes, wait-free. Threads: one pushes,
+// one pops.
 template <class Item, std::size_t kCapacity>
 class HandoffRing {
  public:

@@ -57,7 +57,7 @@ class LatencyHistogram {
   // The duration that a share of `fraction` (0 .. 1) of the records does not exceed, by nearest rank; 0 when empty.
   double quantile_ns(double fraction) const noexcept;
 
-  // Calls visit(lower_ns, upper_ns, count) for each bucket that holds something, lowest first; a bucket holds [lower, upper).
+  // Calls visit(lower_ns, upper_ns, count) for each bucket that is not empty, lowest first; a bucket covers [lower, upper).
   template <class Visit>
   void for_each_bucket(Visit&& visit) const {
     for (std::size_t bucket = 0; bucket < kBucketCount; ++bucket) {

@@ -68,7 +68,7 @@ RealtimeItem set_cpu(int cpu) {
   return item;
 }
 
-// Under a finite limit a lock on future memory would make some later allocation fail; what is mapped now is then all we lock.
+// Under a finite limit, locking future memory would make a later allocation fail; then only present mappings are locked.
 int memory_lock_flags() {
   rlimit limit = {};
   const bool is_unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
@@ -157,7 +157,7 @@ Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
   RealtimeReport report;
   report.items.push_back(set_timer_slack());
   if (settings.mode != RealtimeMode::off) {
-    // The CPU first: a thread must not be moved once it outranks the rest.
+    // The CPU first: a thread must not be moved once it has priority over the others.
     if (settings.cpu >= 0) report.items.push_back(set_cpu(settings.cpu));
     if (settings.lock_memory) report.items.push_back(lock_memory());
     if (settings.low_dma_latency) report.items.push_back(hold_low_latency());

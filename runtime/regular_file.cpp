@@ -19,7 +19,7 @@ std::string find_obstacle(const struct stat& status, std::size_t max_bytes) {
   return bytes > max_bytes ? fmt::format("it has {} bytes, more than such a file can have", bytes) : std::string();
 }
 
-// Empty when all of it was read; else why not. A file may grow, or not tell its size, as those of /proc.
+// Empty if all of it was read, otherwise the reason. A file may grow, or not report its size, as in /proc.
 std::string read_all(int file, std::size_t max_bytes, std::string& bytes) {
   struct stat status = {};
   if (fstat(file, &status) != 0) return std::strerror(errno);
@@ -39,7 +39,7 @@ std::string read_all(int file, std::size_t max_bytes, std::string& bytes) {
 }  // namespace
 
 Result<std::string> read_regular_file(const std::filesystem::path& path, std::string_view hint, std::size_t max_bytes) {
-  // Not blocking: to open a pipe would wait for who writes to it.
+  // Non-blocking: opening a pipe would wait for a writer.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) return fail("{}: cannot be read: {}; {}", path.string(), std::strerror(errno), hint);
   std::string bytes;

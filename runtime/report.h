@@ -11,23 +11,23 @@
 
 namespace hapton {
 
-// In report.json as "schema"; a reader refuses what it does not know. New fields may come within a version.
+// In report.json as "schema"; a reader rejects unknown ones. New fields may be added within a version.
 constexpr const char* kReportSchema = "hapton.report/2";
 
-// Where figures were taken.
+// The machine of a measurement.
 struct MachineInfo {
   std::string host;
   std::string cpu;
   int cpu_count = 0;
   std::string kernel;
   std::string compiler;
-  std::string build;  // "release, -march x86-64-v3, AVX2 FMA": what the code was compiled for
+  std::string build;  // "release, -march x86-64-v3, AVX2 FMA": compiler target
 };
 
 // RT: no.
 MachineInfo read_machine_info();
 
-// The way between two points of the system and how long it took each time.
+// The latencies between two points of the system.
 struct LatencyHop {
   std::string name;  // "force_round_trip": lower_snake, it becomes a key
   LatencyHistogram histogram;
@@ -46,7 +46,7 @@ struct ReportNode {
   std::int64_t send_failures = 0;
 };
 
-// What a run was like. One format for nodes, tools and tests.
+// The report of a run. One format for nodes, tools and tests.
 struct LatencyReport {
   std::string program;
   MachineInfo machine;
@@ -66,8 +66,8 @@ std::string to_json(const LatencyReport& report);
 // Rows hop,lower_ns,upper_ns,count: a bucket [lower, upper) each.
 std::string to_csv(const LatencyReport& report);
 
-// Writes report.json and latency.csv into `folder`, made if need be. Each file appears whole or not at all: it is written beside and
-// renamed. RT: no. Error: one line naming the file and the reason.
+// Writes report.json and latency.csv into `folder`, which is created if necessary. Each file appears complete or not at all: it is written
+// to a temporary file and renamed. RT: no. Error: one line naming the file and the reason.
 Result<void> write_report(const LatencyReport& report, const std::filesystem::path& folder);
 
 }  // namespace hapton

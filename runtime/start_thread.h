@@ -10,8 +10,8 @@ namespace hapton {
 // what that would need. RT: no.
 [[noreturn]] void end_without_thread(const std::system_error& rejection);
 
-// A thread that runs this. Every thread of ours is started here. A system that refuses it (the user's limit of processes, the unit's
-// TasksMax, no memory) ends the program by end_without_thread: it could not do what it is for. RT: set-up only, while no force is out.
+// Starts a thread; all our threads are started here. If the system denies it (the user's limit of processes, the unit's TasksMax, no
+// memory), end_without_thread ends the program, which cannot work without it. RT: set-up only, while no force is out.
 template <class Run>
 std::thread start_thread(Run&& run) {
   try {

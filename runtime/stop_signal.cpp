@@ -20,7 +20,7 @@ void on_signal(int signal) {
   if (signal == SIGUSR1) {
     reports.fetch_add(1, std::memory_order_relaxed);
   } else if (stop_flag.exchange(true, std::memory_order_relaxed)) {
-    // Asked twice: the orderly way out is stuck. SIG_DFL and raise are safe here; the signal strikes when the handler returns.
+    // The second request: the orderly stop hangs. SIG_DFL and raise are safe here; the signal takes effect when the handler returns.
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// What the system did with a thread since it began, as the system counts.
+// Kernel statistics of a thread since it started.
 struct ThreadUsage {
   double run_s = 0.0;     // on a CPU
   double waited_s = 0.0;  // ready to run, but kept waiting for a CPU
@@ -20,11 +20,11 @@ struct ThreadUsage {
 // The calling thread's number, for read_thread_usage. RT: set-up only.
 pid_t current_thread_id();
 
-// Of a thread of this process, from /proc; none when it is gone or the system does not tell. RT: no.
+// For a thread of this process, from /proc; empty if it is gone or the system provides nothing. RT: no.
 std::optional<ThreadUsage> read_thread_usage(pid_t thread);
 
-// How much of a CPU's time the kernel lets real-time threads have, 0 to 1 (sched_rt_runtime_us over sched_rt_period_us); 1: all of it, and
-// none when it does not say. A thread above it stands still for the rest of each period. RT: no.
+// The share of a CPU's time that the kernel gives real-time threads, 0 to 1 (sched_rt_runtime_us over sched_rt_period_us); 1: all of it;
+// empty if unknown. A thread above it is stopped for the rest of each period. RT: no.
 std::optional<double> read_realtime_share();
 
 }  // namespace hapton

@@ -14,10 +14,10 @@
 
 namespace hapton {
 
-// One table of a TOML file, read strictly and key by key: what is no key, of the wrong kind or out of its range is an error with file and
-// line. The first error of the file is kept and all reads after it do nothing, so that a caller looks once, at the end.
-// A key that is not there leaves the value as it was, but for require. Pre: ranges are finite.
-// RT: set-up only. Threads: one.
+// One table of a TOML file, read strictly and key by key: an unknown key, a wrong kind or a value out of range is an error
+// with file and line. The first error of the file is kept and all reads after it do nothing, so a caller checks once, at
+// the end. A missing key leaves the value unchanged, except for require. Pre: ranges are finite. RT: set-up only. Threads:
+// one.
 class TomlReader {
  public:
   // The whole file. Error: it cannot be read, is larger than 1 MiB, or is no TOML.
@@ -36,7 +36,7 @@ class TomlReader {
   // A path that is not absolute is meant from the file's folder.
   void read_path(std::string_view key, std::string& value);
 
-  // The tables of [[key]], empty when there are none.
+  // The tables of [[key]]; empty if there are none.
   std::vector<TomlReader> tables(std::string_view key);
   // The table [key]; an empty one when it is not there.
   TomlReader table(std::string_view key);

@@ -16,15 +16,15 @@ struct TrajectoryRow {
   Quat q_WT = Quat::Identity();
 };
 
-// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, either with `,sample` at its end
-// (a number that joins the rows with other tables, and is passed over), one row a step, `#` comments and
-// empty lines anywhere, LF or CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times
-// within 30 years of zero (farther out is no device's reach, but another unit or a damaged file), times rising, quaternions of unit length
-// within 1 % (they are normalised), at least one row.
-// Error: one line that names the file, the line and the column. RT: set-up only; about 10 million numbers a second.
+// Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, either with `,sample` at
+// its end (a number that joins the rows with other tables; ignored), one row per step, `#` comments and empty lines anywhere, LF or
+// CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times within 30 years of
+// zero (beyond that it is another unit or a damaged file), times increasing, quaternions of unit length within 1 % (they are
+// normalised), at least one row. Error: one line that names the file, the line and the column. RT: set-up only; about 10 million
+// numbers a second.
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path);
 
-// The same from text in memory; name stands for the file in errors.
+// The same from text in memory; name is used for the file in errors.
 Result<std::vector<TrajectoryRow>> parse_trajectory_csv(std::string_view text, const std::string& name);
 
 }  // namespace hapton

@@ -10,7 +10,7 @@ namespace hapton {
 enum class ResetDecision : std::uint8_t {
   granted,
   no_right,  // the sender's key is not an operator's
-  no_person  // nobody is known to be at the device
+  no_person  // no person is known to be at the device
 };
 
 // A reset lets the force come back, so two things must hold. The right: the session's key is an operator's. Presence: a person is at the

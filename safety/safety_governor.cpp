@@ -150,7 +150,7 @@ double SafetyGovernor::allowed_share() const noexcept {
   return std::min(thermal_.allowed_n(limits) / limits.max_force_n, energy_.share(limits.max_force_n));
 }
 
-// What was asked for, with all that is taken from it for where the device is and how it moves.
+// The requested force, reduced for where the device is and how it moves.
 Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   const DeviceLimits& limits = limits_.now();
   const double most_damping = most_damping_n_s_per_m();

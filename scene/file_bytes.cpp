@@ -33,7 +33,7 @@ Result<std::string> read_all(int file, const std::string& name, std::size_t max_
 }  // namespace
 
 Result<std::string> read_file_bytes(const std::filesystem::path& path, std::size_t max_bytes) {
-  // Not blocking, so that a pipe without a writer is refused rather than waited for.
+  // Not blocking, so that a pipe without a writer is rejected rather than waited for.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) {
     if (errno == ENOENT) return fail("{}: no such file: check the path", path.string());

@@ -8,7 +8,7 @@ namespace hapton {
 // PREFIX/share/hapton); else in the source tree of programs in build/PRESET/bin. A file that is in none of them keeps its name. RT: no.
 std::filesystem::path find_scene(const std::filesystem::path& named);
 
-// The same with the program's own folder told.
+// The same with the program's own folder given.
 std::filesystem::path find_scene(const std::filesystem::path& named, const std::filesystem::path& program_folder);
 
 }  // namespace hapton

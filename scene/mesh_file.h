@@ -29,7 +29,7 @@ struct MeshFile {
   Unit unit = Unit::m;             // what the numbers in the file were taken to be
   std::size_t file_vertices = 0;   // before equal ones were welded and unused ones dropped, instances counted each
   std::vector<std::string> notes;  // what was skipped or looks odd, one line each; not errors
-  MeshLook look;                   // with no triangles where it was not asked for or the file says nothing
+  MeshLook look;                   // with no triangles if it was not requested or the file has none
 };
 
 // No file we read may hold more, whatever its header says: about 4 GB once loaded.
@@ -37,13 +37,13 @@ constexpr std::size_t kMaxMeshTriangles = std::size_t{1} << 26;
 constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 31;
 
 // Reads OBJ, STL (ASCII, binary), PLY (ASCII, binary of either byte order), glTF and GLB; the extension decides.
-// Polygons are triangulated, vertices equal to the bit are welded, unused ones dropped; triangles keep the file's order and
-// winding, degenerate ones stay. Positions are scaled to metres.
-// unit: what the file's numbers are in; none given means metres. glTF is in metres by its standard, any other unit is refused.
-// Post: every coordinate is finite, every index in range, at least one triangle.
-// look: whether colours and textures are read as well; a texture that cannot be found is a note, not an error.
-// Error: one line with the file, the place in it (line, vertex, byte) and what to do.
-// RT: set-up only. Memory is bounded by the file's size, never by what its header claims.
+// Polygons are triangulated, vertices equal to the bit are welded, unused ones dropped; triangles keep the file's
+// order and winding, degenerate ones stay. Positions are scaled to metres. unit: what the file's numbers are in;
+// none given means metres. glTF is in metres by its standard, any other unit is rejected. Post: every coordinate is
+// finite, every index in range, at least one triangle. look: whether colours and textures are read as well; a
+// texture that cannot be found is a note, not an error. Error: one line with the file, the place in it (line,
+// vertex, byte) and what to do. RT: set-up only. Memory is bounded by the file's size, never by what its header
+// claims.
 Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
                                 LookReading look = LookReading::off);
 

@@ -15,7 +15,7 @@ namespace hapton {
 // Whether the colours and textures of a mesh file are read. Only a picture needs them.
 enum class LookReading : std::uint8_t { off, on };
 
-// A picture as it stands in a mesh file or beside it, PNG or JPEG, not decoded.
+// A picture as it is in a mesh file or in a file beside it, PNG or JPEG, not decoded.
 struct LookImage {
   std::string name;
   std::string bytes;

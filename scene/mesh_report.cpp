@@ -16,25 +16,25 @@ double crack_width(const MeshTopology& topology) { return kCrackShare * (topolog
 MeshFlaws find_flaws(const TriangleMesh& mesh) {
   MeshFlaws flaws{.topology = compute_mesh_topology(mesh),
                   .borders = {},
-                  .mend = {},
+                  .repair = {},
                   .bodies = count_closed_bodies(mesh),
                   .normals = count_authored_normals(mesh)};
-  flaws.borders = count_border_edges(mesh, crack_width(flaws.topology));
-  repair_mesh(mesh, flaws.mend);
+  flaws.borders = count_boundary_edges(mesh, crack_width(flaws.topology));
+  repair_mesh(mesh, flaws.repair);
   return flaws;
 }
 
 std::string to_text(const MeshFlaws& flaws) {
   const MeshTopology& t = flaws.topology;
-  const std::pair<std::size_t, const char*> counts[] = {{flaws.borders.open, "open border edges"},
+  const std::pair<std::size_t, const char*> counts[] = {{flaws.borders.open, "open boundary edges"},
                                                         {flaws.borders.cracks, "crack edges"},
                                                         {t.nonmanifold_edges, "non-manifold edges"},
                                                         {t.inconsistent_edges, "inconsistent edges"},
                                                         {t.nonmanifold_vertices, "non-manifold vertices"},
                                                         {t.degenerate_triangles, "degenerate triangles"},
                                                         {t.needle_triangles, "needles"},
-                                                        {flaws.mend.dropped_duplicates, "duplicates"},
-                                                        {flaws.mend.double_faces, "double faces"},
+                                                        {flaws.repair.dropped_duplicates, "duplicates"},
+                                                        {flaws.repair.double_faces, "double faces"},
                                                         {flaws.bodies.inside_out, "bodies inside out"}};
   std::string text;
   for (const auto& [count, name] : counts) {
@@ -59,7 +59,7 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
   MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}, .sealed = {}, .left = {}};
   report.flaws = find_flaws(report.file.mesh);
   const TriangleMesh touched = seal_cracks(report.file.mesh, report.sealed);
-  report.left = report.sealed.has_sealed() ? count_border_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
+  report.left = report.sealed.has_sealed() ? count_boundary_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
   report.is_closed_for_touch = compute_mesh_topology(touched).is_closed();
   return report;
 }
@@ -91,8 +91,8 @@ std::string to_text(const MeshReport& report) {
   line("non-manifold vertices", "{}", t.nonmanifold_vertices);
   line("degenerate triangles", "{}", t.degenerate_triangles);
   line("needle triangles", "{}", t.needle_triangles);
-  line("duplicate triangles", "{}", report.flaws.mend.dropped_duplicates);
-  line("double faces", "{} (the same corners the other way round)", report.flaws.mend.double_faces);
+  line("duplicate triangles", "{}", report.flaws.repair.dropped_duplicates);
+  line("double faces", "{} (the same corners the other way round)", report.flaws.repair.double_faces);
   line("authored normals", "{}", report.flaws.normals.describe());
   if (report.flaws.bodies.inside_out > 0) line("inside out", "{}", describe_inside_out(report.flaws.bodies));
   line("components", "{}", t.components);
@@ -102,7 +102,7 @@ std::string to_text(const MeshReport& report) {
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks)", report.is_closed_for_touch ? "yes" : "no",
        report.left.open + report.left.cracks, report.left.open, report.left.cracks);
-  line("method smooth would", "{}", report.flaws.mend.describe());
+  line("method smooth would", "{}", report.flaws.repair.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;
 }
@@ -116,7 +116,7 @@ std::string to_json(const MeshReport& report) {
     if (!part.object.empty()) parts.back()["object"] = part.object;
   }
   const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
-  const Json json = {{"schema", "hapton-mesh-info-1"},
+  const Json json = {{"schema", "hapton-mesh-info-2"},
                      {"file", report.path},
                      {"format", report.file.format},
                      {"unit", name_of(report.file.unit)},
@@ -140,13 +140,13 @@ std::string to_json(const MeshReport& report) {
                      {"degenerate_triangles", t.degenerate_triangles},
                      {"needle_triangles", t.needle_triangles},
                      {"duplicate_triangles", t.duplicate_triangles},
-                     {"double_faces", report.flaws.mend.double_faces},
-                     {"mend",
-                      {{"welded_vertices", report.flaws.mend.welded_vertices},
-                       {"dropped_empty", report.flaws.mend.dropped_empty},
-                       {"dropped_duplicates", report.flaws.mend.dropped_duplicates},
-                       {"turned", report.flaws.mend.turned},
-                       {"unorientable_pieces", report.flaws.mend.unorientable_pieces}}},
+                     {"double_faces", report.flaws.repair.double_faces},
+                     {"repair",
+                      {{"welded_vertices", report.flaws.repair.welded_vertices},
+                       {"dropped_empty", report.flaws.repair.dropped_empty},
+                       {"dropped_duplicates", report.flaws.repair.dropped_duplicates},
+                       {"turned", report.flaws.repair.turned},
+                       {"unorientable_pieces", report.flaws.repair.unorientable_pieces}}},
                      {"sealed",
                       {{"welded_vertices", report.sealed.welded_vertices},
                        {"split_triangles", report.sealed.split_triangles},

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "core/geometry/border_edges.h"
+#include "core/geometry/boundary_edges.h"
 #include "core/geometry/corner_normals.h"
 #include "core/geometry/inside_out.h"
 #include "core/geometry/mesh_topology.h"
@@ -15,13 +15,13 @@
 
 namespace hapton {
 
-// What is wrong with a mesh, and what method smooth would mend of it. The other methods touch it as it came, but for cracks that are sealed
-// when it is loaded.
+// The flaws of a mesh, and what method smooth would repair. The other methods use the mesh as it is, except that cracks are sealed when it
+// is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
-  BorderEdges borders;    // its boundary edges: cracks are up to a thousandth of the longest side wide
-  RepairReport mend;
-  ClosedBodies bodies;           // told apart by the side that their fronts are on
+  BoundaryEdges borders;  // its boundary edges: cracks are up to a thousandth of the longest side wide
+  RepairReport repair;
+  ClosedBodies bodies;           // distinguished by the side that their fronts are on
   AuthoredNormalReport normals;  // what force shading finds of the file's own vertex normals
 };
 
@@ -34,17 +34,17 @@ std::string to_text(const MeshFlaws& flaws);
 // "2 of 3 closed bodies are inside out: ..."; empty when none is.
 std::string describe_inside_out(const ClosedBodies& bodies);
 
-// What `hapton info` tells about a mesh file.
+// What `hapton info` reports about a mesh file.
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;    // of the welded mesh, as the file has it
-  SealReport sealed;  // what is done to it before it is touched
-  BorderEdges left;   // its boundary edges then
+  MeshFlaws flaws;     // of the welded mesh, as the file has it
+  SealReport sealed;   // what is done to it before it is touched
+  BoundaryEdges left;  // its boundary edges then
   bool is_closed_for_touch = false;
 };
 
-// Error: whatever load_mesh_file refuses. RT: set-up only.
+// Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit);
 
 // For people, a line a fact.

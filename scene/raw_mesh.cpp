@@ -26,7 +26,7 @@ const std::array<Eigen::Vector3f, 3> kNoNormals = {Eigen::Vector3f::Zero(), Eige
 
 bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals, const PolygonLook* look_of) {
   if (normals.empty() && look_of == nullptr) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
-  // Over the polygon's own corners: one vertex may stand in it twice, with two normals.
+  // Over the polygon's own corners: one vertex may occur in it twice, with two normals.
   std::vector<std::uint32_t> own(corners.size());
   std::iota(own.begin(), own.end(), 0U);
   std::vector<Vec3> points;

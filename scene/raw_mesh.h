@@ -27,7 +27,7 @@ struct RawMesh {
   TriangleMesh mesh;
   std::vector<MeshPart> parts;
   std::vector<std::string> notes;
-  MeshLook look = {};                       // without triangles where it was not asked for, or nothing is said of it
+  MeshLook look = {};                       // without triangles if it was not requested or the file has none
   std::vector<std::string> mtl_files = {};  // an OBJ file's material libraries, not read yet
 
   // Every triangle from here on belongs to a part of this name.
@@ -50,7 +50,7 @@ struct RawMesh {
 Result<RawMesh> read_obj(std::string_view bytes, LookReading look = LookReading::off);
 Result<RawMesh> read_stl(std::string_view bytes);
 Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder = {}, LookReading look = LookReading::off);
-// folder: where buffers with relative addresses are. max_triangles: of all instances together; with more the file is refused.
+// folder: where buffers with relative addresses are. max_triangles: of all instances together; with more the file is rejected.
 Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,
                           LookReading look = LookReading::off);
 Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,

@@ -198,7 +198,7 @@ class ObjReader {
   void add_notes() {
     if (unknown_ > 1) raw_.notes.push_back(fmt::format("{} lines in all have keywords that were skipped", unknown_));
     if (bad_normals_ > 0) raw_.notes.push_back(fmt::format("{} vertex normals cannot be read: computed there", bad_normals_));
-    // No count stands in an OBJ file: cut at a line's end, this is all that shows.
+    // An OBJ file contains no counts: of a file cut at a line's end, this is the only sign.
     const auto loose = std::count(is_in_face_.begin(), is_in_face_.end(), false);
     if (loose > 0) {
       raw_.notes.push_back(fmt::format("{} of {} vertices belong to no face: the file may have been cut short", loose, is_in_face_.size()));

@@ -345,10 +345,10 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
 
 // Scales and shifts a mesh. RT: no.
 struct Fit {
-  Vec3 center;
+  Vec3 centre;
   double scale;
   void apply(TriangleMesh& mesh, SealReport& sealed) const {
-    for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - center);
+    for (Vec3& vertex : mesh.vertices) vertex = scale * (vertex - centre);
     scale_widths(sealed, scale);
   }
 };

@@ -36,10 +36,10 @@ struct Scene {
 };
 
 // Reads a scene file (TOML, docs/scene-files.md has every key) or a plain mesh file, which makes a scene of one object.
-// loading.sealing off leaves the cracks of every mesh as they are; a scene file can also say so of one object. Either way everything else
-// is in the same place: fitting goes by the meshes as they came.
-// Error: one line with the file, the line in it and what to do: unknown keys with the nearest known one, values out of
-// their range, whatever load_mesh_file refuses. RT: set-up only.
+// loading.sealing off leaves the cracks of every mesh as they are; a scene file can also say so of one object. Either way
+// everything else is in the same place: the scene is fitted to the meshes before sealing. Error: one line with the file, the
+// line in it and what to do: unknown keys with the nearest known one, values out of their range, whatever load_mesh_file
+// rejects.
 Result<Scene> load_scene(const std::filesystem::path& path, const SceneLoading& loading = {});
 
 }  // namespace hapton

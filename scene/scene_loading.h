@@ -15,12 +15,12 @@ enum class MeshFit : std::uint8_t { off, workspace };
 // The box that such a mesh fits into, around the origin of S, m: three quarters of the memo's workspace (docs/frames.md).
 inline Vec3 fitted_size_m() { return 0.75 * Vec3(0.2667, 0.1905, 0.381); }
 
-// How scene and mesh files are read beyond what stands in them.
+// Options for reading scene and mesh files that the files do not contain.
 struct SceneLoading {
   std::optional<Unit> unit = {};  // of a plain mesh file only, what its numbers are in; none: m
   CrackSealing sealing = CrackSealing::on;
   MeshFit fit = MeshFit::off;
-  LookReading look = LookReading::off;  // not recorded: what is felt does not depend on it
+  LookReading look = LookReading::off;  // not recorded: forces do not depend on it
   friend bool operator==(const SceneLoading&, const SceneLoading&) = default;
 };
 

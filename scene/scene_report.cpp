@@ -74,7 +74,7 @@ std::string to_json(const SceneReport& report) {
                        {"degenerate_triangles", t.degenerate_triangles},
                        {"needle_triangles", t.needle_triangles},
                        {"duplicate_triangles", t.duplicate_triangles},
-                       {"double_faces", report.flaws[i].mend.double_faces},
+                       {"double_faces", report.flaws[i].repair.double_faces},
                        {"authored_normals", report.flaws[i].normals.given},
                        {"authored_normals_used", report.flaws[i].normals.used},
                        {"lowest_m", corner(t.lowest)},

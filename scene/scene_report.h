@@ -10,14 +10,14 @@
 
 namespace hapton {
 
-// What `hapton info` tells about a scene file: the meshes as posed and as they are touched, in metres, frame S.
+// What `hapton info` reports about a scene file: the meshes as posed and as they are touched, in metres, frame S.
 struct SceneReport {
   std::string path;
   Scene scene;
   std::vector<MeshFlaws> flaws;  // one an object
 };
 
-// Error: whatever load_scene refuses. RT: set-up only.
+// Error: whatever load_scene rejects. RT: set-up only.
 Result<SceneReport> make_scene_report(const std::filesystem::path& path);
 
 // One line for each object of which a closed body is inside out. RT: set-up only.

@@ -26,10 +26,10 @@ struct TouchMesh {
   SealReport sealed;
   std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
   std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
-  MeshLook look;                   // without triangles where it was not asked for, or the mesh was sealed, which changes its triangles
+  MeshLook look;                   // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
 };
 
-// Error: whatever load_mesh_file refuses. RT: set-up only.
+// Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
                                   CrackSealing sealing = CrackSealing::on, LookReading look = LookReading::off);
 

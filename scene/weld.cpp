@@ -23,7 +23,7 @@ std::uint64_t hash(const Vec3& p) {
   return h;
 }
 
-// Numbers the corners by first use; same(v) is the vertex that stands for v.
+// Numbers the corners by first use; same(v) is the vertex that represents v.
 template <class Same>
 void renumber(TriangleMesh& mesh, Same same) {
   std::vector<std::uint32_t> new_index(mesh.vertices.size(), kNone);

@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// How to start a program. Arguments reach it as they are: no shell has a say.
+// How to start a program. Arguments are passed literally: there is no shell.
 struct ChildCommand {
   std::filesystem::path program;  // a path with a slash, or a name looked for in PATH
   std::vector<std::string> arguments;
@@ -19,8 +19,8 @@ struct ChildCommand {
   std::filesystem::path output;  // its stdout and stderr go to this file; empty: to ours
 };
 
-// A program running beside ours. It ends with this object at the latest.
-// RT: set-up only. Threads: one.
+// A program that runs beside ours and ends with this object at the latest. RT: set-up only. Threads:
+// one.
 class ChildProcess {
  public:
   // Error: one line that names the program: not found, not executable.
@@ -36,7 +36,7 @@ class ChildProcess {
   // Its exit code (128 + n when signal n ended it), or none when it still runs after that time.
   std::optional<int> wait(double seconds);
 
-  // Asks it to end and waits; kills it when it does not within the time.
+  // Requests its end and waits; kills it after the given time.
   int stop(double seconds = 5.0);
 
   // Ends it at once, as a crash would.

@@ -1,7 +1,10 @@
 #include "tools/command_line.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -63,6 +66,16 @@ CommandOption CommandLine::add_number(const std::string& name, std::function<voi
 
 CommandOption CommandLine::add_flag(const std::string& name, bool& into, const std::string& help) const {
   return CommandOption(*app_->add_flag(name, into, help));
+}
+
+void CommandLine::add_old_option(const std::string& old_name, CommandOption option) const {
+  CLI::Option* const renamed = option.option_;
+  const auto pass_on = [old_name, renamed](const std::string& word) {
+    fmt::print(stderr, "{} is now {}\n", old_name, renamed->get_name());
+    renamed->add_result(word);
+    renamed->run_callback();
+  };
+  app_->add_option_function<std::string>(old_name, pass_on, "Old name of " + renamed->get_name())->group("")->excludes(renamed);
 }
 
 CommandLine CommandLine::require_options(std::size_t least, std::size_t most) const {

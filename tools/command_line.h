@@ -12,36 +12,37 @@ class Option;
 
 namespace hapton {
 
-// One flag or word of a command, to be said more of. A handle: it is copied freely and lives no longer than the program's CLI::App.
+// One option or argument of a command. A handle: it is copied freely and lives no longer than the program's CLI::App.
 class CommandOption {
  public:
   explicit CommandOption(CLI::Option& option) : option_(&option) {}
 
   CommandOption required() const;
-  // --help shows what the variable holds now.
+  // --help shows the variable's present value.
   CommandOption shows_default() const;
   CommandOption between(int least, int most) const;
   CommandOption between(std::size_t least, std::size_t most) const;
   CommandOption between(double least, double most) const;
-  // `what` is what the number counts ("metres"), for the line that refuses it.
+  // `what` is the unit or kind of the number ("metres"), for the line that rejects it.
   CommandOption positive(const std::string& what = "a number") const;
   CommandOption not_negative(const std::string& what = "a number") const;
   CommandOption one_of(const std::vector<std::string>& words) const;
   CommandOption existing_folder() const;
-  // Refused at the start when it can neither be written to nor made: its contents are written at the end.
+  // Rejected at the start if it can neither be written to nor created: its contents are written at the end.
   CommandOption folder_to_write() const;
   CommandOption file_to_write() const;
-  // Takes one word each time it is given, and keeps them all.
+  // Can be given several times, one word each; all are kept.
   CommandOption again_for_more() const;
   CommandOption needs(CommandOption other) const;
   CommandOption excludes(CommandOption other) const;
 
  private:
+  friend class CommandLine;
   CLI::Option* option_;
 };
 
-// One command of the `hapton` program: what it takes, and what is done then. It hides CLI11, whose headers cost a compiler seconds in every
-// file that reads them. A handle, as above.
+// One command of the `hapton` program: its options, and what it runs. It hides CLI11, whose headers cost a compiler seconds in every file
+// that includes them. A handle, as above.
 class CommandLine {
  public:
   explicit CommandLine(CLI::App& app) : app_(&app) {}
@@ -49,7 +50,7 @@ class CommandLine {
   CommandLine add_subcommand(const std::string& name, const std::string& help) const;
   // The old name of a command: it still works, and --help does not list it.
   CommandLine add_old_subcommand(const std::string& old_name, const std::string& name) const;
-  // Options that stand together in --help.
+  // Options that --help lists together.
   CommandLine add_group(const std::string& name, const std::string& help = {}) const;
   // T is std::string, std::filesystem::path, int, unsigned, std::size_t, double, an optional number or a vector of strings.
   // Pre: `into` outlives the parsing.
@@ -57,12 +58,14 @@ class CommandLine {
   CommandOption add_option(const std::string& name, T& into, const std::string& help) const;
   CommandOption add_number(const std::string& name, std::function<void(double)> take, const std::string& help) const;
   CommandOption add_flag(const std::string& name, bool& into, const std::string& help) const;
+  // The old name of an option: it still works and says so on stderr, and --help does not list it.
+  void add_old_option(const std::string& old_name, CommandOption option) const;
 
   CommandLine require_options(std::size_t least, std::size_t most) const;
   CommandLine require_subcommands(std::size_t least, std::size_t most) const;
   // Pre: the command line is parsed.
   bool has_subcommand() const;
-  // What is done when the command was given.
+  // Called if the command was given.
   void on_run(std::function<void()> run) const;
 
  private:

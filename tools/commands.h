@@ -7,13 +7,13 @@
 namespace hapton {
 
 // Every command of the `hapton` program. Each function adds one command to the command line; when the command runs, it sets `exit_code`: 0
-// only when what was asked for succeeded, 1 otherwise. RT: no.
+// only if it succeeded, 1 otherwise. RT: no.
 
 // hapton bench [numbers|haptons|objects|papers|pareto]: run time and error on this machine; alone: numbers.
 void add_bench_command(CommandLine app, int& exit_code);
 
-// hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour of what there is to feel and see, without hardware. Headless:
-// exit code 0 only when every step showed what it promises.
+// hapton demo [--only N] [--headless --seconds S --out DIR] [--list]: a tour without hardware, to touch and to see. Headless: exit code 0
+// only if every step showed what it promises.
 void add_demo_command(CommandLine app, int& exit_code);
 
 // hapton doctor: problems of this machine for haptics, each with the command that fixes it. Exit code 0: none, 1: problems.
@@ -26,7 +26,7 @@ void add_echo_command(CommandLine app, int& exit_code);
 // `judge`, still works and says so.
 void add_evaluate_command(CommandLine app, int& exit_code);
 
-// hapton figures --out DIR: draws the pictures of docs/methods.md with gnuplot.
+// hapton figures --out DIR: draws the figures of docs/methods.md with gnuplot.
 void add_figures_command(CommandLine app, int& exit_code);
 
 // hapton governor: runs hostile force programs against the safety governor of io_node. Exit code 0 only when every limit held.
@@ -85,14 +85,14 @@ void add_bench_numbers_command(CommandLine bench, int& exit_code);
 // hapton bench objects: what other objects in the scene add to the cost of a step.
 void add_bench_objects_command(CommandLine bench, int& exit_code);
 
-// hapton bench papers: the figures that the HP memo and the FDH paper give for their own systems, measured again on this machine. Exit code
-// 0 only when every requested row was measured.
+// hapton bench papers: the numbers that the HP memo and the FDH paper give for their own systems, measured on this machine. Exit code 0
+// only if every requested row was measured.
 void add_bench_papers_command(CommandLine bench, int& exit_code);
 
 // hapton bench pareto: run time against force error of every method and structure, with a plot.
 void add_bench_pareto_command(CommandLine bench, int& exit_code);
 
-// One command of `hapton`, and the heading of --help that it stands under: what people want to do.
+// One command of `hapton`, and its heading in --help, which is a purpose.
 struct ListedCommand {
   std::string_view group;
   void (*add)(CommandLine app, int& exit_code);

@@ -34,7 +34,7 @@ doctor::HubAnswer ask_hub(const DoctorOptions& options) {
   return {{}, report->json};
 }
 
-// Of another root there is nobody to ask.
+// Below another root there are no answers.
 doctor::Machine::Questions questions_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
   return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return ask_hub(options); }};

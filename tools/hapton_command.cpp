@@ -36,7 +36,7 @@ std::string hint_command(const std::string& word, const std::vector<const CLI::A
   return near_miss_hint(word, known);
 }
 
-// True when a word is meant as a command, or as a command's own, and is none; says so, with what may have been meant.
+// True if a word is in the position of a command but unknown; prints that, with a suggestion.
 bool refuse_unknown(const CLI::App& app, int argc, const char* const* argv) {
   const CLI::App* above = &app;
   std::string so_far = app.get_name();

@@ -13,17 +13,17 @@ namespace hapton {
 // A whole file as text; empty when it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
-// An address of 127.0.0.1 whose UDP port nobody has at the moment.
+// An address of 127.0.0.1 with a UDP port that is free at the moment.
 Result<std::string> find_free_address();
 
-// A program that takes part in a measurement, writing to FOLDER/NAME.log. It ends with this object at the latest.
-// RT: set-up only. Error: one line that names the program, with its last words. Threads: one.
+// A program of a measurement, writing to FOLDER/NAME.log. It ends with this object at the latest. RT: set-up only. Error: one line that
+// names the program, with its last output. Threads: one.
 class LocalNode {
  public:
   static Result<LocalNode> start(const std::filesystem::path& folder, const std::string& name, const std::filesystem::path& program,
                                  std::vector<std::string> arguments);
 
-  // Until the text stands in its log.
+  // Waits until the text appears in its log.
   Result<void> wait_for(const std::string& text);
 
   // Until its log has a line that is a whole number and nothing else; gives that line.

@@ -20,7 +20,7 @@ struct MeshChoice {
 // --mesh FILE [--unit U] [--no-seal] or --shape NAME, and --scale-to METRES.
 void add_mesh_options(CommandLine command, MeshChoice& choice);
 
-// Loads or makes it. Error: what the loader refuses; an unknown shape, with those there are.
+// Loads or makes it. Error: the loader's; an unknown shape, with the known ones.
 Result<TriangleMesh> make_mesh(const MeshChoice& choice);
 
 // "bunny_69k" or "bumpy".

@@ -10,7 +10,7 @@ namespace {
 constexpr double kSteepest = 89.0 * std::numbers::pi / 180.0;
 constexpr double kLeastZoom = 0.1;
 constexpr double kMostZoom = 100.0;
-// A little air around what is looked at.
+// A small margin round the object.
 constexpr double kMargin = 1.1;
 
 }  // namespace

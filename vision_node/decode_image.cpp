@@ -108,7 +108,7 @@ Texels resize_image(const Texels& image, int width, int height) {
         image.rgba[4 * (static_cast<std::size_t>(cy) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(cx)) +
                    static_cast<std::size_t>(k)]);
   };
-  // So many samples in a new texel's square, each linear between four texels.
+  // Number of samples in a new texel's square, each interpolated linearly between four texels.
   const int samples_x = std::max(1, static_cast<int>(std::ceil(across)));
   const int samples_y = std::max(1, static_cast<int>(std::ceil(down)));
   for (int y = 0; y < height; ++y) {

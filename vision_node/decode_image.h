@@ -19,7 +19,7 @@ struct Texels {
 // PNG and JPEG. Error: one line that names the image: neither of them, broken, or larger than 8,192 on a side. RT: set-up only.
 Result<Texels> decode_image(const LookImage& image);
 
-// The same picture in another size: the mean where it shrinks, linear between texels where it grows. Pre: both sizes positive.
+// The same image in another size: averaged when it shrinks, linear between texels when it grows. Pre: both sizes positive.
 Texels resize_image(const Texels& image, int width, int height);
 
 }  // namespace hapton

@@ -31,13 +31,13 @@ std::optional<Vec3> find_shadow(const Vec3& p_W);
 // Where the light comes from that throws the shadows: from above, a little from the left and from the front.
 Vec3 shadow_light();
 
-// A length that is easy to read, 1, 2 or 5 times a power of ten, and what it measures in the plane of the screen.
+// A length that is easy to read, 1, 2 or 5 times a power of ten, and its size in the plane of the screen.
 struct ScaleBar {
   double length_m = 0.0;
   double pixels = 0.0;
   std::string label;
 };
-// The longest that takes no more than a fifth of the picture's width.
+// The longest that is at most a fifth of the picture's width.
 ScaleBar choose_scale_bar(const StereoScreen& screen, PictureSize size);
 
 }  // namespace hapton

@@ -53,11 +53,11 @@ void DetailBuilder::offer(Made made) {
 }
 
 void DetailBuilder::run() {
-  // Of this thread alone, as Linux has it. Refused or not, the work is the same.
+  // Of this thread alone, as Linux has it. If it fails, the work is the same.
   (void)setpriority(PRIO_PROCESS, 0, kNiceness);
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
     if (full_[i]->triangles() < kLeastTriangles || full_[i]->triangles() < kLarge) continue;
-    // What is made so fast mixes the places of a texture.
+    // The fast simplification mixes positions of a texture.
     if (has_texture(*full_[i])) continue;
     if (auto rough = make_rough_level(*full_[i], kRoughTriangles)) {
       rough->error = measure_level_error(*rough, *full_[i], kErrorSamples);

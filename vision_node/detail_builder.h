@@ -11,8 +11,8 @@
 
 namespace hapton {
 
-// Makes the levels of detail of a scene's meshes beside the pictures, in a thread of its own and of low priority, coarse enough ones first
-// where a mesh is large. Threads: all calls from one. RT: no.
+// Makes the levels of detail of a scene's meshes, in its own thread of low priority, for large meshes coarse ones first. Threads: all calls
+// from one. RT: no.
 class DetailBuilder {
  public:
   // Meshes with fewer triangles are drawn as they are.
@@ -28,9 +28,9 @@ class DetailBuilder {
     std::size_t object = 0;
     FlatLevel level;
     bool is_full = false;   // the mesh itself, divided into clusters
-    bool is_rough = false;  // stands in until the object's first good level
+    bool is_rough = false;  // used until the object's first good level
   };
-  // What has been made since the last call.
+  // The levels made since the last call.
   std::vector<Made> take_made();
   // How much of all is made, 0 to 1.
   double progress() const { return progress_.load(std::memory_order_relaxed); }

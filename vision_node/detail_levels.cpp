@@ -14,8 +14,8 @@
 namespace hapton {
 namespace {
 
-// A level has about so many clusters: few enough to be looked at one by one for each picture, small enough to be left out as a whole when
-// they are seen from behind. meshoptimizer takes 255 vertices and 512 triangles at most, triangles by fours.
+// A level has about this many clusters: few enough to be examined one by one in each frame, small enough to be skipped as a whole when seen
+// from behind. meshoptimizer takes 255 vertices and 512 triangles at most, triangles by fours.
 constexpr std::size_t kClusters = 2000;
 constexpr std::size_t kClusterVertices = 255;
 constexpr std::size_t kLeastClusterTriangles = 16;
@@ -25,7 +25,7 @@ constexpr float kConeWeight = 0.8F;
 constexpr double kWorthwhile = 0.8;
 // Squared; no two points of U's cube are so far apart.
 constexpr double kBeyondU = 64.0;
-// Of a triangle whose three corners have one place in the texture, or places in a line, not every other place can be reached.
+// A triangle whose three corners have one texture position, or collinear ones, does not reach every other position.
 constexpr double kRelativeResidual = 1e-6;
 constexpr float kAnyError = std::numeric_limits<float>::max();
 
@@ -90,7 +90,7 @@ double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const Det
   double slip = difference(wanted, tint) * longest;
   const Eigen::Vector2d away = wanted.place.cast<double>() - place;
   if (wanted.layer == 0 || away.isZero()) return slip;
-  // The texture's places on the triangle: (b - a, c - a) = stretch * (place b - place a, place c - place a).
+  // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (place b - place a, place c - place a).
   Eigen::Matrix2d places;
   places << (paint(1).place - paint(0).place).cast<double>(), (paint(2).place - paint(0).place).cast<double>();
   Eigen::Matrix<double, 3, 2> edges;

@@ -42,7 +42,7 @@ struct VertexPaint {
   }
 };
 
-// One level of detail of a mesh: what is drawn. Frame U.
+// One level of detail of a mesh, as drawn. Frame U.
 struct DetailLevel {
   std::vector<Vec3f> positions;
   std::vector<VertexPaint> paints;  // of the positions; empty: the mesh has one colour
@@ -64,9 +64,9 @@ std::optional<DetailLevel> make_rough_level(const DetailLevel& full, std::size_t
 // Error not measured.
 std::optional<DetailLevel> make_coarser_level(const DetailLevel& finer, std::size_t triangles);
 
-// The largest distance of up to `samples` of the full level's vertices, evenly taken, from the level's triangles. Of a painted level, how
-// far one has to go to find the same paint: the distance to a triangle and on it to the place of the texture that the vertex has; where
-// colours differ, that share of the triangle's longest side. So a level is as good as its texture, and full detail is drawn where none is.
+// The largest distance of up to `samples` of the full level's vertices, evenly spaced, from the level's triangles. For a painted level, the
+// distance to the same paint: the distance to a triangle plus that on it to the vertex's texture position; where colours differ, that share
+// of the triangle's longest side. So a level is only as good as its texture, and full detail is drawn where none is good.
 double measure_level_error(const DetailLevel& level, const DetailLevel& full, std::size_t samples);
 
 // Orders the triangles so that neighbours follow each other, and divides them into clusters, about 2000 of them where a level has many

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// A virtual display refuses connections for some milliseconds while it resets itself.
+// A virtual display rejects connections for some milliseconds while it resets itself.
 constexpr int kTries = 4;
 constexpr std::chrono::milliseconds kBetweenTries{50};
 

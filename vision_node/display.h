@@ -4,9 +4,9 @@
 
 namespace hapton {
 
-// A connection to the X display that all windows share. Once made it is kept until the process ends: VTK aborts the whole process when it
-// cannot connect, a virtual display resets itself whenever its last client leaves, refusing those who come meanwhile, and OpenGL's
-// driver would be unloaded with the last connection and loaded again with the next.
+// A connection to the X display, shared by all windows and kept until the process ends: VTK aborts the process if it cannot connect; a
+// virtual display resets itself when its last client leaves, rejecting clients meanwhile; and OpenGL's driver would be unloaded with the
+// last connection and loaded again with the next.
 class DisplayConnection {
  public:
   // Error: no DISPLAY, one that cannot be reached, or one without OpenGL (GLX); the line says how to get a virtual one.

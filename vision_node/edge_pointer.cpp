@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// From the edge, as a share of the picture's smaller side: room for the pointer, above and below for the lines of text there.
+// Distance from the edge, as a share of the picture's smaller side: room for the pointer, and for the lines of text above and below.
 constexpr double kInset = 0.05;
 constexpr double kInsetAbove = 0.12;
 
@@ -24,7 +24,7 @@ std::optional<EdgePointer> find_edge_pointer(const StereoScreen& screen, Eye eye
   const Vec3 p_V = screen.X_WV.inverse(Eigen::Isometry) * p_W;
   const bool is_behind = p_V.z() >= screen.distance_m - screen.near_m;
   const Vec2 middle(0.5 * size.width_px, 0.5 * size.height_px);
-  // What is beside the eye or behind it has no pixel; where it lies to the side it is to be looked for.
+  // A point beside the eye or behind it has no pixel; its direction is that to its side.
   const Vec2 away = is_behind ? Vec2(p_V.head<2>()) : Vec2(project_to_pixel(screen, eye, size, p_W) - middle);
   if (!is_behind && (away.cwiseAbs().array() <= middle.array()).all()) return std::nullopt;
   if (!(away.norm() > 0.0) || !std::isfinite(away.norm())) return std::nullopt;

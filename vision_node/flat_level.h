@@ -8,14 +8,14 @@
 
 namespace hapton {
 
-// A corner of triangles. Flat shading takes what the last corner of a triangle says for all of it.
+// A corner of triangles. With flat shading the last corner of a triangle determines its plane.
 struct FlatVertex {
   Vec3f position = Vec3f::Zero();  // frame U
-  std::uint32_t normal = 0;        // of the triangles whose last corner this is: x, y, z in ten bits each, signed, as OpenGL packs them
+  std::uint32_t normal = 0;        // of the triangles with this last corner: x, y, z in ten bits each, signed, as OpenGL packs them
 };
 
-// A level of detail as it is sent to the graphics driver: every triangle's last corner is of its plane. A picture's pixels then need no
-// normal of their own, which halves the time of a picture drawn in software.
+// A level of detail as sent to the graphics driver: every triangle's last corner belongs to its plane. Pixels then need no normal of their
+// own, which halves the time of a frame drawn in software.
 struct FlatLevel {
   std::vector<FlatVertex> vertices;
   std::vector<VertexPaint> paints;  // of the vertices; empty: the mesh has one colour
@@ -25,7 +25,7 @@ struct FlatLevel {
   std::size_t triangles() const { return indices.size() / 3; }
 };
 
-// The same triangles in the same order, their corners turned round and doubled where that is needed. RT: set-up only.
+// The same triangles in the same order, with corners rotated and duplicated where necessary. RT: set-up only.
 FlatLevel make_flat(const DetailLevel& level);
 
 std::uint32_t pack_normal(const Vec3f& unit);

@@ -19,7 +19,7 @@ Result<GLuint> compile(GLenum kind, std::string_view source) {
   std::array<char, 512> log = {};
   glGetShaderInfoLog(shader, log.size() - 1, nullptr, log.data());
   glDeleteShader(shader);
-  return fail("the graphics driver refuses a shader: {}", log.data());
+  return fail("the graphics driver rejects a shader: {}", log.data());
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ Result<GlProgram> GlProgram::make(std::string_view vertex, std::string_view frag
   if (ok != 0) return made;
   std::array<char, 512> log = {};
   glGetProgramInfoLog(made.program_, log.size() - 1, nullptr, log.data());
-  return fail("the graphics driver refuses a shader program: {}", log.data());
+  return fail("the graphics driver rejects a shader program: {}", log.data());
 }
 
 GlProgram::GlProgram(GlProgram&& other) noexcept : program_(std::exchange(other.program_, 0)) {}

@@ -9,11 +9,11 @@
 
 namespace hapton {
 
-// A shader program of our own beside VTK's, OpenGL 3.2. Threads: the window's. Pre: the window's context is current, at the end as well.
+// Our own shader program beside VTK's, OpenGL 3.2. Threads: the window's. Pre: the window's context is current, at the end as well.
 class GlProgram {
  public:
-  // The vertex shader's inputs `position`, `direction`, `tint` and `place`, those that there are, are at 0 to 3. Error: what the driver
-  // says.
+  // The vertex shader's inputs `position`, `direction`, `tint` and `place`, where used, are at 0 to 3. Error: the driver's
+  // message.
   static Result<GlProgram> make(std::string_view vertex, std::string_view fragment);
   GlProgram(GlProgram&& other) noexcept;
   GlProgram& operator=(GlProgram&& other) noexcept;

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// What a framebuffer is made of. Between two of one format pixels are copied as they are, which software does at the speed of memory.
+// The format of a framebuffer. Between two of one format pixels are copied unchanged, which software does at the speed of memory.
 struct GlFormat {
   GLint colour = GL_RGBA8;
   GLint depth = GL_DEPTH_COMPONENT24;
@@ -35,7 +35,7 @@ class GlStateGuard {
   GLboolean enabled_[4] = {};
 };
 
-// A picture with depth that is kept beside the window's. Threads: the window's; its context is current, at the end as well.
+// An off-screen picture with depth. Threads: the window's; its context is current, at the end as well.
 class GlTarget {
  public:
   GlTarget() = default;
@@ -43,7 +43,7 @@ class GlTarget {
   GlTarget(const GlTarget&) = delete;
   GlTarget& operator=(const GlTarget&) = delete;
 
-  // Of this size and format from now on; what was in it is lost where one changed, which is said by true.
+  // Sets size and format; returns true if one changed, and then the content is lost.
   bool shape(PictureSize size, const GlFormat& format);
   PictureSize size() const { return size_; }
   const GlFormat& format() const { return format_; }

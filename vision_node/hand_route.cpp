@@ -9,18 +9,19 @@
 namespace hapton {
 namespace {
 
-// Shares of the picture's smaller side. What stands out by less is slid over, and the tip keeps so far from what it passes.
+// Shares of the picture's smaller side. Lower obstacles are slid over, and the tip keeps this distance from others.
 constexpr double kClearance = 0.02;
-// Between two places that are looked at on the way, and between the circles on which a way out is looked for.
+// Between two samples on the path, and between the circles of a search for a way out.
 constexpr double kStep = 0.01;
 constexpr double kCircle = 0.0025;
 constexpr int kDirections = 24;
 constexpr int kAround = 8;
-// Of the clearance: how far in front of what is seen a way through the air begins; it may end on the surface.
+// Of the clearance: distance from the visible surface at which a path through the air begins; it may end on the surface.
 constexpr double kInFront = 0.5;
-// Of the clearance: how far a tip in the air may be behind the picture of a surface that it is in front of, because the picture is coarse.
+// Of the clearance: how far a tip in the air may be behind the depth picture of a surface in front of which it is, because that picture is
+// coarse.
 constexpr double kNoise = 0.1;
-// The hand comes no nearer to the viewer than this share of the way to what is seen, however near that is.
+// The hand comes no nearer to the viewer than this share of the distance to the visible surface.
 constexpr double kNearest = 0.25;
 
 struct Way {
@@ -28,8 +29,8 @@ struct Way {
   double nearest_m = std::numeric_limits<double>::infinity();  // of the surface along it
 };
 
-// From a pixel at one depth to another at another. Along a straight line the inverse of the depth grows evenly in the picture. slack: how
-// far within what is seen it may be at its beginning and at its end.
+// From a pixel at one depth to another pixel at another. Along a straight line the inverse of the depth is linear in the picture. slack:
+// how far behind the visible surface it may be at its beginning and at its end.
 Way look_along(const SurfaceSeen& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
                double slack_to_m) {
   const double side_px = std::min(seen.size().width_px, seen.size().height_px);
@@ -69,7 +70,7 @@ std::optional<Vec2> find_way_out(const SurfaceSeen& seen, const Vec2& from, doub
   return std::nullopt;
 }
 
-// A pixel and those around it, the farthest: on a steep surface a pixel's depth says little of the place beside its middle.
+// The farthest depth of a pixel and those around it: on a steep surface a pixel's depth says little about points beside its middle.
 double find_farthest_m(const SurfaceSeen& seen, const Vec2& pixel) {
   double farthest_m = 0.0;
   for (const double x : {-1.0, 0.0, 1.0}) {
@@ -78,8 +79,8 @@ double find_farthest_m(const SurfaceSeen& seen, const Vec2& pixel) {
   return farthest_m;
 }
 
-// Behind what is seen there. A tip in touch says by where it is kept out to which side it touches: the back of a thin sheet is as far away
-// as its front.
+// Whether the tip is behind the visible surface there. For a tip in contact, the direction of its offset tells which side it touches: the
+// back of a thin sheet is as far away as its front.
 bool is_behind(const SurfaceSeen& seen, const LedTip& tip, const Vec2& pixel, double tip_m, double clearance_m) {
   if (tip.offset_m.isZero()) return tip_m > find_farthest_m(seen, pixel) + kNoise * clearance_m;
   const double surface_m = seen.depth_m(pixel);

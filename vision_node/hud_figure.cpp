@@ -79,7 +79,7 @@ void HudFigure::set_pointer(const std::optional<EdgePointer>& pointer, PictureSi
   const Vec2 corners[3] = {pointer->at_px + along, pointer->at_px + across, pointer->at_px - across};
   for (vtkIdType i = 0; i < 3; ++i) pointer_corners_->SetPoint(i, corners[i].x(), corners[i].y(), 0.0);
   pointer_corners_->Modified();
-  // Farther within the picture, by as much as the text is wide.
+  // Farther inside the picture, by the width of the text.
   const Vec2 label = pointer->at_px - 1.5 * along - Vec2(2.5 * length * pointer->towards.x(), 0.0);
   pointer_label_->SetPosition(label.x(), label.y());
 }

@@ -15,13 +15,13 @@
 
 namespace hapton {
 
-// Lines of text in two corners of one eye's picture: the same place in both eyes', so they lie in the screen's plane. RT: no.
+// Lines of text in two corners of one eye's picture: at the same position for both eyes, so they lie in the screen's plane. RT: no.
 class HudFigure {
  public:
   void add_to(vtkRenderer* renderer);
   void place(PictureSize size);
   void set(std::string_view facts, std::string_view help);
-  // Above the right end of the picture's foot; one without a length is not shown.
+  // Above the right end of the picture's lower edge; hidden if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
   // At the picture's edge, in the probe's colour.
   void set_pointer(const std::optional<EdgePointer>& pointer, PictureSize size);

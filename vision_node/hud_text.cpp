@@ -13,7 +13,7 @@ bool is_without_force(ProbeStatus status) {
 
 std::string force_text(const HudFacts& facts) {
   const ProbeState& s = facts.state;
-  // It has joined the hub, and does not answer yet.
+  // It has joined the hub, but does not reply yet.
   if ((s.status == ProbeStatus::no_haptics || s.status == ProbeStatus::ok) && facts.preparing_s > 0.0) {
     return fmt::format("NO FORCE YET: haptics_node prepares the scene, {:.0f} s", facts.preparing_s);
   }

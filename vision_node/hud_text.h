@@ -16,17 +16,17 @@ struct HudFacts {
   bool cull = true;
   bool hand_held = false;
   double detail_progress = 1.0;  // of the levels of detail, 0 to 1
-  double preparing_s = 0.0;      // haptics_node is building what it feels with, for so long now; 0: it is not
-  bool is_other_scene = false;   // haptics_node feels another scene than the one shown
+  double preparing_s = 0.0;      // haptics_node has been building its scene for this long; 0: it is not
+  bool is_other_scene = false;   // haptics_node has another scene than the one shown
 };
 
-// What a person is to know of this state, and can do about it; empty of ProbeStatus::ok.
+// What this state means for the user, and what to do; empty for ProbeStatus::ok.
 std::string_view describe(ProbeStatus status);
 
-// The few lines in the picture's corner: rates, latency, force. Rounded so that noise below what a reader cares for does not change it.
+// The few lines in the picture's corner: rates, latency, force. Rounded so that irrelevant noise does not change it.
 std::string compose_hud(const HudFacts& facts);
 
-// The keys and the mouse, for the picture's foot and for --help.
+// The keys and the mouse, for the picture's lower edge and for --help.
 std::string_view keys_help();
 
 }  // namespace hapton

@@ -10,7 +10,7 @@ namespace {
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
 constexpr double kZoomPerNotch = 1.1;
-// Shares of the picture's smaller side: how deep within the surface the hand is led at first (3 mm of a picture of 300: a newton or two
+// Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm of a picture of 300: a newton or two
 // with the softest of the shipped materials), one notch of the wheel, and how deep and how far off it may be moved.
 constexpr double kPressShare = 0.01;
 constexpr double kWheelShare = 0.005;
@@ -145,7 +145,7 @@ void Interaction::drag(const WindowEvent& event, const View& view) {
   if (pans) {
     camera_.pan_m -= displace_in_screen_plane(view.screen, view.picture, moved, 0.0);
   } else if (held_ == WindowEvent::Button::right) {
-    // What is seen goes with the mouse: the viewer goes the other way.
+    // The scene follows the mouse: the viewer moves the other way.
     camera_.orbit(-kOrbitRadiansPerPixel * moved.x(), -kOrbitRadiansPerPixel * moved.y());
   } else if (hand_.active && (latched_ || held_ == WindowEvent::Button::left)) {
     lead(view, moved);

@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// What the window system told, free of any window system. Pixels from the window's lower left corner.
+// A window system's event, independent of any window system. Pixels from the window's lower left corner.
 struct WindowEvent {
   enum class Kind { key, press, release, move, wheel, close };
   enum class Button { none, left, middle, right };
@@ -24,7 +24,7 @@ struct WindowEvent {
   bool shift = false;
 };
 
-// What a person asked for, gathered from events.
+// The user's requests, collected from events.
 struct UserRequests {
   bool quit = false;
   bool screenshot = false;
@@ -36,11 +36,11 @@ struct UserRequests {
   bool look_at_scene = false;
 };
 
-// Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn what is felt.
-// Left drag (or any motion while the hand is held with h) leads the hand: over the surface that is seen under the pointer, a little within
-// it, so that it is felt; beside the scene in the screen's plane; never through what is seen (hand_route.h). The wheel then presses deeper
-// or lifts the hand off. A right drag goes round the scene, with shift, or with the middle button, the picture is moved; the wheel without
-// a hand zooms. RT: no.
+// Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
+// motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
+// is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
+// lifts the hand off. A right drag orbits the scene; with shift, or with the middle button, it pans; the wheel without a hand zooms.
+// RT: no.
 class Interaction {
  public:
   struct View {
@@ -51,7 +51,7 @@ class Interaction {
   };
 
   void handle(const WindowEvent& event, const View& view);
-  // The hand goes on towards where the pointer led it, on the side of the scene that is seen. To be called while it is
+  // Moves the hand on towards the pointer's position, on the visible side of the scene. Call while it is
   // held.
   void follow(const SurfaceSeen& seen, const LedTip& tip);
 
@@ -61,11 +61,11 @@ class Interaction {
   const CameraView& camera() const { return camera_; }
   bool hand_active() const { return hand_.active; }
 
-  // What has been requested since the last call.
+  // The requests since the last call.
   UserRequests take_requests();
 
-  // The hand's target when it is to be sent: whenever it moved, again every 100 ms while held, and a few times after it was let go,
-  // since one datagram may be lost.
+  // The hand's target if it must be sent: whenever it moved, again every 100 ms while held, and a few times after its release, because a
+  // datagram may be lost.
   std::optional<HandTarget> take_hand(std::int64_t now_ns);
 
  private:
@@ -74,7 +74,7 @@ class Interaction {
   void let_go();
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
-  // The hand to the surface under the pointer; else by so many pixels in the screen's plane.
+  // The hand to the surface under the pointer; otherwise by these pixels in the screen's plane.
   void lead(const View& view, const Vec2& moved_px);
   void set_goal(const Vec3& p_WG);
 
@@ -82,10 +82,10 @@ class Interaction {
   CameraView camera_;
   UserRequests requests_;
   HandTarget hand_;
-  Vec3 p_WG_ = Vec3::Zero();  // where the pointer leads it; what it is pulled to may be on the way there
+  Vec3 p_WG_ = Vec3::Zero();  // the pointer's goal; the hand may be pulled to a point on the path there
   WindowEvent::Button held_ = WindowEvent::Button::none;
   bool latched_ = false;      // h was pressed: the hand follows the mouse without a button
-  double press_ = 0.0;        // how far within the surface, as a share of the picture's smaller side
+  double press_ = 0.0;        // depth inside the surface, as a share of the picture's smaller side
   std::optional<Vec3> p_WQ_;  // the surface that the hand was led to last
   int x_px_ = 0;
   int y_px_ = 0;

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// A lost datagram is told from one still under way after this time: some round trips of the slowest link we meet, yet unnoticed by a hand.
+// After this time a datagram counts as lost: some round trips of the slowest usual link, yet unnoticed by a hand.
 constexpr std::int64_t kResendNs = 50'000'000;
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }

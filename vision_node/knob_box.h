@@ -31,17 +31,17 @@ Pose from_twelve_floats(const std::array<float, 12>& m);
 // got lost, or the hub was restarted). Times: any monotonic clock, ns. RT: no.
 class ViewTransformSender {
  public:
-  // Takes the newest pose; a pose whose floats did not change is no change.
+  // Sets the newest pose; a pose with unchanged floats is no change.
   void set(const Pose& X_WS);
 
-  // What the hub last said is in use (ProbeState::view_revision). A hub that, when first heard, is ahead of us has heard an
-  // earlier vision node: our numbers then go on from its.
+  // The revision that the hub last reported as in use (ProbeState::view_revision). If the hub's first report is ahead of us, it comes from
+  // an earlier vision node: our numbers then continue from it.
   void confirm(std::uint32_t hub_revision);
 
   // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
   void reject(std::uint32_t revision);
 
-  // The hub has (again) welcomed us: whatever it knew is to be told anew.
+  // The hub has (again) welcomed us: everything must be sent again.
   void rejoin();
 
   // The message to send now, if any; counts as sent.

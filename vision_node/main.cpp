@@ -47,7 +47,7 @@ Result<void> check_screenshot(const std::filesystem::path& file) {
   return {};
 }
 
-// Another hand's way to its hub.
+// Another hand's connection to its hub.
 struct OtherLink {
   OtherLink(std::unique_ptr<Endpoint> socket, const Clock& clock, const RoleKey& key, const Address& hub, const VisionOptions& options)
       : endpoint(std::move(socket)),
@@ -61,7 +61,7 @@ struct OtherLink {
   OtherHand hand;
 };
 
-// Null when there is none to show.
+// Null if there is none to show.
 Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options, const Clock& clock) {
   if (options.other_hub.empty()) return std::unique_ptr<OtherLink>();
   const auto hub = parse_address(options.other_hub);
@@ -104,7 +104,7 @@ int run(VisionOptions& options) {
   const auto ended = session.run(stop);
   fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
   if (!ended) return give_up(ended.error());
-  // Whoever wanted no more than a picture has it.
+  // If only a picture was requested, it exists.
   if (options.seconds > 0.0 && client.counts().joins == 0 && options.screenshot.empty() && !stop.stop_requested()) {
     return give_up(
         {fmt::format("no hub let it join at {} in {} s; start io_node there, name another place with --hub, or give the hub's --key",

@@ -10,23 +10,23 @@
 
 namespace hapton {
 
-// Another hand in the same picture, of a device that is a hub of its own (io_node --devices): its probe is drawn as well, and its hub is
-// told how the scene is turned and what has been drawn. The mouse and the figures in the picture are the first hub's. Times: the hub
-// client's clock, ns. RT: no. Threads: one.
+// Another hand in the same picture, of a device with its own hub (io_node --devices): its probe is drawn as well, and its hub gets the
+// scene's pose and the frame acknowledgements. The mouse and the numbers in the picture belong to the first hub. Times: the hub client's
+// clock, ns. RT: no. Threads: one.
 class OtherHand {
  public:
-  // Pre: the hub outlives it. max_rate_hz: of pictures; 0: as many as can be drawn.
+  // Pre: the hub outlives it. max_rate_hz: of frames; 0: no limit.
   OtherHand(HubClient& hub, const Quat& stylus_lean, double max_rate_hz)
       : hub_(hub), stylus_lean_(stylus_lean), max_rate_hz_(max_rate_hz) {}
 
-  // Takes what has come, waiting for nothing, and says how the scene stands where the hub does not know.
+  // Receives without waiting, and sends the scene's pose if the hub does not have it.
   void attend(const Pose& X_WS, std::int64_t now_ns);
 
-  // The hand has moved since the last picture, or gone; where it only seems to have, the hub is told that nothing changed.
+  // The hand has moved visibly since the last frame, or left; if it moved invisibly, the hub is notified that nothing changed.
   bool wants_picture(const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
   // Where it is; none before its hub has spoken.
   std::optional<ProbeShown> shown() const;
-  // The picture with what shown() said is in the window.
+  // The frame with what shown() returned is in the window.
   void drew(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes, const StereoScreen& screen,
             PictureSize size);
 
@@ -42,8 +42,8 @@ class OtherHand {
   std::int64_t heard_ns_ = 0;
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
-  bool moved_ = false;   // a state has come since the hand was looked at
-  bool untold_ = false;  // and its hub has not heard what became of it
+  bool moved_ = false;   // a state has come since the last check
+  bool untold_ = false;  // its hub has not been notified of its fate
 };
 
 }  // namespace hapton

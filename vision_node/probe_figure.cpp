@@ -21,11 +21,11 @@ namespace {
 constexpr double kHeadToShaftRadius = 2.6;
 constexpr double kHeadLengthInRadii = 7.0;
 constexpr double kLimitToShaftRadius = 3.2;
-// A point's shadow would not be seen.
+// A point has no visible shadow, so it gets a wider one.
 constexpr double kShadowInRadii = 2.0;
 // From the tip's middle to where the arrow begins.
 constexpr double kGapInRadii = 1.8;
-// Of the depth range, in front: what shows through lies in a thousandth, and the tip before the arrow.
+// Shares of the depth range, at its front, for what shows through the scene; the tip is in front of the arrow.
 constexpr double kGhostShare = 1e-3;
 constexpr double kTipShare = 5e-4;
 
@@ -42,7 +42,7 @@ void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambie
   look->SetSpecularPower(30.0);
 }
 
-// Moves what is drawn to the front part of the depth range, its own order kept.
+// Moves the drawing to the front part of the depth range, in its own order.
 void bring_to_front(vtkActor* actor, double share) {
   actor->GetShaderProperty()->AddVertexShaderReplacement(
       "//VTK::PositionVC::Impl", true,
@@ -50,10 +50,10 @@ void bring_to_front(vtkActor* actor, double share) {
       false);
 }
 
-// The original once more, over everything, with every other 2 x 2 block of pixels left out: blocks, because patterns of single pixels are
-// what some stereo modes tell the eyes apart by.
+// The original once more, over everything, with every other 2 x 2 block of pixels left out: blocks, because some stereo modes use patterns
+// of single pixels.
 void make_ghost(vtkActor* ghost, vtkActor* original, double share = kGhostShare) {
-  // A mapper of its own: one mapper keeps one shader.
+  // A mapper of its own, because a mapper has one shader.
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputDataObject(original->GetMapper()->GetInputDataObject(0, 0));
   mapper->ScalarVisibilityOff();
@@ -172,7 +172,7 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   limit_->SetVisibility(shown && probe.force_n.norm() * sizes_.arrow_m_per_n > sizes_.arrow_max_m);
   if (!shown) return;
   const Quat along = turn_z_to(arrow);
-  // Beside the ball: what is touched is not hidden.
+  // Beside the tip, so that it does not hide the contact.
   const Vec3 from = probe.p_WP + arrow / length * (kGapInRadii * tip_radius_m_);
   const double head = std::min(1.0, 0.6 * length / (kHeadLengthInRadii * sizes_.arrow_radius_m));
   const double shaft = length - 0.99 * head * kHeadLengthInRadii * sizes_.arrow_radius_m;
@@ -180,7 +180,7 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   for (vtkActor* actor : {head_.Get(), ghost_head_.Get()}) place(actor, from + arrow, along, Vec3::Constant(head));
   place(rings_, from, along, Vec3::Ones());
   place(limit_, from + arrow, along, Vec3::Ones());
-  // Those on the shaft: under the head they would stand out.
+  // Only rings on the shaft: rings under the head would be visible through it.
   const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMostRings);
   if (newtons == rings_shown_) return;
   rings_shown_ = newtons;

@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// The colours by which hands are told apart.
+// The colours that distinguish hands.
 struct ProbeLook {
   Vec3 tip;
   Vec3 grip;
@@ -22,9 +22,9 @@ struct ProbeLook {
   static ProbeLook other() { return {{0.25, 0.62, 1.0}, {0.10, 0.22, 0.50}, {0.95, 0.45, 0.85}}; }
 };
 
-// The stylus with its ball tip, and the force arrow, as VTK actors. Hidden until first set. The arrow begins beside the tip, has a ring for
-// each newton and a red one where it is cut off. Tip and arrow are seen, dotted, through whatever is in front of them. In contact the
-// device's own place is shown, beneath the surface, joined to the tip by a line as long as the penetration.
+// The stylus with its spherical tip, and the force arrow, as VTK actors. Hidden until first set. The arrow begins beside the tip, has a
+// ring for each newton and a red one where it is cut off. Tip and arrow are visible, dotted, through anything in front of them. In contact
+// the device's own position is shown, below the surface, joined to the tip by a line as long as the penetration.
 class ProbeFigure {
  public:
   explicit ProbeFigure(const ProbeSizes& sizes, const ProbeLook& look = ProbeLook::first());
@@ -59,7 +59,7 @@ class ProbeFigure {
   vtkNew<vtkActor> device_point_;
   vtkNew<vtkActor> penetration_;
   vtkNew<vtkActor> shadow_;
-  std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // of so many newtons
+  std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // by number of newtons
   int rings_shown_ = -1;
   bool throws_shadow_ = false;
 

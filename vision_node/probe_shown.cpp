@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// The picture's smaller side for which ProbeSizes' defaults are meant.
+// The picture's smaller side that ProbeSizes' defaults are made for.
 constexpr double kDeskView = 0.3;
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// Sizes of what is drawn for the probe, metres. Scaled with the view, so that they look the same at every scale.
+// Sizes of the probe's drawing, metres. Scaled with the view, so that they look the same at every scale.
 struct ProbeSizes {
   double tip_radius_m = 0.0018;
   double stylus_length_m = 0.105;
@@ -19,38 +19,38 @@ struct ProbeSizes {
 
 ProbeSizes scale_probe(const Framing& framing);
 
-// The probe as the picture shows it: tip at device position + visual offset, so that it rests on the surface while the hand is
-// beneath it (memo 4.2.2). Frame W, metres, newtons.
+// The probe as shown: tip at device position + visual offset, so that it rests on the surface while the hand is below it (memo 4.2.2).
+// Frame W, metres, newtons.
 struct ProbeShown {
   Vec3 p_WP = Vec3::Zero();
-  Vec3 p_WD = Vec3::Zero();      // the device itself: where the tip is while nothing is touched
+  Vec3 p_WD = Vec3::Zero();      // the device itself: the tip's position in free space
   Quat q_WT = Quat::Identity();  // lean included
   Vec3 force_n = Vec3::Zero();
   bool contact = false;
 };
 
-// The stylus' body points from its tip along z of T: at the viewer, when the device reports no rotation, where it would hide the tip and
-// the force that pushes back at it. lean turns it out of the way, up and to the right; identity shows what the device reports.
-// Anything not finite is shown at the origin or left out: a picture must never fail for what came over the wire.
+// The stylus' body points from its tip along z of T: at the viewer, if the device reports no rotation, where it would hide the tip and the
+// force. lean turns it aside, up and to the right; identity shows the reported rotation. Values that are not finite are shown at the origin
+// or left out: received data must never break the picture.
 ProbeShown show_probe(const ProbeState& state, const Quat& lean = Quat::Identity());
 
 Quat make_lean(double angle_rad);
 
-// The radius in what a haptics node says of its method ("name=proxy probe_radius_m=0.015"), m; 0 where none is said.
+// The radius in a haptics node's method text ("name=proxy probe_radius_m=0.015"), m; 0 if there is none.
 double find_probe_radius(std::string_view method);
 
 // Vector from the tip to the head of the force arrow, frame W: along the force, its length the newtons up to arrow_max_m.
 Vec3 compute_arrow(const ProbeShown& probe, const ProbeSizes& sizes);
 
-// Tells whether a picture would look different: whether any of the probe's marks (tip, stylus end, arrow head) moved in any of
-// the pictures by more than a fraction of a pixel.
+// Whether a new picture would differ: whether any of the probe's marks (tip, stylus end, arrow head) moved in any eye's picture by more
+// than a fraction of a pixel.
 class PictureWatch {
  public:
   explicit PictureWatch(double threshold_px = 0.5) : threshold_px_(threshold_px) {}
 
   bool differs(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size) const;
 
-  // This is what the newest picture shows.
+  // The content of the newest picture.
   void drawn(const ProbeShown& probe, const ProbeSizes& sizes, const StereoScreen& screen, PictureSize size);
 
  private:

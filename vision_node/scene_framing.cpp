@@ -15,12 +15,12 @@
 namespace hapton {
 namespace {
 
-// The smallest thing that is framed: a scene of one point still gives a picture.
+// The smallest framed size: a scene of one point still gives a picture.
 constexpr double kMinRadius = 1e-6;
-// Of the workspace's longest side: what is smaller is a speck in it (io_node/scene_reach.cpp).
+// Of the workspace's longest side: a smaller scene is a speck in it (io_node/scene_reach.cpp).
 constexpr double kSpeck = 0.02;
-// A scene whose middle is farther away than so many times its radius lies apart: a sphere around the workspace's centre would hold mostly
-// nothing. And where it is so many times farther than it and the workspace are large, a picture of both shows neither.
+// A scene whose middle is more than this many radii away lies apart: a sphere round the workspace's centre would be mostly empty. If its
+// distance is this many times the size of it and of the workspace, a picture of both would show neither.
 constexpr double kApart = 2.0;
 constexpr double kFarApart = 10.0;
 // A little air around the workspace.
@@ -45,13 +45,13 @@ Framing frame_with_workspace(const Vec3& p_WO, double radius_m, double ipd_m) {
   return frame_sphere(0.5 * (from_m + to_m) * p_WO / apart_m, 0.5 * (to_m - from_m), ipd_m);
 }
 
-// Wide enough that all points are in the picture as well as the disc that it shows now, and the screen moved in its plane so that they are
-// in the middle.
+// Widens the view until all points are in the picture as well as the present disc, and moves the screen in its plane until they are in the
+// middle.
 void fit(Framing& framing, PictureSize size, std::span<const Eye> eyes, const std::vector<Vec3>& points) {
   const Vec2 disc = Vec2::Constant(0.5 * framing.view_m);
   const double narrow_px = std::min(size.width_px, size.height_px);
   const Vec2 sides = Vec2(size.width_px, size.height_px) / narrow_px;
-  // The eye goes with the screen, which moves what is nearer than it: each turn leaves a small part of what was wrong.
+  // The eye moves with the screen, which shifts nearer points: each iteration leaves a small part of the error.
   for (int turn = 0; turn < kFitTurns; ++turn) {
     Vec2 low = -disc;
     Vec2 high = disc;

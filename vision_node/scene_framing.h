@@ -13,9 +13,9 @@ struct SceneSphere {
 };
 SceneSphere bound_scene(const Scene& scene);
 
-// How the picture begins. A scene in the workspace: the screen's plane goes through the workspace's centre, and the whole scene stays in
-// the picture whatever the dials do, as does the workspace with its ground; both are in the middle. One that lies apart: the scene and the
-// workspace, or, where it is too far away for both, the scene alone. A speck: the scene alone, as large as the picture.
+// The initial view. A scene in the workspace: the screen's plane goes through the workspace's centre, and the whole scene stays in the
+// picture for any dial positions, as does the workspace with its ground; both are in the middle. One that lies apart: the scene and the
+// workspace, or, if it is too far away for both, the scene alone. A speck: the scene alone, filling the picture.
 Framing frame_scene(const Scene& scene, const VisionOptions& options);
 
 }  // namespace hapton

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// Triangles of one part: some milliseconds, which a probe's picture can wait.
+// Triangles of one part: some milliseconds, a delay that the probe's frame tolerates.
 constexpr std::size_t kPart = 60'000;
 
 bool same_screen(const StereoScreen& a, const StereoScreen& b) {

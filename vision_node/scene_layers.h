@@ -12,40 +12,41 @@
 
 namespace hapton {
 
-// The static scene as each eye sees it, kept as a picture with depth: it is drawn again only when it looks different, in levels good enough
-// to move, and then in full detail, part by part, while nothing but the probe moves. Threads: the window's; its context is current, at the
+// The static scene as each eye sees it, kept as a picture with depth: it is drawn again only when it looks different, in levels of detail
+// while it moves, and then in full detail, part by part, while only the probe moves. Threads: the window's; its context is current, at the
 // end as well.
 class SceneLayers {
  public:
-  // Error: shaders the driver refuses.
+  // Error: shaders that the driver rejects.
   static Result<std::unique_ptr<SceneLayers>> make(const std::vector<ShownObject>& objects);
 
-  // Draws those eyes' pictures that no longer show what the passes say. Leaves OpenGL as it was.
+  // Draws those eyes' pictures that no longer match the passes. Leaves OpenGL's state unchanged.
   void prepare(std::span<const ScenePass> passes, const GlFormat& format);
 
-  // Draws one more part in full detail. True when all eyes' pictures are whole and from now on the ones that copy() shows.
+  // Draws one more part in full detail. True when all eyes' pictures are complete; from then on copy() shows them.
   bool refine();
   // Whether the pictures show less than full detail, and more could be drawn.
   bool wants_refining() const;
-  // All at once, for a picture that stays.
+  // Draws full detail at once, for a picture that stays.
   void refine_whole();
 
-  // The eye's picture with its depth into the framebuffer bound for drawing, from its pixel (x, y) on. Leaves OpenGL as it was.
+  // Copies the eye's picture with its depth into the framebuffer bound for drawing, from its pixel (x, y) on. Leaves OpenGL's state
+  // unchanged.
   void copy_to_bound(Eye eye, int x, int y) const;
 
-  // The place of the scene that is seen at a pixel of the eye's picture, frame W; none where there is only background, or no such pixel.
+  // The visible point of the scene at a pixel of the eye's picture, frame W; empty for background, or outside the picture.
   std::optional<Vec3> find_surface(Eye eye, int x, int y) const;
 
-  // All of it at once, read from the driver only when the eye's picture has changed. Null as well while its edges are smoothed.
+  // The whole surface, read from the driver only when the eye's picture has changed. Null also while its edges are smoothed.
   std::shared_ptr<const SurfaceSeen> read_surface(Eye eye);
 
   // How much of all levels of detail has been made, 0 to 1.
   double progress() const { return painter_->progress(); }
-  // Levels have come that may look better than what is shown.
+  // True if new levels may look better than those shown.
   bool has_new_levels();
   // Of the newest picture drawn in levels, one eye's.
   const PaintCount& count() const { return count_; }
-  // How often an eye's picture of the scene has been drawn.
+  // Number of times an eye's picture of the scene has been drawn.
   std::uint64_t drawn() const { return drawn_; }
 
  private:

@@ -27,7 +27,7 @@ const Vec3 kShadow(0.045, 0.05, 0.06);
 constexpr std::size_t kPreviewTriangles = 150'000;
 // A shadow of more triangles costs more than it shows: of a large mesh before its levels are made.
 constexpr std::size_t kShadowTriangles = 20'000;
-// What is larger than the workspace reaches through its ground, and a shadow there says nothing.
+// An object larger than the workspace extends through its ground, and a shadow there has no meaning.
 constexpr double kShadowRadii = 1.0;
 constexpr double kAboveGround = 1e-3;
 // From over the viewer's left shoulder.
@@ -258,7 +258,7 @@ void ScenePainter::paint_lines(const ScenePass& pass) const {
   single_->set("colour", kGrid);
   glDrawArrays(GL_LINES, 0, grid_corners_);
   single_->set("colour", kBox);
-  // But for the three edges that meet in the corner nearest to the viewer, in front of all that is looked at.
+  // Except the three edges at the corner nearest to the viewer, in front of the scene.
   const auto edges = make_workspace_box();
   const Vec3 nearest = find_nearest_corner(compute_eye_position(pass.screen, Eye::centre));
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -303,7 +303,7 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
   pass.cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
-  // From where the picture's centre is to the far end of what is drawn, in eyes' distances; beyond every depth where there is none.
+  // From the picture's centre to the far end of the scene, in eyes' distances; beyond every depth without haze.
   const bool is_hazy = pass.depth_cues && !pass.plain;
   for (const GlProgram* program : {painted_.get(), shaded_.get()}) {
     program->use();
@@ -368,7 +368,7 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
     const FlatLevel& level = object->level(i);
     count.triangles += level.triangles();
     count.largest_error_px = std::max(count.largest_error_px, error_px);
-    // Of a large mesh without any level yet only some of the triangles: a picture at once, and in a moment a better one.
+    // Of a large mesh without any level yet, only some of the triangles: a picture at once, and soon a better one.
     const bool is_preview = object->facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
     const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
     count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size(), every);

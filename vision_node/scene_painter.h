@@ -17,10 +17,10 @@ namespace hapton {
 struct ShownObject {
   std::shared_ptr<const TriangleMesh> mesh;
   Vec3 colour = {0.7, 0.7, 0.72};
-  std::shared_ptr<const MeshLook> look = {};  // in place of the colour; null: none
+  std::shared_ptr<const MeshLook> look = {};  // instead of the colour; null: none
 };
 
-// One eye's picture of the scene, and how it is drawn.
+// One eye's picture of the scene, and its drawing options.
 struct ScenePass {
   Eye eye = Eye::centre;
   StereoScreen screen;
@@ -31,14 +31,14 @@ struct ScenePass {
   bool depth_cues = true;  // ground, shadow, workspace, haze; none where plain
 };
 
-// What was drawn, for reports.
+// Counts for reports.
 struct PaintCount {
   std::size_t triangles = 0;      // of the levels drawn
-  std::size_t sent = 0;           // what was left of them without the clusters out of sight
+  std::size_t sent = 0;           // the rest of them without the clusters out of sight
   double largest_error_px = 0.0;  // of the levels drawn
 };
 
-// Where a picture in full detail goes on.
+// Where a picture in full detail continues.
 struct PaintCursor {
   std::size_t object = 0;
   std::size_t cluster = 0;
@@ -49,14 +49,14 @@ struct PaintCursor {
 // current, at the end as well.
 class ScenePainter {
  public:
-  // Triangles of a picture while the scene moves, of all objects together, where no coarser level is as good (frames_bench).
+  // Triangles of a frame while the scene moves, of all objects together, if no coarser level is as good (frames_bench).
   static constexpr std::size_t kTriangleBudget = 60'000;
 
-  // Begins to make the levels of detail. Error: shaders the driver refuses.
+  // Starts making the levels of detail. Error: shaders that the driver rejects.
   static Result<std::unique_ptr<ScenePainter>> make(const std::vector<ShownObject>& objects);
   ~ScenePainter();
 
-  // Takes what levels have been made. True when there are any, so that a picture may look better than the last.
+  // Takes the levels made so far. True if there are any, so that a picture may look better than the last.
   bool take_levels();
   // How much of all levels has been made, 0 to 1.
   double progress() const { return builder_->progress(); }
@@ -65,7 +65,7 @@ class ScenePainter {
   void paint_background(const ScenePass& pass) const;
   // The scene and its shadow, with their depth, in levels good enough to move.
   PaintCount paint(const ScenePass& pass);
-  // The scene in full detail, in parts: from the cursor on, about as many triangles as asked for. True when the picture is whole.
+  // The scene in full detail, in parts: from the cursor on, about the requested number of triangles. True when the picture is complete.
   bool paint_full(const ScenePass& pass, PaintCursor& cursor, std::size_t triangles);
   // Whether the levels of paint() are the meshes themselves, seen from there.
   bool is_full(const ScenePass& pass) const;

@@ -5,8 +5,8 @@
 // The shaders of ScenePainter, GLSL of OpenGL 3.2.
 namespace hapton {
 
-// Of every vertex shader of the scene: places the vertex. The side of a triangle that is seen is lit: the share of its own colour, and the
-// highlight, whose power of 18 is made by products.
+// Part of every vertex shader of the scene: computes the vertex's position. The visible side of a triangle is lit: a share of its own
+// colour, and the highlight, whose power of 18 is made by products.
 inline constexpr std::string_view kLighting = R"(#version 150
 uniform mat4 to_clip, to_eye;
 uniform vec3 light;

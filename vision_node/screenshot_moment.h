@@ -7,14 +7,14 @@
 
 namespace hapton {
 
-// When the one picture of --screenshot is taken: at a contact that has lasted long enough to be drawn well, a number of seconds after
-// the start, or at the exit; whatever was asked, at the exit at the latest. Times: ns since the start. RT: no.
+// When the picture of --screenshot is taken: at a contact that has lasted long enough to be drawn well, a number of seconds after the
+// start, or at the exit; at the latest at the exit. Times: ns since the start. RT: no.
 class ScreenshotMoment {
  public:
   // "contact", "exit" or seconds. Error: anything else.
   static Result<ScreenshotMoment> parse(std::string_view text);
 
-  // Told of every picture drawn; true once, when this is the one to keep.
+  // Call for every frame drawn; true once, for the one to keep.
   bool is_now(std::int64_t since_start_ns, bool contact);
 
   bool taken() const { return taken_; }

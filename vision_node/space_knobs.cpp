@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// A picture that took longer must not make the scene leap.
+// A slower frame must not make the scene jump.
 constexpr double kLongestStepS = 0.1;
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// The memo's knob box, as a SpaceMouse: turning its cap about x, y or z turns the dial of that axis, the farther the faster, as the square
-// for fine work. Pushes do nothing. Times: CLOCK_MONOTONIC, ns. RT: no.
+// The memo's knob box, as a SpaceMouse: turning its cap about x, y or z turns the dial of that axis, the speed growing with the square of
+// the deflection, for fine work. Translations do nothing. Times: CLOCK_MONOTONIC, ns. RT: no.
 class SpaceKnobs {
  public:
   static constexpr double kFullDegreesPerS = 120.0;

@@ -5,13 +5,13 @@
 namespace hapton {
 namespace {
 
-// Arm's length to a desk display, and the largest sphere that is comfortably looked at from there.
+// Arm's length to a desk display, and the largest sphere that is comfortable to view from there.
 constexpr double kDeskDistance = 0.6;
 constexpr double kDeskRadius = 0.2;
-// A smaller one is looked at from nearer, in proportion: seen from the desk's distance its pixels would be smaller than what single
-// precision, in which the picture is drawn, tells apart there.
+// A smaller one is viewed from nearer, in proportion: from the desk's distance its pixels would be below the resolution of single
+// precision.
 constexpr double kSmallRadius = 0.002;
-// A little air around what is framed.
+// A small margin round the framed object.
 constexpr double kMargin = 1.06;
 
 Vec3 eye_in_view(const StereoScreen& screen, Eye eye) {

@@ -30,13 +30,13 @@ enum class StereoMode {
   emulate
 };
 
-// The word for it on the command line.
+// Its name on the command line.
 std::string_view stereo_mode_name(StereoMode mode);
 
-// Every word that --stereo takes.
+// All names that --stereo accepts.
 std::vector<std::string> stereo_mode_names();
 
-// Error: a word that names no mode; the line lists those that do.
+// Error: an unknown name; the line lists the known ones.
 Result<StereoMode> find_stereo_mode(std::string_view name);
 
 }  // namespace hapton

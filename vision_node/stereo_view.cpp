@@ -150,7 +150,7 @@ struct StereoView::Window {
   StereoMode mode = StereoMode::mono;
   bool has_quad = false;
   bool swapped = false;
-  // The window dies after what is drawn in it.
+  // The window is destroyed after what is drawn in it.
   vtkNew<vtkRenderWindow> window;
   std::unique_ptr<WindowListener> listener;  // none off screen
   std::vector<std::unique_ptr<EyeView>> eyes;
@@ -201,7 +201,7 @@ Result<void> StereoView::Window::open() {
   return {};
 }
 
-// The renderers that the mode needs, in place of those there are.
+// Creates the renderers that the mode needs, replacing the present ones.
 void StereoView::Window::arrange() {
   for (const auto& eye : eyes) {
     eye->renderer->RemoveAllObservers();
@@ -247,7 +247,7 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   probe->add_to(renderer);
   other_probe->add_to(renderer);
   if (!settings.plain) view->hud.add_to(renderer);
-  // Runs as each pass of each picture begins, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
+  // Runs at the beginning of each pass of each picture, when VTK has chosen the eye and knows the viewport's size: nothing can be stale.
   vtkNew<vtkCallbackCommand> begin_pass;
   begin_pass->SetClientData(this);
   begin_pass->SetCallback([](vtkObject* begun, unsigned long, void* self, void*) {
@@ -271,7 +271,7 @@ void StereoView::Window::begin(EyeView& view) {
   view.hud.set_pointer(points ? find_edge_pointer(screen, view.eye_now(), pixels, *p_WP) : std::nullopt, pixels);
 }
 
-// The scene of all eyes, then the newest word on what moves over it. VTK's framebuffer is bound.
+// Draws the scene of all eyes, then everything that moves. VTK's framebuffer is bound.
 void StereoView::Window::prepare() {
   std::vector<ScenePass> passes;
   for (const auto& view : eyes) {
@@ -378,7 +378,7 @@ void StereoView::draw(std::function<void()> before_probe) {
     Eye& eye = window_->eyes.front()->eye;
     eye = eye == Eye::left ? Eye::right : Eye::left;
   }
-  // VTK's way to the window is three pictures' copies by shaders; where VTK composes nothing, one is enough.
+  // VTK copies a picture to the window in three steps by shaders; if VTK composes nothing, one is enough.
   const bool is_composed = vtk_stereo_type(window_->mode) != 0;
   window_->window->SetSwapBuffers(is_composed || window_->settings.msaa > 0);
   window_->before_probe = std::move(before_probe);

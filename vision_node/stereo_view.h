@@ -38,27 +38,27 @@ struct Picture {
   const std::uint8_t* at(int x, int y) const { return &rgb[3 * (static_cast<std::size_t>(y) * size.width_px + x)]; }
 };
 
-// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD. The scene is drawn when
-// it looks different and kept; probe and HUD are drawn over it.
-// side_by_side draws two viewports, each eye with its own view and off-axis projection matrix. All other modes are composed by VTK, whose
-// own eye matrices are replaced by ours for each eye's pass: so every mode shows the same two pictures.
-// Threads: all calls from the one that opened it. RT: no.
+// The window with the stereo picture: static scene flat shaded under one infinite light, probe, force arrow, HUD. The scene
+// is drawn when it looks different and kept; probe and HUD are drawn over it. side_by_side draws two viewports, each eye with
+// its own view and off-axis projection matrix. All other modes are composed by VTK, whose own eye matrices are replaced by
+// ours for each eye's pass: so every mode shows the same two pictures. Threads: all calls from the one that opened it. RT:
+// no.
 class StereoView {
  public:
-  // Error: no display (see display.h), crystal_eyes on one that cannot do it, a window that OpenGL refuses.
+  // Error: no display (see display.h), crystal_eyes on one that does not support it, a window that OpenGL rejects.
   static Result<std::unique_ptr<StereoView>> open(const ViewSettings& settings, const std::vector<ShownObject>& objects);
   ~StereoView();
 
   void set_scene_pose(const Pose& X_WS);
-  // Another view of it. Sizes of what is drawn for the probe stay as they began.
+  // Sets another view. The sizes of the probe's drawing keep their initial values.
   void set_framing(const Framing& framing);
-  // Error: crystal_eyes where the display cannot do it. automatic: what it came to at the start.
+  // Error: crystal_eyes where the display does not support it. automatic: the mode chosen at the start.
   Result<void> set_stereo(StereoMode mode);
-  // The left eye's picture for the right eye and back, in all modes that show two eyes.
+  // Exchanges the two eyes' pictures, in all modes that show two eyes.
   void swap_eyes();
   // Nothing is drawn for the probe before the first call.
   void set_probe(const ProbeShown& probe);
-  // Of another hand; the same holds.
+  // Of another hand, likewise.
   void set_other_probe(const ProbeShown& probe);
   void set_hud(std::string_view facts, std::string_view help);
   void set_cull(bool cull);
@@ -66,30 +66,30 @@ class StereoView {
   // The probe's true radius; 0: a point, drawn as a pin.
   void set_probe_radius(double radius_m);
 
-  // The surface of the scene that is seen at that pixel of the window, from the lower left corner, in the newest picture; none where
-  // nothing of the scene is. Frame W. None as well while the window is drawn with smoothed edges.
+  // The visible point of the scene at that pixel of the window, from the lower left corner, in the newest picture; empty for background.
+  // Frame W. Empty also while the window is drawn with smoothed edges.
   std::optional<Vec3> pick(int x_px, int y_px);
 
   // The scene's surface as the first eye sees it, in the newest picture. Null before the first one, and while edges are smoothed.
   std::shared_ptr<const SurfaceSeen> surface_seen();
 
-  // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: what it sets of the probe and
-  // the HUD is in the picture.
+  // Draws and waits until it is done. before_probe is called when the scene is drawn and the probe is not: the probe and HUD that it sets
+  // are in the picture.
   void draw(std::function<void()> before_probe = {});
 
-  // Spends some milliseconds on a picture of the scene in full detail, to be called while it rests. True when the next draw() shows more
-  // than the last.
+  // Spends some milliseconds on a picture of the scene in full detail; call it while the scene is at rest. True if the next draw() shows
+  // more than the last.
   bool refine();
   // How much of the scene's levels of detail has been made, 0 to 1.
   double detail_progress() const;
-  // Of the newest picture of the scene that was drawn in levels, one eye's.
+  // Of the newest picture of the scene drawn in levels, one eye's.
   const PaintCount& paint_count() const;
-  // How often the scene has been drawn, each eye's picture counted.
+  // Number of drawings of the scene, each eye's picture counted.
   std::uint64_t scenes_drawn() const;
 
   // The newest picture, as drawn.
   Picture read_picture();
-  // The same picture, drawn once more with its edges smoothed. Error: a file that cannot be written.
+  // The same picture, drawn once more with smoothed edges. Error: a file that cannot be written.
   Result<void> save_png(const std::filesystem::path& file);
 
   // What happened in the window since the last call.
@@ -103,7 +103,7 @@ class StereoView {
   PictureSize picture_size() const;
   StereoScreen screen() const;
   const ProbeSizes& probe_sizes() const;
-  // Who draws, for reports: OpenGL's renderer string.
+  // OpenGL's renderer string, for reports.
   std::string renderer_name();
 
  private:

@@ -14,7 +14,7 @@ class SurfaceSeen {
   // depths: OpenGL's, 0 to 1, by rows from the lower left corner; 1 where there is nothing.
   SurfaceSeen(const StereoScreen& screen, Eye eye, PictureSize size, std::vector<float> depths);
 
-  // Of the surface at that pixel; infinite where there is nothing, and out of the picture.
+  // Of the surface at that pixel; infinite for background, and outside the picture.
   double depth_m(const Vec2& pixel) const;
   // None where there is nothing.
   std::optional<Vec3> find(const Vec2& pixel) const;

@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-// The number stands in a byte beside a vertex's colour, and 0 is none.
+// The number is a byte beside a vertex's colour, and 0 means none.
 constexpr std::size_t kMostLayers = 255;
-// Of all layers of one mesh; more is not seen in a picture of a few megapixels.
+// Of all layers of one mesh; more is invisible in a picture of a few megapixels.
 constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 constexpr int kMostSide = 4096;
 

@@ -15,7 +15,7 @@ namespace hapton {
 // image repeats beyond its edges. Threads: the window's; its context is current, at the end as well.
 class TextureLayers {
  public:
-  // Of the images that some material of the look uses. Those that cannot be decoded have no layer; notes says why. Null: there are none.
+  // Of the images that the look's materials use. Those that cannot be decoded have no layer; notes says why. Null: there are none.
   static std::unique_ptr<TextureLayers> make(const MeshLook& look, std::vector<std::string>& notes);
   ~TextureLayers();
   TextureLayers(const TextureLayers&) = delete;
@@ -23,7 +23,7 @@ class TextureLayers {
 
   // Of each image of the look; from 1, 0: none.
   const std::vector<std::uint8_t>& layer_of() const { return layer_of_; }
-  // For what is drawn next, in the texture unit that is active. unit(): its number.
+  // For the next drawing, in the active texture unit. unit(): its number.
   void bind() const;
   static void unbind();
   static int unit();

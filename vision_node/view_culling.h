@@ -7,13 +7,13 @@
 
 namespace hapton {
 
-// What an eye can see of a level's clusters. All in the level's frame U, made once for each eye and picture. RT: no.
+// The visibility of a level's clusters for an eye. All in the level's frame U, made once for each eye and picture. RT: no.
 class ViewCulling {
  public:
   // clip: U to clip coordinates; p_UE: the eye. without_backs: triangles seen from behind are not drawn.
   ViewCulling(const Mat4& clip, const Vec3& p_UE, bool without_backs);
 
-  // False where no triangle of the cluster shows in the picture; true may be wrong.
+  // False if no triangle of the cluster is in the picture; true may be wrong.
   bool may_see(const DetailCluster& cluster) const;
 
  private:

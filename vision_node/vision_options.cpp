@@ -50,7 +50,7 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
   app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
-  app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node must be told the same");
+  app.add_flag("--no-fit", no_fit, "Leave a mesh file where and as large as it is; haptics_node needs the same option");
   app.add_option("--unit", unit, "What a mesh file's numbers are in: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_option("--stereo", stereo,
                  fmt::format("One of: {}. auto: quad-buffer where the display can, else mono",

@@ -31,7 +31,7 @@ struct VisionOptions {
   double probe_radius_m = -1.0;  // below 0: as the haptics node says
   double view_mm = 0.0;          // 0: as the scene needs
   double ipd_mm = 63.0;
-  double rate_limit_hz = -1;  // below 0: chosen by who draws
+  double rate_limit_hz = -1;  // below 0: chosen by the renderer
   double seconds = 0.0;       // 0: until the window is closed
   int bench_frames = 0;
   bool help = true;

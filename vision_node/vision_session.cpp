@@ -15,7 +15,7 @@ namespace {
 
 // How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without an answer, before a person is told
+constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 VisionStepSettings make_step_settings(const StereoView& view, const VisionOptions& options) {
@@ -34,7 +34,7 @@ VisionStepSettings make_step_settings(const StereoView& view, const VisionOption
   return settings;
 }
 
-// What m goes through: an ordinary screen, two pictures, coloured glasses.
+// The modes that the key m cycles through: an ordinary screen, two pictures, coloured glasses.
 StereoMode next_stereo(StereoMode mode) {
   switch (mode) {
     case StereoMode::mono:
@@ -88,7 +88,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     hear_hub(std::min(clock_.now_ns() + kTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
-    // Before drawing: what was just heard is fresh, so what looks lost is lost, and nothing waits for a slow picture.
+    // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
     speak();
     if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
@@ -194,7 +194,7 @@ void VisionSession::change_stereo(const UserRequests& requests) {
   step_.set_stereo(stereo_mode_name(view_.mode()), view_.mode() == StereoMode::emulate);
 }
 
-// The hand moves on, and what it is pulled to with it.
+// Moves the hand towards the pointer's position.
 void VisionSession::lead_hand() {
   if (step_.interaction().hand_active()) step_.lead_hand(view_.surface_seen().get());
 }
@@ -298,10 +298,10 @@ class BenchProbe {
 
 std::string run_bench(StereoView& view, Clock& clock, int frames) {
   const std::int64_t first_ns = clock.now_ns();
-  view.draw();  // the first picture builds shaders
+  view.draw();  // the first frame builds shaders
   const double first_ms = static_cast<double>(clock.now_ns() - first_ns) * 1e-6;
   Dials dials;
-  // Levels of detail are made once; what is asked for is how fast it draws with them.
+  // Levels of detail are made once; the bench measures drawing with them.
   while (view.detail_progress() < 1.0) clock.sleep_until_ns(clock.now_ns() + kTurnNs);
   FrameLog log;
   const auto turn_and_draw = [&](FrameLog& into, const std::function<void()>& before_probe) {

@@ -17,7 +17,7 @@ namespace hapton {
 // Opens the window on the scene as the options say. Error: see StereoView::open.
 Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions& options);
 
-// Pictures a second at most: what was asked for, else 60, or 30 when the CPU draws and haptics may live on it.
+// The limit of frames a second: the requested one, otherwise 60, or 30 if the CPU draws and haptics may run on it.
 double choose_rate_limit(const VisionOptions& options, std::string_view renderer_name);
 
 // One vision node at work: hub, window and VisionStep joined in one loop. RT: no.
@@ -31,10 +31,10 @@ class VisionSession {
   // Another hand to show. Pre: it outlives the session.
   void set_other_hand(OtherHand* other) { other_ = other; }
 
-  // Which scene is shown (Scene::given_hash), to be compared with the one that is felt.
+  // The scene that is shown (Scene::given_hash), to be compared with the haptic one.
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
 
-  // Until the window is closed, the time is up or a signal asks. Error: a screenshot that could not be written.
+  // Runs until the window is closed, the time is over or a signal requests the stop. Error: a screenshot that could not be written.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return step_; }
@@ -68,18 +68,18 @@ class VisionSession {
   ScreenshotMoment moment_;
   std::uint64_t scene_hash_ = 0;
   bool is_other_scene_ = false;
-  std::int64_t next_scene_ns_ = 0;  // when the hub is told of ours again
+  std::int64_t next_scene_ns_ = 0;  // when ours is sent to the hub again
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
   bool quit_ = false;
   bool told_absent_ = false;
   int screenshots_ = 0;
   std::int64_t start_ns_ = 0;
-  double probe_radius_m_ = 0.0;  // that the haptics node feels with
+  double probe_radius_m_ = 0.0;  // of the haptics node
   std::int64_t heard_ns_ = 0;    // when the state came that is drawn next
 };
 
-// Draws that many pictures flat out, the dials turning, once all levels of detail are made, and says how fast it went.
+// Draws that many frames without pause, the dials turning, once all levels of detail are made, and returns the rate as text.
 std::string run_bench(StereoView& view, Clock& clock, int frames);
 
 }  // namespace hapton

@@ -9,12 +9,12 @@
 namespace hapton {
 namespace {
 
-// Numbers that change faster than this cannot be read, and must not cause pictures.
+// Numbers that change faster cannot be read, and must not cause frames.
 constexpr std::int64_t kHudPeriodNs = 400'000'000;
-// A picture that is drawn anyway brings newer figures along, at a pace that can still be read.
+// A frame that is drawn anyway shows newer numbers, at a rate that can still be read.
 constexpr std::int64_t kHudRefreshNs = 100'000'000;
 
-// A scene that has not been turned for so long is looked at.
+// A scene that has not been turned for this long is at rest.
 constexpr std::int64_t kRestNs = 150'000'000;
 
 }  // namespace

@@ -15,32 +15,32 @@
 namespace hapton {
 
 struct VisionStepSettings {
-  Vec3 p_WC = Vec3::Zero();   // workspace centre: what the dials turn about
+  Vec3 p_WC = Vec3::Zero();   // workspace centre, about which the dials turn
   Dials dials;                // at the start
-  double max_rate_hz = 60.0;  // pictures a second; 0: as many as can be drawn
+  double max_rate_hz = 60.0;  // frames a second; 0: no limit
   Quat stylus_lean = Quat::Identity();
   bool always_changing = false;  // draw even when nothing moved: modes that alternate the eyes
   bool cull = true;
   bool help = true;
   bool depth_cues = true;
   std::string stereo;        // the mode's name, for the HUD
-  Framing home;              // how the picture begins
+  Framing home;              // the initial view
   Vec3 p_SO = Vec3::Zero();  // a sphere around the scene
   double scene_radius_m = 0.0;
-  double threshold_px = 0.5;  // motion below this is not worth a picture
+  double threshold_px = 0.5;  // smaller motion causes no frame
 };
 
-// All that the vision node decides, without a window, socket or clock: what the hub said and the person did go in; when to draw, what
-// to draw and what to send come out. Times: any one monotonic clock, ns. RT: no.
+// All decisions of the vision node, without a window, socket or clock. Inputs: messages of the hub and the user's requests; outputs: when
+// to draw, what to draw and what to send. Times: any one monotonic clock, ns. RT: no.
 class VisionStep {
  public:
-  // How the picture lies in the world just now.
+  // The present position of the picture in the world.
   struct Screen {
     StereoScreen screen;
     PictureSize picture;
     ProbeSizes sizes;
   };
-  // All that the next picture shows.
+  // Content of the next frame.
   struct Shown {
     Pose X_WS = Pose::Identity();
     Framing framing;
@@ -53,20 +53,20 @@ class VisionStep {
 
   explicit VisionStep(VisionStepSettings settings);
 
-  // The newest of what has come. Pre: never older than the one before (newest wins at the caller).
+  // The newest state received. Pre: never older than the one before (newest wins at the caller).
   void hear(const ProbeState& state);
   // The hub rejected a view transform of ours: one line in the log for each.
   void hear(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
   // The hub was joined, for the first time or again.
   void joined();
-  // The hub has fallen silent.
+  // The hub no longer replies.
   void lost() {
     connected_ = false;
     preparing_s_ = 0.0;
   }
   // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
-  // The hand that is held goes on its way to where the pointer is. seen: the picture of the scene; null: it goes straight there.
+  // Moves the held hand on towards the pointer. seen: the picture of the scene; null: it goes straight there.
   void lead_hand(const SurfaceSeen* seen);
   // Whether handle() would use the surface under the pointer.
   bool wants_surface(const WindowEvent& event) const;
@@ -78,31 +78,31 @@ class VisionStep {
   UserRequests take_requests();
   // The mode of stereo is another one from now on.
   void set_stereo(std::string_view name, bool always_changing);
-  // haptics_node builds what it feels with, for so long now; 0: it is done.
+  // haptics_node has been building its scene for this long; 0: it is done.
   void set_preparing(double seconds) { preparing_s_ = seconds; }
   void set_detail_progress(double progress) { detail_progress_ = progress; }
 
-  // What is to be sent now, one message a call until none is left: view transform, hand target.
+  // The next message to send; call until empty: view transform, hand target.
   std::optional<Message> take_message(std::int64_t now_ns);
 
-  // True when the picture there is no longer shows how things are, and the rate allows another one.
+  // True if the present picture is outdated, and the rate allows another frame.
   bool wants_picture(std::int64_t now_ns, const Screen& where);
-  // The rate allows a picture now, whoever wants one.
+  // Whether the rate allows a frame now.
   bool may_draw(std::int64_t now_ns) const;
   Shown compose(std::int64_t now_ns);
-  // The newest probe, for a picture that is being drawn.
+  // The newest probe, for a frame that is being drawn.
   std::optional<ProbeShown> newest_probe() const;
   // Nothing but the probe has moved for long enough that the scene is worth drawing in full detail.
   bool is_scene_at_rest(std::int64_t now_ns) const;
-  // The picture of the last compose() is in the window. Returns what the hub is to be told of it.
+  // The frame of the last compose() is in the window. Returns its acknowledgement for the hub.
   std::optional<Drawn> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
-  // How old the probe of that picture was when it was in the window.
+  // Records the age of that frame's probe when it was in the window.
   void record_motion(std::int64_t motion_to_photon_ns) { frames_.moved(motion_to_photon_ns); }
-  // What the hub is to be told of a state that wants_picture() found to look the same; once for each.
+  // The acknowledgement of a state that wants_picture() found to look the same; once for each.
   std::optional<Drawn> take_unseen();
 
   Pose scene_pose() const { return interaction_.dials().compute_pose(settings_.p_WC); }
-  // Whether haptics_node feels another scene than the one shown.
+  // Whether haptics_node has another scene than the one shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
@@ -122,7 +122,7 @@ class VisionStep {
   bool connected_ = false;
   bool is_other_scene_ = false;
   bool stale_ = true;
-  bool moved_ = false;   // a new state has come since the last picture
+  bool moved_ = false;   // a new state has come since the last frame
   bool unseen_ = false;  // and would look the same
   bool cull_;
   bool help_;

@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// Hears keys, mouse and changes of a window. Threads: the window's. RT: no.
+// Receives keys, mouse and changes of a window. Threads: the window's. RT: no.
 class WindowListener {
  public:
   explicit WindowListener(vtkRenderWindow* window);

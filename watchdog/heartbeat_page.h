@@ -33,7 +33,7 @@ struct HeartbeatPage {
 
   std::atomic<std::uint32_t> is_cut_within{0};  // ... and whether io_node has cut them itself
 
-  // io_node, whoever opens the device. generation is odd while it is written.
+  // io_node, or another process that opens the device. generation is odd while it is written.
   std::atomic<std::uint32_t> generation{0};
   std::atomic<CutMeans> means{CutMeans::none};
   std::array<std::atomic<char>, kMostPath> path{};              // of the HID device, ends with 0

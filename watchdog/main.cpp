@@ -1,7 +1,7 @@
 // hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and takes the force
-// away when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. Two threads look: one
-// with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is refused, an ordinary one, which runs when
-// the kernel throttles the first or another real-time program has run wild.
+// away when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. It checks from two
+// threads: one with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is denied, an ordinary one, which
+// runs when the kernel throttles the first or another real-time program uses all CPU time.
 #include <fmt/core.h>
 #include <poll.h>
 #include <signal.h>

@@ -51,7 +51,7 @@ class ForceCutter {
 
   // Opens the device as soon as the page names it, so that nothing needs opening in an emergency. Call periodically.
   void prepare() noexcept;
-  // True: done, as far as this process can tell.
+  // True: the force is off, as far as this process can see.
   bool cut() noexcept;
   std::string describe() const;
 

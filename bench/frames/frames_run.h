@@ -37,14 +37,14 @@ struct FramesRow {
   FramesRate hapton;
   double first_frame_ms = 0.0;  // from the mesh in memory to the first frame in the window
   double levels_s = 0.0;        // until all levels of detail are made
-  double probe_hz = 0.0;        // frames a second while the scene rests and the probe moves
+  double probe_hz = 0.0;        // frames per second while the scene is at rest and the probe moves
   double probe_cpu_ms = 0.0;
   std::size_t shown_triangles = 0;  // of the level that was drawn while the scene turned
   double error_px = 0.0;            // how far it lies from the mesh
   double ratio() const { return plain.hz > 0.0 ? hapton.hz / plain.hz : 0.0; }
 };
 
-// 1280 x 720, two eyes side by side. The two programs take turns, so that what else the machine does meets both. Error: no display.
+// 1280 x 720, two eyes side by side. The two programs alternate, so that other load of the machine affects both. Error: no display.
 Result<FramesRow> run_frames(const FramesMesh& mesh, const FramesSettings& settings);
 
 std::string describe_frames(const std::vector<FramesRow>& rows);

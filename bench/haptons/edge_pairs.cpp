@@ -15,7 +15,7 @@ class PairMaker {
  public:
   explicit PairMaker(const EdgePairSettings& settings) : settings_(settings), random_(settings.seed) {}
 
-  // Both edges 0-1 go through one point X; b is then pushed along the planes' common line into a. Empty: this draw does not fit.
+  // Both edges 0-1 pass through one point X; b is then moved along the planes' common line into a. Empty: this draw does not fit.
   std::optional<TrianglePair> draw() {
     Corners a = make_triangle();
     Corners b = make_triangle();

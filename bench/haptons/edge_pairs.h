@@ -18,10 +18,10 @@ struct EdgePairSettings {
   double deepest = 1e-1;
 };
 
-// Pairs of random triangles that collide on edge: an edge of one has gone through an edge of the other, so that each of the two pierces
-// the other triangle just inside its border, and the contact is short. Memo 3.0: "the triangles should be colliding on edge
-// since this is the most stressing case". Checked in extended precision: exactly one piercing edge of each. No angle of a triangle is below
-// 10 degrees and the planes cross at 10 degrees or more. RT: no.
+// Pairs of random triangles that collide on edge: an edge of one has passed through an edge of the other, so that each pierces the other
+// triangle just inside its boundary, and the contact is short. Memo 3.0: "the triangles should be colliding on edge since this is the most
+// stressing case". Checked in extended precision: exactly one piercing edge of each. No angle of a triangle is below 10 degrees and the
+// planes cross at 10 degrees or more. RT: no.
 std::vector<TrianglePair> make_edge_pairs(const EdgePairSettings& settings);
 
 }  // namespace hapton

@@ -13,7 +13,7 @@ struct ExtendedContact {
   using Real = long double;
   using Point = Eigen::Matrix<Real, 3, 1>;
 
-  int count = 0;  // piercing points; 2 for pairs in general position that meet
+  int count = 0;  // piercing points; 2 for intersecting pairs in general position
   std::array<Point, 6> point;
   std::array<bool, 6> on_edge_of_a;
 };

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// FCL names points where a triangle is deepest in the other, not the segment they share. Judged kindly: the nearest of its points to that
+// FCL returns points where a triangle is deepest in the other, not the segment they share. Evaluated favourably: the point nearest to that
 // segment.
 double kind_error(std::span<const Vec3> points, const TrianglePair& pair) {
   const ExtendedContact exact = intersect_extended(pair);

@@ -36,7 +36,7 @@ class ScalarCollider final : public PairCollider {
   std::vector<TriangleContact> contacts_;
 };
 
-// From blocks as a mesh prepared for collision keeps them; lanes that are unclear are asked again in double within the same time.
+// From blocks, as a mesh prepared for collision stores them; undecided lanes are repeated in double within the measured time.
 class BlockCollider final : public PairCollider {
  public:
   explicit BlockCollider(const Pairs& pairs) : pairs_(pairs), blocks_(pairs.size() / 8), found_(blocks_.size()), again_(pairs.size()) {
@@ -105,7 +105,7 @@ double at_quantile(const std::vector<double>& sorted_ns, double q) {
   return sorted_ns[static_cast<std::size_t>(q * last + 0.5)];
 }
 
-// Once through all pairs to have them in the cache, as a haptic loop has what it touches; then, timed, again and again for a few
+// Once through all pairs to load the cache, as in a haptic loop; then timed repetitions for a few
 // milliseconds.
 void take_turn(PairCollider& collider, const Stopwatch& watch, const HaptonRunSettings& settings, std::vector<double>& batch_ns) {
   constexpr double kTurnNs = 5e6;

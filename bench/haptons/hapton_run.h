@@ -12,30 +12,30 @@
 
 namespace hapton {
 
-// What the memo says of its own machine (4.1): "performed at the 1 hapton level but is capable of approximately 5 haptons".
+// The memo's figure for its own machine (4.1): "performed at the 1 hapton level but is capable of approximately 5 haptons".
 constexpr double kMemoHaptons = 1.0;
 constexpr double kMemoCapableHaptons = 5.0;
 constexpr double kHaptonAccuracy = 1e-3;  // memo 3.0: "to a spatial accuracy of 0.1% or better"
 
-// One way to collide triangle pairs.
+// An algorithm that collides triangle pairs.
 class PairCollider {
  public:
   virtual ~PairCollider() = default;
   virtual std::string name() const = 0;
   virtual std::string what() const = 0;  // for people: what is timed
   virtual bool is_peer() const = 0;      // not ours
-  // Where in the pairs it was given the timed work goes on. Pre: first and count are multiples of 8.
+  // Does the timed work from `first` of the given pairs on. Pre: first and count are multiples of 8.
   virtual void collide(std::size_t first, std::size_t count) = 0;
   // How far, as a part of the smaller triangle, the contact found last for a pair is from the exact one; negative: it found none.
   virtual double location_error(std::size_t pair) const = 0;
-  // Of all pairs: how many a fast way had to hand to a slower one.
+  // The number of pairs that a fast algorithm passed to a slower one.
   virtual std::size_t asked_again() const { return 0; }
 };
 
 // Scalar, eight at once from prepared blocks, eight at once from meshes, and what there is of FCL.
 std::vector<std::unique_ptr<PairCollider>> make_pair_colliders(const std::vector<TrianglePair>& pairs);
 
-// FCL's own two ways, empty where it was not built in. The first is its triangle test alone, the second fcl::collide on two meshes.
+// FCL's two algorithms, empty if it was not built in. The first is its triangle test alone, the second fcl::collide on two meshes.
 std::vector<std::unique_ptr<PairCollider>> make_fcl_colliders(const std::vector<TrianglePair>& pairs);
 
 // A collider's rate and accuracy. Haptons are pairs a millisecond on one core.
@@ -50,7 +50,7 @@ struct HaptonResult {
   std::size_t checked = 0;   // pairs compared with extended precision in this run: all of them
   std::size_t missed = 0;    // of those, found apart
   std::size_t off = 0;       // of those, located worse than 0.1 %
-  double worst_error = 0.0;  // of what was found, as a part of the smaller triangle
+  double worst_error = 0.0;  // of the located contacts, as a share of the smaller triangle
   std::size_t asked_again = 0;
 
   bool holds() const { return missed == 0 && off == 0; }
@@ -70,8 +70,8 @@ struct HaptonRun {
   bool holds() const;  // all of ours found every pair, located to 0.1 %
 };
 
-// Times all colliders in turn, some milliseconds each, so that what else the machine does meets all alike, on one pinned CPU.
-// Pre: settings.pairs.count is a multiple of settings.batch, batch of 8. RT: no.
+// Times all colliders in turn, some milliseconds each, so that other load affects all alike, on one pinned CPU. Pre: settings.pairs.count
+// is a multiple of settings.batch, batch of 8. RT: no.
 HaptonRun measure_haptons(const HaptonRunSettings& settings);
 
 std::string to_text(const HaptonRun& run);

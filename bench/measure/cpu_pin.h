@@ -13,7 +13,7 @@ class CpuPin {
   CpuPin(const CpuPin&) = delete;
   CpuPin& operator=(const CpuPin&) = delete;
 
-  int cpu() const { return cpu_; }  // -1: the system refused
+  int cpu() const { return cpu_; }  // -1: the system denied it
 
  private:
   cpu_set_t before_ = {};

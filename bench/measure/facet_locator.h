@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// Tells how many facets a proxy crosses, from its path alone and outside all timing, so that any method can be asked.
+// Counts the facets that a proxy crosses, from its path alone and outside all timing, so that it works for any method.
 class FacetLocator {
  public:
   // Pre: the mesh outlives it.
@@ -17,8 +17,8 @@ class FacetLocator {
   // The triangle nearest to p; the lower one of two at the same distance.
   std::uint32_t find_nearest(const Vec3& p) const;
 
-  // Changes of the nearest triangle at kSamples equal parts of the way. Facets that are passed between two of them are missed, so this is
-  // the least number crossed.
+  // Changes of the nearest triangle at kSamples equal parts of the path. Facets passed between two of them are missed, so this is a lower
+  // bound.
   std::uint64_t count_crossed(const Vec3& from, const Vec3& to) const;
 
   static constexpr int kSamples = 8;

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Bytes of heap in use by the whole program, with what the allocator keeps beside each block. Differences tell what a structure holds.
+// Bytes of heap in use by the whole program, including the allocator's overhead. Differences give the size of a structure.
 std::size_t read_live_heap_bytes();
 
 }  // namespace hapton

@@ -77,8 +77,9 @@ std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, con
            [](const MeshFigures& f) { return 100.0 * f.error.error.rms; });
   add_pair(errors, "p99", "%", std::nullopt, "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.p99; });
   add_pair(errors, "max", "%", goal(0.1), "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.most; });
-  const auto bad =
-      sum([](const MeshFigures& f) { return f.error.falls + f.error.ghosts + f.error.locks + f.error.pops + f.error.not_finite; });
+  const auto bad = sum([](const MeshFigures& f) {
+    return f.error.fall_throughs + f.error.false_contacts + f.error.stuck_steps + f.error.discontinuities + f.error.not_finite;
+  });
   add({errors, "falls, ghosts, locks, pops", "", 0.0, false, "", {}, static_cast<double>(bad), windows});
   return rows;
 }

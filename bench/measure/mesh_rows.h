@@ -10,7 +10,7 @@ namespace hapton {
 // The rows of one mesh: the rough sphere, whose goals these are.
 std::vector<NumberRow> rows_of_mesh(const MeshFigures& figures, const MeshRunSettings& settings);
 
-// Each figure's median and worst mesh, and what is counted over all of them. Pre: not empty, of one probe, all with or all without
+// Median and worst mesh of each quantity, and totals over all meshes. Pre: not empty, of one probe, all with or all without
 // friction.
 std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings);
 

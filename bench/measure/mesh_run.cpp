@@ -26,12 +26,12 @@ struct Slide {
 };
 
 struct Windows {
-  std::vector<FeltStep> method, reference;  // one window after the other, all of the same length
+  std::vector<ForceSample> method, reference;  // one window after the other, all of the same length
 };
 
-// Where windows begin: contact steps that have a whole window left before the next reset. Under friction only those in which the proxy has
-// just moved: of one that rests nobody can tell whether it sticks or has merely stopped sliding.
-std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings,
+// Where windows begin: contact steps with a whole window before the next reset. Under friction only those in which the proxy has just
+// moved: for a stationary one it is unknown whether it sticks or has only stopped sliding.
+std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
                                        double least_move_m) {
   std::vector<std::size_t> possible;
   const std::size_t piece = slide.trajectory.reset_every;
@@ -45,7 +45,7 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<Fel
   return starts;
 }
 
-void judge_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<FeltStep>& felt, const MeshRunSettings& settings,
+void judge_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
                    double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
     reference.resume(felt[start].proxy, felt[start].device, true);
@@ -64,7 +64,7 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
   return settings;
 }
 
-std::uint64_t count_facets(const FacetLocator& locator, const Slide& slide, const std::vector<FeltStep>& felt) {
+std::uint64_t count_facets(const FacetLocator& locator, const Slide& slide, const std::vector<ForceSample>& felt) {
   std::uint64_t crossed = 0;
   for (std::size_t i = 1; i < felt.size(); ++i) {
     if (i % slide.trajectory.reset_every == 0 || felt[i].force_n.isZero(0.0) || felt[i - 1].force_n.isZero(0.0)) continue;
@@ -155,7 +155,7 @@ MedianAndWorst over_meshes(const std::vector<MeshFigures>& figures, const std::f
     result.worst = values.back();
     result.worst_mesh = one.mesh;
   }
-  // Of an even number the upper of the two in the middle: no figure that nobody measured.
+  // For an even number the upper of the two in the middle, so that it is a measured value.
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   result.median = values[values.size() / 2];
   return result;
@@ -177,8 +177,8 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
         ",{},{},{},{}\n",
         f.mesh, f.triangles, f.probe_radius_m, f.friction ? 1 : 0, t.count, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns,
         f.free_p50_ns, f.over_10us, f.over_50us, f.over_100us, f.facets_crossed, f.ns_per_facet, e.steps, e.contact_steps,
-        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.falls, e.ghosts,
-        e.locks, e.pops, e.not_finite);
+        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.fall_throughs,
+        e.false_contacts, e.stuck_steps, e.discontinuities, e.not_finite);
   }
   return text;
 }
@@ -211,10 +211,10 @@ Json to_json(const std::vector<MeshFigures>& figures) {
                    {"force_error", {{"rms", e.error.rms}, {"p50", e.error.p50}, {"p99", e.error.p99}, {"max", e.error.most}}},
                    {"branch_switches", e.branch_switches},
                    {"switched_steps", e.switched_steps},
-                   {"falls", e.falls},
-                   {"ghosts", e.ghosts},
-                   {"locks", e.locks},
-                   {"pops", e.pops},
+                   {"falls", e.fall_throughs},
+                   {"ghosts", e.false_contacts},
+                   {"locks", e.stuck_steps},
+                   {"pops", e.discontinuities},
                    {"not_finite", e.not_finite}});
   }
   return all;

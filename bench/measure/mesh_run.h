@@ -22,11 +22,11 @@ struct MeshRunSettings {
   std::vector<std::uint64_t> seeds = {1, 2, 3, 4, 5, 6};  // of the slides
   std::size_t steps = 20000;                              // of each slide
   std::vector<double> probe_radii_m = {0.0, 0.0005};
-  // Static and dynamic; those of the quoted CHAI3D figures.
+  // Static and dynamic; those of the quoted CHAI3D values.
   double friction_static = 0.5;
   double friction_dynamic = 0.4;
   int repetitions = 3;            // the least time of each step counts
-  std::size_t windows = 4;        // of each slide, judged against the reference
+  std::size_t windows = 4;        // of each slide, compared with the reference
   std::size_t window_steps = 40;  // of a window
 };
 
@@ -46,9 +46,9 @@ struct MeshFigures {
 
 // Measures method `proxy` over a mesh: slides of every seed, each probe, without and with friction.
 //
-// The errors are those of windows of consecutive steps. The seed chooses where a window begins among the contact steps; the reference goes
-// on there from the proxy's own state, so a branch switch before the window is forgiven, and one within it counts to the window's end.
-// Nothing is re-synchronised within a window. Error: a trajectory or method that cannot be made.
+// The errors are those of windows of consecutive steps. The seed chooses where a window begins among the contact steps; the reference
+// continues there from the proxy's own state, so a branch switch before the window does not count, and one within it counts to the window's
+// end. Nothing is re-synchronised within a window. Error: a trajectory or method that cannot be made.
 Result<std::vector<MeshFigures>> measure_mesh(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
                                               const std::function<void(const std::string&)>& progress);
 

@@ -65,17 +65,17 @@ Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& bud
   if (!method) return tl::unexpected(method.error());
   const std::size_t grown = read_live_heap_bytes();
   TouchStep touch(std::move(*method));
-  MethodTiming timing = time_touch(watch, budget, touch, trajectory, [](FeltStep&) {});
+  MethodTiming timing = time_touch(watch, budget, touch, trajectory, [](ForceSample&) {});
   timing.build_ms = 1e-6 * build_ns;
   timing.bytes = grown > heap ? grown - heap : 0;
   return timing;
 }
 
-Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
+Result<std::vector<ForceSample>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
   auto method = make_method(settings, scene);
   if (!method) return tl::unexpected(method.error());
   TouchStep touch(std::move(*method));
-  std::vector<FeltStep> felt;
+  std::vector<ForceSample> felt;
   felt.reserve(trajectory.p_SD.size());
   for (std::size_t i = 0; i < trajectory.p_SD.size(); ++i) {
     TouchInput input;
@@ -97,7 +97,7 @@ TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows) 
   return heads;
 }
 
-ForceError ReferenceRun::judge(const std::vector<FeltStep>& felt_by_method) const {
+ForceError ReferenceRun::judge(const std::vector<ForceSample>& felt_by_method) const {
   return compare_forces(felt_by_method, felt, error_settings());
 }
 
@@ -120,7 +120,7 @@ Result<ReferenceRun> run_reference(const Stopwatch& watch, const TouchScene& sce
   const std::shared_ptr<ReferenceMethod> method = std::move(*made);
   TouchStep touch(method);
   MethodTiming timing = time_touch(watch, {.repetitions = 1, .seconds = 0.0}, touch, trajectory,
-                                   [&](FeltStep& step) { step.settled = method->last_step().settled; });
+                                   [&](ForceSample& step) { step.settled = method->last_step().settled; });
   run.felt = std::move(timing.felt);
   run.time = timing.contact;
   run.description = method->describe();

@@ -12,14 +12,14 @@
 
 namespace hapton {
 
-// What the whole haptic step (core/force/touch_step.h, the live node's) costs with a method along a trajectory.
+// The cost of the whole haptic step (core/force/touch_step.h, as in the live node) with a method along a trajectory.
 struct MethodTiming {
   TimeSpread all, contact, free;  // of the least times over repetitions
   double mean_ns = 0.0;           // of all steps, no clock in between
   int repetitions = 0;
   double build_ms = 0.0;           // make_method, once
-  std::size_t bytes = 0;           // by which the heap grew while it was built: all the method holds
-  std::vector<FeltStep> felt;      // of the last repetition
+  std::size_t bytes = 0;           // growth of the heap while it was built
+  std::vector<ForceSample> felt;   // of the last repetition
   std::vector<double> contact_ns;  // the least time of each contact step
 };
 
@@ -28,22 +28,22 @@ Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& bud
                                  const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // The method's forces along the trajectory, untimed. Error: as make_method.
-Result<std::vector<FeltStep>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
+Result<std::vector<ForceSample>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
 
-// The first `rows` rows of every piece between two resets: a method that starts anew there feels the same as on the whole.
+// The first `rows` rows of every piece between two resets: a method gives the same forces there as on the whole.
 TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows);
 
 // The reference over a trajectory, for compare_forces.
 struct ReferenceRun {
   TouchTrajectory trajectory;
-  std::vector<FeltStep> felt;
+  std::vector<ForceSample> felt;
   std::string description;  // of the method: its sub-steps and how many steps settled
   TimeSpread time;          // of its contact steps, one repetition
   double extent_m = 0.0;
   double stiffness_n_per_m = 0.0;
 
-  // How a method that felt this along `trajectory` stands to it.
-  ForceError judge(const std::vector<FeltStep>& felt_by_method) const;
+  // Compares a method's output along `trajectory` with the reference.
+  ForceError judge(const std::vector<ForceSample>& felt_by_method) const;
 
  private:
   ForceErrorSettings error_settings() const;

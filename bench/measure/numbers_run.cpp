@@ -28,7 +28,7 @@ std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint6
   return std::make_shared<TriangleMesh>(scaled_and_moved(std::move(mesh), kExtent_m / extent, Vec3::Zero()));
 }
 
-// Root mean square curvature radius 0.7 mm, touched 1 to 2 mm deep; waves of 2.5 mm take ten facets at 1.31 M triangles.
+// Root mean square curvature radius 0.7 mm, touched 1 to 2 mm deep; waves of 2.5 mm have ten facets at 1.31 M triangles.
 std::shared_ptr<const TriangleMesh> make_rough(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_rough_sphere(0.049, 0.0007, 0.0025, triangles, seed);
   const double extent = compute_bounds(mesh).extent();
@@ -206,11 +206,11 @@ class Numbers {
     return {};
   }
 
-  // The same slide at every scale, felt in the mesh's own size, against the reference at scale 1.
+  // The same slide at every scale, evaluated in the mesh's own size, against the reference at scale 1.
   Result<void> measure_scales() {
     const std::size_t pieces = (slide_.p_SD.size() + slide_.reset_every - 1) / slide_.reset_every;
-    const TouchTrajectory heads = take_heads(slide_, std::max<std::size_t>(2, settings_.judged_steps / pieces));
-    std::size_t falls = 0, locks = 0, bad = 0, contact = 0;
+    const TouchTrajectory heads = take_heads(slide_, std::max<std::size_t>(2, settings_.compared_steps / pieces));
+    std::size_t fall_throughs = 0, stuck_steps = 0, bad = 0, contact = 0;
     double most_n = 0.0;
     for (const double radius : {0.0, kSphere_m}) {
       progress_(fmt::format("reference over {} steps, probe of {:g} mm", heads.p_SD.size(), 1e3 * radius));
@@ -221,11 +221,11 @@ class Numbers {
         const auto felt = feel_at_scale(std::pow(10.0, exponent), radius, heads);
         if (!felt) return tl::unexpected(felt.error());
         const ForceError error = reference->judge(*felt);
-        falls += error.falls;
-        locks += error.locks;
+        fall_throughs += error.fall_throughs;
+        stuck_steps += error.stuck_steps;
         bad += error.not_finite;
         contact += error.contact_steps;
-        for (const FeltStep& step : *felt) most_n = std::max(most_n, step.force_n.norm());
+        for (const ForceSample& step : *felt) most_n = std::max(most_n, step.force_n.norm());
       }
     }
     const std::string what =
@@ -238,7 +238,7 @@ class Numbers {
          false,
          "76 .. 100 % of contact steps (1 unit a metre)",
          {},
-         static_cast<double>(falls + bad),
+         static_cast<double>(fall_throughs + bad),
          note});
     add({"lock, frictionless slide " + what,
          "steps",
@@ -247,18 +247,18 @@ class Numbers {
          false,
          "3963 of 18500, 95 N",
          {},
-         static_cast<double>(locks),
+         static_cast<double>(stuck_steps),
          fmt::format("of {} contact steps; largest force {:.3g} N at 1000 N/m and 100 mm", contact, most_n)});
     return {};
   }
 
-  Result<std::vector<FeltStep>> feel_at_scale(double scale, double radius, const TouchTrajectory& heads) const {
+  Result<std::vector<ForceSample>> feel_at_scale(double scale, double radius, const TouchTrajectory& heads) const {
     TouchTrajectory scaled = heads;
     for (Vec3& p : scaled.p_SD) p *= scale;
     auto felt =
         feel(proxy_of(radius * scale), scene_of(std::make_shared<TriangleMesh>(scaled_and_moved(*mesh_, scale, Vec3::Zero()))), scaled);
     if (!felt) return felt;
-    for (FeltStep& step : *felt) step = {step.device / scale, step.proxy / scale, step.force_n / scale};
+    for (ForceSample& step : *felt) step = {step.device / scale, step.proxy / scale, step.force_n / scale};
     return felt;
   }
 

@@ -15,7 +15,7 @@ namespace hapton {
 struct NumbersSettings {
   std::vector<std::size_t> ladder = {5000, 20000, 80000, 300000, 1000000};  // triangles at least; the last is the mesh of the other rows
   std::size_t steps = 20000;
-  std::size_t judged_steps = 2000;  // at every scale
+  std::size_t compared_steps = 2000;  // at every scale
   std::vector<int> scale_exponents = {-6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6};
   std::uint64_t seed = 1;
   TimingBudget budget{.repetitions = 6, .seconds = 5.0};
@@ -23,14 +23,14 @@ struct NumbersSettings {
   MeshRunSettings meshes;                 // how every mesh is measured
 };
 
-// A goal, what others reach, and what we do.
+// A target, the values of others, and ours.
 struct NumberRow {
   std::string what;                                   // "contact step, point probe, 1,310,720 triangles"
   std::string metric;                                 // "p50"
   std::string unit;                                   // "ns"
-  std::optional<double> target;                       // none: only to be set beside what others reach
+  std::optional<double> target;                       // empty: only for comparison
   bool at_least = false;                              // true: the more the better
-  std::string quoted;                                 // CHAI3D 3.3 or the paper, measured earlier elsewhere; empty: there is none
+  std::string quoted;                                 // CHAI3D 3.3 or the paper, measured earlier elsewhere; empty: none
   std::vector<std::pair<std::string, double>> peers;  // live, in this run
   std::optional<double> ours;                         // none: another command measures it
   std::string note;
@@ -40,27 +40,27 @@ struct NumberRow {
   bool is_met() const { return is_measured() && (at_least ? *ours >= *target : *ours <= *target); }
 };
 
-// What the rows are called that others measure and fill in.
+// Names of the rows that other programs fill in.
 constexpr const char* kRoundTripRow = "force round trip, three processes, loopback";
 constexpr const char* kHaptonsRow = "haptons: triangle pairs a millisecond, on edge, located to 0.1 %";
 
 struct NumbersReport {
   RunConditions conditions;
   std::vector<NumberRow> rows;
-  std::vector<MeshFigures> meshes;  // what the rows over all meshes are taken from
+  std::vector<MeshFigures> meshes;  // source of the rows over all meshes
 
   std::size_t measured() const;  // rows with a target
   std::size_t met() const;
 };
 
-// Where and how the quoted CHAI3D figures were taken.
+// Conditions of the quoted CHAI3D values.
 constexpr const char* kQuotedFrom =
     "CHAI3D 3.3.0, finger proxy, g++ 12 -O3 -march=native, one core of a 2-CPU AMD EPYC (Turin) guest, Debian 12, slides of the same kind "
     "over "
     "meshes of the same size at 10 units a metre; measured once, not in this run";
 
-// Measures all rows over bumpy spheres of 100 mm, then method `proxy` over these meshes, the smooth bumpy sphere and a rough one whose
-// bumps bend more sharply than they are touched deep. Error: a method or structure that cannot be made.
+// Measures all rows over bumpy spheres of 100 mm, then method `proxy` over these meshes, the smooth bumpy sphere and a rough one with
+// curvature radii smaller than the depth. Error: a method or structure that cannot be made.
 Result<NumbersReport> measure_numbers(const NumbersSettings& settings, const Stopwatch& watch,
                                       const std::vector<QueryStructureKind>& structures, const std::vector<NamedMesh>& meshes,
                                       const Progress& progress);

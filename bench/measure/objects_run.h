@@ -18,13 +18,13 @@ struct ObjectsSettings {
   TimingBudget budget{.repetitions = 6, .seconds = 2.0};
 };
 
-// One query or step over a scene of many objects beside the same over the object that is touched alone.
+// One query or step over a scene of many objects, and the same over the touched object alone.
 struct ObjectsRow {
   std::size_t objects = 0;
   std::size_t triangles = 0;  // of all objects
   std::string what;           // "contact step, point", "local set of 64" ...
   TimeSpread all, alone;      // least of the repetitions, a step
-  double all_mean_ns = 0.0;   // without a look at the clock in between; 0: not measured
+  double all_mean_ns = 0.0;   // without reading the clock in between; 0: not measured
   double alone_mean_ns = 0.0;
 };
 
@@ -33,8 +33,8 @@ struct ObjectsReport {
   std::vector<ObjectsRow> rows;
 };
 
-// Tori in a cubic lattice, the gaps wider than what the device moves in round the middle one, which alone is touched: what a step costs
-// for the others being there. Error: as make_method. RT: set-up only.
+// Tori in a cubic lattice, with gaps wider than the device's motion round the middle one, which alone is touched: the cost of the other
+// objects. Error: see make_method. RT: set-up only.
 Result<ObjectsReport> measure_objects(const ObjectsSettings& settings, const Stopwatch& watch, const Progress& progress);
 
 std::string to_csv(const ObjectsReport& report);

@@ -117,10 +117,10 @@ Json row_json(const MethodRow& row) {
           {"force_error", spread_json(e.error)},
           {"branch_switches", e.branch_switches},
           {"switched_steps", e.switched_steps},
-          {"falls", e.falls},
-          {"ghosts", e.ghosts},
-          {"locks", e.locks},
-          {"pops", e.pops},
+          {"falls", e.fall_throughs},
+          {"ghosts", e.false_contacts},
+          {"locks", e.stuck_steps},
+          {"pops", e.discontinuities},
           {"not_finite", e.not_finite}};
 }
 
@@ -144,7 +144,7 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
   const auto trajectory = make_slide_trajectory(*mesh, {.seed = settings.seed, .rows = settings.steps, .rate_hz = 1000.0});
   if (!trajectory) return tl::unexpected(trajectory.error());
   const std::size_t pieces = (trajectory->p_SD.size() + trajectory->reset_every - 1) / trajectory->reset_every;
-  const TouchTrajectory judged = take_heads(*trajectory, std::max<std::size_t>(2, settings.judged_steps / pieces));
+  const TouchTrajectory compared = take_heads(*trajectory, std::max<std::size_t>(2, settings.compared_steps / pieces));
   MethodRow pattern;
   pattern.mesh = name;
   pattern.triangles = mesh->triangles.size();
@@ -152,8 +152,8 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
 
   std::vector<std::pair<double, ReferenceRun>> references;
   for (const double radius : {0.0, kSphereShare * extent_m}) {
-    progress(fmt::format("{}: reference, probe of {:g} mm, {} steps", name, 1e3 * radius, judged.p_SD.size()));
-    auto run = run_reference(watch, scene, judged, radius);
+    progress(fmt::format("{}: reference, probe of {:g} mm, {} steps", name, 1e3 * radius, compared.p_SD.size()));
+    auto run = run_reference(watch, scene, compared, radius);
     if (!run) return tl::unexpected(run.error());
     report.methods.push_back(row_of_reference(pattern, *run, radius));
     references.emplace_back(radius, std::move(*run));
@@ -168,7 +168,7 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
     auto timing = time_method(watch, settings.budget, candidate.settings, scene, *trajectory);
     if (!timing) return tl::unexpected(timing.error());
     if (queries.empty()) queries = make_queries(timing->felt, trajectory->reset_every, extent_m);
-    const auto felt = feel(candidate.settings, scene, judged);
+    const auto felt = feel(candidate.settings, scene, compared);
     if (!felt) return tl::unexpected(felt.error());
     const ReferenceRun& reference = candidate.settings.probe_radius_m > 0.0 ? references[1].second : references[0].second;
     row.error = reference.judge(*felt);
@@ -205,8 +205,8 @@ std::string to_csv(const ParetoReport& report) {
                    ":.6g},{},{},{},{},{},{},{:.6g},{},,,\n",
                    r.mesh, r.triangles, r.family, r.structure, t.count, r.timing.repetitions, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns,
                    t.worst_ns, r.timing.free.p50_ns, r.timing.build_ms, r.timing.bytes, e.steps, e.contact_steps, e.unsettled_steps,
-                   e.error.rms, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.falls, e.ghosts, e.locks, e.pops,
-                   e.worst_pop_n, e.not_finite);
+                   e.error.rms, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.fall_throughs, e.false_contacts,
+                   e.stuck_steps, e.discontinuities, e.worst_discontinuity_n, e.not_finite);
   }
   for (const QueryRow& r : report.queries) {
     const auto line = [&](const char* query, const QueryTiming& q) {
@@ -258,8 +258,8 @@ std::string to_text(const ParetoReport& report, const std::string& mesh) {
     if (!mesh.empty() && r.mesh != mesh) continue;
     fmt::format_to(out, "{:<18} {:<14} {:<22} {:>9.0f} {:>9.0f} {:>10.0f} {:>9.1f} {:>9} {:>9.3g} {:>9.3g} {:>6} {:>6} {:>6}\n", r.mesh,
                    r.family, r.structure, r.timing.contact.p50_ns, r.timing.contact.p99_ns, r.timing.contact.worst_ns, r.timing.build_ms,
-                   bytes_text(r.timing.bytes), 100.0 * r.error.error.rms, 100.0 * r.error.error.most, r.error.falls, r.error.locks,
-                   r.error.pops);
+                   bytes_text(r.timing.bytes), 100.0 * r.error.error.rms, 100.0 * r.error.error.most, r.error.fall_throughs,
+                   r.error.stuck_steps, r.error.discontinuities);
   }
   fmt::format_to(out, "{:<18} {:<26} {:<7} {:>9} {:>9} {:>10} {:>9} {:>9} {:>10} {:>9} {:>9} {:>7}\n", "mesh", "structure", "", "segm. p50",
                  "p99", "worst", "near p50", "p99", "worst ns", "build ms", "memory", "agree");

@@ -13,8 +13,8 @@
 namespace hapton {
 
 struct ParetoSettings {
-  std::size_t steps = 12000;        // of the slide
-  std::size_t judged_steps = 1800;  // of them with the reference: the first of each piece
+  std::size_t steps = 12000;          // of the slide
+  std::size_t compared_steps = 1800;  // of them with the reference: the first of each piece
   std::uint64_t seed = 1;
   TimingBudget budget{.repetitions = 5, .seconds = 1.0};  // of one row
 };
@@ -27,7 +27,7 @@ struct MethodRow {
   MethodSettings settings;
   std::string structure;  // "neighbourhood + wide", "grid 32", "fdh 14, set 64"
   std::size_t steps = 0;
-  MethodTiming timing;  // without felt
+  MethodTiming timing;  // without the discontinuities
   ForceError error;
 };
 
@@ -59,14 +59,14 @@ std::string to_json(const ParetoReport& report);
 // For people: methods and queries of one mesh, or of all when the name is empty.
 std::string to_text(const ParetoReport& report, const std::string& mesh);
 
-// So that a mark without any error has a place on a logarithmic axis.
+// Gives a mark without any error a position on a logarithmic axis.
 constexpr double kLeastShownError = 1e-12;
 
-// What the plot and its front are drawn from: p99 of the contact steps against the RMS force error.
+// A mark of the plot and its front: p99 of the contact steps against the RMS force error.
 struct ParetoMark {
   std::string mesh, family;
   std::string label;     // sweep: cells along an axis; smooth: triangles in the set, or "d6": directions of its hulls
-  bool is_point = true;  // a sphere feels another surface: it is drawn, but it does not compete
+  bool is_point = true;  // a sphere touches another surface: it is drawn, but does not compete
   double time_us = 0.0;
   double error = 0.0;  // share; not below kLeastShownError
 };

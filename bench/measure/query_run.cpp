@@ -11,14 +11,14 @@ namespace {
 
 constexpr double kReachShare = 0.025;
 constexpr double kAgreeShare = 1e-4;
-constexpr double kTriangleTests = 4e7;  // brute force spends on answers to compare with
+constexpr double kTriangleTests = 4e7;  // budget of brute force for comparison
 constexpr std::size_t kLeastQueries = 16;
 
 std::size_t stride_for(std::size_t queries, std::size_t most) {
   return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most));
 }
 
-// How many queries fit into a third of the budget, told by a few of them.
+// How many queries fit into a third of the budget, estimated from a few of them.
 template <class Ask>
 std::size_t find_stride(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, Ask&& ask) {
   if (queries <= kLeastQueries) return 1;
@@ -56,7 +56,7 @@ QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std
 
 }  // namespace
 
-TouchQueries make_queries(std::span<const FeltStep> felt, std::size_t reset_every, double extent_m) {
+TouchQueries make_queries(std::span<const ForceSample> felt, std::size_t reset_every, double extent_m) {
   TouchQueries queries;
   queries.radius = kReachShare * extent_m;
   for (std::size_t i = 0; i < felt.size(); ++i) {

@@ -11,20 +11,20 @@
 
 namespace hapton {
 
-// What touch asks a structure along a trajectory: the segments a proxy sweeps to the next device point, and the device points themselves.
+// The queries of a force method along a trajectory: the segments that a proxy sweeps to the next device point, and the device points.
 struct TouchQueries {
   struct Segment {
     Vec3 from, to;
   };
   std::vector<Segment> segments;  // proxy before -> device now
   std::vector<Vec3> points;
-  double radius = 0.0;  // within which the nearest triangle is asked for: a fortieth of the extent, 2.5 mm of 100
+  double radius = 0.0;  // search radius for the nearest triangle: a fortieth of the extent, 2.5 mm of 100
 
   bool empty() const { return points.empty(); }
 };
 
-// From what a method felt; nothing leads across a reset.
-TouchQueries make_queries(std::span<const FeltStep> felt, std::size_t reset_every, double extent_m);
+// From a method's output; no segment crosses a reset.
+TouchQueries make_queries(std::span<const ForceSample> felt, std::size_t reset_every, double extent_m);
 
 struct QueryTiming {
   TimeSpread time;
@@ -32,7 +32,7 @@ struct QueryTiming {
   int repetitions = 0;
   std::size_t found = 0;     // queries that found something
   std::size_t compared = 0;  // with brute force in double,
-  std::size_t agree = 0;     // the same within 1e-4 of the extent, a quarter of the least that is felt as a fall
+  std::size_t agree = 0;     // equal within 1e-4 of the extent, a quarter of the smallest fall-through
 };
 
 // One structure over one mesh.
@@ -42,14 +42,14 @@ struct StructureTiming {
   QueryTiming segments, nearests;
 };
 
-// Answers of brute force to some of the queries, spread evenly.
+// Brute-force results of some of the queries, evenly spread.
 struct BruteAnswers {
   std::size_t segment_stride = 1, point_stride = 1;
   std::vector<double> hits, distances;
 };
 BruteAnswers answer_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries);
 
-// Builds the structure and times its queries. Where all of them would take longer than the budget, every n-th is asked. Error: as its make.
+// Builds the structure and times its queries. If all of them would exceed the budget, every n-th is used. Error: see its make.
 Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind,
                                        const TriangleMesh& mesh, const TouchQueries& queries, const BruteAnswers& truth, double extent_m);
 

@@ -14,19 +14,19 @@ namespace hapton {
 
 constexpr double kNothingFound = std::numeric_limits<double>::infinity();
 
-// Something that holds a mesh's triangles and answers the two questions touch asks. Frame and units: the mesh's. RT: as the library behind
+// A structure over a mesh's triangles with the two queries of a force method. Frame and units: the mesh's. RT: as the library behind
 // it.
 class QueryStructure {
  public:
   virtual ~QueryStructure() = default;
 
-  // Where the segment first meets a triangle, as a part of its way, 0..1; kNothingFound where it meets none.
+  // Where the segment first meets a triangle, as a share of its length, 0..1; kNothingFound if there is none.
   virtual double first_hit(const Vec3& from, const Vec3& to) = 0;
 
   // The distance from p to the nearest triangle, where one is at most `radius` away; else kNothingFound.
   virtual double nearest(const Vec3& p, double radius) = 0;
 
-  // What the library says it holds, where it does; else 0, and the heap's growth tells.
+  // The library's own size, if it reports one; otherwise 0, and the heap's growth is used.
   virtual std::size_t bytes() const { return 0; }
 };
 
@@ -38,7 +38,7 @@ struct QueryStructureKind {
   std::string precision = {};  // of triangle tests: "float", "double"
   bool segments = true;
   bool nearests = true;
-  std::string note = {};                                                                  // what a reader of its figures must know
+  std::string note = {};                                                                  // note for readers of its results
   std::function<Result<std::unique_ptr<QueryStructure>>(const TriangleMesh&)> make = {};  // the mesh outlives the structure
 
   // "fdh 14", "brute"

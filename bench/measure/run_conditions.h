@@ -12,7 +12,7 @@ namespace hapton {
 
 constexpr const char* kBenchSchema = "hapton.bench/2";
 
-// Under which figures of a benchmark were taken.
+// Conditions of a benchmark run.
 struct RunConditions {
   MachineInfo machine;
   std::uint64_t seed = 1;

@@ -19,8 +19,8 @@ struct TimeSpread {
 
 TimeSpread spread_of_times(std::vector<double> ns);
 
-// The least time of each step over repetitions: what other programs on the machine add goes, what the step itself needs stays. Its maximum
-// over steps is the worst step.
+// The minimum time of each step over repetitions: removes the load of other programs and keeps the step's own cost. Its maximum over steps
+// is the worst step.
 class LeastTimes {
  public:
   explicit LeastTimes(std::size_t steps) : ns_(steps, std::numeric_limits<double>::infinity()) {}
@@ -45,7 +45,7 @@ struct TimedSteps {
   LeastTimes least{0};
   int repetitions = 0;
   double seconds = 0.0;
-  double mean_ns = 0.0;  // of a step in the faster of two passes without a look at the clock in between; 0: there was no time for them
+  double mean_ns = 0.0;  // of a step in the faster of two passes without reading the clock in between; 0: there was no time for them
 };
 
 // Runs step(i) for i = 0 .. steps - 1, again and again, on one CPU, and takes the least time of each. before(i) and after(i) run untimed;

@@ -33,7 +33,7 @@ Stopwatch Stopwatch::calibrate() {
     cost = watch.ns_between(from, ticks());
   }
   std::sort(costs.begin(), costs.end());
-  // The counter's step may be as long as what is measured: the mean knows more than the median.
+  // The counter's resolution may be as long as the measured time: the mean is more accurate than the median.
   const auto end = std::upper_bound(costs.begin(), costs.end(), 3.0 * costs[costs.size() / 2]);
   watch.cost_ns_ = std::accumulate(costs.begin(), end, 0.0) / static_cast<double>(end - costs.begin());
   watch.resolution_ns_ = costs[costs.size() / 2];

@@ -12,7 +12,7 @@ class Stopwatch {
   // Takes some 60 ms.
   static Stopwatch calibrate();
 
-  // Nothing before it is still running, nothing after it has begun.
+  // All earlier instructions are complete, no later one has started.
   static std::uint64_t ticks() {
 #ifdef __x86_64__
     __builtin_ia32_lfence();

@@ -11,9 +11,9 @@ namespace hapton {
 template <class Real>
 using Point3 = Eigen::Matrix<Real, 3, 1>;
 
-// Where the segment from p along `way` meets triangle abc, as a part of the way, 0..1, either side; infinity where it does not.
-// Möller & Trumbore 1997, borders included, rounding as it falls: the plain test every structure here shares, so that structures are
-// compared and not triangle tests.
+// Where the segment from p along `way` meets triangle abc, as a share of `way`, 0..1, either side; infinity if it does not. Möller &
+// Trumbore 1997, boundary included, plain rounding: the simple test shared by every structure here, so that structures are compared and not
+// triangle tests.
 template <class Real>
 Real segment_hit(const Point3<Real>& p, const Point3<Real>& way, const Point3<Real>& a, const Point3<Real>& b, const Point3<Real>& c) {
   constexpr Real kNone = std::numeric_limits<Real>::infinity();

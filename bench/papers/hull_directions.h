@@ -13,9 +13,9 @@ namespace hapton {
 struct HullDirections {
   int directions = 0;
   StructureTiming structure;  // build, bytes, segment and nearest-triangle queries along a slide
-  TimeSpread local_set;       // the slow task's query: the 64 triangles nearest to the way
+  TimeSpread local_set;       // the slow task's query: the 64 triangles nearest to the path
   double nodes = 0.0;         // opened per such query
-  double triangles = 0.0;     // whose distance was computed per such query
+  double triangles = 0.0;     // distances computed per such query
 };
 
 struct HullDirectionsSettings {

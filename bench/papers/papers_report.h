@@ -11,13 +11,13 @@
 
 namespace hapton {
 
-// One figure that a paper gives of its own system, and what this machine gives today.
+// A paper's number for its own system, and the number of this machine today.
 struct PaperRow {
-  std::string key;               // "memo.round_trip": what it is called in CSV and JSON
+  std::string key;               // "memo.round_trip": its name in CSV and JSON
   std::string what;              // for people
   std::string unit;              // of both values; empty: a plain number
   std::optional<double> theirs;  // none: the paper claims it without a figure
-  std::string said;              // the paper's own words or figure, with its place
+  std::string said;              // the paper's own text or number, with its section
   std::optional<double> ours;    // none: not measured, and `how` says why
   std::string how;               // how it was measured
 
@@ -49,7 +49,7 @@ inline constexpr std::string_view kStereoUnculled = "memo.stereo_unculled";
 inline constexpr std::string_view kRoundTrip = "memo.round_trip";
 inline constexpr std::string_view kSystemLatency = "memo.system_latency";
 
-// Of vision_node --bench-frames: pictures a second in the line it prints; none where there is no such line.
+// From vision_node --bench-frames: frames per second in the line it prints; empty if there is no such line.
 std::optional<double> parse_bench_rate(std::string_view output);
 
 std::string to_text(const PapersReport& report);

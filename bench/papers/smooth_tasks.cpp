@@ -24,7 +24,7 @@ SmoothMethod::Settings method_settings(const SmoothTasksSettings& settings) {
   return own;
 }
 
-// What a step did besides its force; the same in every repetition.
+// Counts of a step besides its force; the same in every repetition.
 struct StepFacts {
   std::vector<std::uint8_t> at_work;
   std::vector<double> age_steps;
@@ -79,7 +79,7 @@ struct Runs {
   LeastOfCalls slow;
 };
 
-// A method of its own each time, so that no repetition begins with what the one before has left.
+// A new method each time, so that no repetition inherits state.
 Result<StepFacts> run_once(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                            const TouchTrajectory& trajectory, double rate_hz, Runs& runs) {
   auto made = SmoothMethod::make_with(method_settings(settings), scene);
@@ -111,7 +111,8 @@ Result<StepFacts> run_once(const SmoothTasksSettings& settings, const Stopwatch&
   return facts;
 }
 
-// Sets for places far apart, one after the other to a method that never steps: each reaches farther than the one before, so it is taken.
+// Sets for distant positions, one after the other to a method that never steps: each has a larger radius than the one before, so it is
+// taken.
 Result<std::vector<double>> time_swaps(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                                        const TouchTrajectory& trajectory) {
   auto made = SmoothMethod::make_with(method_settings(settings), scene);

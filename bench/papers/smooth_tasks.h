@@ -27,7 +27,7 @@ struct SmoothTasks {
   double rate_hz = 0.0;
   TimeSpread busy;  // fast task: all steps
   double busy_mean_ns = 0.0;
-  TimeSpread at_work;  // of them those with triangles within reach: not skipped
+  TimeSpread at_work;  // of them those with triangles in range: not skipped
   double at_work_mean_ns = 0.0;
   TimeSpread slow;  // slow task: one selection and its publication
   TimeSpread swap;  // the fast task takes a set over
@@ -35,11 +35,12 @@ struct SmoothTasks {
   std::size_t steps = 0;
   std::size_t contact_steps = 0;
   std::size_t offered = 0;      // sets that the fast task took over from the slow one
-  std::size_t without_set = 0;  // steps whose set did not reach far enough: they selected one themselves or asked the tree
+  std::size_t without_set = 0;  // steps whose set did not cover enough: they selected one themselves or queried the tree
   std::size_t beyond_set = 0;   // of them, those for which even a fresh set did not: the tree answered
   int repetitions = 0;
 
-  // Of a period of the fast task, 0..1: what is left after its mean step, its mean step at work, and its worst one. Below 0: late.
+  // Share of a period of the fast task, 0..1: what is left after its mean step, its mean step with triangles in range, and its worst one.
+  // Below 0: late.
   double idle_share() const { return 1.0 - 1e-9 * busy_mean_ns * rate_hz; }
   double idle_share_at_work() const { return 1.0 - 1e-9 * at_work_mean_ns * rate_hz; }
   double idle_share_worst() const { return 1.0 - 1e-9 * busy.worst_ns * rate_hz; }

@@ -12,8 +12,8 @@
 namespace hapton {
 namespace {
 
-// AABB_tree over a kernel of plain doubles. closest_point takes the last answer as its hint, which is what a probe that moves on would do;
-// it knows no radius. A segment takes the first of all its intersections, as CGAL has no query for the first one of a segment.
+// AABB_tree over a kernel of plain doubles. closest_point takes the last result as its hint, as for a moving probe; it has no radius. A
+// segment takes the first of all its intersections, because CGAL has no query for the first one.
 class Cgal final : public QueryStructure {
   using Kernel = CGAL::Simple_cartesian<double>;
   using Point = Kernel::Point_3;

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Levenshtein's distance, one row at a time.
+// The Levenshtein distance, one row at a time.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -31,7 +31,7 @@ std::string_view find_near_miss(std::string_view word, std::span<const std::stri
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
-    // A word cut short, such as stiffness for stiffness_n_per_m, is near too.
+    // A shortened word, such as stiffness for stiffness_n_per_m, counts as near.
     const bool begins = word.size() >= 4 && candidate.starts_with(word);
     const std::size_t distance = begins || word.size() > 64 ? (begins ? 0 : word.size()) : edit_distance(word, candidate);
     if (distance < best_distance) {

@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// The known word that is within a few letters of this one; empty when none is.
+// The known word within a few letters of this one; empty if there is none.
 std::string_view find_near_miss(std::string_view word, std::span<const std::string_view> known);
 
-// "; did you mean 'x'?" when one of the known words is within a few letters of the word, else "; known are a, b, c".
+// "; did you mean 'x'?" if a known word is within a few letters of the word, otherwise "; known are a, b, c".
 std::string near_miss_hint(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace hapton

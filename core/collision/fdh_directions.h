@@ -7,10 +7,10 @@
 
 namespace hapton {
 
-// The fixed directions of a hull of K planes: K / 2 axes, each with a lowest and a highest plane.
-// The first three are those of an axis-aligned box. 14 adds the four diagonals of the cube's corners, 18 the six of its edges,
-// 26 both. Axes are whole numbers and not unit vectors, so that a projection is a sum of coordinates and rounds little.
-// Source: fdh-rendering.txt, section 5; Klosowski, Held, Mitchell, Sowizral & Zikan 1998 (k-DOPs).
+// The fixed directions of a hull with K planes: K / 2 axes, each with a lowest and a highest plane. The first three are those of an
+// axis-aligned box; 14 adds the four diagonals of the cube's corners, 18 the six of its edges, 26 both. Axes have integer components and
+// not unit length, so a projection is a sum of coordinates with little rounding. Source: fdh-rendering.txt, section 5; Klosowski, Held,
+// Mitchell, Sowizral & Zikan 1998 (k-DOPs).
 template <int K>
 struct FdhDirections {
   static_assert(K == 6 || K == 14 || K == 18 || K == 26, "hulls have 6, 14, 18 or 26 directions");
@@ -41,7 +41,7 @@ struct FdhDirections {
   }
 };
 
-// How far p lies along every axis (axis . p). RT: yes.
+// The projection of p on every axis (axis . p). RT: yes.
 template <int K>
 inline std::array<double, K / 2> fdh_project(const Vec3& p) {
   const double x = p.x();

@@ -13,7 +13,7 @@
 
 namespace hapton {
 
-// What a query looked at.
+// Work counters of a query.
 struct FdhVisits {
   std::uint32_t nodes = 0;  // eight-wide nodes opened
   std::uint32_t leaves = 0;
@@ -50,28 +50,28 @@ struct FdhInterval {
   std::array<float, K / 2> high;
 };
 
-// A bounding volume hierarchy of Fixed Direction Hulls with K planes over numbered items: flat nodes of eight children, one run
-// of vector instructions a plane pair, the box's three pairs first (fdh-rendering.txt, section 5).
-// Planes are single precision, rounded outward, relative to the owner's centre: whoever touches an item is never turned away.
-// Threads: const calls from any number. RT: walks yes (fixed stack, see FdhTopology), the rest set-up only.
+// A bounding volume hierarchy of Fixed Direction Hulls with K planes over numbered items: flat nodes of eight children, one run of vector
+// instructions per plane pair, the box's three pairs first (fdh-rendering.txt, section 5). Planes are single precision, rounded outward,
+// relative to the owner's centre, so no query misses an item that it touches. Threads: const calls from any number. RT: traversals yes
+// (fixed stack, see FdhTopology), the rest set-up only.
 template <int K>
 class FdhHierarchy {
  public:
   static constexpr int kAxes = K / 2;
   static constexpr int kWidth = FdhTopology::kWidth;
 
-  // Pre: slack covers the rounding of the hulls that refit is given and of the queries (absolute, per axis).
+  // Pre: rounding covers the rounding of the hulls given to refit and of the queries (absolute, per axis).
   void adopt(const FdhTopology& topology) {
     depth_ = topology.depth;
     nodes_.resize(topology.nodes.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i].child = topology.nodes[i];
   }
 
-  // Sets every plane anew, bottom-up; hull_of(first, count) is the hull of that run of items in tree order, relative to the
-  // centre; slack (absolute, >= 0) is its rounding. RT: no heap, but visits everything.
+  // Recomputes every plane, bottom-up; hull_of(first, count) is the hull of that run of items in tree order, relative to the centre;
+  // `rounding` (absolute, >= 0) is its rounding. RT: no heap, but visits everything.
   template <class HullOf>
-  void refit(double slack, HullOf&& hull_of) {
-    for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+  void refit(double rounding, HullOf&& hull_of) {
+    for (std::size_t n = nodes_.size(); n-- > 0;) {  // children come after their parents
       Node& node = nodes_[n];
       for (int c = 0; c < kWidth; ++c) {
         const std::uint32_t child = node.child[c];
@@ -83,8 +83,8 @@ class FdhHierarchy {
         } else if (FdhTopology::is_leaf(child)) {
           const FdhHull<K> hull = hull_of(FdhTopology::leaf_first(child), FdhTopology::leaf_count(child));
           for (int i = 0; i < kAxes; ++i) {
-            node.low[i].set_lane(c, detail::float_below(hull.low[i] - slack));
-            node.high[i].set_lane(c, detail::float_above(hull.high[i] + slack));
+            node.low[i].set_lane(c, detail::float_below(hull.low[i] - rounding));
+            node.high[i].set_lane(c, detail::float_above(hull.high[i] + rounding));
           }
         } else {
           const Node& below = nodes_[child];
@@ -108,7 +108,7 @@ class FdhHierarchy {
   FdhVisits walk_overlapping(const FdhInterval<K>& q, Leaf&& leaf) const {
     return walk(
         [&q](const Node& node) {
-          // An unused child is empty, low above high; an unbounded query would take it all the same.
+          // An unused child is empty, low above high; an unbounded query would still accept it.
           Float8 hit = (node.low[0] <= q.high[0]) & (node.high[0] >= q.low[0]) & (node.low[0] <= node.high[0]);
           for (int i = 1; i < 3; ++i) hit = hit & (node.low[i] <= q.high[i]) & (node.high[i] >= q.low[i]);
           if constexpr (kAxes > 3) {
@@ -127,16 +127,15 @@ class FdhHierarchy {
     std::array<float, kAxes> grow;     // half thickness along the axis, rounding included
   };
 
-  // The sweep of a ball of this radius between two points, given by their projections relative to the centre.
-  // Rounding: |from| 2^-24 each for the start and the planes' difference goes into grow; times carry a relative error below
-  // 2^-21, allowed for where they are compared. A direction shorter than the padding counts as that long, padding grown alike,
-  // so no inverse overflows.
+  // The sweep of a ball of this radius between two points, given by their projections relative to the centre. Rounding: |from| 2^-24 each
+  // for the start and the planes' difference is part of grow; times have a relative error below 2^-21, allowed for where they are compared.
+  // A direction shorter than the padding counts as that long, with the padding grown alike, so no inverse overflows.
   static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
     Sweep sweep;
     for (int i = 0; i < kAxes; ++i) {
       const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + kLeastPad;
       double d = to[i] - from[i];
-      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kNodeSlack) + pad;
+      double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kNodeRounding) + pad;
       if (std::fabs(d) < pad) {
         d = d < 0.0 ? -pad : pad;
         grow += 2.0 * pad;
@@ -156,26 +155,26 @@ class FdhHierarchy {
           Float8 enter = Float8(0.0F);
           Float8 exit = Float8(1.0F);
           const auto clip = [&](int i) {
-            // The planes round too when they are grown: 2^-23 of them is at most what the padding of the leaf planes holds.
+            // Growing the planes rounds them too: by at most 2^-23 of their size, which the padding of the leaf planes covers.
             const Float8 a = ((node.low[i] - q.grow[i]) - q.from[i]) * q.inverse[i];
             const Float8 b = ((node.high[i] + q.grow[i]) - q.from[i]) * q.inverse[i];
             enter = max(enter, min(a, b));
             exit = min(exit, max(a, b));
           };
-          constexpr float kSlack = 4e-6F;
+          constexpr float kTimeRounding = 4e-6F;
           for (int i = 0; i < 3; ++i) clip(i);
           const Float8 used = node.low[0] <= node.high[0];
           if constexpr (kAxes > 3) {
-            if (sign_bits((enter <= exit + kSlack) & used) == 0) return 0U;
+            if (sign_bits((enter <= exit + kTimeRounding) & used) == 0) return 0U;
             for (int i = 3; i < kAxes; ++i) clip(i);
           }
-          return sign_bits((enter <= exit + kSlack) & used);
+          return sign_bits((enter <= exit + kTimeRounding) & used);
         },
         leaf);
   }
 
-  // Calls leaf(first, count), nearest hulls first, while a hull may lie nearer to the interval than the square root of
-  // bound_squared(), which leaf lowers as it finds nearer items. Distances are Euclidean lower bounds.
+  // Calls leaf(first, count), nearest hulls first, while a hull may be nearer to the interval than the square root of bound_squared(),
+  // which leaf reduces as it finds nearer items. Distances are Euclidean lower bounds.
   template <class Bound, class Leaf>
   FdhVisits walk_nearest(const FdhInterval<K>& q, Bound&& bound_squared, Leaf&& leaf) const {
     FdhVisits visits;
@@ -243,13 +242,13 @@ class FdhHierarchy {
     unsigned used() const { return sign_bits(low[0] <= high[0]); }
   };
 
-  // Relative. Node distances carry at most five roundings of 2^-24 each (difference, square, two sums, scale): three times that.
-  static constexpr double kNodeSlack = 0x1p-20;
-  // Where a sweep begins and ends at the centre itself. A 2^-50th of the smallest extent that a tree takes (1e-15), and an inverse of
+  // Relative: three times the at most five roundings of 2^-24 each of a node distance (difference, square, two sums, scale).
+  static constexpr double kNodeRounding = 0x1p-20;
+  // For a sweep that begins and ends at the centre itself: a 2^-50th of the smallest extent that a tree accepts (1e-15); an inverse of
   // 2^100 is still a float.
   static constexpr double kLeastPad = 0x1p-100;
 
-  static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeSlack)); }
+  static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeRounding)); }
 
   template <class Test, class Leaf>
   FdhVisits walk(Test&& test, Leaf&& leaf) const {

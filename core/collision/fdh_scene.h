@@ -11,9 +11,8 @@
 namespace hapton {
 
 // The two levels of fdh-rendering.txt, section 3: a hierarchy of Fixed Direction Hulls over the objects, and under each object the tree
-// over its triangles.
-// Frame: one for all objects (static scene S). Units: the meshes'.
-// Threads: const calls from any number. RT: queries yes; build and refit set-up only.
+// over its triangles. Frame: one for all objects (static scene S). Units: the meshes'. Threads: const calls from any number. RT: queries
+// yes; build and refit set-up only.
 template <int K>
 class FdhScene {
  public:
@@ -27,23 +26,24 @@ class FdhScene {
   // Pre: the vertices outlive the scene. Objects without triangles are allowed and never found. Error: as FdhTree::build.
   static Result<FdhScene> build(std::span<const Object> objects);
 
-  // One object's vertices have moved: its tree and the upper level follow. Error: as FdhTree::refit; nothing changes then.
+  // Updates the tree and the upper level after one object's vertices have moved. Error: see FdhTree::refit; nothing changes then.
   Result<void> refit(std::uint32_t object, std::span<const Vec3> vertices);
 
-  // Calls visit(object, triangle) for every triangle the query touches, as FdhTree does. Query: FdhBall, FdhBox, FdhSweep or FdhHull<K>.
+  // Calls visit(object, triangle) for every triangle that the query touches, as FdhTree does. Query: FdhBall, FdhBox, FdhSweep or
+  // FdhHull<K>.
   template <class Query, class Visit>
   FdhVisits for_each_overlapping(const Query& query, Visit&& visit) const;
 
-  // The triangle nearest to p, if one is at most max_distance away; else an infinite distance.
+  // The triangle nearest to p, if one is at most max_distance away; otherwise an infinite distance.
   FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
 
-  // Adds the triangles nearest to the segment between two points (or to one point, when they are equal) to what is collected.
+  // Adds the triangles nearest to the segment between two points (or to one point, if they are equal) to those collected.
   FdhVisits collect_nearest(const Vec3& from, const Vec3& to, FdhNearest& nearest) const;
 
   std::size_t object_count() const { return trees_.size(); }
   const FdhTree<K>& tree(std::size_t object) const { return trees_[object]; }
   // How far rounding can move a computed point or distance, for queries within the scene's extent.
-  double rounding() const { return slack_; }
+  double rounding() const { return rounding_; }
 
   FdhStats stats() const {
     FdhStats all{0, upper_.node_count(), upper_.depth(), upper_.bytes() + order_.capacity() * sizeof(std::uint32_t)};
@@ -66,7 +66,7 @@ class FdhScene {
   std::vector<std::uint32_t> order_;
   std::vector<FdhTree<K>> trees_;
   Vec3 centre_ = Vec3::Zero();
-  double slack_ = 0.0;
+  double rounding_ = 0.0;
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -74,14 +74,14 @@ class FdhScene {
 template <int K>
 void FdhScene<K>::measure() {
   FdhHull<K> all;
-  double tree_slack = 0.0;
+  double tree_rounding = 0.0;
   for (const FdhTree<K>& tree : trees_) {
     if (tree.stats().triangles == 0) continue;
     for (int i = 0; i < K / 2; ++i) {
       all.low[i] = std::min(all.low[i], tree.hull().low[i]);
       all.high[i] = std::max(all.high[i], tree.hull().high[i]);
     }
-    tree_slack = std::max(tree_slack, tree.rounding());
+    tree_rounding = std::max(tree_rounding, tree.rounding());
   }
   if (!(all.low[0] <= all.high[0])) return;
   double largest = 0.0;
@@ -89,13 +89,13 @@ void FdhScene<K>::measure() {
     centre_[i] = 0.5 * all.low[i] + 0.5 * all.high[i];
     largest = std::max({largest, std::fabs(all.low[i]), std::fabs(all.high[i])});
   }
-  slack_ = tree_slack + 0x1p-48 * largest;
+  rounding_ = tree_rounding + 0x1p-48 * largest;
 }
 
 template <int K>
 void FdhScene<K>::set_planes() {
   const auto middle = fdh_project<K>(centre_);
-  upper_.refit(slack_ * 3.0, [&](std::uint32_t first, std::uint32_t count) {
+  upper_.refit(rounding_ * 3.0, [&](std::uint32_t first, std::uint32_t count) {
     FdhHull<K> hull;
     for (std::uint32_t i = first; i < first + count; ++i) {
       const FdhHull<K>& one = trees_[order_[i]].hull();
@@ -149,7 +149,7 @@ FdhInterval<K> FdhScene<K>::interval(const FdhHull<K>& hull) const {
   const auto middle = fdh_project<K>(centre_);
   FdhInterval<K> q;
   for (int i = 0; i < K / 2; ++i) {
-    const double pad = 4.0 * slack_ + 0x1p-48 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
+    const double pad = 4.0 * rounding_ + 0x1p-48 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
     q.low[i] = detail::float_below(hull.low[i] - middle[i] - pad);
     q.high[i] = detail::float_above(hull.high[i] - middle[i] + pad);
   }
@@ -158,7 +158,7 @@ FdhInterval<K> FdhScene<K>::interval(const FdhHull<K>& hull) const {
 
 namespace detail {
 
-// The hull of a query: what an object must overlap to be looked into.
+// The hull of a query: objects that do not overlap it are skipped.
 template <int K>
 FdhHull<K> hull_around(const FdhBox& box) {
   FdhHull<K> hull;
@@ -233,12 +233,12 @@ FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
 
 template <int K>
 FdhVisits FdhScene<K>::collect_nearest(const Vec3& from, const Vec3& to, FdhNearest& nearest) const {
-  FdhHull<K> way;
-  way.add(from);
-  way.add(to);
+  FdhHull<K> path;
+  path.add(from);
+  path.add(to);
   FdhVisits below;
   FdhVisits visits = upper_.walk_nearest(
-      interval(way), [&nearest] { return nearest.bound_squared(); },
+      interval(path), [&nearest] { return nearest.bound_squared(); },
       [&](std::uint32_t first, std::uint32_t count) {
         for (std::uint32_t i = first; i < first + count; ++i) below += trees_[order_[i]].collect_nearest(from, to, order_[i], nearest);
       });

@@ -13,11 +13,11 @@ using IntLanes = std::int32_t __attribute__((vector_size(16)));
 constexpr int kBins = 16;
 // Runs of this size and more are split along their widest axis only: a third of the work, and nearly always the same choice.
 constexpr std::uint32_t kOneAxisFrom = 2048;
-// In the unit of the mesh, and a 1e-15th of the smallest mesh that a tree takes. Below this the bins' scale (kBins over the extent) would
-// come near a float's largest number, 3.4e38, and no split is worth looking for.
+// In the unit of the mesh, and a 1e-15th of the smallest mesh that a tree accepts. Below it the bins' scale (kBins over the extent) would
+// approach a float's largest number, 3.4e38, and a split gains nothing.
 constexpr float kSmallestExtent = 1e-30F;
-// An axis thinner than this share of the widest is not worth a split along it: its centroids, of which each is rounded to 2^-24 of
-// the widest, have four bits there.
+// An axis thinner than this share of the widest is not worth a split: its centroids, each rounded to 2^-24 of the widest, have four bits
+// there.
 constexpr float kThinnestShare = 1e-6F;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -165,8 +165,8 @@ struct Builder {
     nothing.fill(FdhTopology::kNothing);
     out.nodes.push_back(nothing);
     out.depth = std::max(out.depth, level);
-    // Halving takes ceil(log2 n) = bit_width(n - 1) down by one a level, so from the moment that it equals the levels left, halving
-    // ends in time; any other split leaves it as it is at worst. At the root 28 <= kMaxDepth - 1, so it holds at every node.
+    // Halving reduces ceil(log2 n) = bit_width(n - 1) by one per level, so once that equals the levels left, halving ends in time; any
+    // other split leaves it unchanged at worst. At the root 28 <= kMaxDepth - 1, so it holds at every node.
     const int levels_left = FdhTopology::kMaxDepth - level;
     const bool must_halve = static_cast<int>(std::bit_width(whole.size() - 1)) >= levels_left;
 

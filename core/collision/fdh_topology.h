@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The box of one thing to be put in a tree (a triangle, an object), single precision.
+// The box of one tree item (a triangle, an object), single precision.
 struct FdhItem {
   std::array<float, 3> low;
   std::uint32_t id;
@@ -16,12 +16,12 @@ struct FdhItem {
   std::uint32_t unused = 0;
 };
 
-// Which items lie under which node: the part of a hierarchy that is the same for every number of directions.
+// Which items lie under which node: the part of a hierarchy that does not depend on the number of directions.
 struct FdhTopology {
   static constexpr int kWidth = 8;
   static constexpr std::uint32_t kLeafSize = 4;
-  static constexpr int kMaxDepth = 48;                            // nodes on the way from the root to a leaf
-  static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;  // a traversal leaves at most kWidth - 1 siblings behind a level
+  static constexpr int kMaxDepth = 48;                            // nodes on the path from the root to a leaf
+  static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;  // a traversal leaves at most kWidth - 1 siblings per level
   static constexpr std::size_t kMaxItems = std::size_t{1} << 28;
 
   // A child: a leaf (kLeafBit, count - 1 in two bits, first item in 28), a node's index, or kNothing.
@@ -38,9 +38,9 @@ struct FdhTopology {
   int depth = 0;                     // levels of nodes, <= kMaxDepth
 };
 
-// Builds by the binned surface-area heuristic on boxes (MacDonald & Booth 1990; Wald 2007), nodes directly kWidth wide: a node opens the
-// child of largest area until it is full. Where so many levels are used up that only halving still fits kMaxDepth, it halves.
-// items are reordered. Pre: items.size() <= kMaxItems, every number finite. RT: set-up only.
+// Builds by the binned surface-area heuristic on boxes (MacDonald & Booth 1990; Wald 2007), directly with nodes of kWidth children: a node
+// opens the child of largest area until it is full. When only halving still fits kMaxDepth, it halves. Reorders items. Pre: items.size() <=
+// kMaxItems, every number finite. RT: set-up only.
 FdhTopology build_fdh_topology(std::span<FdhItem> items);
 
 }  // namespace hapton

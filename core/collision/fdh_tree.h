@@ -15,9 +15,10 @@
 
 namespace hapton {
 
-// Relative: a bound is widened by so much, in the direction in which nothing is missed. A few operations on doubles round by 2^-53 each.
+// Relative widening of bounds, in the direction in which nothing is missed. A few operations on doubles round by 2^-53 each.
 constexpr double kOutward = 0x1p-40;
-// In the unit of the mesh, and its inverse for the smallest: squares of extents (1e30 and 1e-30) stay far inside the range of a float.
+// Largest extent in the unit of the mesh; its inverse is the smallest. Squares of extents (1e30 and 1e-30) stay far inside the range of a
+// float.
 constexpr double kLargestExtent = 1e15;
 
 struct FdhBall {
@@ -28,14 +29,14 @@ struct FdhBox {
   Vec3 low;
   Vec3 high;
 };
-// A ball moved from one point to another: radius 0 is a segment; equal points a ball.
+// A ball moved from one point to another: a segment if the radius is 0; a ball if the points are equal.
 struct FdhSweep {
   Vec3 from;
   Vec3 to;
   double radius = 0.0;
 };
 
-// One triangle and how far it is. Not initialized: queries keep hundreds of them on the stack.
+// One triangle and its distance. Not initialized: queries keep hundreds of them on the stack.
 struct FdhNear {
   double distance_squared;
   std::uint32_t triangle;
@@ -43,9 +44,8 @@ struct FdhNear {
 };
 constexpr FdhNear kNothingNear = {std::numeric_limits<double>::infinity(), 0, 0};
 
-// The nearest triangles met so far, at most as many as asked for plus one: the first left out tells how far the rest is complete.
-// Candidates collect in a buffer and are cut back by selection when it is full, so each costs a constant time on average.
-// RT: yes.
+// The nearest triangles so far, at most one more than requested: the first one left out bounds the distance within which the result is
+// complete. Candidates collect in a buffer and are reduced by selection when it is full, so each costs a constant time on average. RT: yes.
 class FdhNearest {
  public:
   static constexpr std::size_t kMaxCount = 256;
@@ -55,7 +55,7 @@ class FdhNearest {
 
   double bound_squared() const { return bound_; }
   std::size_t count() const { return count_; }  // found so far, before finish
-  // Distances that are added may be wrong by this much.
+  // Sets how much added distances may be wrong.
   void allow_rounding(double rounding) { rounding_ = rounding > rounding_ ? rounding : rounding_; }
   void add(double distance_squared, std::uint32_t object, std::uint32_t triangle) {
     if (!(distance_squared <= bound_)) return;
@@ -63,7 +63,7 @@ class FdhNearest {
     if (count_ == limit()) cut();
   }
 
-  // Ends the search: the found triangles, in no order. complete_radius: every triangle nearer than that is among them.
+  // Ends the search: the triangles found, in no order. complete_radius: every triangle nearer than that is among them.
   std::span<const FdhNear> finish() {
     if (count_ >= keep_) {
       cut();
@@ -81,7 +81,8 @@ class FdhNearest {
     if (a.distance_squared != b.distance_squared) return a.distance_squared < b.distance_squared;
     return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
   }
-  // Cut back when half as many again have come: sooner costs selections, later looks at triangles too far away (bench/fdh_bench.cpp).
+  // The buffer is reduced when half as many again have come: reducing it earlier costs selections, later it costs tests of triangles too
+  // far away (bench/fdh_bench.cpp).
   std::size_t limit() const { return keep_ + keep_ / 2 + 1; }
   // Keeps the nearest keep_; the farthest of them is last and is the new bound.
   void cut() {
@@ -97,22 +98,21 @@ class FdhNearest {
   double max_distance_;
   double complete_radius_ = 0.0;
   double rounding_ = 0.0;
-  std::array<FdhNear, 2 * (kMaxCount + 1)> found_;  // the first count_ are meant
+  std::array<FdhNear, 2 * (kMaxCount + 1)> found_;  // the first count_ are valid
 };
 
-// What a tree is.
+// Statistics of a tree.
 struct FdhStats {
   std::size_t triangles = 0;
   std::size_t nodes = 0;
   int depth = 0;
-  std::size_t bytes = 0;  // the tree's own; the mesh is the owner's
+  std::size_t bytes = 0;  // of the tree; the mesh belongs to the owner
 };
 
-// The second level of fdh-rendering.txt, section 3: the triangles of one object in a hierarchy of Fixed Direction Hulls.
-// K: 6 (axis-aligned boxes), 14 (the paper's), 18, 26. Coordinates are taken relative to the middle of the mesh, in double, before they
-// become single precision planes, so far-off and tiny meshes are no different from others.
-// Frames: the mesh's. Units: the mesh's.
-// Threads: const calls from any number. RT: queries yes; build, refit set-up only (refit uses no heap).
+// The second level of fdh-rendering.txt, section 3: the triangles of one object in a hierarchy of Fixed Direction Hulls. K: 6 (axis-aligned
+// boxes), 14 (the paper's), 18, 26. Coordinates are taken relative to the middle of the mesh, in double, before they become single
+// precision planes, so distant and tiny meshes need no special treatment. Frames: the mesh's. Units: the mesh's. Threads: const calls from
+// any number. RT: queries yes; build, refit set-up only (refit uses no heap).
 template <int K>
 class FdhTree {
  public:
@@ -122,14 +122,13 @@ class FdhTree {
   // Error: more than 2^28 triangles; an extent beyond 1e-15 .. 1e15.
   static Result<FdhTree> build(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-  // The same triangles at new places. Planes only: when the shape has changed much, a new build gives faster queries.
-  // Pre: as many vertices as before; they outlive the tree. Error: as build; the tree is then unchanged.
+  // Moves the triangles' vertices. Only planes are recomputed: after a large change of shape a new build gives faster queries. Pre: as many
+  // vertices as before; they outlive the tree. Error: see build; the tree is then unchanged.
   Result<void> refit(std::span<const Vec3> vertices);
 
-  // Each calls visit(triangle) for every triangle that the query touches, once, and for no triangle but
-  // ball: those at most the radius away; box, hull: those whose own hull of K planes overlaps the query's;
-  // sweep: those whose leaf's hull it meets (radius 0), those at most the radius away (else).
-  // All are generous by the rounding of their arithmetic, never short of it. A query that is not finite visits nothing.
+  // Each calls visit(triangle) once for every triangle that the query touches. ball: exactly those at most the radius away. box, hull:
+  // those whose own hull of K planes overlaps the query's. sweep: those whose leaf's hull it meets (radius 0), otherwise those at most the
+  // radius away. Rounding only adds triangles, never drops one. A query that is not finite visits nothing.
   template <class Visit>
   FdhVisits for_each_overlapping(const FdhBall& ball, Visit&& visit) const;
   template <class Visit>
@@ -139,10 +138,10 @@ class FdhTree {
   template <class Visit>
   FdhVisits for_each_overlapping(const FdhHull<K>& hull, Visit&& visit) const;
 
-  // The triangle nearest to p, if one is at most max_distance away; else an infinite distance.
+  // The triangle nearest to p, if one is at most max_distance away; otherwise an infinite distance.
   FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
 
-  // Adds the triangles nearest to a point, or to the segment between two, to what is collected.
+  // Adds the triangles nearest to a point, or to the segment between two, to those collected.
   FdhVisits collect_nearest(const Vec3& p, std::uint32_t object, FdhNearest& nearest) const;
   FdhVisits collect_nearest(const Vec3& from, const Vec3& to, std::uint32_t object, FdhNearest& nearest) const;
 
@@ -153,24 +152,24 @@ class FdhTree {
   const FdhHull<K>& hull() const { return hull_; }  // of all triangles, in the mesh's frame
   const Vec3& centre() const { return centre_; }
   // How far rounding can move a computed point or distance here, for queries within the mesh's extent.
-  double rounding() const { return slack_; }
+  double rounding() const { return rounding_; }
 
  private:
   using Three = detail::Of3<Lanes4>;
 
   const Vec3& vertex(std::uint32_t i) const { return vertices_[i]; }
   FdhInterval<K> interval(const Vec3& low_point, const Vec3& high_point, double grow) const;
-  // Corners of a leaf's triangles in lanes; lanes beyond count repeat the last.
+  // Corners of a leaf's triangles in lanes; lanes beyond count repeat the last triangle.
   void load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const;
   FdhHull<K> hull_of(std::uint32_t first, std::uint32_t count, const Vec3& origin) const;
   Result<void> measure(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
   void set_planes();
-  // Of a distance computed from p.
-  double rounding_at(const Vec3& p) const { return slack_ + 0x1p-49 * (p - centre_).cwiseAbs().maxCoeff(); }
-  // Squared, and generous by rounding.
-  double reach_squared(double radius, const Vec3& p) const {
-    const double reach = radius * (1.0 + kOutward) + rounding_at(p);
-    return reach * reach;
+  // Bound on the error of a distance computed from p.
+  double rounding_at(const Vec3& p) const { return rounding_ + 0x1p-49 * (p - centre_).cwiseAbs().maxCoeff(); }
+  // Squared, including rounding.
+  double bound_squared_at(double radius, const Vec3& p) const {
+    const double bound = radius * (1.0 + kOutward) + rounding_at(p);
+    return bound * bound;
   }
 
   FdhHierarchy<K> hierarchy_;
@@ -180,7 +179,7 @@ class FdhTree {
   FdhHull<K> hull_;
   Vec3 centre_ = Vec3::Zero();
   double extent_ = 0.0;  // largest distance from the centre along a coordinate
-  double slack_ = 0.0;
+  double rounding_ = 0.0;
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -204,9 +203,9 @@ Result<void> FdhTree<K>::measure(std::span<const Vec3> vertices, std::span<const
   }
   extent_ = extent;
   centre_ = 0.5 * low + 0.5 * high;
-  // Projections add three coordinates: a few units of 2^-53 of the coordinates themselves (what p - centre rounds) and of extents.
+  // Projections add three coordinates: a few units of 2^-53 of the coordinates themselves (the rounding of p - centre) and of extents.
   const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-  slack_ = 0x1p-50 * (extent + largest);
+  rounding_ = 0x1p-50 * (extent + largest);
   return {};
 }
 
@@ -251,7 +250,7 @@ Result<void> FdhTree<K>::refit(std::span<const Vec3> vertices) {
 
 template <int K>
 void FdhTree<K>::set_planes() {
-  hierarchy_.refit(slack_ * 3.0, [this](std::uint32_t first, std::uint32_t count) { return hull_of(first, count, centre_); });
+  hierarchy_.refit(rounding_ * 3.0, [this](std::uint32_t first, std::uint32_t count) { return hull_of(first, count, centre_); });
   hull_ = hull_of(0, static_cast<std::uint32_t>(order_.size()), Vec3::Zero());
 }
 
@@ -280,7 +279,7 @@ FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_poin
 
 template <int K>
 void FdhTree<K>::load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const {
-  // All lanes at once: stores lane by lane would have to reach memory before the vector could be read back.
+  // All lanes at once: stores lane by lane would stall the vector load that follows (store forwarding).
   const std::array<const Triangle*, 4> t = {&corners_[first], &corners_[first + std::min(1U, count - 1)],
                                             &corners_[first + std::min(2U, count - 1)], &corners_[first + count - 1]};
   const auto gather = [&](std::size_t k) {
@@ -303,7 +302,7 @@ template <int K>
 template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) const {
   if (!ball.centre.allFinite() || !(ball.radius >= 0.0)) return {};
-  const double limit = reach_squared(ball.radius, ball.centre);
+  const double limit = bound_squared_at(ball.radius, ball.centre);
   const Three p = detail::lanes_of(ball.centre);
   const auto leaf = [&](std::uint32_t first, std::uint32_t count) {
     Three a;
@@ -339,7 +338,7 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhHull<K>& hull, Visit&& visit
   FdhInterval<K> q;
   for (int i = 0; i < K / 2; ++i) {
     if (!std::isfinite(hull.low[i]) || !std::isfinite(hull.high[i])) return {};
-    const double pad = 4.0 * slack_ + 0x1p-49 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
+    const double pad = 4.0 * rounding_ + 0x1p-49 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
     grown.low[i] = hull.low[i] - pad;
     grown.high[i] = hull.high[i] + pad;
     q.low[i] = detail::float_below(grown.low[i] - middle[i]);
@@ -356,8 +355,8 @@ template <int K>
 template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const {
   if (!sweep.from.allFinite() || !sweep.to.allFinite() || !(sweep.radius >= 0.0)) return {};
-  const double reach = std::max(reach_squared(sweep.radius, sweep.from), reach_squared(sweep.radius, sweep.to));
-  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(sweep.from - centre_), fdh_project<K>(sweep.to - centre_), std::sqrt(reach));
+  const double bound = std::max(bound_squared_at(sweep.radius, sweep.from), bound_squared_at(sweep.radius, sweep.to));
+  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(sweep.from - centre_), fdh_project<K>(sweep.to - centre_), std::sqrt(bound));
   if (sweep.radius == 0.0) {
     return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
       for (std::uint32_t i = first; i < first + count; ++i) visit(order_[i]);
@@ -372,7 +371,7 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit)
     load(first, count, a, b, c);
     const Lanes4 d = segment_triangle_distance_squared<Lanes4>(from, to, a, b, c);
     for (std::uint32_t i = 0; i < count; ++i) {
-      if (d[i] <= reach) visit(order_[first + i]);
+      if (d[i] <= bound) visit(order_[first + i]);
     }
   });
 }

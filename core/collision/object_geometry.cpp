@@ -39,7 +39,7 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
   for (const Vec3& v : mesh.vertices) vertices.push_back((frame.to_local(v) / kGrid).array().round() * kGrid);
   tree_ = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
 
-  // Tree order for triangles, first-use order for vertices: what is near in space is near in memory.
+  // Triangles in tree order, vertices in the order of their first use: what is near in space is near in memory.
   const std::vector<std::uint32_t> order = tree_.items_in_tree_order();
   constexpr std::uint32_t kUnset = 0xFFFFFFFFU;
   std::vector<std::uint32_t> new_vertex(vertices.size(), kUnset);

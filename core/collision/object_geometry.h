@@ -11,9 +11,9 @@
 
 namespace hapton {
 
-// The coordinates that contact is worked out in: p_local = (p_S - origin) / unit_m, where unit_m is the power of two that puts the scene's
-// diagonal into [1, 2). A mesh of a micrometre and one of a thousand kilometres, here or far from the origin, have the same local
-// coordinates, so every tolerance can be a plain number.
+// The coordinates of all contact computation: p_local = (p_S - origin) / unit_m, where unit_m is the power of two that puts the scene's
+// diagonal into [1, 2). A mesh of a micrometre and one of a thousand kilometres, wherever they are, have the same local coordinates, so
+// every tolerance can be a plain number.
 struct LocalFrame {
   Vec3 origin = Vec3::Zero();
   double unit_m = 1.0;
@@ -22,22 +22,23 @@ struct LocalFrame {
   Vec3 to_scene(const Vec3& local) const { return local * unit_m + origin; }
 };
 
-// One mesh made ready for contact: in local coordinates, triangles in tree order, a bounding volume tree over them.
+// One mesh prepared for contact: local coordinates, triangles in tree order, a bounding volume tree.
 //
 // Coordinates are rounded to a grid of 2^-51. Two such coordinates subtract exactly, so edges are exact and the normals of the thinnest
 // slivers keep their direction (point_triangle.h).
-// Threads: immutable once it is in use. RT: queries yes, construction and mark_unwalkable_near set-up only.
+// Threads: immutable once in use. RT: queries yes, construction and mark_unwalkable_near set-up only.
 class ObjectGeometry {
  public:
-  // No triangle of another part of the surface comes as near to a walkable triangle (surface_adjacency.h).
+  // Local units. Any other part of the surface is at least this far from a walkable triangle (surface_adjacency.h).
   static constexpr double kWalkableMargin = 0x1p-26;
-  // Cracks up to so wide are always sealed: a point, which is a sphere of half a hover (2^-31) there, could be held between their borders.
+  // Local units. Cracks up to this width are always sealed: a point is a sphere of radius 2^-31 there (half a contact offset) and could be
+  // caught between the crack's two boundaries.
   static constexpr double kResolution = 0x1p-27;
 
-  // shading_crease_rad: with a value, smooth normals are kept too: the mesh's authored ones where they are valid, else computed ones; edges
-  // whose faces turn by more stay sharp then (corner_normals.h).
+  // shading_crease_rad: if set, smooth normals are kept too: the mesh's authored ones where they are valid, otherwise computed ones; edges
+  // with a larger angle between the faces' normals stay sharp (corner_normals.h).
   ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt);
-  // The same for touch: what is finer than its resolution is made one (touch_resolution.h), unless that takes more triangles.
+  // The same, with features finer than the resolution removed (touch_resolution.h), unless that gives more than most_triangles.
   static ObjectGeometry make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
                              std::optional<double> shading_crease_rad = std::nullopt);
 
@@ -50,7 +51,7 @@ class ObjectGeometry {
     const Vec3& a;
     const Vec3& b;
     const Vec3& c;
-    const Triangle& vertices;  // their numbers in this object
+    const Triangle& vertices;  // indices in this object
   };
   Corners corners(std::uint32_t t) const {
     const Triangle& v = triangles_[t];
@@ -62,19 +63,18 @@ class ObjectGeometry {
   }
 
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
-  // Triangles that come near one of another object, or of its box where that is not built, are not walkable. Either object may lie
-  // anywhere.
+  // Makes triangles near another object unwalkable, or near its box if it is not built. The objects may overlap.
   void mark_unwalkable_near(const ObjectGeometry& other);
   void mark_unwalkable_near(const Box& other);
 
-  // How many edges a straight way over the surface crosses for its length, on the average over all places and directions: 2 E / (pi A) for
-  // edges of length E on an area A. Source: Buffon's needle; Santalo, Integral Geometry and Geometric Probability (1976), I.3.
+  // The number of edges that a straight line on the surface crosses per length, averaged over all positions and directions: 2 E / (pi A)
+  // for edges of total length E on an area A. Source: Buffon's needle; Santalo, Integral Geometry and Geometric Probability (1976), I.3.
   double edges_per_length() const { return edges_per_length_; }
 
-  // The smooth unit normal at a point of triangle t, interpolated between its corners; zero when none were kept.
+  // The smooth unit normal at a point of triangle t, interpolated between its corners; zero if none were kept.
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
 
-  // Start moving a triangle's memory towards the processor: first its indices, later its corners.
+  // Prefetch a triangle: first its indices, later its corners.
   void prefetch_indices(std::uint32_t t) const { __builtin_prefetch(&triangles_[t]); }
   void prefetch_corners(std::uint32_t t) const {
     for (const std::uint32_t v : triangles_[t]) __builtin_prefetch(&vertices_[v]);
@@ -86,7 +86,7 @@ class ObjectGeometry {
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;
   std::vector<Eigen::Vector3f> normals_;
-  std::vector<Triangle> corner_normals_;  // indices into normals_, a triangle's corners
+  std::vector<Triangle> corner_normals_;  // indices into normals_, per corner
   WideBvh tree_;
   SurfaceAdjacency adjacency_;
   double edges_per_length_ = 0.0;

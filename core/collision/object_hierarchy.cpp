@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// An object without bounds gets a place in the tree as well, in the middle of the others, and is emptied afterwards.
+// An object without bounds also gets a leaf, in the middle of the others, which is then emptied.
 ObjectHierarchy::ObjectHierarchy(std::span<const Box> bounds) : bounds_(bounds.begin(), bounds.end()) {
   Box all;
   for (const Box& box : bounds_) all.grow(box);

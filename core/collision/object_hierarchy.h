@@ -15,10 +15,9 @@ namespace hapton {
 // there are (fdh-rendering.txt, section 3; we differ in axis-aligned boxes). An object may have no bounds (an empty box): no query finds it
 // until a refit gives it some.
 //
-// A moved object is refitted: its box and those above it are set anew, so queries stay exact. What objects that travel far cost is speed,
-// never completeness: build a new hierarchy outside the step when most have left their places.
-// Frame, units: those of the bounds. Pre: bounds lie within WideBvh::kFarthest of zero.
-// Threads: const calls from any number, none beside refit. RT: queries and refit yes; construction set-up only.
+// A moved object is refitted: its box and those above it are updated, so queries stay exact. Objects that move far make queries slower,
+// never incomplete: build a new hierarchy outside the step when most have moved. Frame, units: those of the bounds. Pre: bounds lie within
+// WideBvh::kFarthest of zero. Threads: const calls from any number, none beside refit. RT: queries and refit yes; construction set-up only.
 class ObjectHierarchy {
  public:
   ObjectHierarchy() = default;
@@ -28,10 +27,10 @@ class ObjectHierarchy {
   const Box& bounds(std::uint32_t object) const { return bounds_[object]; }
   std::size_t bytes() const;
 
-  // The object has other bounds from now on. Work: one node a level of the tree.
+  // Gives the object new bounds. Work: one node per level of the tree.
   void refit(std::uint32_t object, const Box& bounds) noexcept;
 
-  // Calls visit(object) for every object whose bounds overlap the query. A visit that returns a bool ends the search by false.
+  // Calls visit(object) for every object whose bounds overlap the query. A visit that returns false ends the search.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
@@ -41,7 +40,7 @@ class ObjectHierarchy {
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
   // Calls until = visit(object, until) for every object whose bounds come within `radius` of the segment from p to p + motion before the
-  // time `until` of its 0..1, roughly in the order they are met; others that nearly do are visited, too.
+  // time `until` of its 0..1, roughly in order; also for some that nearly do.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const {
     tree_.visit_along(p, motion, radius, until, std::forward<Visit>(visit));

@@ -20,7 +20,7 @@ Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The height of a triangle over its longest edge is at least kLeastHeight. Far above that the rounding of a plain cross product is nothing.
+// The height of a triangle over its longest edge is at least kLeastHeight, far above the rounding of a plain cross product.
 bool is_high(const Corners& c) {
   const Vec3 ab = c[1] - c[0];
   const Vec3 ac = c[2] - c[0];
@@ -30,7 +30,7 @@ bool is_high(const Corners& c) {
   return longest > 0.0 && accurate_cross(ab, ac).squaredNorm() >= kLeast * kLeast * longest;
 }
 
-// All points of b on one side of the plane through `at`, farther than `margin` away. The normal need not be unit.
+// Whether all points of b are on one side of the plane through `at`, farther than `margin` away. The normal need not have unit length.
 bool is_beyond(const Vec3& normal, const Vec3& at, const Corners& b, double margin) {
   const double least = margin * normal.norm();
   const double h0 = normal.dot(b[0] - at);
@@ -39,7 +39,7 @@ bool is_beyond(const Vec3& normal, const Vec3& at, const Corners& b, double marg
   return (h0 > least && h1 > least && h2 > least) || (h0 < -least && h1 < -least && h2 < -least);
 }
 
-// A plane of triangle a parts b from it: its own, or one across an edge.
+// Whether a plane of triangle a separates b from it: its own plane, or one through an edge.
 bool parts(const Corners& a, const Corners& b, double margin) {
   const Vec3 normal = accurate_cross(a[1] - a[0], a[2] - a[0]);
   if (is_beyond(normal, a[0], b, margin)) return true;
@@ -65,18 +65,18 @@ double segment_distance(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3&
   return (r + s * u - t * v).norm();
 }
 
-// A sector spanned by two edges from an apex (at zero).
+// The sector between two edges from an apex at zero.
 struct Sector {
   std::array<Vec3, 2> edge;
   Vec3 normal;
-  std::array<Vec3, 2> inward;  // off the edges, in the plane
+  std::array<Vec3, 2> inward;  // in the plane, perpendicular to the edges
 
   Sector(const Vec3& first, const Vec3& last)
       : edge{first, last}, normal(accurate_cross(first, last)), inward{normal.cross(first), last.cross(normal)} {}
   bool is_over(const Vec3& v) const { return inward[0].dot(v) > 0.0 && inward[1].dot(v) > 0.0; }
 };
 
-// The angle between a direction and a sector is more than kLeastAngle.
+// Whether the angle between a direction and a sector is more than kLeastAngle.
 bool is_off(const Sector& sector, const Vec3& v) {
   constexpr double kAngle = SurfaceAdjacency::kLeastAngle;
   const double length = v.norm();
@@ -85,7 +85,8 @@ bool is_off(const Sector& sector, const Vec3& v) {
                      [&](const Vec3& edge) { return edge.dot(v) < 0.0 || edge.cross(v).norm() > kAngle * length * edge.norm(); });
 }
 
-// Two sectors with a common apex come nowhere else as near as kLeastAngle: no edge of one comes near the other, nor do they cross.
+// Whether two sectors with a common apex are farther apart than kLeastAngle elsewhere: no edge of one is near the other, and they do not
+// intersect.
 bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3, 2>& edges_b) {
   const Sector a(edges_a[0], edges_a[1]);
   const Sector b(edges_b[0], edges_b[1]);
@@ -96,7 +97,7 @@ bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3
   return !(a.is_over(line) && b.is_over(line)) && !(a.is_over(-line) && b.is_over(-line));
 }
 
-// Folded onto each other along their common edge.
+// Whether the angle between two triangles at their common edge is zero.
 bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
   const Vec3 a = edge.cross(to_a);
   const Vec3 b = edge.cross(to_b);
@@ -145,14 +146,14 @@ bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const T
 }
 
 SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Triangle> triangles)
-    : across_(3 * triangles.size(), kNone), walkable_(triangles.size(), 0) {
+    : adjacent_(3 * triangles.size(), kNone), walkable_(triangles.size(), 0) {
   pair_edges(vertex_count, triangles);
 }
 
-// Half edges are listed by their lower vertex; there the few with the same upper vertex are found. A list runs through the place of each
-// half edge's neighbour, until that is known.
+// Half edges are listed by their lower vertex; among those of one vertex, the few with the same upper vertex are found. A list uses the
+// slots of the half edges' neighbours until those are known.
 void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles) {
-  const auto place = [&](std::uint32_t code) -> std::uint32_t& { return across_[3 * std::size_t{code >> 3} + (code >> 1 & 3U)]; };
+  const auto place = [&](std::uint32_t code) -> std::uint32_t& { return adjacent_[3 * std::size_t{code >> 3} + (code >> 1 & 3U)]; };
   std::vector<std::uint32_t> last(vertex_count, kNone);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
@@ -164,7 +165,7 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
       place(code) = std::exchange(last[std::min(from, to)], code);
     }
   }
-  std::vector<std::uint32_t> high;  // of each half edge of a list, with room for whole eights
+  std::vector<std::uint32_t> high;  // of each half edge of a list, padded to a multiple of eight
   std::vector<std::uint32_t> codes;
   for (std::size_t v = 0; v < vertex_count; ++v) {
     std::size_t count = 0;
@@ -201,7 +202,7 @@ std::size_t SurfaceAdjacency::walkable_count() const {
   return static_cast<std::size_t>(std::count(walkable_.begin(), walkable_.end(), std::uint8_t{1}));
 }
 
-// From side to side round a vertex, always over the edge at it that was not come by. An open fan is gone through on both sides.
+// Goes round a vertex from side to side, always over the edge that was not the entry. An open fan is traversed on both sides.
 bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const {
   const std::uint32_t vertex = triangles[start][corner];
   std::uint32_t t = start;
@@ -209,7 +210,7 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
   bool open = false;
   int by = corner;
   for (std::uint32_t count = 1; count <= 2 * valence; ++count) {
-    const Across next = across(t, by);
+    const Adjacent next = adjacent(t, by);
     if (!next.exists) return false;
     back ^= next.flips;
     open = open || next.triangle == t;
@@ -220,14 +221,14 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
   return false;
 }
 
-// With the axis the sum of the normals round a vertex: each of these leans by less than 60 degrees from it, each triangle turns by more
-// than kLeastAngle about it, and all of them together turn once. So there is one fan only, and the sectors of its triangles lie side by
-// side. Each triangle adds its part, in whatever order; turns are counted where they go through a half-plane that holds the axis. An edge
-// gives both of its triangles the same numbers. Other fans are left `broken` here.
+// Finds even fans. The axis is the sum of the normals at the vertex: each normal is within 60 degrees of it, each triangle spans more than
+// kLeastAngle about it, and all together go round once. So there is only one fan, and the sectors of its triangles do not overlap. Each
+// triangle adds its part, in any order; full turns are counted where they cross a half-plane that contains the axis. An edge gives both its
+// triangles the same numbers. Other fans are marked `broken`.
 std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices,
                                                                     std::span<const Triangle> triangles) const {
   struct Round {
-    Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any would do, as long as it is the same for all
+    Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any axis will do if it is the same for all
     std::uint16_t valence = 0;
     std::uint16_t turns = 0;
     bool is_even = true;
@@ -241,7 +242,7 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
     const bool repeats = repeats_vertex(corner);
     for (int k = 0; k < 3; ++k) {
       Round& round = rounds[corner[k]];
-      const Across next = across(t, k);
+      const Adjacent next = adjacent(t, k);
       const bool runs_on = next.exists && !next.flips && !repeats;
       round.axis += normal.cast<float>();
       round.valence = static_cast<std::uint16_t>(std::min(round.valence + 1, kMostValence + 1));
@@ -263,7 +264,7 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
       const double along = axis.dot(normal);
       const double least = std::max(least_lean, kLeast * kLeast * squared[k] * squared[before]);
       round.is_even = round.is_even && along > 0.0 && along * along > least * axis.squaredNorm();
-      // Along the cross product of the axis and the coordinate axis it leans from most, of the two a triangle cannot mistake.
+      // Along the cross product of the axis and the coordinate axis that it deviates from most, of two, so that all triangles choose alike.
       const bool leans_from_x = std::fabs(axis.x()) <= std::fabs(axis.y());
       const auto side = [&](const Vec3& e) {
         return leans_from_x ? axis.z() * e.y() - axis.y() * e.z() : axis.x() * e.z() - axis.z() * e.x();
@@ -305,10 +306,10 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
     bool ok = !repeats_vertex(corner);
-    for (int k = 0; k < 3 && ok; ++k) ok = across(t, k).exists && fans[corner[k]] != Fan::broken;
+    for (int k = 0; k < 3 && ok; ++k) ok = adjacent(t, k).exists && fans[corner[k]] != Fan::broken;
     walkable_[t] = ok && is_high(corners_of(vertices, corner));
   }
-  // Triangles with a common vertex that has an even fan need no test: that fan holds both.
+  // Triangles with a common vertex that has an even fan need no test: that fan contains both.
   std::array<std::uint32_t, WideBvh::kWidth> item;
   struct Corners8 {
     Uint32x8 first, second, third;

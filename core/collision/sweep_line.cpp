@@ -16,8 +16,8 @@ SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, Sw
   const Vec3 to = line.current - plane.origin;
   const double height_from = plane.normal.dot(from);
   const double height_to = plane.normal.dot(to);
-  const double fall = height_from - height_to;
-  if (fall == 0.0) {
+  const double drop = height_from - height_to;
+  if (drop == 0.0) {
     return SweepEnd::parallel;
   }
   const bool starts_above = height_from >= 0.0;
@@ -26,14 +26,14 @@ SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, Sw
     return SweepEnd::out_of_length;
   }
 
-  const double t = height_from / fall;
+  const double t = height_from / drop;
   const Vec3 along = to - from;
   const Vec3 meet = from + t * along;
-  // Rounding: a height is a sum of three products and carries at most 4 epsilon of its terms, so t is uncertain by the heights'
-  // error over the fall, and the point by that share of the line, plus 4 epsilon of its own terms.
-  const double scale = plane.reach + from.cwiseAbs().sum() + to.cwiseAbs().sum();
+  // Rounding: a height is a sum of three products and has an error of at most 4 epsilon of its terms, so t is uncertain by the heights'
+  // error over the drop, and the point by that share of the line, plus 4 epsilon of its own terms.
+  const double scale = plane.extent + from.cwiseAbs().sum() + to.cwiseAbs().sum();
   const double rounding = 8.0 * kEpsilon * scale;
-  const double along_error = std::min(1.0, rounding / std::abs(fall));
+  const double along_error = std::min(1.0, rounding / std::abs(drop));
   if (!plane.contains(meet[plane.u_axis], meet[plane.v_axis], rounding, along_error * along[plane.u_axis],
                       along_error * along[plane.v_axis])) {
     return SweepEnd::out_of_triangle;

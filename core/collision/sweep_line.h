@@ -6,8 +6,7 @@
 
 namespace hapton {
 
-// The bounded line that the probe swept between two samples.
-// Units: metres. Frame: the triangles'.
+// The line segment that the probe swept between two samples. Units: metres. Frame: the triangles'.
 struct SweepLine {
   Vec3 last = Vec3::Zero();
   Vec3 current = Vec3::Zero();
@@ -17,23 +16,22 @@ struct SweepLine {
 enum class SweepEnd : std::uint8_t {
   parallel,         // step 2: the line never meets the plane
   out_of_length,    // step 3: it meets the plane before its start or beyond its end
-  out_of_triangle,  // step 4: it meets the plane beside the triangle
+  out_of_triangle,  // step 4: it meets the plane outside the triangle
   collision         // step 5: a valid collision point
 };
 
-// Where a sweep line meets a triangle.
+// The collision of a sweep line with a triangle.
 struct SweepCollision {
   double t = 0.0;              // along the line: 0 at last, 1 at current
   Vec3 point = Vec3::Zero();   // the collision point
-  Vec3 normal = Vec3::Zero();  // unit, towards the side the line comes from
+  Vec3 normal = Vec3::Zero();  // unit, towards the side that the line comes from
   double depth = 0.0;          // of current below the plane, along the normal; >= 0
   bool from_behind = false;    // the line comes from the side that the triangle's own normal points away from
 };
 
-// Tests one triangle, steps 2 to 4. A point with height >= 0 is above the plane, any other below it: a line collides when its ends lie on
-// different sides, so of two lines that share an end on the plane exactly one collides.
-// Post: collision is written only when the answer is SweepEnd::collision.
-// RT: yes. Source: memo 4.2.2.
+// Tests one triangle, steps 2 to 4. A point with height >= 0 is above the plane, any other below: a line collides if its ends are on
+// different sides, so of two lines that share an end on the plane exactly one collides. Post: collision is written only if the result is
+// SweepEnd::collision. RT: yes. Source: memo 4.2.2.
 SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, SweepCollision& collision) noexcept;
 
 }  // namespace hapton

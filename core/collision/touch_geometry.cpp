@@ -38,7 +38,7 @@ std::size_t most_triangles_of(const std::vector<std::shared_ptr<const TriangleMe
 
 constexpr int kMostBits = 28;  // SurfaceAdjacency packs a triangle's number, an edge and a side into 32
 
-// Twice as many as there are, where they can be numbered: sealed cracks split triangles (ObjectGeometry::make).
+// Twice the number of triangles, where they can be numbered: sealed cracks split triangles (ObjectGeometry::make).
 int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   const int bits = static_cast<int>(std::bit_width(most_triangles_of(meshes)));
   const bool has_room = bits < kMostBits && meshes.size() <= (std::size_t{1} << (31 - bits));
@@ -67,7 +67,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
       slots_(meshes.size()),
       requested_(meshes.size()),
       finished_(meshes.size()),
-      held_(meshes.size()) {
+      enclosing_(meshes.size()) {
   std::vector<Box> bounds;
   Box scene;
   for (const auto& mesh : meshes) {
@@ -110,13 +110,13 @@ void TouchGeometry::mark_unwalkable_between_objects() {
 }
 
 void TouchGeometry::clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept {
-  constexpr double kSlack = 0x1p-40;
+  constexpr double kRounding = 0x1p-40;
   for (int k = 0; k < 3; ++k) {
     if (motion[k] == 0.0) continue;
     const double a = (box.low[k] - p[k]) / motion[k];
     const double b = (box.high[k] - p[k]) / motion[k];
-    from = std::max(from, std::min(a, b) * (1.0 - kSlack) - kSlack);
-    until = std::min(until, std::max(a, b) * (1.0 + kSlack) + kSlack);
+    from = std::max(from, std::min(a, b) * (1.0 - kRounding) - kRounding);
+    until = std::min(until, std::max(a, b) * (1.0 + kRounding) + kRounding);
   }
 }
 
@@ -131,13 +131,13 @@ TouchGeometry::Hit TouchGeometry::pierce(std::uint32_t id, const Vec3& p, const 
   const bool none_below = ab >= 0.0 && bc >= 0.0 && ca >= 0.0;
   const bool none_above = ab <= 0.0 && bc <= 0.0 && ca <= 0.0;
   if (!none_below && !none_above) return {};
-  // To many digits, however near the plane both ends are: which of two triangles comes first decides on which side a segment arrives.
+  // Accurate even if both ends are near the plane, because the order of two triangles decides on which side a segment arrives.
   const double from = orient3d(a, b, c, p);
   const double to = orient3d(a, b, c, q);
   return {from != to ? std::clamp(from / (from - to), 0.0, 1.0) : 1.0, side_p < 0.0};
 }
 
-void TouchGeometry::place(const Vec3& p) noexcept {
+void TouchGeometry::place_probe(const Vec3& p) noexcept {
   if (waiting_ == 0) return;
   ++placement_;
   hierarchy_.for_each_overlapping(Box{p, p}, [&](std::uint32_t o) {
@@ -154,25 +154,25 @@ void TouchGeometry::request(std::uint32_t object) noexcept {
   requested_count_.store(at + 1, std::memory_order_release);
 }
 
-double TouchGeometry::look_ahead(const Vec3& p, double reach) noexcept {
+double TouchGeometry::request_ahead(const Vec3& p, double range) noexcept {
   if (waiting_ == 0) return std::numeric_limits<double>::infinity();
-  let_in(p);
-  // Every object's distance shrinks by no more than p moves, less what it must be by no more than the reach grows.
-  double gone = (p - searched_from_).norm() + std::max(0.0, reach - searched_reach_);
+  activate(p);
+  // Every object's distance shrinks by at most the motion of p; the range it is compared with grows by at most the change of `range`.
+  double gone = (p - searched_from_).norm() + std::max(0.0, range - searched_range_);
   if (!(gone < unrequested_after_)) {
-    find_unrequested(p, reach);
+    find_unrequested(p, range);
     gone = 0.0;
   }
   const bool any_pending = requested_count_.load(std::memory_order_relaxed) > active_count_;
   return any_pending ? 0.0 : unrequested_after_ - gone;
 }
 
-// What was built since the last time, and what waits for the probe to leave its bounds.
-void TouchGeometry::let_in(const Vec3& p) noexcept {
+// Activates objects that were built since the last call, and those whose bounds the probe has left.
+void TouchGeometry::activate(const Vec3& p) noexcept {
   const std::uint32_t finished = finished_count_.load(std::memory_order_acquire);
-  while (received_ < finished) held_[held_count_++] = finished_[received_++];
-  for (std::size_t i = 0; i < held_count_;) {
-    const std::uint32_t o = held_[i];
+  while (received_ < finished) enclosing_[enclosing_count_++] = finished_[received_++];
+  for (std::size_t i = 0; i < enclosing_count_;) {
+    const std::uint32_t o = enclosing_[i];
     const bool encloses_start = placement_ > 0 && slots_[o].placed_in == placement_;
     if (!(hierarchy_.bounds(o).distance_squared(p) > 0.0) && !encloses_start) {
       ++i;
@@ -181,25 +181,25 @@ void TouchGeometry::let_in(const Vec3& p) noexcept {
     active_[o] = slots_[o].built.get();
     ++active_count_;
     --waiting_;
-    held_[i] = held_[--held_count_];
+    enclosing_[i] = enclosing_[--enclosing_count_];
   }
 }
 
-// Bounds grown by the object's size lie nearer to p than the object less its size: the bound of the search is one on what p may go, plus
-// the reach.
-void TouchGeometry::find_unrequested(const Vec3& p, double reach) noexcept {
+// Bounds grown by the object's size are nearer to p than the object less its size, so the search bound is a bound on the motion of p, plus
+// the range.
+void TouchGeometry::find_unrequested(const Vec3& p, double range) noexcept {
   searched_from_ = p;
-  searched_reach_ = reach;
+  searched_range_ = range;
   unrequested_after_ = std::numeric_limits<double>::infinity();
   approach_.visit_nearest(p, unrequested_after_, [&](std::uint32_t o, double bound) {
     if (slots_[o].requested) return bound;
-    const double beyond = std::sqrt(hierarchy_.bounds(o).distance_squared(p)) - std::max(reach, slots_[o].size);
+    const double beyond = std::sqrt(hierarchy_.bounds(o).distance_squared(p)) - std::max(range, slots_[o].size);
     if (!(beyond > 0.0)) {
       request(o);
       return bound;
     }
     unrequested_after_ = std::min(unrequested_after_, beyond);
-    const double farthest = reach + unrequested_after_;
+    const double farthest = range + unrequested_after_;
     return std::min(bound, farthest * farthest);
   });
 }
@@ -209,7 +209,7 @@ bool TouchGeometry::build_wanted() {
   const std::uint32_t o = requested_[begun_++];
   Slot& slot = slots_[o];
   slot.built = std::make_unique<ObjectGeometry>(ObjectGeometry::make(*slot.mesh, frame_, triangle_mask_, shading_crease_rad_));
-  // While the others are still to come, their boxes stand for them; those built before have taken this one's.
+  // Objects not yet built are represented by their boxes; those built before have already taken this one's into account.
   if (approach_.object_count() > 0) {
     hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
       if (other == o) return;

@@ -19,17 +19,17 @@ enum class BuildPolicy : std::uint8_t { at_once, on_approach };
 // triangles. A query costs what lies near it, however many objects there are.
 //
 // Triangles are numbered across objects: the object in the high bits, its triangle in the low ones.
-// With BuildPolicy::on_approach an object costs its bounding box until the probe comes near: look_ahead (RT) requests it, build_wanted (a
-// slow task, any thread) builds it, nearest first, and from the next look_ahead with the probe outside its bounds it can be touched. An
-// object that appeared round the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
-// RT: queries, place and look_ahead yes; construction and build_wanted set-up only.
+// With BuildPolicy::on_approach an object costs only its bounding box until the probe comes near. request_ahead (RT) then requests it,
+// build_wanted (a slow task, any thread) builds it, nearest first, and the next request_ahead with the probe outside its bounds activates
+// it. An object that appeared round the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
+// RT: queries, place_probe and request_ahead yes; construction and build_wanted set-up only.
 // Threads: one for the RT side, one for build_wanted.
 class TouchGeometry {
  public:
   // Pre: check(meshes) holds.
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
                          std::optional<double> shading_crease_rad = std::nullopt);
-  explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes may go afterwards
+  explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes need not outlive this
 
   // Error: more objects and triangles than can be numbered.
   static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
@@ -42,7 +42,7 @@ class TouchGeometry {
 
   std::size_t object_count() const { return slots_.size(); }
   std::size_t built_count() const { return finished_count_.load(std::memory_order_acquire); }
-  std::size_t waiting_count() const { return waiting_; }  // objects that cannot be touched yet
+  std::size_t waiting_count() const { return waiting_; }  // objects that are not active yet
   std::size_t triangle_count() const;                     // of the objects built
   std::size_t bytes() const;                              // of the objects built
 
@@ -50,26 +50,26 @@ class TouchGeometry {
   ObjectGeometry::Corners corners(std::uint32_t id) const { return object(id).corners(id & triangle_mask_); }
   Separation separation(std::uint32_t id, const Vec3& p) const { return object(id).separation(id & triangle_mask_, p); }
   std::uint32_t mesh_of(std::uint32_t id) const { return id >> triangle_bits_; }
-  std::uint32_t object_bits() const { return ~triangle_mask_; }  // of a triangle's number: alike in two, they are of one object
-  // Side k of a triangle is across its edge k, see SurfaceAdjacency.
-  struct Across {
+  std::uint32_t object_bits() const { return ~triangle_mask_; }  // mask of the object in a triangle's number
+  // Side k of a triangle is at its edge k, see SurfaceAdjacency.
+  struct Adjacent {
     std::uint32_t id = 0;
     int edge = 0;
     bool flips = false;
     bool exists = false;
   };
-  Across across(std::uint32_t id, int k) const {
-    const SurfaceAdjacency::Across across = object(id).adjacency().across(id & triangle_mask_, k);
+  Adjacent adjacent(std::uint32_t id, int k) const {
+    const SurfaceAdjacency::Adjacent across = object(id).adjacency().adjacent(id & triangle_mask_, k);
     return {(id & ~triangle_mask_) | across.triangle, across.edge, across.flips, across.exists};
   }
   // Of the triangle's object.
   double edges_per_length(std::uint32_t id) const { return object(id).edges_per_length(); }
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
-  // Where a segment goes through a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes
-  // between two triangles that share an edge, nor does a chain of segments each of which begins where the one before ended.
+  // Where a segment crosses a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between
+  // two triangles that share an edge, nor does a chain of connected segments.
   struct Hit {
-    double time = 2.0;  // 0 at p, 1 at q; above 1: it is not met
+    double time = 2.0;  // 0 at p, 1 at q; above 1: no crossing
     bool from_back = false;
   };
   // RT: yes.
@@ -85,30 +85,30 @@ class TouchGeometry {
   void prefetch_indices(std::uint32_t id) const { object(id).prefetch_indices(id & triangle_mask_); }
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
-  // Calls visit(id) for every triangle whose box overlaps the query, and some that only nearly do. A visit that returns a bool ends the
-  // search by false.
+  // Calls visit(id) for every triangle whose box overlaps the query, and for some that nearly do. A visit that returns false ends the
+  // search.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
-  // Calls bound_squared = visit(id, bound_squared) for triangles whose boxes may lie nearer to p than sqrt(bound_squared).
+  // Calls bound_squared = visit(id, bound_squared) for triangles whose boxes may be nearer to p than sqrt(bound_squared).
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
-  // The probe is put at p: objects whose bounds enclose it are requested and come in as soon as they are built, as if they had always been.
-  void place(const Vec3& p) noexcept;
+  // Puts the probe at p: objects whose bounds enclose it are requested and become active as soon as they are built.
+  void place_probe(const Vec3& p) noexcept;
 
-  // Before the probe at p moves: requests objects that are not built and lie nearer than their own size or `reach`, and lets those in
-  // that have been built and do not enclose p. Returns how far p may go before this must be called again: 0 while a requested object is
-  // not in, infinity when all are. A call that finds p within what the one before returned costs a comparison.
-  double look_ahead(const Vec3& p, double reach) noexcept;
+  // Call before the probe at p moves. Requests objects that are not built and nearer than their own size or `range`, and activates those
+  // that have been built and do not enclose p. Returns how far p may move before the next call is needed: 0 while a requested object is not
+  // active, infinity if all are. A call within the distance that the last one returned costs one comparison.
+  double request_ahead(const Vec3& p, double range) noexcept;
 
-  // Builds one object that was requested. False when there is none.
+  // Builds one requested object. False if there is none.
   bool build_wanted();
 
  private:
   struct Slot {
     std::shared_ptr<const TriangleMesh> mesh;  // the builder's, once requested
-    std::unique_ptr<ObjectGeometry> built;     // written by the builder, before it counts as finished
+    std::unique_ptr<ObjectGeometry> built;     // written by the builder, before the object counts as finished
     double size = 0.0;                         // the diagonal of its bounds
     bool requested = false;                    // RT side only, like the next
     std::uint64_t placed_in = 0;               // the last placement that its bounds enclosed
@@ -119,8 +119,8 @@ class TouchGeometry {
   static void clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept;
   const ObjectGeometry& object(std::uint32_t id) const { return *active_[id >> triangle_bits_]; }
   void request(std::uint32_t object) noexcept;
-  void let_in(const Vec3& p) noexcept;
-  void find_unrequested(const Vec3& p, double reach) noexcept;
+  void activate(const Vec3& p) noexcept;
+  void find_unrequested(const Vec3& p, double range) noexcept;
 
   LocalFrame frame_;
   double units_per_m_ = 1.0;
@@ -128,24 +128,24 @@ class TouchGeometry {
   int triangle_bits_ = 31;
   std::uint32_t triangle_mask_ = 0x7FFFFFFFU;
   ObjectHierarchy hierarchy_;                  // over local bounds, with a margin for rounding
-  std::vector<const ObjectGeometry*> active_;  // an object: what queries see, null until it is let in
+  std::vector<const ObjectGeometry*> active_;  // by object; null until active
   std::vector<Slot> slots_;
 
-  // Of on_approach only. Each object is requested once and finished once, so the two lists between the threads never run over.
+  // With on_approach only. Each object is requested once and finished once, so the two lists between the threads cannot overflow.
   ObjectHierarchy approach_;  // over bounds grown by the object's own size
   std::vector<std::uint32_t> requested_;
   std::atomic<std::uint32_t> requested_count_ = 0;
-  std::uint32_t begun_ = 0;  // of requested_; the builder's
+  std::uint32_t begun_ = 0;  // index into requested_; the builder's
   std::vector<std::uint32_t> finished_;
   std::atomic<std::uint32_t> finished_count_ = 0;
-  std::uint32_t received_ = 0;       // of finished_; RT side only, like all below
-  std::vector<std::uint32_t> held_;  // finished, but not let in: they enclose the probe
-  std::size_t held_count_ = 0;
+  std::uint32_t received_ = 0;            // index into finished_; RT side only, like all below
+  std::vector<std::uint32_t> enclosing_;  // finished but not active: they enclose the probe
+  std::size_t enclosing_count_ = 0;
   std::size_t waiting_ = 0;  // objects not active yet
   std::size_t active_count_ = 0;
   std::uint64_t placement_ = 0;
-  Vec3 searched_from_ = Vec3::Zero();  // where unrequested objects were last looked for, with which reach, and what was left to go
-  double searched_reach_ = 0.0;
+  Vec3 searched_from_ = Vec3::Zero();  // position and range of the last search for unrequested objects, and the distance left
+  double searched_range_ = 0.0;
   double unrequested_after_ = 0.0;
 };
 

@@ -8,14 +8,14 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// Whether axis separates the triangle (corners relative to the box's middle) from the box; size bounds every coordinate involved.
+// Whether axis separates the triangle (corners relative to the box's middle) from the box; size bounds every coordinate.
 bool separates(const Vec3& axis, const std::array<Vec3, 3>& corners, const Vec3& half, double size) {
   const double p = axis.dot(corners[0]);
   const double q = axis.dot(corners[1]);
   const double r = axis.dot(corners[2]);
   const Vec3 spread = axis.cwiseAbs();
-  const double reach = spread.dot(half) + 16.0 * kEpsilon * spread.sum() * size;
-  return std::min({p, q, r}) > reach || std::max({p, q, r}) < -reach;
+  const double radius = spread.dot(half) + 16.0 * kEpsilon * spread.sum() * size;
+  return std::min({p, q, r}) > radius || std::max({p, q, r}) < -radius;
 }
 
 }  // namespace
@@ -31,22 +31,22 @@ bool may_touch(const std::array<Vec3, 3>& triangle, const Vec3& box_low, const V
       return false;
     }
   }
-  // From the given corners, not the moved ones: an edge is then right to its own last bit, however short.
+  // From the given corners, not the moved ones: each edge is then correct to its last bit, however short.
   const std::array<Vec3, 3> edges = {triangle[1] - triangle[0], triangle[2] - triangle[1], triangle[0] - triangle[2]};
   for (const Vec3& edge : edges) {
     for (int axis = 0; axis < 3; ++axis) {
-      // The cross product with a unit vector only moves and negates components: nothing rounds here but the edge itself.
+      // The cross product with a unit vector only permutes and negates components: nothing rounds but the edge itself.
       if (separates(Vec3::Unit(axis).cross(edge), corners, half, size)) {
         return false;
       }
     }
   }
-  // The normal carries its own rounding, of the size of the edges' product, which the bound on its dot product must cover too.
+  // The normal has its own rounding, of the size of the edges' product, which the bound on its dot product must include.
   const Vec3 normal = edges[0].cross(edges[1]);
   const double edge_size = edges[0].cwiseAbs().sum() * edges[1].cwiseAbs().sum();
   const double height = normal.dot(corners[0]);
-  const double reach = normal.cwiseAbs().dot(half) + 32.0 * kEpsilon * edge_size * size;
-  return height <= reach && height >= -reach;
+  const double radius = normal.cwiseAbs().dot(half) + 32.0 * kEpsilon * edge_size * size;
+  return height <= radius && height >= -radius;
 }
 
 }  // namespace hapton

@@ -10,14 +10,14 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// How one triangle stands to the other's plane: turned so that corner 0 is strictly the highest or strictly the lowest.
+// One triangle relative to the other's plane, rotated so that corner 0 is strictly the highest or strictly the lowest.
 struct Turned {
   Corners corner;
   std::array<double, 3> height;  // times twice the other's area, > 0 on the side of its normal
   bool on_top = false;           // corner 0 is the highest
 };
 
-// orient3d of the plane with each corner, its first stage sharing what the three have in common.
+// orient3d of the plane with each corner; its first stage shares what the three have in common.
 std::array<double, 3> heights_over(const Corners& plane, const Corners& corner) {
   const Vec3 u = plane[1] - plane[0];
   const Vec3 v = plane[2] - plane[0];
@@ -41,7 +41,7 @@ bool is_all_zero(const std::array<double, 3>& height) { return height[0] == 0.0 
 
 int sign_of(double x) { return x > 0.0 ? 1 : x < 0.0 ? -1 : 0; }
 
-// Pre: the signs are not all the same, so one corner's sign is the only highest or the only lowest.
+// Pre: the signs differ, so one corner is alone on its side.
 Turned turn(const Corners& corner, const std::array<double, 3>& height) {
   const std::array<int, 3> s = {sign_of(height[0]), sign_of(height[1]), sign_of(height[2])};
   int first = 0;
@@ -61,15 +61,15 @@ Turned turn(const Corners& corner, const std::array<double, 3>& height) {
   return {{corner[first], corner[second], corner[third]}, {height[first], height[second], height[third]}, on_top};
 }
 
-// Where the edge from corner 0 to corner i goes through the other's plane. Exact at a corner that lies in it.
+// Where the edge from corner 0 to corner i crosses the other's plane. Exact at a corner that lies in it.
 Vec3 pierce(const Turned& t, int i) {
   if (t.height[i] == 0.0) return t.corner[i];
   return t.corner[0] + t.height[0] / (t.height[0] - t.height[i]) * (t.corner[i] - t.corner[0]);
 }
 
-// --- In one plane ---------------------------------------------------------------------------------------------------------------
+// --- Coplanar triangles ------------------------------------------------------------------------------------------------------------
 
-// Twice the area of p, q, r seen along an axis, with an exact sign: the third row of the determinant is that axis.
+// Twice the area of p, q, r projected along an axis, with an exact sign: the third row of the determinant is that axis.
 double shadow_area(const Vec3& p, const Vec3& q, const Vec3& r, int axis) {
   Vec3 a = p;
   Vec3 b = q;
@@ -80,7 +80,7 @@ double shadow_area(const Vec3& p, const Vec3& q, const Vec3& r, int axis) {
   return orient3d(a, b, c, above);
 }
 
-// The axis along which the triangle's shadow has an area, -1 for none.
+// The axis along which the triangle's projection has an area, -1 for none.
 int find_shadow_axis(const Corners& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]).cwiseAbs();
   std::array<int, 3> axes = {0, 1, 2};
@@ -104,7 +104,7 @@ bool is_inside(const Vec3& p, const Corners& t, int axis) {
   return true;
 }
 
-// The corners of what two coplanar triangles share: corners of one inside the other, and crossings of edges.
+// The corners of the intersection of two coplanar triangles: corners of one inside the other, and crossings of edges.
 SharedPoints shared_points(const Corners& a, const Corners& b, int axis) {
   SharedPoints shared;
   for (const Vec3& p : a) {
@@ -150,10 +150,10 @@ TriangleContact intersect_coplanar(const Corners& a, const Corners& b, int axis)
 
 }  // namespace
 
-// With u an edge of a from its corner 0 and v one of b, p and q where they go through the other's plane, and D = normal(a) x normal(b):
-// det(u, b0 - a0, v) = (q - p) . (v x u), and since u lies in a's plane and v in b's, D . (v x u) = (v . normal(a)) (u . normal(b)). So
-// that determinant tells which of p and q comes first along D, with its sign turned once for each triangle whose corner 0 is the lowest.
-// Along D a triangle's two piercing points come in the order of its corners 2, 1 for a on top and 1, 2 for b on top.
+// With u an edge of a from its corner 0 and v one of b, p and q where they cross the other's plane, and D = normal(a) x normal(b): det(u,
+// b0 - a0, v) = (q - p) . (v x u), and since u lies in a's plane and v in b's, D . (v x u) = (v . normal(a)) (u . normal(b)). So the sign
+// of that determinant tells which of p and q comes first along D, reversed once for each triangle whose corner 0 is the lowest. Along D a
+// triangle's two crossing points come in the order of its corners 2, 1 if a is on top and 1, 2 if b is on top.
 TriangleContact intersect_triangles(const TrianglePair& pair) noexcept {
   const std::array<double, 3> over_b = heights_over(pair.b, pair.a);
   if (is_beside(over_b)) return {};
@@ -181,7 +181,7 @@ TriangleContact intersect_triangles(const TrianglePair& pair) noexcept {
 }
 
 std::size_t intersect_pairs(std::span<const TrianglePair> pairs, std::span<TriangleContact> contacts) noexcept {
-  std::size_t asked = 0;
+  std::size_t fallbacks = 0;
   TrianglePairs8 packed;
   TriangleContacts8 found;
   for (std::size_t first = 0; first < pairs.size(); first += 8) {
@@ -197,7 +197,7 @@ std::size_t intersect_pairs(std::span<const TrianglePair> pairs, std::span<Trian
       TriangleContact& contact = contacts[first + lane];
       if ((found.unclear >> lane & 1) != 0) {
         contact = intersect_triangles(pair);
-        ++asked;
+        ++fallbacks;
         continue;
       }
       contact.meets = (found.meets >> lane & 1) != 0;
@@ -206,7 +206,7 @@ std::size_t intersect_pairs(std::span<const TrianglePair> pairs, std::span<Trian
       contact.end = pair.a[0] + Vec3(found.end[0][lane], found.end[1][lane], found.end[2][lane]);
     }
   }
-  return asked;
+  return fallbacks;
 }
 
 }  // namespace hapton

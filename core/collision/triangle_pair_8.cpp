@@ -4,13 +4,13 @@
 // The steps of intersect_triangles (triangle_pair.cpp) in eight lanes, without branches, and with a bound on the error of every number
 // whose sign decides. u = 2^-24.
 //
-// Corners are off by u times their length, which `reach` bounds; a difference of two, rounded again, is off by eta = 4 u reach.
-// A determinant whose rows have lengths up to k, l and m is then off by at most
-//   eta (k l + k m + l m)  for its rows (Hadamard), with k, l, m taken one eta longer, which covers the products of errors, and
-//   5 u k l m              for its arithmetic: a cross product's component fma(a, b, -(c d)) is off by u (|c d| + |a b - c d|), together
-//                          2 u k l, times m; three roundings in the dot product, 3 u k l m.
-// A piercing point base + t dir with t = d0 / (d0 - d1), both heights off by E: t is off by E / |d0 - d1| (exactly so, with the computed
-// denominator) and 3 u; dir by eta, base by u reach, the sum by u reach.
+// Corners have an error of u times their length, which `bound` limits; a difference of two, rounded again, has an error of eta = 4 u bound.
+// A determinant whose rows have lengths up to k, l and m then has an error of at most
+//   eta (k l + k m + l m)  for its rows (Hadamard), with k, l, m one eta longer, which covers the products of errors, and
+//   5 u k l m              for its arithmetic: a component of a cross product fma(a, b, -(c d)) has an error of u (|c d| + |a b - c d|),
+//                          together 2 u k l, times m; three roundings in the dot product, 3 u k l m.
+// A crossing point base + t dir with t = d0 / (d0 - d1), both heights with an error of E: t has an error of E / |d0 - d1| (exactly so, with
+// the computed denominator) and 3 u; dir of eta, base of u bound, the sum of u bound.
 
 namespace hapton {
 namespace {
@@ -46,7 +46,7 @@ Vec8 choose(const Vec8& one, const Vec8& other, Float8 mask) {
   return {choose(one.x, other.x, mask), choose(one.y, other.y, mask), choose(one.z, other.z, mask)};
 }
 
-// Turned so that the corner alone on its side comes first.
+// Rotated so that the corner alone on its side comes first.
 struct Turned8 {
   Vec8 first, second, third;
   Float8 height[3];
@@ -66,7 +66,7 @@ Turned8 turn(const Vec8 corner[3], const Float8 height[3]) {
           {pick(height[0], height[1], height[2]), pick(height[1], height[2], height[0]), pick(height[2], height[0], height[1])}};
 }
 
-// The bound on a determinant's error, above, with room for the rounding of the bound itself. Pre: k, l, m already one eta longer.
+// The bound on a determinant's error, above, including the rounding of the bound itself. Pre: k, l, m already one eta longer.
 Float8 determinant_error(Float8 eta, Float8 k, Float8 l, Float8 m) {
   const Float8 pairs = plus(times(k, l), times(m, plus(k, l)));
   return plus(times(times(set8(1.01F), eta), pairs), times(times(set8(5.1F * 0x1p-24F), k), times(l, m)));
@@ -93,7 +93,7 @@ Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner
 
 struct Pierced {
   Vec8 point;
-  Float8 loose;  // E / |d0 - d1|: what t may be off by
+  Float8 loose;  // E / |d0 - d1|: error of t
 };
 
 Pierced pierce(const Vec8& base, const Vec8& direction, Float8 d0, Float8 d1, Float8 error) {
@@ -112,11 +112,11 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 de = minus(b[1], b[0]);
   const Vec8 df = minus(b[2], b[0]);
 
-  // Bounds on lengths: of edges, of what lies between the triangles, of corners.
+  // Bounds on lengths: of edges, of the distance between the triangles, of corners.
   const Float8 edge_a = sqrt(larger(larger(squared(ab), squared(ac)), squared(minus(a[2], a[1]))));
   const Float8 edge_b = sqrt(larger(larger(squared(de), squared(df)), squared(minus(b[2], b[1]))));
-  const Float8 reach = plus(sqrt(larger(squared(a[0]), squared(b[0]))), larger(edge_a, edge_b));
-  const Float8 eta = times(set8(4.1F * 0x1p-24F), reach);
+  const Float8 bound = plus(sqrt(larger(squared(a[0]), squared(b[0]))), larger(edge_a, edge_b));
+  const Float8 eta = times(set8(4.1F * 0x1p-24F), bound);
   const Float8 two_eta = plus(eta, times(set8(1.1F), eta));
   const Float8 k = plus(edge_a, two_eta);
   const Float8 l = plus(edge_b, two_eta);
@@ -129,7 +129,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Turned8 p = turn(a, over_b.height);
   const Turned8 q = turn(b, over_a.height);
 
-  // Along D a triangle's piercing points come in the order of its corners third, second for a on top and second, third for b on top.
+  // Along D a triangle's crossing points come in the order third, second corner if a is on top and second, third if b is on top.
   const Float8 a_below = p.height[0];  // sign bit: the first corner is the lowest
   const Float8 b_below = q.height[0];
   const Vec8 low_a = minus(choose(p.third, p.second, a_below), p.first);
@@ -140,7 +140,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 low_turn = cross(low_a, firsts);
   const Vec8 high_turn = cross(high_a, firsts);
   const Float8 turned = (a_below ^ b_below) & kSign;
-  // > 0: b's piercing point is later than a's.
+  // > 0: b's crossing point is later than a's.
   const Float8 low_high = flipped(dot(high_b, low_turn), turned);
   const Float8 high_low = flipped(dot(low_b, high_turn), turned);
   const Float8 low_low = flipped(dot(low_b, low_turn), turned);
@@ -165,7 +165,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
       pierce(choose(p.first, q.first, end_on_b), choose(high_a, high_b, end_on_b), choose(p.height[0], q.height[0], end_on_b),
              choose(high_height_a, high_height_b, end_on_b), choose(error_a, error_b, end_on_b));
   const Float8 shift =
-      plus(times(larger(k, l), plus(larger(begin.loose, end.loose), set8(4.0F * 0x1p-24F))), times(set8(8.0F * 0x1p-24F), reach));
+      plus(times(larger(k, l), plus(larger(begin.loose, end.loose), set8(4.0F * 0x1p-24F))), times(set8(8.0F * 0x1p-24F), bound));
   const Float8 error = times(set8(1.75F), shift);  // sqrt(3): of components to length
   const Float8 located = is_above(times(set8(0.00099F), min(edge_a, edge_b)), error);
 

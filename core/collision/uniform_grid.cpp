@@ -34,8 +34,8 @@ Result<void> check(std::size_t triangles, const std::array<int, 3>& division) {
 
 }  // namespace
 
-// Rises with x even under rounding (difference, product with a positive number and floor all do), so that a point between two others
-// never falls into a cell outside of theirs.
+// Monotonic in x even with rounding (difference, product with a positive number and floor all are), so a point between two others never
+// falls into a cell outside of theirs.
 int UniformGrid::cell_along(int axis, double x) const noexcept {
   const double cell = std::floor((x - low_[axis]) * cells_per_metre_[axis]);
   return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(division_[axis] - 1)));
@@ -59,7 +59,7 @@ void UniformGrid::for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& vis
   const std::array<Vec3, 3> local = {triangle[0] - low_, triangle[1] - low_, triangle[2] - low_};
   const CellBox box =
       find_cells(triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]), triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]));
-  // How far a point may lie outside of its cell's nominal limits because cell_along rounds.
+  // How far a point may be outside of its cell's nominal limits because cell_along rounds.
   const Vec3 rounding = 8.0 * kEpsilon * (high_ - low_);
   for (int z = box.begin[2]; z < box.end[2]; ++z) {
     for (int y = box.begin[1]; y < box.end[1]; ++y) {
@@ -90,7 +90,7 @@ Result<UniformGrid> UniformGrid::make(std::span<const std::array<Vec3, 3>> trian
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = grid.high_[axis] - grid.low_[axis];
     const double per_metre = division[axis] / extent;
-    // No extent, or so little of it that cells cannot be told apart: one cell, in which everything lies.
+    // No extent, or too little to tell cells apart: one cell that contains everything.
     const bool divisible = extent > 0.0 && std::isfinite(extent) && std::isfinite(per_metre);
     grid.division_[axis] = divisible ? division[axis] : 1;
     grid.cells_per_metre_[axis] = divisible ? per_metre : 0.0;

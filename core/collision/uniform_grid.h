@@ -30,11 +30,10 @@ struct GridOccupancy {
   }
 };
 
-// The static world divided into equal axis-aligned cells, each with the list of the triangles that touch it, in flat arrays.
-// The grid spans the triangles' bounding box; along an axis in which the scene has no extent there is one cell.
-// Post: a triangle is listed in every cell that holds a point of it (and, by rounding alone, perhaps in a neighbour).
-// Source: memo 4.2.2, first step of the precalculation.
-// RT: find_cells, triangles_in, occupancy yes; make set-up only. Threads: any number of readers.
+// The static world divided into equal axis-aligned cells, each with the list of the triangles that touch it, in flat arrays. The grid spans
+// the triangles' bounding box; an axis without extent has one cell. Post: a triangle is listed in every cell that contains a point of it,
+// and perhaps, by rounding, in a neighbour. Source: memo 4.2.2, first step of the precalculation. RT: find_cells, triangles_in, occupancy
+// yes; make set-up only. Threads: any number of readers.
 class UniformGrid {
  public:
   static constexpr int kMaxDivision = 1024;
@@ -45,10 +44,10 @@ class UniformGrid {
   // Pre: all corners are finite.
   static Result<UniformGrid> make(std::span<const std::array<Vec3, 3>> triangles, const std::array<int, 3>& division);
 
-  // The cells that the axis-aligned box low..high covers; none when it lies outside of the grid.
+  // The cells that the axis-aligned box low..high overlaps; none if it lies outside of the grid.
   CellBox find_cells(const Vec3& low, const Vec3& high) const noexcept;
 
-  // The triangles of one cell, in rising order.
+  // The triangles of one cell, ascending.
   std::span<const std::uint32_t> triangles_in(int x, int y, int z) const noexcept {
     const std::size_t cell = index_of(x, y, z);
     return {ids_.data() + offsets_[cell], ids_.data() + offsets_[cell + 1]};

@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// Tells, within one query, whether an item was seen before. Starting the next query costs nothing: the stamp changes, not the items.
-// RT: start and first_visit yes (once in 2^32 queries start clears all stamps). Threads: one.
+// Tells whether an item has been visited in the current query. Starting a query changes the stamp, not the items, so it costs nothing. RT:
+// start and first_visit yes (once in 2^32 queries start clears all stamps). Threads: one.
 class VisitStamps {
  public:
   explicit VisitStamps(std::size_t items = 0, std::uint32_t first_stamp = 0) : seen_(items, 0), stamp_(first_stamp) {}
@@ -19,7 +19,7 @@ class VisitStamps {
     }
   }
 
-  // True the first time it is asked about this item since start.
+  // True at the first call for this item since start.
   bool first_visit(std::uint32_t item) noexcept {
     if (seen_[item] == stamp_) {
       return false;

@@ -21,7 +21,7 @@ struct FloatBox {
   }
 };
 
-// An item's box; the item's number rides in the unused fourth lane of low, made a number that is no slower to add than others.
+// An item's box; the item's number is stored in the unused fourth lane of low, encoded so that it is as fast to add as others.
 struct Item {
   static constexpr std::uint32_t kNotSubnormal = 0x40000000U;
   FloatBox box;
@@ -68,7 +68,7 @@ struct WideBvh::Builder {
     return range;
   }
 
-  // Splits so many items off: bounds the depth whatever the geometry.
+  // Splits off a given number of items, which bounds the depth for any geometry.
   std::pair<Range, Range> split_off(const Range& range, int axis, std::uint32_t count) {
     const std::uint32_t middle = range.begin + count;
     if (range.size() <= kFew) {
@@ -80,8 +80,8 @@ struct WideBvh::Builder {
     return {range_of(range.begin, middle), range_of(middle, range.end)};
   }
 
-  // The `count` items that come first along the axis, put before the others; otherwise the order stays. Each item's rank is counted, eight
-  // comparisons at a time: nothing to guess for the processor.
+  // Moves the `count` items that come first along the axis before the others, otherwise in order. Each item's rank is counted with eight
+  // comparisons at a time, without branches.
   void part_few(const Range& range, int axis, std::uint32_t count) {
     alignas(32) std::array<float, kFew> centres;
     centres.fill(std::numeric_limits<float>::infinity());
@@ -89,7 +89,7 @@ struct WideBvh::Builder {
     for (std::uint32_t i = 0; i < size; ++i) centres[i] = items[range.begin + i].twice_centre(axis);
     std::array<std::uint32_t, kFew> before;  // how many come before this one
     std::uint32_t candidates = 0;
-    float last = -std::numeric_limits<float>::infinity();  // of those that fewer than `count` come before
+    float last = -std::numeric_limits<float>::infinity();  // of those with fewer than `count` before them
     for (std::uint32_t i = 0; i < size; ++i) {
       const Float8 own = Float8(centres[i]);
       Uint32x8 less = Uint32x8(0U);
@@ -100,7 +100,7 @@ struct WideBvh::Builder {
       candidates += before[i] < count ? 1 : 0;
       last = before[i] < count ? std::max(last, centres[i]) : last;
     }
-    std::uint32_t surplus = candidates - count;  // of those level with the last
+    std::uint32_t surplus = candidates - count;  // of those equal to the last
     std::array<Item, kFew> others;
     std::uint32_t at = range.begin;
     std::uint32_t other = 0;
@@ -138,7 +138,7 @@ struct WideBvh::Builder {
     store(extent.data(), range.centres.high - range.centres.low);
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
     const std::uint32_t half = range.size() / 2;
-    // What fits into one level of full nodes is cut at whole nodes: fewer of them, and no worse where items are of a size.
+    // A run that fits into one level of full nodes is cut at whole nodes: fewer nodes, and no worse for items of similar size.
     if (range.size() <= kFew) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
     if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
 
@@ -150,7 +150,7 @@ struct WideBvh::Builder {
     const Int4 last = Int4(kBins - 1);
     const auto bins_of = [&](const Float4& centre) { return max(Int4(0), min(Int4::truncated((centre - base) * scale), last)); };
     std::array<std::array<Bin, kBins>, 3> bins;
-    const bool one_axis = range.size() > 512;  // large runs: the widest axis is nearly always the best, and a third of the work
+    const bool one_axis = range.size() > 512;  // large runs: the widest axis is nearly always the best, at a third of the work
     const int first_axis = one_axis ? widest : 0;
     const int last_axis = one_axis ? widest : 2;
     const auto put = [](Bin& bin, const Item& item, const Float4& centre) {
@@ -163,7 +163,8 @@ struct WideBvh::Builder {
       alignas(16) std::array<std::int32_t, 4> b;
       store(b.data(), bins_of(centre));
       if (one_axis) {
-        put(bins[i % 3][b[widest]], items[i], centre);  // neighbours fall into one bin: three in turn need not wait for each other
+        put(bins[i % 3][b[widest]], items[i],
+            centre);  // neighbours fall into one bin: three sets of bins, so that successive additions do not wait for each other
       } else {
         for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], centre);
       }
@@ -203,7 +204,8 @@ struct WideBvh::Builder {
       }
     }
     if (best_axis < 0) return split_off(range, widest, half);
-    // No branch on what is as likely one way as the other: each item changes places with the first that does not come before the cut.
+    // Without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before the
+    // cut.
     std::uint32_t at = range.begin;
     const Int4 cut = Int4(best_bin);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -251,7 +253,7 @@ struct WideBvh::Builder {
       }
       return index;
     }
-    // Below this level runs are halved by count: 13 halvings by eight cover 2^32 items, well inside kMaxDepth.
+    // Below this level runs are halved by count: 13 levels of eight-fold division cover 2^32 items, well inside kMaxDepth.
     const bool balanced = level > kMaxDepth - 14;
     std::array<Range, kWidth> parts;
     parts[0] = range;
@@ -288,7 +290,7 @@ WideBvh::WideBvh(std::size_t count, const std::function<Box(std::size_t)>& box_o
   Builder builder{.items = {}, .nodes = nodes_};
   builder.items.reserve(count);
   for (std::size_t i = 0; i < count; ++i) builder.items.push_back(make_item(box_of(i), static_cast<std::uint32_t>(i)));
-  nodes_.reserve(count / 6 + 1);  // as many as there mostly are: to move them costs more than what is left over
+  nodes_.reserve(count / 6 + 1);  // the usual number: moving them costs more than the unused rest
   builder.build(builder.range_of(0, static_cast<std::uint32_t>(count)), 1);
   if (nodes_.capacity() > nodes_.size() + nodes_.size() / 16) nodes_.shrink_to_fit();
   depth_ = builder.depth;

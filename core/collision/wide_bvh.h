@@ -15,11 +15,10 @@
 
 namespace hapton {
 
-// A bounding volume tree of eight-wide nodes: one node's eight child boxes are tested by one run of vector instructions.
-// Children are nodes or single items (triangles). Boxes are single precision, rounded outward, relative to an origin that
-// the caller has subtracted already, so a query never misses what it touches.
-// The builder bounds the depth, hence the stack of a query: a query can neither allocate nor drop.
-// Threads: immutable after build, any number of readers. RT: queries yes, build set-up only.
+// A bounding volume tree with nodes of eight children, whose eight boxes are tested by one run of vector instructions. Children are nodes
+// or single items (triangles). Boxes are single precision, rounded outward, relative to an origin that the caller has already subtracted,
+// so a query never misses what it touches. The builder bounds the depth, and so the stack of a query: a query can neither allocate nor
+// drop. Threads: immutable after build, any number of readers. RT: queries yes, build set-up only.
 class WideBvh {
  public:
   static constexpr int kWidth = 8;
@@ -29,36 +28,36 @@ class WideBvh {
 
   // Builds over item boxes (binned surface-area heuristic, MacDonald & Booth 1990, Wald 2007). Item i is boxes[i].
   explicit WideBvh(std::span<const Box> boxes);
-  // The same with a box at a time: item i is box_of(i), asked once.
+  // The same with a function: item i is box_of(i), called once.
   WideBvh(std::size_t count, const std::function<Box(std::size_t)>& box_of);
 
-  // Calls visit(item) for every item whose box overlaps the query box; some items that only nearly overlap are visited too. A visit that
-  // returns a bool ends the search by false.
+  // Calls visit(item) for every item whose box overlaps the query box, and for some that nearly do. A visit that returns false ends the
+  // search.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
-  // Every pair of items whose boxes come within `margin` of each other along each axis, once; some that only nearly do are visited too.
-  // Items are taken up to eight at a time: begin(items, lanes) names them, lane by lane, bit i of `lanes` set where lane i is one; then
-  // visit(item, lanes) is called with each item that comes near some of them, and which.
+  // Every pair of items whose boxes come within `margin` of each other along each axis, once, and some that nearly do. Items are taken up
+  // to eight at a time: begin(items, lanes) gives them lane by lane, with bit i of `lanes` set if lane i is used; then visit(item, lanes)
+  // is called for each item near some of them, with those lanes.
   template <class Begin, class Visit>
   void for_each_near_pair(double margin, Begin&& begin, Visit&& visit) const;
 
-  // Calls visit(item, bound_squared) for items in roughly increasing distance from p, nearest boxes first, while a box may lie
-  // nearer than sqrt(bound_squared); visit returns the new bound_squared (never larger).
+  // Calls visit(item, bound_squared) for items in roughly increasing distance from p, nearest boxes first, while a box may be nearer than
+  // sqrt(bound_squared); visit returns the new bound_squared (never larger).
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
   // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of the segment from p to p + motion before the
-  // time `until` of its 0..1, roughly in the order they are met; visit returns the new `until` (never larger). Boxes that only nearly do
-  // are visited too. Pre: p and motion are of the size of the boxes' coordinates.
+  // time `until` of its 0..1, roughly in order; visit returns the new `until` (never larger). Also for some boxes that nearly do. Pre: p
+  // and motion are of the size of the boxes' coordinates.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const;
 
   // Items in tree order: neighbours in space are neighbours in this list. Empty for an empty tree.
   std::vector<std::uint32_t> items_in_tree_order() const;
 
-  // Where the box of each item and of each node is stored, as node * kWidth + child: the way up from an item that refit needs. The root's
-  // is kNoParent. RT: set-up only.
+  // Where the box of each item and of each node is stored, as node * kWidth + child: the path upwards, for refit. The root's is kNoParent.
+  // RT: set-up only.
   static constexpr std::uint32_t kNoParent = 0xFFFFFFFFU;
   struct Parents {
     std::vector<std::uint32_t> of_item;
@@ -66,8 +65,8 @@ class WideBvh {
   };
   Parents find_parents() const;
 
-  // The item has another box from now on, and those above it follow; an empty box is found by no query. Work: a node a level.
-  // Pre: the parents are this tree's. RT: yes.
+  // Gives the item a new box and updates those above it; no query finds an empty box. Work: one node per level. Pre: the parents are this
+  // tree's. RT: yes.
   void refit(std::uint32_t item, const Box& box, const Parents& parents) noexcept;
 
   std::size_t node_count() const { return nodes_.size(); }
@@ -80,14 +79,14 @@ class WideBvh {
  private:
   static constexpr std::uint32_t kItemBit = 0x80000000U;
 
-  // low is stored as it is and high too; an unused child has low > high, so nothing overlaps it.
+  // An unused child has low > high, so nothing overlaps it.
   struct alignas(32) Node {
     std::array<std::array<float, kWidth>, 3> low;
     std::array<std::array<float, kWidth>, 3> high;
     std::array<std::uint32_t, kWidth> child;  // kItemBit set: an item; else a node
   };
 
-  // All children of a node are on their way into the processor while the first is looked at.
+  // Prefetches all children of a node while the first is processed.
   static void prefetch(const Node& node) {
     const auto* bytes = reinterpret_cast<const char*>(&node);
     for (std::size_t at = 0; at < sizeof(Node); at += 64) __builtin_prefetch(bytes + at);
@@ -188,7 +187,7 @@ inline unsigned WideBvh::item_lanes(const Node& node) {
   return sign_bits(as_floats(child) & used);
 }
 
-// A node comes before all below it, so a pair is found from the later of its two nodes: what lies below later nodes is left out.
+// A node comes before all below it, so a pair is found from the later of its two nodes: later nodes are skipped.
 template <class Begin, class Visit>
 void WideBvh::for_each_near_pair(double margin, Begin&& begin, Visit&& visit) const {
   std::array<std::uint32_t, kMaxStack> stack;
@@ -238,10 +237,10 @@ void WideBvh::for_each_near_pair(double margin, Begin&& begin, Visit&& visit) co
 template <class Visit>
 void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
   if (nodes_.empty()) return;
-  // Distances are computed in single precision from a point rounded to float: kSlack keeps them lower bounds.
-  // Relative rounding of the subtraction, square and sum is below 8 units of 2^-24; the point's own rounding is below
-  // 2^-24 of its magnitude, subtracted from every distance.
-  constexpr float kSlack = 1.0F - 16.0F / 16777216.0F;
+  // Distances are computed in single precision from a point rounded to float: kRounding makes them lower bounds. The relative rounding of
+  // the subtraction, square and sum is below 8 units of 2^-24; the point's own rounding is below 2^-24 of its magnitude, subtracted from
+  // every distance.
+  constexpr float kRounding = 1.0F - 16.0F / 16777216.0F;
   Float8 point[3];
   float error = 0.0F;
   for (int k = 0; k < 3; ++k) {
@@ -272,7 +271,7 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
       const Float8 outside = max(max(below, above) - error_8, zero);
       sum = sum + outside * outside;
     }
-    sum = sum * Float8(kSlack);
+    sum = sum * Float8(kRounding);
     const Float8 bound = Float8(detail::round_up(bound_squared));
     auto mask = sign_bits(sum < bound);
     alignas(32) std::array<float, kWidth> distance;
@@ -292,10 +291,10 @@ void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) 
 template <class Visit>
 void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const {
   if (nodes_.empty()) return;
-  // Slabs in single precision from a start rounded to float. Boxes grow by what the start and the subtraction round, a few units of 2^-24
-  // of the coordinates; times are widened by what the reciprocal and the product round.
-  constexpr float kSlack = 16.0F / 16777216.0F;
-  // In coordinates of about 1 a motion of less leads nowhere, and its inverse, 2^100, is still a float.
+  // Slabs in single precision from a start rounded to float. Boxes grow by the rounding of the start and the subtraction, a few units of
+  // 2^-24 of the coordinates; times are widened by the rounding of the reciprocal and the product.
+  constexpr float kRounding = 16.0F / 16777216.0F;
+  // With coordinates of about 1, a shorter motion counts as none; its inverse, 2^100, is still a float.
   constexpr double kLeastMotion = 0x1p-100;
   Float8 start[3];
   Float8 inverse[3];
@@ -308,8 +307,8 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
     inverse[k] = Float8(static_cast<float>(1.0 / least));
   }
   const Float8 zero = Float8(0.0F);
-  const Float8 sooner = Float8(1.0F - kSlack);
-  const Float8 later = Float8(1.0F + kSlack);
+  const Float8 sooner = Float8(1.0F - kRounding);
+  const Float8 later = Float8(1.0F + kRounding);
   struct Entry {
     std::uint32_t child;
     float time;

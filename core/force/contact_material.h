@@ -4,23 +4,23 @@
 
 namespace hapton {
 
-// The one material of a contact that several active constraints hold: stiffness, damping and friction are the means of the constraints'
-// materials, weighted by their multipliers. A constraint whose multiplier falls to zero has no weight when it is released, so the force has
-// no discontinuity there; constraints of one material give exactly that material. The force stays along the penetration vector.
+// The material of a contact with several active constraints. Stiffness, damping and friction are the means of the constraints' materials,
+// weighted by their multipliers. A constraint whose multiplier falls to zero has no weight when it is released, so the force is continuous
+// there; constraints of one material give exactly that material. The force stays along the penetration vector.
 //
-// Where all multipliers are zero the first constraint's material stands. two_sided is the first constraint's.
+// If all multipliers are zero, the first constraint's material is used. two_sided always comes from the first constraint.
 // RT: yes.
 class ContactMaterial {
  public:
-  // multiplier: >= 0, in any unit that is the same for all.
+  // multiplier: >= 0; any unit, the same for all constraints.
   void add(const Material& material, double multiplier) noexcept {
     if (!any_) mean_ = material;
     any_ = true;
     if (!(multiplier > 0.0)) return;
     sum_ += multiplier;
-    // Incrementally, so that equal values stay what they are: their differences are zero.
+    // The mean is updated by differences, so equal values are kept exactly: their difference is zero.
     const double share = multiplier / sum_;
-    if (share == 1.0) {  // the first with a weight
+    if (share == 1.0) {  // the first constraint with a weight
       const bool two_sided = mean_.two_sided;
       mean_ = material;
       mean_.two_sided = two_sided;

@@ -11,29 +11,29 @@ namespace {
 
 constexpr double kUnitRounding = 0x1p-52;
 
-// A trial active set: the point where its planes hold with equality, nearest to the goal.
+// A candidate: the point nearest to the goal at which all planes of a set hold with equality.
 struct Trial {
   Vec3 y = Vec3::Zero();
-  std::array<double, 3> push = {0, 0, 0};  // multipliers
+  std::array<double, 3> multipliers = {0, 0, 0};  // multipliers
   bool valid = false;
 };
 
 Trial on_one(const Vec3& goal, const ContactPlane& a) {
-  const double push = a.height - a.normal.dot(goal);
-  return {goal + push * a.normal, {push, 0, 0}, push >= 0.0};
+  const double multiplier = a.height - a.normal.dot(goal);
+  return {goal + multiplier * a.normal, {multiplier, 0, 0}, multiplier >= 0.0};
 }
 
-// On the line of two planes: the goal's part along the line, plus the line's point nearest to zero. No large numbers cancel even
-// where the planes are nearly parallel.
+// The goal's component along the planes' common line, plus the line's point nearest to zero. No large numbers cancel, even for nearly
+// parallel planes.
 Trial on_two(const Vec3& goal, const ContactPlane& a, const ContactPlane& b) {
   const Vec3 line = accurate_cross(a.normal, b.normal);
   const double sine_squared = line.squaredNorm();
-  if (!(sine_squared > 16.0 * kUnitRounding * kUnitRounding)) return {};  // parallel as far as rounding can tell
+  if (!(sine_squared > 16.0 * kUnitRounding * kUnitRounding)) return {};  // parallel up to rounding
   const Vec3 y = (line * line.dot(goal) + a.height * b.normal.cross(line) + b.height * line.cross(a.normal)) / sine_squared;
-  const Vec3 pushed = y - goal;  // = push_a * a.normal + push_b * b.normal
-  const double push_a = b.normal.cross(line).dot(pushed) / sine_squared;
-  const double push_b = line.cross(a.normal).dot(pushed) / sine_squared;
-  return {y, {push_a, push_b, 0}, push_a >= 0.0 && push_b >= 0.0};
+  const Vec3 correction = y - goal;  // = multiplier_a * a.normal + multiplier_b * b.normal
+  const double multiplier_a = b.normal.cross(line).dot(correction) / sine_squared;
+  const double multiplier_b = line.cross(a.normal).dot(correction) / sine_squared;
+  return {y, {multiplier_a, multiplier_b, 0}, multiplier_a >= 0.0 && multiplier_b >= 0.0};
 }
 
 Trial on_three(const Vec3& goal, const ContactPlane& a, const ContactPlane& b, const ContactPlane& c) {
@@ -43,9 +43,9 @@ Trial on_three(const Vec3& goal, const ContactPlane& a, const ContactPlane& b, c
   const double det = a.normal.dot(bc);
   if (!(std::fabs(det) > 16.0 * kUnitRounding)) return {};
   const Vec3 y = (a.height * bc + b.height * ca + c.height * ab) / det;
-  const Vec3 pushed = y - goal;
-  Trial trial{y, {bc.dot(pushed) / det, ca.dot(pushed) / det, ab.dot(pushed) / det}, false};
-  trial.valid = trial.push[0] >= 0.0 && trial.push[1] >= 0.0 && trial.push[2] >= 0.0;
+  const Vec3 correction = y - goal;
+  Trial trial{y, {bc.dot(correction) / det, ca.dot(correction) / det, ab.dot(correction) / det}, false};
+  trial.valid = trial.multipliers[0] >= 0.0 && trial.multipliers[1] >= 0.0 && trial.multipliers[2] >= 0.0;
   return trial;
 }
 
@@ -56,10 +56,10 @@ ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlan
   result.motion = goal;
   double scale = goal.norm();
   for (const ContactPlane& plane : planes) scale = std::max(scale, std::fabs(plane.height));
-  const double tolerance = 32.0 * kUnitRounding * scale;  // rounding of one plane's value
+  const double tolerance = 32.0 * kUnitRounding * scale;  // rounding error of one plane's value
 
   const auto slack = [&](int i, const Vec3& y) { return planes[i].normal.dot(y) - planes[i].height; };
-  // Each round the optimum moves away from the goal through a new active set; repeats can only come from rounding.
+  // Each round moves the optimum away from the goal to a new active set. Only rounding can repeat a set, so the bound ends the loop.
   const int rounds = 8 + 4 * static_cast<int>(planes.size());
   for (int round = 0; round < rounds; ++round) {
     int worst = -1;
@@ -87,7 +87,7 @@ ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlan
       best_distance = distance;
       best.motion = trial.y;
       best.active = set;
-      best.push = trial.push;
+      best.multipliers = trial.multipliers;
       best.active_count = count;
     };
     const ContactPlane& w = planes[worst];

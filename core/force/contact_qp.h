@@ -7,26 +7,26 @@
 
 namespace hapton {
 
-// The half-space normal . y >= height; normal is unit.
+// The half-space normal . y >= height; normal has unit length.
 struct ContactPlane {
   Vec3 normal = Vec3::Zero();
   double height = 0.0;
 };
 
-// Where a set of contact planes lets a motion end.
+// How far a set of contact planes lets a motion go.
 struct ConstrainedMotion {
   Vec3 motion = Vec3::Zero();
-  std::array<int, 3> active = {-1, -1, -1};  // planes that push
-  std::array<double, 3> push = {0, 0, 0};    // how much each: motion - goal = sum of push * normal
+  std::array<int, 3> active = {-1, -1, -1};       // indices of the active planes
+  std::array<double, 3> multipliers = {0, 0, 0};  // multipliers: motion - goal = sum of multiplier * normal over the active planes
   int active_count = 0;
-  bool solved = true;  // false: the planes leave no way that rounding can tell from standing still
+  bool solved = true;  // false: the motion that the planes allow is zero as far as rounding can tell
 };
 
-// The y nearest to `goal` with normal_i . y >= height_i for all planes: the god-object's constrained minimum
-// (Zilles & Salisbury 1995), solved exactly over every active set of up to three planes and any number of planes.
-// Incremental as a linear-program-type problem (Sharir & Welzl 1992): a violated plane must be active in the new optimum,
-// so only its seven sets with the three planes that were active are tried; |y - goal| grows each time, which bounds the loop.
-// RT: yes. Pre: heights are small against |goal| or the planes have a common feasible point near zero.
+// Returns the y nearest to `goal` with normal_i . y >= height_i for all planes: the god-object's constrained minimum (Zilles & Salisbury
+// 1995). Exact: every active set of up to three planes counts, for any number of planes.
+// Algorithm: incremental, as for LP-type problems (Sharir & Welzl 1992). A violated plane must be active in the new optimum, so only its
+// seven combinations with the (at most three) planes active so far are tried. |y - goal| grows in every round, which bounds the loop.
+// RT: yes. Pre: heights are small compared with |goal|, or the planes have a common feasible point near zero.
 ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlane> planes) noexcept;
 
 }  // namespace hapton

@@ -18,56 +18,56 @@ struct MethodInput {
   double dt_s = 1e-3;        // time since the sample before
 };
 
-// What is felt at that sample.
+// The result of that sample.
 struct MethodOutput {
-  Vec3 force_n = Vec3::Zero();  // on the device, frame S
+  Vec3 force_n = Vec3::Zero();  // acts on the device, frame S
   Vec3 p_SP = Vec3::Zero();     // proxy: where the probe is drawn; the device point itself in free space
   bool contact = false;         // force_n is not zero
 };
 
-// A way to turn device samples into forces. It keeps what it remembers between samples (the proxy, the last position) in itself.
-// RT: step and reset yes (no heap, lock, system call, log or throw), everything else set-up only.
+// A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).
+// RT: step and reset yes (no heap, lock, system call, log or throw); everything else set-up only.
 class ForceMethod {
  public:
   virtual ~ForceMethod() = default;
 
-  // The force for one sample. A sample that is not finite gives zero force and is otherwise ignored.
+  // The force for one sample. A sample that is not finite gives zero force and changes nothing else.
   virtual MethodOutput step(const MethodInput& input) noexcept = 0;
 
-  // Forgets all contact; the probe is at p_SD in free space.
+  // Forgets all contact and puts the probe at p_SD in free space.
   virtual void reset(const Vec3& p_SD) noexcept = 0;
 
-  // The method's slow task: does one piece of work that steps have asked for (say, builds the structures of an object that the probe
-  // approaches). True when there was some. RT: no. Threads: may run beside step and reset, one thread at a time.
+  // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe
+  // approaches. Returns true if there was any. RT: no. Threads: may run beside step and reset, in one thread at a time.
   virtual bool prepare() { return false; }
 
-  // A few lines for people about what was built and what was skipped: grid occupancy, tree size, counters.
+  // A few lines for people: what was built, what was skipped, counters.
   virtual std::string describe() const = 0;
 };
 
-// What a method can be told. Each field names the methods that read it.
+// The settings of all methods. Each comment starts with the methods that read the field.
 struct MethodSettings {
   std::string name = "proxy";                       // all: proxy | smooth | sweep | reference
   std::array<int, 3> grid_division = {32, 32, 32};  // sweep: cells along x, y, z (memo 4.2.2)
   double offset_m = 0.0005 * 0.0254;                // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
   int set_size = 64;                                // smooth: triangles in the local set, 16..256
   double smooth_radius_m = 0.0;                     // smooth: RADIUS of Algorithm 1; 0: from the data
-  double smooth_layer = 0.0;           // smooth: share of RADIUS over which the force already builds up outside the surface, 0..1
-  int hull_directions = 14;            // smooth: of its Fixed Direction Hulls: 6, 14, 18 or 26
-  double crease_deg = 40.0;            // smooth, proxy with shading: edges whose faces turn by more are felt sharp, 0..180
-  double simplify_m = 0.0;             // smooth: how far from the surface merging small triangles may leave a vertex; 0: never
-  bool build_on_approach = false;      // proxy: an object's structures are built when the probe first comes near, by prepare()
-  double shading = 0.0;                // proxy: force direction from the faces' normals (0) to interpolated smooth normals (1)
-  double probe_radius_m = 0.0;         // proxy, reference: 0 is a point probe
-  int reference_substeps = 64;         // reference: sub-steps each step is first done in; doubled until the force settles
-  int reference_substep_limit = 1024;  // reference: where the doubling ends and the step counts as not settled
+  double smooth_layer = 0.0;                        // smooth: share of RADIUS over which the force builds up outside the surface, 0..1
+  int hull_directions = 14;                         // smooth: number of directions of its Fixed Direction Hulls: 6, 14, 18 or 26
+  double crease_deg = 40.0;        // smooth, proxy with shading: edges with a larger angle between the faces' normals stay sharp, 0..180
+  double simplify_m = 0.0;         // smooth: largest distance by which merging small triangles may move a vertex; 0: no merging
+  bool build_on_approach = false;  // proxy: prepare() builds an object's structures when the probe first comes near
+  double shading = 0.0;            // proxy: weight of the interpolated smooth normals in the force direction: 0 (face normals) to 1
+  double probe_radius_m = 0.0;     // proxy, reference: 0 for a point probe
+  int reference_substeps = 64;     // reference: sub-steps of the first pass over a step; doubled until the force settles
+  int reference_substep_limit = 1024;  // reference: the doubling ends here and the step counts as unsettled
 };
 
-// Builds the named method over the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene, an object
-// without triangles.
+// Builds the named method for the scene. RT: set-up only. Error: unknown name, impossible setting, empty scene, an object without
+// triangles.
 Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene);
 
-// The names make_method knows, "sweep, ...", for help texts. RT: set-up only.
+// The known names, "sweep, ...", for help texts. RT: set-up only.
 std::string method_names();
 bool is_method_name(std::string_view name);
 

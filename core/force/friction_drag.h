@@ -4,56 +4,58 @@
 
 namespace hapton {
 
-// A proxy held on a plane by Coulomb friction while the device moves straight at constant speed.
+// A proxy under Coulomb friction on a plane, while the device moves straight at constant speed. The pull is the part of device - proxy in
+// the plane; the friction cone's radius there is the coefficient times the pressure.
 struct FrictionMotion {
-  Vec3 lag = Vec3::Zero();      // device minus proxy at the start, in the plane
+  Vec3 pull = Vec3::Zero();     // pull at the start
   Vec3 motion = Vec3::Zero();   // of the device, in the plane
-  double pressure_start = 0.0;  // normal distance between proxy and device: the normal force without its stiffness; > 0
-  double pressure_end = 0.0;    // > 0; it changes linearly on the way
+  double pressure_start = 0.0;  // normal distance between proxy and device, which is the normal force without its stiffness; > 0
+  double pressure_end = 0.0;    // > 0; the pressure changes linearly from start to end
   double friction_static = 0.0;
   double friction_dynamic = 0.0;  // <= friction_static
-  bool sliding = false;           // at the start: the dynamic coefficient is in force
+  bool sliding = false;           // at the start: the dynamic coefficient applies
 
-  // A proxy that slides sticks again once its lag has fallen to this share of the dynamic cone. Until then it may stop and slide on: over
-  // small folds it does not stick.
-  static constexpr double kRest = 0.5;
+  // A sliding proxy sticks again when its pull has fallen to this share of the dynamic cone. Above it the proxy may stop and slide on, so
+  // it does not stick at every small concave edge. 0.5 is a choice, not a derivation; the reference uses the same value.
+  static constexpr double kRestick = 0.5;
 };
 
 struct FrictionDrag {
-  Vec3 lag = Vec3::Zero();  // device minus proxy at the end, in the plane
-  bool sliding = false;     // at the end
+  Vec3 pull = Vec3::Zero();  // at the end
+  bool sliding = false;      // at the end
 };
 
-// The lag of a proxy that slides throughout a motion, in closed form. Time runs from 0 to 1 over the motion; the cone's radius is
-// `radius` + time * `growth`. The lag's direction turns towards the motion and never past it. RT: yes.
-class SlidingLag {
+// The pull of a proxy that slides throughout a motion, in closed form. Time runs from 0 to 1; the cone's radius is radius + time * growth.
+// The pull turns towards the motion and never past it. RT: yes.
+class SlidingPull {
  public:
-  // lag, motion: in one plane. Pre: radius > 0; it slides: lag.motion >= |lag| growth; |lag| = radius but for rounding.
-  SlidingLag(const Vec3& lag, const Vec3& motion, double radius, double growth) noexcept;
+  // pull, motion: in one plane. Pre: radius > 0; |pull| = radius up to rounding; the proxy slides: pull . motion >= |pull| growth.
+  SlidingPull(const Vec3& pull, const Vec3& motion, double radius, double growth) noexcept;
 
   Vec3 at(double time) const noexcept;
-  // How fast the proxy goes along its lag then.
+  // Speed of the proxy along its pull.
   double speed_at(double time) const noexcept;
-  // When the lag lies across `normal`, a vector in the plane; infinite: never from 0 on.
+  // The time at which the pull is perpendicular to `normal`, a vector in the plane. Infinite: at no time >= 0.
   double time_across(const Vec3& normal) const noexcept;
 
  private:
-  double tangent_at(double time) const noexcept;  // of half the angle to the motion
+  double tangent_at(double time) const noexcept;  // tangent of half the angle between pull and motion
 
   Vec3 ahead_ = Vec3::Zero();     // unit, along the motion
-  Vec3 sideways_ = Vec3::Zero();  // unit or zero: the lag is in the plane of both, on this side
-  double way_ = 0.0;
+  Vec3 sideways_ = Vec3::Zero();  // unit, perpendicular to ahead_ on the pull's side; zero if the pull is along the motion
+  double distance_ = 0.0;
   double radius_ = 0.0;
   double growth_ = 0.0;
-  double tangent_ = 0.0;  // at the start
+  double tangent_ = 0.0;  // tangent_at(0)
 };
 
-// Follows the proxy to the end of the motion, in closed form: it sticks until the lag leaves the static cone, jumps to the dynamic one, and
-// is then dragged along its own lag, which keeps the cone's size. That path is the tractrix: with the angle psi between lag and motion and
-// the cone's radius R, R psi' = -|motion| sin psi, so tan(psi / 2) falls by exp(-integral of |motion| / R). Where the lag would become
-// shorter than the cone is wide it stays, until it is on the cone again or, at kRest of it, sticks. This is the limit of ever finer steps
-// of return mapping (the play operator in the plane). All lengths in one unit; only their ratios matter. RT: yes. Source: Visintin,
-// Differential Models of Hysteresis (1994), III.2, vector play; the tractrix with a linear radius is ours.
+// Follows the proxy to the end of the motion, in closed form. It sticks until the pull leaves the static cone, jumps to the dynamic cone,
+// and is then dragged along its own pull, whose length stays the cone's radius. That path is the tractrix: with the angle psi between pull
+// and motion and the cone's radius R, R psi' = -|motion| sin psi, so tan(psi / 2) falls by exp(-integral of |motion| / R). Where the cone
+// grows faster than the pull, the proxy stops until the pull is on the cone again, or sticks at kRestick of it.
+// This is the limit of ever finer steps of return mapping (the play operator in the plane). All lengths in one unit; only their ratios
+// matter. RT: yes. Source: Visintin, Differential Models of Hysteresis (1994), III.2, vector play; the tractrix with a linear radius is
+// ours.
 FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept;
 
 }  // namespace hapton

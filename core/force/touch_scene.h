@@ -7,22 +7,22 @@
 
 namespace hapton {
 
-// How a surface answers touch. Units in the names; SI.
+// Contact properties of a surface. SI units.
 struct Material {
   double stiffness_n_per_m = 1000.0;
   double damping_ns_per_m = 0.0;
   double friction_static = 0.0;   // Coulomb, |F_t| <= mu_s F_n while stuck
   double friction_dynamic = 0.0;  // Coulomb, |F_t| = mu_d F_n while sliding; <= friction_static
-  bool two_sided = true;          // false: only the side its normals point to can be touched
+  bool two_sided = true;          // false: contact only on the side that the normals point to
 };
 
-// One thing that can be touched: a mesh posed in the static scene.
+// One object of a scene: a mesh posed in the static scene.
 struct TouchObject {
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres
   Material material;
 };
 
-// All that can be touched. Frame S.
+// All objects that can be touched. Frame S.
 struct TouchScene {
   std::vector<TouchObject> objects;
 };

@@ -3,8 +3,8 @@
 namespace hapton {
 namespace {
 
-// Assigned coefficient by coefficient, with no temporary on the way: it is stored as the method loads it, or a free step would wait for
-// its own memory.
+// Written coefficient by coefficient without a temporary: the method loads the result at once, and a store of another width would stall
+// that load (store forwarding).
 MethodInput to_static_scene(const TouchInput& input) {
   MethodInput sample;
   const Vec3 from_origin = input.p_WD - input.X_WS.translation();
@@ -17,12 +17,12 @@ MethodInput to_static_scene(const TouchInput& input) {
 
 TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   const MethodInput sample = to_static_scene(input);
-  const MethodOutput felt = method_->step(sample);
+  const MethodOutput result = method_->step(sample);
   TouchOutput output;
-  output.contact = felt.contact;
-  if (felt.contact) {
-    output.force_n = input.X_WS.linear() * felt.force_n;
-    output.visual_offset_m = input.X_WS.linear() * (felt.p_SP - sample.p_SD);
+  output.contact = result.contact;
+  if (result.contact) {
+    output.force_n = input.X_WS.linear() * result.force_n;
+    output.visual_offset_m = input.X_WS.linear() * (result.p_SP - sample.p_SD);
   }
   return output;
 }

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// One device sample, in the world frame, and where the static scene stands.
+// One device sample in the world frame, and the pose of the static scene.
 struct TouchInput {
   Vec3 p_WD = Vec3::Zero();      // device point, m
   Pose X_WS = Pose::Identity();  // static scene in world (the view transform)
@@ -14,13 +14,13 @@ struct TouchInput {
 };
 
 struct TouchOutput {
-  Vec3 force_n = Vec3::Zero();          // on the device, frame W
+  Vec3 force_n = Vec3::Zero();          // acts on the device, frame W
   Vec3 visual_offset_m = Vec3::Zero();  // frame W: proxy minus device point; the probe is drawn at device point + this
   bool contact = false;
 };
 
-// The whole of one haptic step: probe into the static scene's frame, method, force and visual offset back to the world.
-// The live node, replay, tests and benches all call this. RT: step yes.
+// One haptic step: transforms the device point into the static scene's frame, runs the method, and transforms force and visual offset back
+// to the world. The live node, replay, tests and benches all call it. RT: step yes.
 class TouchStep {
  public:
   explicit TouchStep(std::shared_ptr<ForceMethod> method) : method_(std::move(method)) {}
@@ -28,7 +28,7 @@ class TouchStep {
   TouchOutput step(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
   const ForceMethod& method() const { return *method_; }
-  // For the slow task, which calls prepare() beside step().
+  // Shared with the slow task, which calls prepare() beside step().
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:

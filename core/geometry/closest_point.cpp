@@ -18,7 +18,7 @@ struct SegmentPoint {
   double t;     // 0 at a, 1 at b
 };
 
-// Canonical order of a and b is the caller's affair: it is what makes both neighbours of an edge agree to the bit.
+// The caller orders a and b canonically, so that both neighbours of an edge agree to the bit.
 SegmentPoint closest_on_ordered_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 e = b - a;
   const Vec3 w = p - a;
@@ -28,10 +28,10 @@ SegmentPoint closest_on_ordered_segment(const Vec3& a, const Vec3& b, const Vec3
   if (along >= length2) return {b, p - b, 1.0};
   double t = along / length2;
   Vec3 offset = w - t * e;
-  // A second pass: what the first left along e is rounding, and would tilt the direction of a tiny offset.
-  const double rest = offset.dot(e) / length2;
-  offset -= rest * e;
-  t = std::clamp(t + rest, 0.0, 1.0);
+  // A second pass: the first leaves rounding along e, which would tilt the direction of a tiny offset.
+  const double correction = offset.dot(e) / length2;
+  offset -= correction * e;
+  t = std::clamp(t + correction, 0.0, 1.0);
   return {a + t * e, offset, t};
 }
 
@@ -70,7 +70,7 @@ ClosestPoint closest_on_face(const PreparedTriangle& triangle, const Vec3& p) {
   return found;
 }
 
-ClosestPoint closest_on_border(const PreparedTriangle& triangle, const Vec3& p) {
+ClosestPoint closest_on_boundary(const PreparedTriangle& triangle, const Vec3& p) {
   int best = 0;
   SegmentPoint nearest = closest_on_segment(triangle.corner[0], triangle.corner[1], p);
   double best2 = nearest.offset.squaredNorm();
@@ -110,8 +110,8 @@ PreparedTriangle::PreparedTriangle(const Vec3& a, const Vec3& b, const Vec3& c) 
   base = static_cast<int>(std::max_element(length2.begin(), length2.end()) - length2.begin());
   const int next = (base + 1) % 3;
   const int before = (base + 2) % 3;
-  // Longest x shortest loses the fewest digits; what it does lose along the longest edge is taken out again, so the error that
-  // stays is a rotation about that edge, harmless because the triangle reaches no farther from it than its own height.
+  // Longest x shortest loses the fewest digits. The error along the longest edge is removed again, so what remains is a rotation about that
+  // edge, which moves the triangle by no more than its own height times the angle.
   const Vec3 raw = length2[next] < length2[before] ? edge[base].cross(edge[next]) : edge[before].cross(edge[base]);
   const double raw_length = raw.norm();
   if (raw_length > 0.0 && length2[base] > 0.0) {
@@ -130,7 +130,7 @@ PreparedTriangle::PreparedTriangle(const Vec3& a, const Vec3& b, const Vec3& c) 
 
 ClosestPoint closest_point(const PreparedTriangle& triangle, const Vec3& p) {
   if (triangle.has_face && projects_inside(triangle, p)) return closest_on_face(triangle, p);
-  return closest_on_border(triangle, p);
+  return closest_on_boundary(triangle, p);
 }
 
 }  // namespace hapton

@@ -7,15 +7,15 @@
 
 namespace hapton {
 
-// The part of a triangle a point is nearest to. Edge k runs from corner k to corner (k + 1) mod 3.
+// The feature of a triangle that is closest to a point. Edge k runs from corner k to corner (k + 1) mod 3.
 enum class TriangleFeature : std::uint8_t { face, edge0, edge1, edge2, vertex0, vertex1, vertex2 };
 
 inline bool is_edge(TriangleFeature feature) { return feature >= TriangleFeature::edge0 && feature <= TriangleFeature::edge2; }
 inline bool is_vertex(TriangleFeature feature) { return feature >= TriangleFeature::vertex0; }
 
-// A triangle ready to be asked for distances: corners, unit normal and inward edge directions.
-// Any triangle is allowed: needles, caps, zero area, three equal corners. A triangle of exactly zero area has no face, only its edges.
-// Pre: finite corners whose squared lengths neither overflow nor vanish in double. RT: yes.
+// A triangle prepared for distance queries: corners, unit normal and inward edge directions. Any triangle is allowed: needles, caps, zero
+// area, three equal corners. A triangle of exactly zero area has no face, only its edges. Pre: finite corners whose squared lengths neither
+// overflow nor vanish in double. RT: yes.
 struct PreparedTriangle {
   PreparedTriangle() = default;
   PreparedTriangle(const Vec3& a, const Vec3& b, const Vec3& c);
@@ -23,24 +23,24 @@ struct PreparedTriangle {
   std::array<Vec3, 3> corner;
   std::array<Vec3, 3> edge;    // corner k to corner k + 1
   std::array<Vec3, 3> inward;  // normal x edge: in the plane, away from edge k into the triangle
-  Vec3 normal = Vec3::Zero();  // unit, counter-clockwise side; zero when has_face is false
-  int base = 0;                // the longest edge: the normal is exact about it, so plane distances are taken from its corner
+  Vec3 normal = Vec3::Zero();  // unit, counter-clockwise side; zero if has_face is false
+  int base = 0;                // the longest edge: the normal is exact about it, so plane distances are measured from its corner
   bool has_face = false;
 };
 
-// Where a triangle is nearest to a point.
+// The closest point of a triangle to a query point.
 struct ClosestPoint {
   Vec3 point = Vec3::Zero();        // on the triangle
-  Vec3 direction = Vec3::Zero();    // unit, from the triangle to the query point; on a face its normal, signed; zero when not defined
+  Vec3 direction = Vec3::Zero();    // unit, from the triangle to the query point; on a face its normal, signed; zero if undefined
   Vec3 barycentric = Vec3::Zero();  // weights of the corners, each in [0, 1], sum 1
   double distance = 0.0;
   TriangleFeature feature = TriangleFeature::vertex0;
 };
 
-// The point of the triangle nearest to p, to a few roundings of the larger of |p - corner| and the longest edge, whatever the triangle's
-// shape. An edge or a corner shared by two triangles gives bit-equal answers from both. A distance of zero on an edge or a corner has no
-// direction. RT: yes. Source: the region tests of Ericson, Real-Time Collision Detection (2005), 5.1.5; we differ in taking each region by
-// its own well-conditioned formula instead of one set of barycentric products, which lose all digits on needles.
+// The point of the triangle closest to p, to a few roundings of the larger of |p - corner| and the longest edge, whatever the triangle's
+// shape. An edge or a corner shared by two triangles gives bit-equal results from both. A distance of zero on an edge or a corner has no
+// direction. RT: yes. Source: the region tests of Ericson, Real-Time Collision Detection (2005), 5.1.5; we differ in a well-conditioned
+// formula for each region instead of one set of barycentric products, which lose all digits on needles.
 ClosestPoint closest_point(const PreparedTriangle& triangle, const Vec3& p);
 
 inline ClosestPoint closest_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {

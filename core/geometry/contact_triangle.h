@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// A triangle with everything that does not depend on the query worked out once: a separation takes no root and no division over
-// the face, one of each over an edge. Same contract as separation_from_triangle. RT: yes.
+// A triangle with everything that does not depend on the query precomputed: a separation takes no root and no division over the face, one
+// of each over an edge. Same contract as separation_from_triangle. RT: yes.
 class ContactTriangle {
  public:
   ContactTriangle() = default;
@@ -28,20 +28,20 @@ class ContactTriangle {
   const Vec3& corner(int k) const { return corner_[k]; }
   const Vec3& edge(int k) const { return edge_[k]; }  // from corner k to the next
   double length(int k) const { return length_[k]; }   // of edge k
-  const Vec3& normal() const { return normal_; }      // unit, as wound; zero without area
+  const Vec3& normal() const { return normal_; }      // unit, by the vertex order; zero without area
 
-  // How far inside edge k a point of the plane lies, times the edge's length: negative beyond it.
+  // How far inside edge k a point of the plane lies, times the edge's length: negative outside.
   double inside(int k, const Vec3& p) const { return inward_[k].dot(p - corner_[k]); }
-  // Where along edge k a point is: 0 at corner k, 1 at the next.
+  // Position of a point along edge k: 0 at corner k, 1 at the next.
   double along(int k, const Vec3& p) const { return edge_[k].dot(p - corner_[k]) * inverse_squared_[k]; }
 
-  // The edge that a point of the face is nearest to, and how near.
-  struct Border {
+  // The edge closest to a point of the face, and its distance.
+  struct Boundary {
     int edge = 0;
     double distance = 0.0;
   };
-  Border border(const Vec3& on_face) const {
-    Border nearest{0, std::numeric_limits<double>::infinity()};
+  Boundary boundary(const Vec3& on_face) const {
+    Boundary nearest{0, std::numeric_limits<double>::infinity()};
     for (int k = 0; k < 3; ++k) {
       const double distance = std::fabs(inward_[k].dot(on_face - corner_[k])) * std::sqrt(inverse_squared_[k]);
       if (distance < nearest.distance) nearest = {k, distance};
@@ -49,7 +49,7 @@ class ContactTriangle {
     return nearest;
   }
 
-  bool is_near_border(const Vec3& on_face, double distance) const {
+  bool is_near_boundary(const Vec3& on_face, double distance) const {
     bool any = false;
     for (int k = 0; k < 3; ++k) {
       const double off = inward_[k].dot(on_face - corner_[k]);
@@ -104,7 +104,7 @@ class ContactTriangle {
   Vec3 corner_[3];
   Vec3 edge_[3];    // from corner k to the next
   Vec3 normal_;     // unit; zero without area
-  Vec3 inward_[3];  // in the plane, across edge k towards the inside
+  Vec3 inward_[3];  // in the plane, perpendicular to edge k, towards the inside
   double inverse_squared_[3];
   double length_[3];
 };

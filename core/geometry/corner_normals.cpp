@@ -40,7 +40,7 @@ Vec3 unit_face_normal(const Mesh& mesh, std::size_t t) {
   const Vec3 n = ab.cross(ac);
   const double length = n.norm();
   const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
-  // Flatter than this, the normal is rounding.
+  // Flatter triangles have a normal of rounding only.
   return length > 1e-12 * longest ? Vec3(n / length) : Vec3(Vec3::Zero());
 }
 
@@ -51,7 +51,7 @@ double corner_angle(const Mesh& mesh, std::size_t t, int k) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-// Normals from faces and angles, given who shares which. Normals that no face with area touches stay zero.
+// Normals from faces and angles, given which corners share one. A normal without a face that has area stays zero.
 void average_normals(ShadedMesh& mesh, std::size_t faces) {
   for (Vec3& n : mesh.normals) n.setZero();
   for (std::size_t t = 0; t < faces; ++t) {
@@ -84,12 +84,12 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
   DisjointCorners corners(3 * count);
   for (std::uint32_t t = 0; t < count; ++t) {
     for (int k = 0; k < 3; ++k) {
-      const HalfEdge* other = edges.across(t, k);
+      const HalfEdge* other = edges.adjacent(t, k);
       if (other == nullptr || other->triangle < t) continue;
       const std::uint32_t u = other->triangle;
       const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
       const bool flat = faces[t].isZero(0.0) || faces[u].isZero(0.0);
-      // Wound against each other: the two faces have no common outside.
+      // Inconsistently oriented: the two faces have no common outside.
       const bool sharp = upward == other->upward || (!flat && faces[t].dot(faces[u]) < least_cosine);
       report.sharp_edges += sharp ? 1 : 0;
       if (sharp) continue;
@@ -133,7 +133,7 @@ void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
 
 namespace {
 
-// Unit; zero where there is none or it is not valid.
+// Unit; zero if there is none or it is not valid.
 Vec3 valid_authored_normal(const TriangleMesh& mesh, std::size_t t, int k, const Vec3& face) {
   const Vec3 normal = mesh.authored_normals[t][k].cast<double>();
   const double length = normal.norm();
@@ -199,7 +199,7 @@ NormalCheckReport check_corner_normals(ShadedMesh& mesh, std::size_t faces) {
       const bool unit = n.allFinite() && std::fabs(n.squaredNorm() - 1.0) < 1e-9;
       if (unit && (face.isZero(0.0) || n.dot(face) > kFarthestTurn)) continue;
       ++(unit ? report.turned_away : report.not_unit);
-      // Without area any direction serves: such a triangle exerts no force of its own.
+      // Without area any direction will do: such a triangle exerts no force of its own.
       mesh.corner_normals[t][k] = static_cast<std::uint32_t>(mesh.normals.size());
       mesh.normals.push_back(face.isZero(0.0) ? Vec3(Vec3::UnitZ()) : face);
     }

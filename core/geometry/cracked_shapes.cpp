@@ -33,7 +33,7 @@ TriangleMesh apart(const TriangleMesh& mesh) {
   return loose;
 }
 
-// The strip between two rows of vertices from left to right, each row numbered in order: the lower row first seen from outside.
+// The strip between two rows of vertices from left to right, each row numbered in order; the lower row comes first as seen from outside.
 void add_strip(TriangleMesh& mesh, std::uint32_t low, int low_count, std::uint32_t high, int high_count) {
   int i = 0;
   int j = 0;
@@ -137,7 +137,7 @@ TriangleMesh make_patched_sphere(double radius_m, double relative_height, double
   constexpr double kSharpest = 12.0;  // curvature of the equator times the radius, per relative height
   Random random(seed);
   const Waves waves{radius_m, relative_height};
-  // A chord of length L under a curvature c has the sagitta L^2 c / 8, which is to be a quarter of the width.
+  // A chord of length L under a curvature c has the sagitta L^2 c / 8, which should be a quarter of the width.
   const double chord = std::sqrt(2.0 * width * radius_m / (1.0 + kSharpest * relative_height));
   TriangleMesh sphere;
   for (const auto& [sectors, side, turn] : {std::array{3.0, 1.0, 0.1}, std::array{4.0, -1.0, 0.35}}) {

@@ -6,23 +6,22 @@
 
 namespace hapton {
 
-// Meshes with cracks and T-junctions, made by rule, as scans and CAD exports have them. Pure functions of their arguments.
-// Units: metres. width: of the widest gap, between a vertex and the other side of the crack; small against every triangle.
-// RT: set-up only.
+// Generated meshes with cracks and T-junctions, as in scans and CAD exports. Pure functions of their arguments. Units: metres. width: of
+// the widest gap, between a vertex and the other side of the crack; small compared with every triangle. RT: set-up only.
 
-// Each triangle has vertices of its own, drawn towards its middle by half the width: every edge is an open crack.
+// Each triangle has its own vertices, moved towards its middle by half the width: every edge is an open crack.
 TriangleMesh make_torn(const TriangleMesh& mesh, double width);
 
-// Each triangle has vertices of its own, moved by up to half the width at random: cracks that gape and overlap.
+// Each triangle has its own vertices, moved by up to half the width at random: cracks that gape and overlap.
 TriangleMesh make_shaken(const TriangleMesh& mesh, double width, std::uint64_t seed);
 
-// A box about the origin whose six faces are sheets of their own, each cut into another number of squares. Vertices along their rims are
-// moved by up to half the width at random: T-junctions and cracks along all twelve edges, where the surface turns by a right angle.
+// A box about the origin whose six faces are separate sheets, each with another number of squares. Vertices along their rims are moved by
+// up to half the width at random: T-junctions and cracks along all twelve right-angled edges.
 TriangleMesh make_patched_box(const Vec3& size_m, double width, std::uint64_t seed);
 
 // A sphere about the origin, its radius modulated by waves of the given relative height, in seven patches: three above the equator, four
-// below, each with another number of vertices along it, so that the two sides of that seam follow the curve by different chords. Vertices
-// along all seams are moved by up to a quarter of the width at random; the chords are as short as that takes.
+// below. The two sides of each seam have different numbers of vertices, so they follow the curve by different chords. Vertices along all
+// seams are moved by up to a quarter of the width at random; the chords are short enough for that.
 TriangleMesh make_patched_sphere(double radius_m, double relative_height, double width, std::uint64_t seed);
 
 }  // namespace hapton

@@ -9,17 +9,18 @@
 namespace hapton {
 namespace {
 
-// Below this share of its box a volume is rounding: two sheets back to back have none.
+// A volume below this share of its box is rounding: two sheets back to back have none.
 constexpr double kVolumeShare = 1e-9;
 
 struct Body {
   Eigen::AlignedBox3d box;
-  double volume = 0.0;       // positive with the front outside
-  std::uint64_t border = 0;  // 0: closed
+  double volume = 0.0;         // positive with the front outside
+  std::uint64_t boundary = 0;  // 0: closed
   std::size_t triangles = 0;
 };
 
-// One number for each edge, scattered (the finalizer of splitmix64), so that sums of different edges cancel only by a chance of 2^-64.
+// A pseudo-random number for each edge (the finalizer of splitmix64), so that sums of different edges cancel only with a probability of
+// 2^-64.
 std::uint64_t scatter(std::uint32_t low, std::uint32_t high) {
   std::uint64_t z = (std::uint64_t{high} << 32 | low) + 0x9E3779B97F4A7C15ULL;
   z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9ULL;
@@ -32,7 +33,7 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   return i;
 }
 
-// By the vertex that stands for the piece; vertices that stand for none have no triangles.
+// By the vertex that represents the piece; vertices that represent none have no triangles.
 std::vector<Body> find_bodies(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0U);
@@ -45,11 +46,11 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
     ++body.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
-      if (low != high) body.border += low == t[k] ? scatter(low, high) : 0 - scatter(low, high);
+      if (low != high) body.boundary += low == t[k] ? scatter(low, high) : 0 - scatter(low, high);
       body.box.extend(mesh.vertices[t[k]]);
     }
   }
-  // From a point of the body, where a small one far away keeps its digits.
+  // Relative to a point of the body, so that a small one far away keeps its digits.
   for (const Triangle& t : mesh.triangles) {
     Body& body = bodies[root_of(parent, t[0])];
     const Vec3 centre = body.box.center();
@@ -57,7 +58,7 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
     body.volume += a.dot((mesh.vertices[t[1]] - centre).cross(mesh.vertices[t[2]] - centre)) / 6.0;
   }
   std::erase_if(bodies, [](const Body& body) {
-    return body.triangles == 0 || body.border != 0 || !(std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3));
+    return body.triangles == 0 || body.boundary != 0 || !(std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3));
   });
   return bodies;
 }
@@ -66,7 +67,7 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
 
 ClosedBodies count_closed_bodies(const TriangleMesh& mesh) {
   std::vector<Body> bodies = find_bodies(mesh);
-  // The largest first: what contains others comes before them.
+  // The largest first, so that containers come before their contents.
   std::sort(bodies.begin(), bodies.end(), [](const Body& a, const Body& b) { return a.box.volume() > b.box.volume(); });
   ClosedBodies result{.count = bodies.size(), .inside_out = 0};
   for (auto body = bodies.begin(); body != bodies.end(); ++body) {

@@ -6,13 +6,13 @@
 
 namespace hapton {
 
-// Closed bodies of a mesh: pieces that share no vertex, each of whose edges is run as often one way as the other.
+// Closed bodies of a mesh: pieces that share no vertex, in which each edge is traversed equally often in both directions.
 struct ClosedBodies {
   std::size_t count = 0;
-  std::size_t inside_out = 0;  // with their fronts inside; a cavity, which lies in the box of a body with its front outside, is none
+  std::size_t inside_out = 0;  // with the fronts inside; a cavity, inside the box of a body with its front outside, does not count
 };
 
-// Vertices are taken as welded already. Time: linear in the mesh, but for the square of its cavities. RT: set-up only.
+// Vertices must be welded already. Time: linear in the mesh, but quadratic in its cavities. RT: set-up only.
 ClosedBodies count_closed_bodies(const TriangleMesh& mesh);
 
 }  // namespace hapton

@@ -30,7 +30,7 @@ EdgeCensus count_edges(const TriangleMesh& mesh) {
       forward += uses[last].forward;
     const std::size_t count = last - first;
     ++census.edges;
-    if (count == 1) ++census.border;
+    if (count == 1) ++census.boundary;
     if (count > 2) ++census.non_manifold;
     if (count == 2 && forward != 1) ++census.inconsistent;
     first = last;

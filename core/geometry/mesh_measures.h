@@ -6,18 +6,18 @@
 
 namespace hapton {
 
-// How the edges of a mesh meet, counted over its welded indices (no distance decides).
+// Counts of the mesh's edges, from its welded indices alone.
 struct EdgeCensus {
   std::size_t edges = 0;         // undirected, both ends different
-  std::size_t border = 0;        // used by one triangle
+  std::size_t boundary = 0;      // used by one triangle
   std::size_t non_manifold = 0;  // used by three or more
   std::size_t inconsistent = 0;  // used by two triangles in the same direction
-  bool closed() const { return edges > 0 && border == 0 && non_manifold == 0 && inconsistent == 0; }
+  bool closed() const { return edges > 0 && boundary == 0 && non_manifold == 0 && inconsistent == 0; }
 };
 
 EdgeCensus count_edges(const TriangleMesh& mesh);
 
-// Signed volume in cubic metres, positive when the normals of a closed mesh point outwards. Taken about the box centre, so an offset costs
+// Signed volume in cubic metres, positive if the normals of a closed mesh point outwards. Computed about the box centre, so an offset costs
 // no digits.
 double compute_volume(const TriangleMesh& mesh);
 

@@ -76,7 +76,7 @@ std::vector<Triangle> clip_ears(const std::vector<Eigen::Vector2d>& outline) {
   while (left.size() > 3) {
     std::size_t ear = 0;
     while (ear < left.size() && !is_ear(outline, left, ear)) ++ear;
-    if (ear == left.size()) ear = 0;  // only for outlines that are not simple: keeps the count of triangles right
+    if (ear == left.size()) ear = 0;  // only for outlines that are not simple: keeps the number of triangles right
     const std::size_t n = left.size();
     triangles.push_back({left[(ear + n - 1) % n], left[ear], left[(ear + 1) % n]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
@@ -270,7 +270,7 @@ TriangleMesh make_staircase(double side_m, int steps, int layers) {
     outline.emplace_back(-h + side_m * i / steps, top);
     outline.emplace_back(-h + side_m * (i - 1) / steps, top);
   }
-  // The last corner stands above the first; the outline closes down the lowest riser.
+  // The last corner is above the first; the outline closes down the lowest riser.
   return make_prism(outline, side_m, layers);
 }
 

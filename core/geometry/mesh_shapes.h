@@ -7,13 +7,13 @@
 
 namespace hapton {
 
-// Meshes made by rule: pure functions of their arguments, centred on the origin unless said otherwise, normals outwards, vertices
-// welded. All are closed except make_plane_grid. RT: set-up only. Pre: positive sizes and counts.
+// Generated meshes: pure functions of their arguments, centred on the origin unless stated otherwise, normals outwards, vertices welded.
+// All are closed except make_plane_grid. RT: set-up only. Pre: positive sizes and counts.
 
 // Icosahedron subdivided level times: 20 * 4^level triangles, every vertex on the sphere.
 TriangleMesh make_icosphere(double radius_m, int level);
 
-// Box with cells x cells squares of two triangles a side.
+// Box with cells x cells squares of two triangles on each side.
 TriangleMesh make_box(const Vec3& size_m, int cells = 1);
 
 // Prism over a regular polygon with its corners on the circle, axis z, capped by fans around the axis.
@@ -25,16 +25,16 @@ TriangleMesh make_torus(double ring_radius_m, double tube_radius_m, int around_a
 // Open square sheet in z = 0, normal +z, cells x cells squares.
 TriangleMesh make_plane_grid(double side_m, int cells);
 
-// Icosphere of the least level with at least min_triangles, its radius modulated by seeded smooth waves of the given relative height.
+// Icosphere of the lowest level with at least min_triangles, its radius modulated by seeded smooth waves of the given relative height.
 // 1,000,000 gives 1,310,720 triangles.
 TriangleMesh make_bumpy_sphere(double radius_m, double relative_height, std::size_t min_triangles, std::uint64_t seed);
 
-// Icosphere of the least level with at least min_triangles, roughened by eight seeded waves of one length in random directions, so that the
-// surface's normal curvatures have the root mean square 1 / curvature_radius_m. With wave number k and height A a wave along the unit
-// vector d bends the surface by A k^2 (d.u)^2 sin in direction u; the mean of (d.u)^4 over directions is 1/5, of sin^2 1/2, so eight waves
-// give A k^2 sqrt(8 / 10), and A = sqrt(10 / 8) curvature_radius / (curvature_radius k)^2. The slopes are sqrt(10 / 6) / (curvature_radius
-// k) in the mean: a wavelength below 5 curvature_radius keeps them below 1. Pre: wavelength_m and curvature_radius_m small against
-// radius_m.
+// Icosphere of the lowest level with at least min_triangles, roughened by eight seeded waves of one length in random directions, so that
+// the root mean square of the surface's normal curvatures is 1 / curvature_radius_m.
+// With wave number k and height A a wave along the unit vector d bends the surface by A k^2 (d.u)^2 sin in direction u; the mean of (d.u)^4
+// over directions is 1/5, of sin^2 1/2, so eight waves give A k^2 sqrt(8 / 10), and A = sqrt(10 / 8) curvature_radius / (curvature_radius
+// k)^2. The mean slope is sqrt(10 / 6) / (curvature_radius k): a wavelength below 5 curvature_radius keeps it below 1. Pre: wavelength_m
+// and curvature_radius_m small compared with radius_m.
 TriangleMesh make_rough_sphere(double radius_m, double curvature_radius_m, double wavelength_m, std::size_t min_triangles,
                                std::uint64_t seed);
 
@@ -53,7 +53,7 @@ TriangleMesh make_staircase(double side_m, int steps, int layers);
 // A square pyramid standing upside down in a block: four walls meeting in a concave apex below the open top (+z).
 TriangleMesh make_pit(double side_m, double depth_m);
 
-// The same mesh with every triangle turned over.
+// The same mesh with every triangle flipped.
 TriangleMesh flipped(TriangleMesh mesh);
 
 // The same mesh scaled about the origin, then moved.

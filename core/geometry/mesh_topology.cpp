@@ -38,7 +38,7 @@ struct HalfEdge {
 
 std::uint32_t next_corner(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 
-// Items in buckets 0..count-1, in the order they were met.
+// Items in buckets 0..count-1, in the order of their arrival.
 template <class Item>
 struct Buckets {
   std::vector<std::size_t> first;
@@ -49,7 +49,7 @@ struct Buckets {
   }
 };
 
-// Counting sort: each(add) calls add(bucket, item) for every item, twice over.
+// Counting sort: each(add) calls add(bucket, item) for every item, in two passes.
 template <class Item, class Each>
 Buckets<Item> fill_buckets(std::size_t count, Each each) {
   Buckets<Item> buckets;
@@ -87,7 +87,8 @@ class TopologyCounter {
     const Vec3 centre = box.center();
     Vec3 area_vector = Vec3::Zero();
     for (const Triangle& t : mesh_.triangles) count_shape(t, centre, area_vector);
-    // From the box's centre, where a small mesh far away keeps its digits, back to the origin; of a closed mesh this adds nothing.
+    // Moves the reference point from the box's centre, which keeps the digits of a small mesh far away, back to the origin; zero for a
+    // closed mesh.
     result_.signed_volume += centre.dot(area_vector) / 3.0;
   }
 
@@ -148,7 +149,7 @@ class TopologyCounter {
   static std::uint32_t corner_at_low(const HalfEdge& side) { return side.upward ? side.corner : next_corner(side.corner); }
   static std::uint32_t corner_at_high(const HalfEdge& side) { return side.upward ? next_corner(side.corner) : side.corner; }
 
-  // A vertex is manifold when its corners are all in one fan.
+  // A vertex is manifold if all its corners are in one fan.
   void count_fans(DisjointSets& fans) {
     std::vector<std::uint32_t> fan_count(mesh_.vertices.size(), 0);
     for (std::uint32_t corner = 0; corner < 3 * mesh_.triangles.size(); ++corner) {
@@ -173,17 +174,17 @@ class TopologyCounter {
   }
 
   void count_duplicates() {
-    using Rest = std::pair<std::uint32_t, std::uint32_t>;
-    auto by_lowest = fill_buckets<Rest>(mesh_.vertices.size(), [&](auto add) {
+    using HigherTwo = std::pair<std::uint32_t, std::uint32_t>;
+    auto by_lowest = fill_buckets<HigherTwo>(mesh_.vertices.size(), [&](auto add) {
       for (Triangle t : mesh_.triangles) {
         std::sort(t.begin(), t.end());
-        add(t[0], Rest(t[1], t[2]));
+        add(t[0], HigherTwo(t[1], t[2]));
       }
     });
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
-      const std::span<Rest> rest = by_lowest[v];
-      std::sort(rest.begin(), rest.end());
-      for (std::size_t i = 1; i < rest.size(); ++i) result_.duplicate_triangles += rest[i] == rest[i - 1] ? 1 : 0;
+      const std::span<HigherTwo> higher = by_lowest[v];
+      std::sort(higher.begin(), higher.end());
+      for (std::size_t i = 1; i < higher.size(); ++i) result_.duplicate_triangles += higher[i] == higher[i - 1] ? 1 : 0;
     }
   }
 

@@ -24,7 +24,7 @@ void add(ShadedMesh& mesh, const Triangle& vertices, const Triangle& normals, st
   mesh.source.push_back(source);
 }
 
-// One vertex's turns, linked into rings; a fan of triangles over each ring of three and more.
+// Links the turns of one vertex into rings; adds a fan of triangles over each ring of three or more.
 void fill_vertex(ShadedMesh& mesh, std::vector<Turn> turns, NormalFanReport& report) {
   bool open = false;
   while (!turns.empty()) {
@@ -61,11 +61,11 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
   std::vector<Turn> turns;
   for (std::uint32_t t = 0; t < faces; ++t) {
     for (int k = 0; k < 3; ++k) {
-      const HalfEdge* other = edges.across(t, k);
+      const HalfEdge* other = edges.adjacent(t, k);
       if (other == nullptr || other->triangle < t) continue;
       const std::uint32_t v0 = mesh.triangles[t][k];
       const std::uint32_t v1 = mesh.triangles[t][(k + 1) % 3];
-      if ((v0 < v1) == other->upward) continue;  // wound against each other: the normals do not turn, they flip
+      if ((v0 < v1) == other->upward) continue;  // inconsistently oriented: the normals do not turn, they flip
       const std::uint32_t a0 = mesh.corner_normals[t][k];
       const std::uint32_t a1 = mesh.corner_normals[t][(k + 1) % 3];
       const std::uint32_t b1 = mesh.corner_normals[other->triangle][other->corner];
@@ -95,7 +95,7 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
 }
 
 std::string NormalFanReport::describe() const {
-  return fmt::format("fans: {} fake triangles along edges, {} at corners; {} corners open", edge_fans, corner_fans, open_corners);
+  return fmt::format("fans: {} degenerate triangles along edges, {} at corners; {} corners open", edge_fans, corner_fans, open_corners);
 }
 
 }  // namespace hapton

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Fixed directions without a pattern: two irrational turns apart.
+// Fixed directions without a pattern: two irrational rotations apart.
 constexpr std::array<std::array<double, 3>, 3> kAside = {
     {{0.31, 0.7310585786, -0.5772156649}, {-0.27, -0.6180339887, -0.4142135624}, {0.11, 0.1415926536, 0.7182818285}}};
 
@@ -65,7 +65,7 @@ bool PointInMesh::is_inside(const Vec3& p) const {
   return votes >= 2;
 }
 
-// Signed crossings of the ray towards +x. A ray exactly through an edge loses its count; it is outvoted.
+// Signed crossings of the ray towards +x. A ray exactly through an edge may miscount; the other rays outvote it.
 int PointInMesh::winding_along_x(const Vec3& p) const {
   int winding = 0;
   const std::size_t cell = cell_of(p.y(), p.z());

@@ -10,10 +10,10 @@
 
 namespace hapton {
 
-// Which part of a triangle is nearest.
+// The closest feature of a triangle.
 enum class Feature : std::uint8_t { face, edge, vertex };
 
-// How a point stands to a triangle.
+// The position of a point relative to a triangle.
 struct Separation {
   double distance = 0.0;        // >= 0
   Vec3 normal = Vec3::Zero();   // unit, from the nearest point to the query point: the gradient of the distance
@@ -21,8 +21,9 @@ struct Separation {
   Feature feature = Feature::face;
 };
 
-// How far the computed normal may be off the true one (rad), in TouchGeometry's local units: a face's normal comes from exact edges. An
-// edge's or vertex's is as exact, but rounding may take the edge for nearest where by a hair the face is, and then it leans by that hair.
+// How far the computed normal may deviate from the true one (rad), in TouchGeometry's local units. A face's normal comes from exact edges.
+// An edge's or vertex's is as exact, but rounding may choose the edge where the face is closer by a rounding error, and the normal then
+// deviates by that error.
 inline double normal_error(const Separation& s) {
   constexpr double kFaceError = 0x1p-48;
   constexpr double kPlaceError = 0x1p-50;
@@ -31,15 +32,15 @@ inline double normal_error(const Separation& s) {
 
 namespace detail {
 
-// Of squares: a way shorter than 2^-20 of the edge has lost too many digits of its direction.
+// Of squares: a vector shorter than 2^-20 of the edge has lost too many digits of its direction.
 constexpr double kShort = 0x1p-40;
 
-// What is left along the edge of a way from it is rounding of the nearest point's place: taken off, the way is square to the edge.
+// Removes the component along the edge from the vector off it, which is rounding of the closest point's position.
 inline Vec3 squared_to(const Vec3& edge, double inverse_squared, const Vec3& off) { return off - (off.dot(edge) * inverse_squared) * edge; }
 
 struct NearestOnEdge {
   double distance_squared;
-  Vec3 off;  // from the nearest point to p
+  Vec3 off;  // from the closest point to p
   Vec3 nearest;
   bool inner;  // not an end
 };
@@ -58,11 +59,10 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b
 
 }  // namespace detail
 
-// The distance from p to triangle abc with its gradient, correct for needles and zero-area triangles too: the face decides only
-// where the point projects strictly inside all three edges; otherwise the nearest of the edges that have the point on their
-// outer side does (one of them carries the nearest point, because the triangle is convex).
-// A point exactly on the triangle gets the side its vertex order shows (or, without area, an arbitrary normal).
-// Frames: any, one for all. Pre: edges exact for slivers (see TouchGeometry). RT: yes.
+// The distance from p to triangle abc with its gradient, correct for needles and zero-area triangles too: the face decides only if the
+// point projects strictly inside all three edges; otherwise the closest of the edges that have the point on their outer side (one of them
+// contains the closest point, because the triangle is convex). A point exactly on the triangle gets the side that its vertex order shows
+// (or, without area, an arbitrary normal). Frames: any, one for all. Pre: edges exact for slivers (see TouchGeometry). RT: yes.
 inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a;
   const Vec3 bc = c - b;
@@ -97,7 +97,7 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   result.nearest = best.nearest;
   result.feature = best.inner ? Feature::edge : Feature::vertex;
   if (result.distance > 0.0) {
-    result.normal = best.off / result.distance;  // unit even where p - nearest would be mostly rounding
+    result.normal = best.off / result.distance;  // unit even if p - nearest is mostly rounding
   } else if (normal_squared > 0.0) {
     result.normal = normal / std::sqrt(normal_squared);
   } else {

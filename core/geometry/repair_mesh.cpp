@@ -28,12 +28,12 @@ std::uint64_t hash_of(const Bits& bits) {
   return h;
 }
 
-// Keys with numbers, in one flat table (open addressing, at most half full).
+// A hash table from keys to numbers (open addressing, at most half full).
 class KeyTable {
  public:
   explicit KeyTable(std::size_t count) : keys_(std::bit_ceil(2 * count + 2)), numbers_(keys_.size(), kNone) {}
 
-  // The key's number: the one it got first, or this one.
+  // The key's number: the first one it was given.
   std::uint32_t find_or_add(const Bits& key, std::uint32_t number) {
     const std::size_t at = place_of(key);
     if (numbers_[at] == kNone) {
@@ -58,12 +58,12 @@ class KeyTable {
 };
 
 Bits bits_of(const Vec3& v) {
-  // Adding zero makes -0 into 0.
+  // Adding zero turns -0 into 0.
   return {
       {std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)}};
 }
 
-// The triangle starting at its lowest vertex, the same way round.
+// The triangle starting at its lowest vertex, in the same order.
 Bits rotated(const Triangle& t) {
   const auto k = std::min_element(t.begin(), t.end()) - t.begin();
   return {{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}};
@@ -127,8 +127,8 @@ void count_thin(const TriangleMesh& mesh, RepairReport& report) {
   }
 }
 
-// Winds every piece one way, where one way fits all of it.
-void wind(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
+// Orients every piece consistently, where that is possible.
+void orient_pieces(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
   enum : std::uint8_t { unseen, as_is, flipped };
   std::vector<std::uint8_t> state(mesh.triangles.size(), unseen);
   std::vector<std::uint32_t> piece;
@@ -142,11 +142,12 @@ void wind(TriangleMesh& mesh, const SharedEdges& edges, RepairReport& report) {
     for (std::size_t i = 0; i < piece.size(); ++i) {
       const std::uint32_t t = piece[i];
       for (int k = 0; k < 3; ++k) {
-        const HalfEdge* other = edges.across(t, k);
+        const HalfEdge* other = edges.adjacent(t, k);
         if (other == nullptr) continue;
         const bool upward = mesh.triangles[t][k] < mesh.triangles[t][(k + 1) % 3];
-        const bool same_way = upward == other->upward;  // two triangles of one winding run along their edge in opposite ways
-        const std::uint8_t wanted = (state[t] == flipped) != same_way ? flipped : as_is;
+        const bool same_direction =
+            upward == other->upward;  // consistently oriented triangles traverse their common edge in opposite directions
+        const std::uint8_t wanted = (state[t] == flipped) != same_direction ? flipped : as_is;
         if (state[other->triangle] == unseen) {
           state[other->triangle] = wanted;
           turned += wanted == flipped ? 1 : 0;
@@ -185,10 +186,10 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::ve
   count_thin(repaired, report);
   const SharedEdges edges(repaired.triangles);
   for (std::size_t e = 0; e < edges.size(); ++e) {
-    report.border_edges += edges[e].size() == 1 ? 1 : 0;
+    report.boundary_edges += edges[e].size() == 1 ? 1 : 0;
     report.nonmanifold_edges += edges[e].size() > 2 ? 1 : 0;
   }
-  wind(repaired, edges, report);
+  orient_pieces(repaired, edges, report);
   if (source != nullptr) *source = std::move(from);
   if (vertex_source != nullptr) *vertex_source = std::move(vertex_from);
   return repaired;
@@ -196,9 +197,10 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::ve
 
 std::string RepairReport::describe() const {
   return fmt::format(
-      "repair: welded {} vertices, dropped {} empty and {} duplicate triangles, turned {} round; left: {} double faces, {} on a line, "
-      "{} needles, {} border edges, {} non-manifold edges, {} of {} pieces unorientable",
-      welded_vertices, dropped_empty, dropped_duplicates, turned, double_faces, empty_area, needles, border_edges, nonmanifold_edges,
+      "repair: welded {} vertices, dropped {} empty and {} duplicate triangles, reversed {}; left: {} double faces, {} with collinear "
+      "corners, "
+      "{} needles, {} boundary edges, {} non-manifold edges, {} of {} pieces unorientable",
+      welded_vertices, dropped_empty, dropped_duplicates, turned, double_faces, empty_area, needles, boundary_edges, nonmanifold_edges,
       unorientable_pieces, pieces);
 }
 

@@ -8,28 +8,28 @@
 
 namespace hapton {
 
-// What was found wrong with a mesh and what was done about it.
+// Faults found in a mesh and what was done about them.
 struct RepairReport {
-  std::size_t welded_vertices = 0;     // equal to the bit (0 and -0 are equal), made one
+  std::size_t welded_vertices = 0;     // equal to the bit (0 and -0 are equal), merged
   std::size_t dropped_empty = 0;       // triangles that repeat a vertex: no area, no edge of their own
-  std::size_t dropped_duplicates = 0;  // same three vertices, same way round, as an earlier one
-  std::size_t turned = 0;              // turned round so that their piece is wound one way
-  // Left as they are: no safe repairing.
-  std::size_t double_faces = 0;         // same three vertices as an earlier one, other way round: a sheet with two sides
-  std::size_t empty_area = 0;           // three different vertices on a line: they close seams, and are kept
+  std::size_t dropped_duplicates = 0;  // same three vertices in the same order as an earlier one
+  std::size_t turned = 0;              // flipped so that their piece is consistently oriented
+  // Only counted: no safe repair exists.
+  std::size_t double_faces = 0;         // same three vertices as an earlier one in reverse order: a sheet with two sides
+  std::size_t empty_area = 0;           // three different vertices on a line: kept, because they close seams
   std::size_t needles = 0;              // height below 1 % of the longest edge
-  std::size_t border_edges = 0;         // of one triangle: cracks and real borders
+  std::size_t boundary_edges = 0;       // of one triangle: cracks and true boundaries
   std::size_t nonmanifold_edges = 0;    // of three and more
-  std::size_t unorientable_pieces = 0;  // no winding fits all their triangles; left as they came
+  std::size_t unorientable_pieces = 0;  // no orientation fits all their triangles; left unchanged
   std::size_t pieces = 0;               // connected over edges of two triangles
 
   std::string describe() const;
 };
 
-// Repairs what can be repaired without changing the surface, and counts the rest. Triangles keep their order.
-// source[i]: the triangle of the given mesh that triangle i was; vertex_source likewise.
-// Winding: a piece whose triangles disagree is turned to the majority's side; one that agrees stays, outside in or not.
-// RT: set-up only. Source: fdh-rendering.txt, 4.1 ("problems with more or less incorrect triangle models").
+// Repairs what can be repaired without changing the surface, and counts the rest. Triangles keep their order. source[i]: the triangle of
+// the given mesh that triangle i was; vertex_source likewise. Orientation: in a piece whose triangles disagree, the minority is flipped; a
+// consistent piece stays as it is, inside out or not. RT: set-up only. Source: fdh-rendering.txt, 4.1 ("problems with more or less
+// incorrect triangle models").
 TriangleMesh repair_mesh(const TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>* source = nullptr,
                          std::vector<std::uint32_t>* vertex_source = nullptr);
 

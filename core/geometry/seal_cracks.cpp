@@ -16,9 +16,9 @@ namespace hapton {
 namespace {
 
 constexpr int kMostTries = 16;
-constexpr std::size_t kMostWork = 5000;  // a boundary edge: what surfaces take is below a fiftieth of that
-// How often all is joined anew, so that a large crowd does not take minutes: surfaces take one or two, crowds dozens. A small boundary may
-// take more: so many vertices in all.
+constexpr std::size_t kMostWork = 5000;  // per boundary edge: surfaces need less than a fiftieth of that
+// Limit on complete repetitions, so that many close vertices do not take minutes: surfaces need one or two, dense clusters dozens. A small
+// boundary may take more: so many vertices in all.
 constexpr std::size_t kMostJoins = 6;
 constexpr std::size_t kMostJoinedVertices = 200'000;
 
@@ -33,9 +33,9 @@ WorkBudget make_budget(const std::vector<std::uint8_t>& at_boundary) {
   return {.left = kMostWork * vertices, .joins_left = std::max(kMostJoins, kMostJoinedVertices / std::max<std::size_t>(vertices, 1))};
 }
 
-// Joins what can be joined, until nothing more can, so that sealing again finds nothing. Where that would go too far on the way there, what
-// led there is not begun: a notch, say, whose sides are close at its tip would be zipped up from there, vertex by vertex. It is left
-// untouched, and all is done again. use(joiner, joined mesh) is called in the end; not when there is no boundary, or the budget is spent.
+// Joins until nothing more can be joined, so that sealing again finds nothing. Where that would go too far, the parts that led there are
+// excluded and everything is repeated: a notch, say, whose sides are close at its tip would be zipped up from there, vertex by vertex.
+// Calls use(joiner, joined mesh) at the end; not if there is no boundary or the budget is used up.
 template <class Use>
 void join(const TriangleMesh& mesh, double share, JoinedParts& untouched, WorkBudget& budget, Use&& use) {
   const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
@@ -57,7 +57,7 @@ void join(const TriangleMesh& mesh, double share, JoinedParts& untouched, WorkBu
   }
 }
 
-// What joining the joined mesh again would join, as parts of the mesh it was made from.
+// The parts of the original mesh that joining the joined mesh once more would join.
 JoinedParts find_unsettled(const SeamMesh& seam, const SeamMesh::Sources& sources, const TriangleMesh& joined_mesh, double share,
                            WorkBudget& budget) {
   JoinedParts unsettled;
@@ -71,8 +71,8 @@ JoinedParts find_unsettled(const SeamMesh& seam, const SeamMesh::Sources& source
   return unsettled;
 }
 
-// Leaves the boundary within `reach` of these parts untouched.
-void leave_untouched(const TriangleMesh& mesh, const JoinedParts& parts, double reach, JoinedParts& untouched) {
+// Excludes the boundary within `radius` of these parts.
+void leave_untouched(const TriangleMesh& mesh, const JoinedParts& parts, double radius, JoinedParts& untouched) {
   untouched.vertices.insert(parts.vertices.begin(), parts.vertices.end());
   untouched.chords.insert(parts.chords.begin(), parts.chords.end());
   const VertexTree tree(mesh.vertices, {parts.vertices.begin(), parts.vertices.end()});
@@ -80,7 +80,7 @@ void leave_untouched(const TriangleMesh& mesh, const JoinedParts& parts, double 
   std::vector<VertexTree::Found> found;
   for (std::uint32_t v = 0; v < at_boundary.size(); ++v) {
     if (at_boundary[v] == 0) continue;
-    tree.find_nearest(mesh.vertices[v], SeamMesh::kNone, reach, 1, found);
+    tree.find_nearest(mesh.vertices[v], SeamMesh::kNone, radius, 1, found);
     if (!found.empty()) untouched.vertices.insert(v);
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -104,7 +104,7 @@ SealReport report_on(SeamJoiner& joiner) {
 }
 
 SealReport give_up(const TriangleMesh& mesh, double tolerance) {
-  const std::size_t edges = count_edges(mesh).border;
+  const std::size_t edges = count_edges(mesh).boundary;
   return {.tolerance = tolerance, .boundary_edges = edges, .boundary_edges_left = edges, .has_given_up = true};
 }
 
@@ -128,7 +128,8 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
       const JoinedParts unsettled = find_unsettled(joiner.seam(), sources, sealed, share, budget);
       if (budget.is_spent) return;
       if (unsettled.size() > 0) {
-        // Crowds thinner than the tolerance, where joining some moves others. They are left alone, more and more of them if need be.
+        // Clusters thinner than the tolerance, where joining some vertices moves others. They are excluded, in growing neighbourhoods if
+        // necessary.
         leave_untouched(mesh, unsettled, tries == 1 ? 0.0 : report.tolerance * std::exp2(tries - 2), untouched);
         is_settled = false;
         return;
@@ -143,7 +144,7 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
 
 std::string SealReport::describe() const {
   if (has_given_up) {
-    return fmt::format("cracks not sealed: its {} boundary edges lie too close together for gaps of {:.3g} m to be told; repair the mesh",
+    return fmt::format("cracks not sealed: its {} boundary edges lie too close together to identify gaps of {:.3g} m; repair the mesh",
                        boundary_edges, tolerance);
   }
   if (!has_sealed()) return fmt::format("no cracks up to {:.3g} m wide; {} boundary edges", tolerance, boundary_edges);

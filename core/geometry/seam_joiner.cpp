@@ -10,20 +10,20 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kMostNearVertices = 32;
-constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared, pair by pair
-constexpr std::size_t kMostValence = 256;      // where a weld is looked at from both ends
+constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
+constexpr std::size_t kMostValence = 256;      // largest valence for which a weld is tried from both ends
 constexpr int kMostRounds = 64;
-// On the average over the boundary; a surface torn apart at every edge has 3 and 2. More, and most of it lies within one tolerance.
-constexpr std::size_t kMostPairs = 8;       // a boundary edge of the mesh as it came
-constexpr std::size_t kMostJunctions = 64;  // the same
-constexpr double kFoldedBack = 0.5;         // cosine between the ways off a common edge: two surfaces at less than 60 degrees
+// Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
+constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
+constexpr std::size_t kMostJunctions = 64;  // likewise
+constexpr double kFoldedBack = 0.5;         // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
 
 }  // namespace
 
 SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched)
     : seam_(mesh, std::move(at_boundary), tolerance), tolerance_(tolerance), mesh_(mesh), untouched_(untouched) {}
 
-SeamJoiner::Foot SeamJoiner::foot_on(const Vec3& a, const Vec3& b, const Vec3& p) {
+SeamJoiner::Closest SeamJoiner::closest_on(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
   const double length = along.squaredNorm();
   const double share = length > 0.0 ? along.dot(p - a) / length : 0.0;
@@ -32,7 +32,7 @@ SeamJoiner::Foot SeamJoiner::foot_on(const Vec3& a, const Vec3& b, const Vec3& p
 
 // Within the tolerance, and beside the edge.
 bool SeamJoiner::is_close_by(const Edge& edge, std::uint32_t vertex) const {
-  const Foot here = foot(edge, vertex);
+  const Closest here = closest(edge, vertex);
   return vertex != edge.apex && here.is_inside() && is_near(here.squared_distance);
 }
 
@@ -72,10 +72,10 @@ JoinedParts SeamJoiner::joined() const {
   return parts;
 }
 
-// Two boundary edges that run side by side from where their vertices `a` of one and `b` of the other lie together: which kind of seam
-// they would make. `a` and `b` may be the same.
+// The kind of seam that two boundary edges would form, which run side by side from their neighbouring vertices `a` of one and `b` of the
+// other. `a` and `b` may be the same.
 SeamJoiner::Kind SeamJoiner::kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const {
-  if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return folded;
+  if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return sharp;
   return (one.from == a) == (other.from == b) ? flipped : straight;
 }
 
@@ -92,15 +92,15 @@ void SeamJoiner::find_pairs() {
   const VertexTree tree(mesh_.vertices, vertices);
   std::vector<VertexTree::Found> found;
   std::vector<Edge> edges;
-  std::vector<std::uint8_t> is_crowded(mesh_.vertices.size(), 0);
+  std::vector<std::uint8_t> is_full(mesh_.vertices.size(), 0);
   for (const std::uint32_t u : vertices) {
     tree.find_nearest(at(u), u, tolerance_, kMostNearVertices, found);
-    if (found.size() == kMostNearVertices) is_crowded[u] = 1;
+    if (found.size() == kMostNearVertices) is_full[u] = 1;
     for (const VertexTree::Found& near : found) {
-      // From a vertex of a lower number that looked at all its neighbours, the pair is there already.
-      if (near.vertex > u || is_crowded[near.vertex] != 0) add(u, near.vertex);
+      // A vertex with a lower number that has examined all its neighbours has added the pair already.
+      if (near.vertex > u || is_full[near.vertex] != 0) add(u, near.vertex);
     }
-    // Edges from one vertex that go the same way have their far ends to be joined, however crowded these are.
+    // Edges from one vertex in the same direction: their far ends are joined, however many edges these have.
     if (seam_.boundary_count(u) > kMostEdgesAtVertex) continue;
     seam_.find_boundary_edges_at(u, edges);
     for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -115,8 +115,8 @@ void SeamJoiner::find_pairs() {
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
 }
 
-// Edges at u and at v run side by side, so that joining these vertices is a step to closing the gap between the edges; and there is a
-// gap: they are not two borders of one narrow strip.
+// Edges at u and at v run side by side, so joining these vertices helps to close the gap between the edges; and there is a gap: they are
+// not the two sides of one narrow strip.
 bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > kMostValence || seam_.valence(v) > kMostValence) return is_seam_from_far_end(u, v);
   seam_.find_boundary_edges_at(u, edges_u_);
@@ -125,14 +125,14 @@ bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
     for (const Edge& f : edges_v_) {
       const std::uint32_t far_e = e.other(u);
       const std::uint32_t far_f = f.other(v);
-      if (far_e != far_f && !is_near(foot(f, far_e).squared_distance) && !is_near(foot(e, far_f).squared_distance)) continue;
+      if (far_e != far_f && !is_near(closest(f, far_e).squared_distance) && !is_near(closest(e, far_f).squared_distance)) continue;
       if (kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f)) return true;
     }
   }
   return false;
 }
 
-// The same for edges that share their far end, from the vertex of lower valence: its number of edges is what this takes.
+// The same for edges that share their far end, from the vertex of lower valence, which determines the cost.
 bool SeamJoiner::is_seam_from_far_end(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > seam_.valence(v)) std::swap(u, v);
   seam_.find_boundary_edges_at(u, edges_u_);
@@ -168,12 +168,12 @@ void SeamJoiner::weld_round() {
   }
 }
 
-// The vertex with the fewer triangles moves, so that a vertex of thousands that lay apart takes n log n steps.
+// The vertex with fewer triangles moves, so that a vertex split into thousands takes n log n steps.
 bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > seam_.valence(v) || (seam_.valence(u) == seam_.valence(v) && u < v)) std::swap(u, v);
   const SeamMesh::Weld first = seam_.weld(u, v);
   if (first == SeamMesh::Weld::done) return true;
-  const SeamMesh::Weld second = seam_.valence(v) > kMostValence ? SeamMesh::Weld::refused : seam_.weld(v, u);
+  const SeamMesh::Weld second = seam_.valence(v) > kMostValence ? SeamMesh::Weld::rejected : seam_.weld(v, u);
   if (second == SeamMesh::Weld::done) return true;
   if (first == SeamMesh::Weld::too_far || second == SeamMesh::Weld::too_far) {
     for (const std::uint32_t of : {u, v}) seam_.for_each_member(of, [&](std::uint32_t member) { untouched_.vertices.insert(member); });
@@ -190,7 +190,7 @@ void SeamJoiner::find_junctions() {
   junctions_found_at_ = changes_;
   junctions_.clear();
   const auto add = [&](std::uint32_t i, std::uint32_t vertex) {
-    const Foot here = foot(edges_[i], vertex);
+    const Closest here = closest(edges_[i], vertex);
     if (is_close_by(edges_[i], vertex)) junctions_.push_back({here.squared_distance, i, vertex, here.share});
   };
   const std::vector<std::uint32_t> vertices = seam_.boundary_vertices();
@@ -228,7 +228,7 @@ void SeamJoiner::split_round() {
   }
 }
 
-// What is boundary yet of an edge of this round, at a share of its length.
+// The part of an edge of this round that is still boundary, at a share of its length.
 std::optional<SeamJoiner::Edge> SeamJoiner::find_piece(std::uint32_t edge, double share) const {
   std::uint32_t a = edges_[edge].from;
   std::uint32_t b = edges_[edge].to;
@@ -245,13 +245,13 @@ bool SeamJoiner::cut(const Edge& piece, std::uint32_t vertex) {
   const auto found = edge_number_.find(key_of(piece.from, piece.to));
   if (found == edge_number_.end() || untouched_.chords.contains(piece.chord) || untouched_.vertices.contains(vertex)) return false;
   const std::uint32_t edge = found->second;
-  const Foot here = foot(edges_[edge], vertex);
+  const Closest here = closest(edges_[edge], vertex);
   if (!here.is_inside() || !is_near(here.squared_distance)) return false;
   const std::optional<Edge> there = find_piece(edge, here.share);
   if (!there || there->from != piece.from || there->to != piece.to) return false;
   if (!seam_.split(piece.from, piece.to, vertex)) return false;
   const auto [start, end] = seam_.chord_of(piece);
-  if (!is_near(foot_on(start, end, at(vertex)).squared_distance)) {
+  if (!is_near(closest_on(start, end, at(vertex)).squared_distance)) {
     seam_.unsplit(piece.from, piece.to, vertex);
     untouched_.chords.insert(piece.chord);
     return false;
@@ -268,11 +268,10 @@ void SeamJoiner::uncut(const Edge& piece, std::uint32_t vertex) {
   const std::uint32_t edge = edge_number_[key_of(piece.from, piece.to)];
   seam_.unsplit(piece.from, piece.to, vertex);
   cut_.pop_back();
-  cuts_[edge].erase(foot(edges_[edge], vertex).share);
+  cuts_[edge].erase(closest(edges_[edge], vertex).share);
 }
 
-// Splits a piece of boundary at a vertex when that makes a part of it one with an edge that ends at the vertex, at once or by a second
-// split.
+// Splits a piece of boundary at a vertex if that lets a part of it join an edge that ends at the vertex, at once or by a second split.
 bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
   std::vector<Edge> alongside;
   if (seam_.valence(vertex) <= kMostValence) {
@@ -282,7 +281,7 @@ bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
       if (const std::optional<Edge> edge = find_boundary_edge(end, vertex)) alongside.push_back(*edge);
     }
   }
-  const double gap = std::sqrt(foot(piece, vertex).squared_distance);
+  const double gap = std::sqrt(closest(piece, vertex).squared_distance);
   for (const bool is_second_needed : {false, true}) {
     for (const Edge& f : alongside) {
       const std::uint32_t far = f.other(vertex);
@@ -300,11 +299,11 @@ bool SeamJoiner::zip_to_end(const Edge& piece, std::uint32_t vertex, const Edge&
   return kind_of(piece, end, f, end) <= kind_ && !is_over_strip(piece, vertex, f) && cut(piece, vertex);
 }
 
-// The edge f leads on to another vertex near the piece, or beyond one of the piece's ends that is near f.
+// The edge f leads to another vertex near the piece, or beyond one of the piece's ends that is near f.
 bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const Edge& f, std::uint32_t far) {
   if (f.triangle == piece.triangle) return false;
   if (is_close_by(piece, far)) {
-    const bool runs_on = foot(piece, far).share > foot(piece, vertex).share;  // as the piece does
+    const bool runs_on = closest(piece, far).share > closest(piece, vertex).share;  // in the direction of the piece
     if (!is_kind(piece, f, vertex, runs_on) || is_over_strip(piece, vertex, f) || !cut(piece, vertex)) return false;
     const std::optional<Edge> rest = find_boundary_edge(vertex, runs_on ? piece.to : piece.from);
     if (rest && cut(*rest, far)) return true;
@@ -320,15 +319,15 @@ bool SeamJoiner::zip_with_second(const Edge& piece, std::uint32_t vertex, const 
   return false;
 }
 
-// f, seen from the vertex, runs as the piece does or against it.
+// f, seen from the vertex, has the direction of the piece or the opposite one.
 bool SeamJoiner::is_kind(const Edge& piece, const Edge& f, std::uint32_t vertex, bool runs_on) const {
-  if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= folded;
+  if (seam_.inward(piece).dot(seam_.inward(f)) > kFoldedBack) return kind_ >= sharp;
   const bool is_same_direction = (f.from == vertex) == runs_on;
   return (is_same_direction ? flipped : straight) <= kind_;
 }
 
 bool SeamJoiner::is_over_strip(const Edge& piece, std::uint32_t vertex, const Edge& f) const {
-  const Foot here = foot(piece, vertex);
+  const Closest here = closest(piece, vertex);
   const Vec3 on_piece = at(piece.from) + here.share * (at(piece.to) - at(piece.from));
   const Vec3 off = at(vertex) - on_piece;
   if (!(seam_.inward(piece).dot(off) > 0.0 && seam_.inward(f).dot(off) < 0.0)) return false;

@@ -15,7 +15,7 @@
 
 namespace hapton {
 
-// What joining is about: vertices that are welded or split an edge, and edges that are split (SeamMesh::Edge::chord).
+// Parts of a mesh: vertices that are welded or split an edge, and edges that are split (SeamMesh::Edge::chord).
 struct JoinedParts {
   std::unordered_set<std::uint32_t> vertices;
   std::unordered_set<std::uint32_t> chords;
@@ -23,35 +23,35 @@ struct JoinedParts {
 };
 
 // Joins boundary edges that run side by side within a tolerance, until no more can be joined: their ends are welded, or one is split where
-// the other ends. Vertices and edges that lie together without running side by side stay apart, and so do the sides of a narrow strip.
+// the other ends. Vertices and edges that are close without running side by side stay apart, and so do the sides of a narrow strip.
 //
-// First those are joined that make a surface of one winding, then those of opposite winding, then those that fold back by more than 120
-// degrees; among these, vertices before T-junctions and the nearest before others. What is split is zipped at once, so boundary edges never
-// become more. What may be done to a mesh at all: seam_mesh.h.
+// The order is: seams that make a consistently oriented surface, seams of opposite orientation, seams that fold back by more than 120
+// degrees; within each, vertices before T-junctions and the nearest before others. A split edge is zipped at once, so the number of
+// boundary edges never grows. seam_mesh.h lists the changes that are allowed.
 //
-// Units and frame: the mesh's. RT: set-up only. Threads: one. Time: n log n in the boundary; of a vertex in a crowd the nearest 32 vertices
-// and VertexTree::kMostSegments edges are looked at.
+// Units and frame: the mesh's. RT: set-up only. Threads: one. Time: n log n in the boundary; for a vertex in a dense cluster the nearest 32
+// vertices and VertexTree::kMostSegments edges are examined.
 class SeamJoiner {
  public:
-  // Pre: mesh and untouched outlive this; at_boundary from find_boundary_vertices.
-  // untouched: is neither welded nor split. What turns out to lead too far joins it: vertices that would drag others farther than the
-  // tolerance from where they came from; edges along which a gap would be zipped up, split by split, to where it is wider than that. Then
-  // joining is to be done again on the mesh as it came.
+  // Pre: mesh and untouched outlive this; at_boundary from find_boundary_vertices. untouched: parts that are neither welded nor split.
+  // Parts that would lead too far are added to it: vertices that would move others farther than the tolerance from their origin; edges
+  // along which a gap would be zipped up, split by split, to where it is wider than that. Joining must then be repeated on the original
+  // mesh.
   SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched);
 
-  // Once. False: it took more than most_work, and was not finished; the mesh is not to be used then.
+  // Call once. False: it took more than most_work and was not finished; do not use the mesh then.
   bool run(std::size_t most_work);
-  std::size_t work() const { return seam_.work() + candidates_; }  // what the time is proportional to
+  std::size_t work() const { return seam_.work() + candidates_; }  // proportional to the time
 
   SeamMesh& seam() { return seam_; }
   std::size_t boundary_edges() const { return boundary_edges_; }  // before
-  double widest_gap() const { return widest_gap_; }               // that was joined
+  double widest_gap() const { return widest_gap_; }               // widest gap that was joined
   JoinedParts joined() const;
 
  private:
   using Edge = SeamMesh::Edge;
-  // In this order.
-  enum Kind : std::uint8_t { straight, flipped, folded, kind_count };
+  // In order of preference.
+  enum Kind : std::uint8_t { straight, flipped, sharp, kind_count };
   struct Pair {
     double squared_distance = 0.0;
     std::uint32_t u = 0;
@@ -70,16 +70,16 @@ class SeamJoiner {
     bool operator<(const Junction& other) const { return order() < other.order(); }
     bool operator==(const Junction& other) const { return edge == other.edge && vertex == other.vertex; }
   };
-  struct Foot {
-    double share = 0.0;  // along the segment, not cut to it
+  struct Closest {
+    double share = 0.0;  // along the segment, not clamped to it
     double squared_distance = 0.0;
     bool is_inside() const { return share > 0.0 && share < 1.0; }
   };
 
   const Vec3& at(std::uint32_t vertex) const { return seam_.position(vertex); }
   bool is_near(double squared_distance) const { return squared_distance <= tolerance_ * tolerance_; }
-  static Foot foot_on(const Vec3& a, const Vec3& b, const Vec3& p);
-  Foot foot(const Edge& edge, std::uint32_t vertex) const { return foot_on(at(edge.from), at(edge.to), at(vertex)); }
+  static Closest closest_on(const Vec3& a, const Vec3& b, const Vec3& p);
+  Closest closest(const Edge& edge, std::uint32_t vertex) const { return closest_on(at(edge.from), at(edge.to), at(vertex)); }
   bool is_close_by(const Edge& edge, std::uint32_t vertex) const;
   static std::uint64_t key_of(std::uint32_t a, std::uint32_t b);
   Kind kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const;
@@ -109,8 +109,8 @@ class SeamJoiner {
   const TriangleMesh& mesh_;
   JoinedParts& untouched_;
   std::size_t most_work_ = 0;
-  std::size_t candidates_ = 0;  // pairs and junctions that were looked at
-  // What was done and not taken back.
+  std::size_t candidates_ = 0;  // pairs and junctions examined
+  // Changes that were made and not undone.
   struct Cut {
     std::uint32_t chord = 0;
     std::uint32_t vertex = 0;
@@ -126,7 +126,7 @@ class SeamJoiner {
   std::vector<Junction> junctions_;
   std::size_t pairs_found_at_ = ~std::size_t{0};  // changes_ then
   std::size_t junctions_found_at_ = ~std::size_t{0};
-  // Of a round of splits: the boundary edges at its start, where they have been cut since, and which one a piece is of.
+  // Of a round of splits: the boundary edges at its start, where they have been cut since, and the edge that a piece belongs to.
   std::vector<Edge> edges_;
   std::unordered_map<std::uint32_t, std::map<double, std::uint32_t>> cuts_;
   std::unordered_map<std::uint64_t, std::uint32_t> edge_number_;

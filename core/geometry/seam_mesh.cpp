@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kNoArea = 1e-14;            // of the longest edge squared: a triangle without a normal of its own (mesh_topology.h)
+constexpr double kNoArea = 1e-14;            // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
 constexpr double kLeastCosine = 1e-3;        // between a triangle's normals before and after
 constexpr double kLeastShare = 0.1;          // of a height that was below the least one
 constexpr std::ptrdiff_t kMostFlooded = 64;  // triangles
@@ -45,7 +45,7 @@ bool has(const Triangle& t, std::uint32_t vertex) { return t[0] == vertex || t[1
 }  // namespace
 
 std::vector<std::uint8_t> find_boundary_vertices(const TriangleMesh& mesh) {
-  // Edges are gathered by their lower vertex; there the few with the same upper one are found.
+  // Edges are collected by their lower vertex; among those of one vertex, the few with the same upper vertex are found.
   std::vector<std::uint32_t> first(mesh.vertices.size() + 2, 0);
   const auto for_each_edge = [&](auto&& visit) {
     for (const Triangle& t : mesh.triangles) {
@@ -280,7 +280,7 @@ void SeamMesh::remove_edges(std::uint32_t triangle) {
   for (int k = 0; k < 3; ++k) remove_edge(v[k], v[(k + 1) % 3], triangle);
 }
 
-// Not flipped against what it came as, and no thinner than contact can take.
+// Not flipped against the original triangle, and not too thin for contact.
 bool SeamMesh::is_sound(std::uint32_t source, const Triangle& triangle) const {
   const Shape before = shape_of(mesh_.vertices, original_[source]);
   if (!before.has_area()) return true;
@@ -295,7 +295,7 @@ bool SeamMesh::keeps_members_near(std::uint32_t u, std::uint32_t v) const {
   return is_near;
 }
 
-// Edges that fall together have one triangle each, and these two differ.
+// Edges that would coincide have one triangle each, and these two differ.
 bool SeamMesh::keeps_edges_apart(std::uint32_t u, std::uint32_t v) const {
   for (const std::uint32_t t : fan_of(u)) {
     for (const std::uint32_t w : mesh_.triangles[t]) {
@@ -313,11 +313,11 @@ bool SeamMesh::keeps_edges_apart(std::uint32_t u, std::uint32_t v) const {
 
 SeamMesh::Weld SeamMesh::weld(std::uint32_t u, std::uint32_t v) {
   work_ += fan_of(u).size();
-  if (u == v || is_edge(u, v) || !keeps_edges_apart(u, v)) return Weld::refused;
+  if (u == v || is_edge(u, v) || !keeps_edges_apart(u, v)) return Weld::rejected;
   for (const std::uint32_t t : fan_of(u)) {
     Triangle moved = mesh_.triangles[t];
     replace(moved, u, v);
-    if (!is_sound(source_of(t), moved)) return Weld::refused;
+    if (!is_sound(source_of(t), moved)) return Weld::rejected;
   }
   if (!keeps_members_near(u, v)) return Weld::too_far;
   for (const std::uint32_t t : fan_of(u)) {

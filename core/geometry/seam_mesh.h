@@ -10,70 +10,70 @@
 
 namespace hapton {
 
-// The vertices at which an edge of one triangle ends, by vertex; empty when the mesh has no such edge. Triangles that repeat a vertex have
-// no edges. Linear in the mesh. RT: set-up only.
+// Marks the vertices of edges with one triangle; empty if the mesh has no such edge. Triangles that repeat a vertex have no edges. Linear
+// in the mesh. RT: set-up only.
 std::vector<std::uint8_t> find_boundary_vertices(const TriangleMesh& mesh);
 
-// A mesh whose boundary is being joined: vertices on it are welded and edges on it split. Only triangles at the boundary are kept track of.
+// A mesh whose boundary is being joined: vertices on it are welded and edges on it split. Only triangles at the boundary are tracked.
 //
-// Each change is refused that would break the surface:
-// - no triangle loses its area (height below kLeastHeight tolerances where it had more) or ends up with a normal that points away from the
-//   one it came with;
+// A change is rejected if it would break the surface:
+// - no triangle loses its area (height below kLeastHeight tolerances where it had more) or gets a normal that points away from its original
+// one;
 // - no edge gets more than two triangles, no two triangles get the same three vertices, no edge shrinks to nothing;
-// - no vertex is farther than the tolerance from where it came from.
-// A vertex is moved onto another one, so every position is one that the mesh came with.
+// - no vertex is farther than the tolerance from its origin. A vertex is moved onto another one, so every position is one of the original
+// mesh.
 //
 // Units and frame: the mesh's. RT: set-up only. Threads: one.
 class SeamMesh {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-  static constexpr double kLeastHeight = 1e-6;  // of a triangle, in tolerances: far above what contact can tell from a line
+  static constexpr double kLeastHeight = 1e-6;  // of a triangle, in tolerances: far above what contact can distinguish from a line
 
-  // A boundary edge as its triangle runs along it.
+  // A boundary edge in the direction of its triangle.
   struct Edge {
     std::uint32_t from = 0;
     std::uint32_t to = 0;
     std::uint32_t triangle = 0;
     std::uint32_t apex = 0;   // its third vertex
-    std::uint32_t chord = 0;  // which edge it was when it came, or is a part of since: 3 times its triangle plus its number there
+    std::uint32_t chord = 0;  // the original edge that it is, or is a part of: 3 times its triangle plus its number there
     std::uint32_t other(std::uint32_t end) const { return end == from ? to : from; }
   };
 
-  // Pre: the mesh outlives this and is changed by nothing else; at_boundary from find_boundary_vertices.
+  // Pre: the mesh outlives this and nothing else changes it; at_boundary from find_boundary_vertices.
   SeamMesh(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance);
 
   double tolerance() const { return tolerance_; }
   const Vec3& position(std::uint32_t vertex) const { return mesh_.vertices[vertex]; }
-  std::uint32_t standing_for(std::uint32_t vertex) const;  // what it was welded to in the end; itself when to none
+  std::uint32_t standing_for(std::uint32_t vertex) const;  // the vertex it was finally welded to; itself if none
   bool is_boundary(std::uint32_t a, std::uint32_t b) const;
   bool is_edge(std::uint32_t a, std::uint32_t b) const { return find(a, b).count > 0; }
-  std::uint32_t boundary_count(std::uint32_t vertex) const { return boundary_count_[vertex]; }  // of edges that end there
-  std::size_t valence(std::uint32_t vertex) const { return fan_of(vertex).size(); }             // Pre: at the boundary when it came
+  std::uint32_t boundary_count(std::uint32_t vertex) const { return boundary_count_[vertex]; }  // edges that end there
+  std::size_t valence(std::uint32_t vertex) const { return fan_of(vertex).size(); }             // Pre: at the boundary originally
 
-  Edge boundary_edge(std::uint32_t a, std::uint32_t b) const;  // Pre: is one
+  Edge boundary_edge(std::uint32_t a, std::uint32_t b) const;  // Pre: it is one
   std::vector<Edge> boundary_edges() const;                    // in the order of their triangles
-  // Those that end at a vertex. Linear in its valence.
+  // The boundary edges at a vertex. Linear in its valence.
   void find_boundary_edges_at(std::uint32_t vertex, std::vector<Edge>& edges) const;
   std::vector<std::uint32_t> boundary_vertices() const;
-  // What the edge, or the one it was split from, would be without splits: straight between where its ends are now.
+  // The edge without splits: the straight line between the present ends of the edge that it was split from.
   std::pair<Vec3, Vec3> chord_of(const Edge& edge) const;
-  // Unit, in the triangle's plane, off the edge; zero when the triangle has no area.
+  // Unit, in the triangle's plane, perpendicular to the edge; zero if the triangle has no area.
   Vec3 inward(const Edge& edge) const;
 
-  // The surface goes on from the triangles at one vertex, or from one triangle, to one at the other vertex, over edges that come within
-  // `radius` of `near`: the two lie side by side on one piece of surface, no gap is between them. True also when that takes too long to
-  // find out. Linear in the lower valence.
+  // Whether the surface continues from the triangles at one vertex, or from one triangle, to one at the other vertex, over edges that come
+  // within `radius` of `near`: the two lie side by side on one piece of surface, without a gap between them. Also true if the search takes
+  // too long. Linear in the lower valence.
   bool is_joined_nearby(std::uint32_t u, std::uint32_t v, const Vec3& near, double radius) const;
   bool is_triangle_joined_nearby(std::uint32_t triangle, std::uint32_t to, const Vec3& near, double radius) const;
 
   enum class Weld {
     done,
-    refused,
-    too_far  // refused for one reason alone: a vertex welded to u before would end up farther than the tolerance from where it came from
+    rejected,
+    too_far  // rejected only because a vertex welded to u before would be farther than the tolerance from its origin
   };
-  // Moves vertex u onto v, or refuses and changes nothing. Linear in u's valence. Pre: both are at the boundary.
+  // Moves vertex u onto v, or rejects and changes nothing. Linear in u's valence. Pre: both are at the boundary.
   Weld weld(std::uint32_t u, std::uint32_t v);
-  // All vertices that this one stands for, itself among them.
+  // All vertices welded into this one, itself included.
   template <class Visit>
   void for_each_member(std::uint32_t vertex, Visit&& visit) const {
     std::uint32_t member = vertex;
@@ -82,31 +82,31 @@ class SeamMesh {
       member = next_member_[fan_number_[member]];
     } while (member != vertex);
   }
-  // Splits a boundary edge at a vertex: two triangles stand for one. False: refused, nothing has changed.
+  // Splits a boundary edge at a vertex: two triangles replace one. False: rejected, nothing has changed.
   bool split(std::uint32_t a, std::uint32_t b, std::uint32_t at);
-  // Takes the latest split back, while nothing else was done since. Pre: it was of this edge at this vertex.
+  // Undoes the latest split if nothing else has changed since. Pre: it was of this edge at this vertex.
   void unsplit(std::uint32_t a, std::uint32_t b, std::uint32_t at);
 
   std::size_t welded() const { return welded_; }
   std::size_t splits() const { return sources_.size(); }
-  std::size_t zipped() const { return zipped_; }  // edges that got their second triangle
-  std::size_t work() const { return work_; }      // triangles that were looked at round vertices: what the time is proportional to
+  std::size_t zipped() const { return zipped_; }  // edges that received their second triangle
+  std::size_t work() const { return work_; }      // triangles examined at vertices; proportional to the time
 
-  // Of each triangle and vertex of the mesh in order: which one it was, or is a part of.
+  // For each triangle and vertex of the resulting mesh, in order: the original one that it was, or is a part of.
   struct Sources {
     std::vector<std::uint32_t> triangles;
     std::vector<std::uint32_t> vertices;
   };
-  // Puts the mesh in order: welded vertices go, the parts of a split triangle stand in its place, vertices keep their order. Only calls
+  // Finishes the mesh: removes welded vertices, puts the parts of a split triangle in its place; vertices keep their order. Only calls
   // about members may follow.
   Sources finish();
 
  private:
   struct EdgeState {
     std::uint32_t count = 0;      // of triangles
-    std::uint32_t triangles = 0;  // their numbers, by exclusive or: the one of a boundary edge, or from one of two to the other
+    std::uint32_t triangles = 0;  // their numbers, combined by exclusive or: the one of a boundary edge; with one of two known, the other
   };
-  // Edges by their vertices: open addressing, at most half full; none goes.
+  // Edges by their vertices: open addressing, at most half full; nothing is removed.
   class EdgeTable {
    public:
     EdgeTable();
@@ -142,9 +142,9 @@ class SeamMesh {
   TriangleMesh& mesh_;
   double tolerance_;
   std::vector<Triangle> original_;                // as they came
-  std::vector<std::uint32_t> sources_;            // of triangles behind these: which one they were split off
-  std::vector<std::uint32_t> fan_number_;         // of each vertex, kNone away from the boundary
-  std::vector<std::vector<std::uint32_t>> fans_;  // triangles round a vertex
+  std::vector<std::uint32_t> sources_;            // of added triangles: the one that each was split from
+  std::vector<std::uint32_t> fan_number_;         // by vertex; kNone away from the boundary
+  std::vector<std::vector<std::uint32_t>> fans_;  // triangles at a vertex
   std::vector<std::uint32_t> boundary_count_;
   std::vector<std::uint32_t> welded_to_;
   std::vector<std::uint32_t> next_member_;  // rings of vertices that were welded together, by fan number

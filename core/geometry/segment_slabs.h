@@ -16,7 +16,7 @@ class SegmentSlabs {
     }
   }
 
-  // Whether the segment meets the box, but for rounding.
+  // Whether the segment meets the box, up to rounding.
   bool meets(const Vec3& low, const Vec3& high) const {
     const Vec3 to_low = (low - start_).cwiseProduct(inverse_);
     const Vec3 to_high = (high - start_).cwiseProduct(inverse_);

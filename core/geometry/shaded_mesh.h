@@ -8,14 +8,14 @@
 
 namespace hapton {
 
-// A mesh with a unit normal at every corner of every triangle. Triangles that meet smoothly at a vertex name the same normal there;
-// across a sharp edge they name different ones.
+// A mesh with a unit normal at every corner of every triangle. Triangles that meet smoothly at a vertex share one normal there; across a
+// sharp edge they have different ones.
 struct ShadedMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   std::vector<Vec3> normals;
   std::vector<Triangle> corner_normals;  // indices into normals, corner by corner
-  std::vector<std::uint32_t> source;     // the triangle of the mesh as it came that each one is (part of)
+  std::vector<std::uint32_t> source;     // the triangle of the original mesh that each one is (part of)
 
   // The last so many vertices / normals lie midway between two earlier ones each.
   std::vector<std::array<std::uint32_t, 2>> middle_vertices;

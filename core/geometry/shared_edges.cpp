@@ -34,7 +34,7 @@ SharedEdges::SharedEdges(std::span<const Triangle> triangles) : sides_(3 * trian
   first_.push_back(sides_.size());
 }
 
-const HalfEdge* SharedEdges::across(std::uint32_t triangle, int corner) const {
+const HalfEdge* SharedEdges::adjacent(std::uint32_t triangle, int corner) const {
   const std::uint32_t edge = edge_of(triangle, corner);
   const std::size_t first = first_[edge];
   if (first_[edge + 1] - first != 2) return nullptr;

@@ -11,15 +11,15 @@ namespace hapton {
 
 // One side of one triangle: from corner k to corner k + 1.
 struct HalfEdge {
-  std::uint32_t low = 0;  // the edge's vertices, low < high (equal on a triangle that repeats a vertex)
+  std::uint32_t low = 0;  // the edge's vertices, low < high (equal if the triangle repeats a vertex)
   std::uint32_t high = 0;
   std::uint32_t triangle = 0;
   std::uint8_t corner = 0;
-  bool upward = false;  // runs from low to high
+  bool upward = false;  // from low to high
 };
 
-// All sides of all triangles, those along the same two vertices together (fdh-rendering.txt, 4.1: "find common edges").
-// Vertices are taken as welded. RT: set-up only.
+// All sides of all triangles, grouped by their two vertices (fdh-rendering.txt, 4.1: "find common edges"). Vertices must be welded. RT:
+// set-up only.
 class SharedEdges {
  public:
   explicit SharedEdges(std::span<const Triangle> triangles);
@@ -27,13 +27,13 @@ class SharedEdges {
   std::size_t size() const { return first_.size() - 1; }
   std::span<const HalfEdge> operator[](std::size_t edge) const { return {sides_.data() + first_[edge], first_[edge + 1] - first_[edge]}; }
 
-  // The edge that side `corner` of a triangle lies on.
+  // The edge of side `corner` of a triangle.
   std::uint32_t edge_of(std::uint32_t triangle, int corner) const {
     return edge_of_[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)];
   }
 
-  // The triangle across that side and which of its sides it is, when exactly two share the edge; else nullptr.
-  const HalfEdge* across(std::uint32_t triangle, int corner) const;
+  // The adjacent triangle and its side, if exactly two share the edge; otherwise nullptr.
+  const HalfEdge* adjacent(std::uint32_t triangle, int corner) const;
 
  private:
   std::vector<HalfEdge> sides_;

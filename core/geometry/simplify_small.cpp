@@ -19,11 +19,11 @@ namespace hapton {
 namespace {
 
 constexpr int kTries = 16;
-constexpr double kFiner = 0.7;  // of the error asked of the quadrics, from try to try
-constexpr int kMostIdle = 64;   // triangles looked round without coming nearer
+constexpr double kFiner = 0.7;  // factor on the quadrics' error bound from attempt to attempt
+constexpr int kMostIdle = 64;   // triangles visited without coming nearer
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// The triangles round each vertex.
+// The triangles at each vertex.
 class Fans {
  public:
   Fans(std::span<const Triangle> triangles, std::size_t vertices) : first_(vertices + 1, 0), triangles_(3 * triangles.size()) {
@@ -45,7 +45,7 @@ class Fans {
   std::vector<std::uint32_t> triangles_;
 };
 
-// For every vertex the one nearest to it, in edges, that is still used; kNone where a whole piece went.
+// For every vertex the closest one, in edges, that is still used; kNone if a whole piece was removed.
 std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, const Fans& fans_before, const Fans& fans_after,
                                              std::size_t vertices) {
   std::vector<std::uint32_t> kept(vertices, kNone);
@@ -67,8 +67,8 @@ std::vector<std::uint32_t> find_nearest_kept(std::span<const Triangle> before, c
   return kept;
 }
 
-// Finds the triangle nearest to a point by going downhill over triangles that touch, the nearest known first. A row of triangles without
-// area is as near as the one before it, so some steps may gain nothing.
+// Finds the triangle closest to a point by descending over adjacent triangles, the closest known first. A row of triangles without area is
+// as near as the one before it, so some steps may gain nothing.
 class Descent {
  public:
   explicit Descent(const TriangleMesh& mesh)
@@ -76,24 +76,24 @@ class Descent {
 
   const Fans& fans() const { return fans_; }
 
-  // The distance from p to where the way down from a vertex ends.
+  // The distance from p at the end of the descent from a vertex.
   double find_distance(std::uint32_t from, const Vec3& p) {
     ++search_;
     open_.clear();
-    look_round(from, p);
+    visit_around(from, p);
     double least = open_.front().first;
     for (int idle = 0; idle < kMostIdle && !open_.empty() && least > 0.0; ++idle) {
       std::pop_heap(open_.begin(), open_.end(), std::greater<>());
       const auto [distance, triangle] = open_.back();
       open_.pop_back();
       if (distance < least) least = distance, idle = 0;
-      for (const std::uint32_t v : mesh_.triangles[triangle]) look_round(v, p);
+      for (const std::uint32_t v : mesh_.triangles[triangle]) visit_around(v, p);
     }
     return std::sqrt(least);
   }
 
  private:
-  void look_round(std::uint32_t vertex, const Vec3& p) {
+  void visit_around(std::uint32_t vertex, const Vec3& p) {
     for (const std::uint32_t t : fans_[vertex]) {
       if (seen_by_[t] == search_) continue;
       seen_by_[t] = search_;
@@ -109,7 +109,7 @@ class Descent {
   std::vector<std::pair<double, std::uint32_t>> open_;  // a heap, the nearest first
 };
 
-// The farthest that a vertex of `before` lies from `mesh`, whose vertices are the same.
+// The largest distance of a vertex of `before` from `mesh`, which has the same vertices.
 double measure_deviation(std::span<const Triangle> before, const TriangleMesh& mesh) {
   const Fans fans_before(before, mesh.vertices.size());
   Descent descent(mesh);
@@ -123,7 +123,7 @@ double measure_deviation(std::span<const Triangle> before, const TriangleMesh& m
   return farthest;
 }
 
-// Single precision is enough to choose which vertices go; those that stay keep their double precision.
+// Single precision is enough to choose the vertices to remove; the others keep their double precision.
 std::vector<float> positions_in_unit_box(const TriangleMesh& mesh, const Vec3& low, double side) {
   std::vector<float> positions;
   positions.reserve(3 * mesh.vertices.size());
@@ -157,7 +157,7 @@ Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m) {
   report.before = report.after = mesh.triangles.size();
   if (max_error_m == 0.0 || mesh.triangles.empty()) return report;
 
-  mesh.authored_normals.clear();  // of triangles that may be others from here on
+  mesh.authored_normals.clear();  // triangles may be different ones now
   const std::vector<Triangle> before = std::move(mesh.triangles);
   const std::vector<float> positions = positions_in_unit_box(mesh, bounds.low, side);
   double error = max_error_m / side;

@@ -11,17 +11,17 @@ namespace hapton {
 struct SimplifyReport {
   std::size_t before = 0;
   std::size_t after = 0;
-  double bound_m = 0.0;  // that was asked for
-  double error_m = 0.0;  // no vertex that was merged away lies farther from the new surface
+  double bound_m = 0.0;  // the requested bound
+  double error_m = 0.0;  // largest distance of a removed vertex from the new surface
   std::string describe() const;
 };
 
-// Merges triangles that are too small to matter, as long as no vertex of the mesh then lies farther than max_error_m from the surface (0:
-// nothing is done). Open borders stay where they are.
-// meshoptimizer chooses by quadrics, whose error is a mean over planes and no bound; what came out is measured, and done again more finely
-// until the bound holds. The measure goes downhill from triangle to triangle, so it may be too large and is never too small.
-// Pre: welded vertices. Error: max_error_m is not from 0 to below the mesh's longest side.
-// RT: set-up only. Source: fdh-rendering.txt, 4.1 and its [5]; quadric error (Garland & Heckbert 1997) by meshoptimizer.
+// Merges triangles that are too small to matter, as long as no vertex of the original mesh is then farther than max_error_m from the
+// surface (0: does nothing). Boundaries do not move. meshoptimizer chooses by quadrics, whose error is a mean over planes and no bound; so
+// the result is measured, and the simplification repeated with a smaller error until the bound holds. The measurement descends from
+// triangle to triangle, so it may be too large but never too small. Pre: welded vertices. Error: max_error_m is not from 0 to below the
+// mesh's longest side. RT: set-up only. Source: fdh-rendering.txt, 4.1 and its [5]; quadric error (Garland & Heckbert 1997) by
+// meshoptimizer.
 Result<SimplifyReport> simplify_small(TriangleMesh& mesh, double max_error_m);
 
 }  // namespace hapton

@@ -66,9 +66,9 @@ void SurfaceWalk::advance(double length) {
       const Vec3 inward = up.cross(mesh_.corner(triangle_, (k + 1) % 3) - corner).normalized();
       const double speed = -inward.dot(heading_);
       if (!(speed > 0.0)) continue;
-      const double way = std::max(0.0, inward.dot(point_ - corner)) / speed;
-      if (way < nearest) {
-        nearest = way;
+      const double time = std::max(0.0, inward.dot(point_ - corner)) / speed;
+      if (time < nearest) {
+        nearest = time;
         exit = k;
       }
     }
@@ -101,10 +101,10 @@ void SurfaceWalk::cross_edge(int edge) {
            (mesh_.triangles[next][entry] == b && mesh_.triangles[next][(entry + 1) % 3] == a))) {
     ++entry;
   }
-  const bool wound_against = mesh_.triangles[next][entry] == a;
-  const Vec3 next_inward = face_normal(next).cross(wound_against ? along : Vec3(-along));
+  const bool flipped = mesh_.triangles[next][entry] == a;
+  const Vec3 next_inward = face_normal(next).cross(flipped ? along : Vec3(-along));
   heading_ = (kept * along + through * next_inward).normalized();
-  if (wound_against) side_ = -side_;
+  if (flipped) side_ = -side_;
   triangle_ = next;
   entry_ = entry;
 }

@@ -18,7 +18,7 @@ bool is_wide(const TriangleMesh& mesh, std::size_t t, double height) {
   return ab.cross(ac).norm() > height * longest;
 }
 
-// From its least vertex on.
+// Starting at its lowest vertex.
 Triangle turned_to_least(const Triangle& triangle) {
   Triangle turned = triangle;
   std::rotate(turned.begin(), std::min_element(turned.begin(), turned.end()), turned.end());
@@ -36,7 +36,7 @@ std::vector<bool> find_copies(const std::vector<Triangle>& triangles) {
   return copies;
 }
 
-// Without copies and triangles no wider than `height`. Their vertices are noted in `at_dropped`.
+// Removes copies and triangles no wider than `height`. Marks their vertices in `at_dropped`.
 bool drop_triangles(TriangleMesh& mesh, double height, std::vector<std::uint32_t>& at_dropped) {
   const std::vector<bool> copies = find_copies(mesh.triangles);
   const bool has_normals = mesh.has_authored_normals();
@@ -60,7 +60,7 @@ bool drop_triangles(TriangleMesh& mesh, double height, std::vector<std::uint32_t
 struct Resolved {
   TriangleMesh mesh;
   bool has_changed = false;
-  bool is_closed = true;  // no border is left where a triangle was dropped
+  bool is_closed = true;  // no boundary remains where a triangle was dropped
 };
 
 Resolved resolve(const TriangleMesh& mesh, double extent, double width, double height) {

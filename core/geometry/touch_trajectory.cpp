@@ -18,7 +18,7 @@ constexpr double kSlideSegment_s = 4.0;
 constexpr double kTap_s = 0.04;
 constexpr int kMostTries = 64;
 
-// Draws triangles with a chance in proportion to their area.
+// Draws triangles with a probability proportional to their area.
 class TriangleDraw {
  public:
   explicit TriangleDraw(const TriangleMesh& mesh) {
@@ -40,21 +40,21 @@ class TriangleDraw {
   std::vector<double> sums_;
 };
 
-// Whether the segment meets any triangle but `own`; every one is asked. A rounding either way only changes the choice of a place.
+// Whether the segment meets any triangle but `own`; tests every triangle. Rounding only changes the choice of a position.
 bool is_obstructed(const TriangleMesh& mesh, const Vec3& from, const Vec3& to, std::uint32_t own) {
-  const Vec3 way = to - from;
+  const Vec3 motion = to - from;
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     if (i == own) continue;
     const Vec3& a = mesh.corner(i, 0);
     const Vec3 ab = mesh.corner(i, 1) - a;
     const Vec3 ac = mesh.corner(i, 2) - a;
     const Vec3 n = ab.cross(ac);
-    const double slope = -way.dot(n);
+    const double slope = -motion.dot(n);
     if (slope == 0.0) continue;
     const Vec3 ap = from - a;
     const double t = ap.dot(n) / slope;
     if (!(t >= 0.0 && t <= 1.0)) continue;
-    const Vec3 e = ap.cross(way);  // -way x ap
+    const Vec3 e = ap.cross(motion);  // -motion x ap
     const double v = ac.dot(e) / slope;
     const double w = -ab.dot(e) / slope;
     if (v >= 0.0 && w >= 0.0 && v + w <= 1.0) return true;
@@ -68,7 +68,7 @@ struct Place {
   Vec3 normal;
 };
 
-// A place whose outward normal is free for the length of the approach, if there is one among the tries; else the last.
+// A position whose outward normal is free for the length of the approach, if one of the attempts finds it; otherwise the last attempt.
 template <class DrawPlace>
 Place find_free_place(const TriangleMesh& mesh, double approach, DrawPlace draw) {
   Place place = draw();
@@ -143,7 +143,7 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
   if (!mm) return tl::unexpected(mm.error());
   constexpr int kSectors = 720;
   const Vec3 centre = compute_bounds(mesh).centre();
-  std::vector<double> reach(kSectors, 0.0);
+  std::vector<double> profile(kSectors, 0.0);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     double low = 1e300, high = -1e300, far = 0.0;
     std::array<double, 3> angle{};
@@ -156,8 +156,8 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
     }
     if (low > 12.0 * *mm || high < -12.0 * *mm) continue;
     std::sort(angle.begin(), angle.end());
-    // The triangle's sectors run from one corner's to another's the way round that leaves out the widest gap; a gap below half a turn means
-    // the axis pierces it, and it counts everywhere.
+    // The triangle's sectors run from one corner's to another's, leaving out the widest gap; if that is below half a turn, the axis pierces
+    // the triangle and it counts everywhere.
     const std::array<double, 3> gap{angle[1] - angle[0], angle[2] - angle[1], angle[0] + 2.0 * kPi - angle[2]};
     const int widest = static_cast<int>(std::max_element(gap.begin(), gap.end()) - gap.begin());
     const double from = gap[widest] <= kPi ? -kPi : angle[(widest + 1) % 3];
@@ -165,7 +165,7 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
     const int first = static_cast<int>(std::floor((from + kPi) / (2.0 * kPi) * kSectors)) - 1;
     const int count = static_cast<int>(std::ceil(span / (2.0 * kPi) * kSectors)) + 2;
     for (int s = first; s <= first + count && s < first + kSectors; ++s) {
-      double& sector = reach[static_cast<std::size_t>((s % kSectors + kSectors) % kSectors)];
+      double& sector = profile[static_cast<std::size_t>((s % kSectors + kSectors) % kSectors)];
       sector = std::max(sector, far);
     }
   }
@@ -183,8 +183,8 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
     }
     return result;
   };
-  // Widened twice, since the smoothing reaches ten sectors and interpolation one more.
-  const std::vector<double> ring = widened(widened(widened(reach, false), false), true);
+  // Widened twice, because the smoothing spans ten sectors and interpolation one more.
+  const std::vector<double> ring = widened(widened(widened(profile, false), false), true);
   std::mt19937_64 random(settings.seed);
   const double phase = std::uniform_real_distribution<double>(0.0, 2.0 * kPi)(random);
   TouchTrajectory made;

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Four doubles handled as one number: the compiler turns each operation into vector instructions where the CPU has them.
+// Four doubles as one value: the compiler uses vector instructions where the CPU has them.
 using Lanes4 = double __attribute__((vector_size(32)));
 
 namespace detail {
@@ -42,7 +42,7 @@ inline T divide_or_zero(const T& a, const T& b) {
   return positive ? a / safe : zero_lanes<T>();
 }
 
-// The squared distance from the point that ap and edge hang from (ap = p - a) to the segment a, a + edge.
+// The squared distance from a point to the segment a, a + edge; ap = point - a.
 template <class T>
 inline T segment_distance_squared(const Of3<T>& ap, const Of3<T>& edge) {
   const T zero = zero_lanes<T>();
@@ -53,10 +53,10 @@ inline T segment_distance_squared(const Of3<T>& ap, const Of3<T>& edge) {
 
 }  // namespace detail
 
-// The squared distance from p to triangle abc, for one triangle (T = double) or four at once (T = Lanes4), bit for bit the same.
-// It is the distance to a point that really lies on the triangle, so rounding never makes it smaller than the truth by more than
-// the rounding of that point; needles and zero-area triangles are fine (their edges decide).
-// RT: yes. Source: the face by barycentric coordinates (Ericson, Real-Time Collision Detection, 5.1.5), else the nearest edge.
+// The squared distance from p to triangle abc, for one triangle (T = double) or four at once (T = Lanes4), bit for bit the same. It is the
+// distance to a point that is really on the triangle, so rounding makes it too small only by the rounding of that point; needles and
+// zero-area triangles are allowed (their edges decide). RT: yes. Source: the face by barycentric coordinates (Ericson, Real-Time Collision
+// Detection, 5.1.5), otherwise the closest edge.
 template <class T>
 inline T triangle_distance_squared(const detail::Of3<T>& p, const detail::Of3<T>& a, const detail::Of3<T>& b, const detail::Of3<T>& c) {
   using detail::Of3;
@@ -90,7 +90,7 @@ inline double triangle_distance_squared(const Vec3& p, const Vec3& a, const Vec3
 
 namespace detail {
 
-// The squared distance between segments p + s d, s in [0, 1], and a + t e, t in [0, 1] (Ericson 5.1.9); zero-length ones too.
+// The squared distance between segments p + s d, s in [0, 1], and a + t e, t in [0, 1] (Ericson 5.1.9); also for zero length.
 template <class T>
 inline T segment_segment_distance_squared(const Of3<T>& p, const Of3<T>& d, const Of3<T>& a, const Of3<T>& e) {
   const T zero = zero_lanes<T>();
@@ -126,7 +126,7 @@ inline T segment_triangle_distance_squared(const detail::Of3<T>& p, const detail
   best = lane_min(best, detail::segment_segment_distance_squared<T>(p, d, a, ab));
   best = lane_min(best, detail::segment_segment_distance_squared<T>(p, d, b, bc));
   best = lane_min(best, detail::segment_segment_distance_squared<T>(p, d, c, ca));
-  // Through the face: the ends on either side, and the line on one side of all three edges.
+  // Through the face: the ends are on either side, and the line is on one side of all three edges.
   const auto cross = [](const Of3<T>& x, const Of3<T>& y) {
     return Of3<T>{x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x};
   };
@@ -139,8 +139,8 @@ inline T segment_triangle_distance_squared(const detail::Of3<T>& p, const detail
   const T low = lane_min(eab, lane_min(ebc, eca));
   const T high = detail::lane_max(eab, detail::lane_max(ebc, eca));
   const auto through = (low > zero) | (high < zero);
-  const auto reaches = (side_p * side_q) <= zero;
-  return (through & reaches) ? zero : best;
+  const auto crosses = (side_p * side_q) <= zero;
+  return (through & crosses) ? zero : best;
 }
 
 }  // namespace hapton

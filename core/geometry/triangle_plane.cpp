@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Set-up arithmetic has 11 more bits, so that the plane of a needle is as good as that of any other triangle.
+// Set-up in extended precision, 11 more bits, so that a needle's plane is as accurate as any other.
 using Wide = Eigen::Matrix<long double, 3, 1>;
 
 constexpr long double kEpsilon = std::numeric_limits<double>::epsilon();
@@ -30,7 +30,7 @@ TrianglePlane::Side make_side(const Wide& from, const Wide& to, int u, int v, lo
 
 }  // namespace
 
-bool TrianglePlane::contains(double u, double v, double slack, double along_u, double along_v) const noexcept {
+bool TrianglePlane::contains(double u, double v, double tolerance, double along_u, double along_v) const noexcept {
   bool inside = false;
   for (const Side& side : sides) {
     if (v >= side.low_v && v < side.high_v) {
@@ -42,7 +42,7 @@ bool TrianglePlane::contains(double u, double v, double slack, double along_u, d
   }
   for (const Side& side : sides) {
     const double in = side.inward_u * (u - side.low_u) + side.inward_v * (v - side.low_v);
-    if (in < -(slack + std::abs(side.inward_u * along_u + side.inward_v * along_v))) {
+    if (in < -(tolerance + std::abs(side.inward_u * along_u + side.inward_v * along_v))) {
       return false;
     }
   }
@@ -52,12 +52,12 @@ bool TrianglePlane::contains(double u, double v, double slack, double along_u, d
 std::optional<TrianglePlane> compute_triangle_plane(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   const Wide to_b = b.cast<long double>() - a.cast<long double>();
   const Wide to_c = c.cast<long double>() - a.cast<long double>();
-  const long double reach = std::max(to_b.cwiseAbs().maxCoeff(), to_c.cwiseAbs().maxCoeff());
-  if (!(reach > 0) || !(reach < std::numeric_limits<double>::max())) {
+  const long double extent = std::max(to_b.cwiseAbs().maxCoeff(), to_c.cwiseAbs().maxCoeff());
+  if (!(extent > 0) || !(extent < std::numeric_limits<double>::max())) {
     return std::nullopt;
   }
-  // Scaled to unit size first: the area of a triangle in nanometres would be lost below the smallest double.
-  const Wide cross = (to_b / reach).cross(to_c / reach);
+  // Scaled to unit size first: the area of a triangle in nanometres would underflow.
+  const Wide cross = (to_b / extent).cross(to_c / extent);
   const long double area = cross.norm();
   if (!(area > 4 * kEpsilon)) {
     return std::nullopt;
@@ -65,7 +65,7 @@ std::optional<TrianglePlane> compute_triangle_plane(const Vec3& a, const Vec3& b
   TrianglePlane plane = {};
   plane.origin = a;
   plane.normal = (cross / area).cast<double>();
-  plane.reach = static_cast<double>(reach);
+  plane.extent = static_cast<double>(extent);
   int dominant = 0;
   cross.cwiseAbs().maxCoeff(&dominant);
   plane.u_axis = (dominant + 1) % 3;

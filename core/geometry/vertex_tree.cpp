@@ -54,17 +54,17 @@ std::uint32_t VertexTree::build(std::uint32_t first, std::uint32_t last) {
   return number;
 }
 
-void VertexTree::find_nearest(const Vec3& p, std::uint32_t except, double reach, std::size_t most, std::vector<Found>& found) const {
+void VertexTree::find_nearest(const Vec3& p, std::uint32_t except, double radius, std::size_t most, std::vector<Found>& found) const {
   found.clear();
   if (nodes_.empty() || most == 0) return;
   const auto visit = [&](auto&& self, std::uint32_t number) -> void {
     const Node& node = nodes_[number];
     const double away = squared_distance_to_box(node.low, node.high, p);
-    if (away > reach * reach || (found.size() == most && away > found.front().squared_distance)) return;
+    if (away > radius * radius || (found.size() == most && away > found.front().squared_distance)) return;
     if (node.right == kNone) {
       for (std::uint32_t i = node.first; i < node.last; ++i) {
         const Found here{(points_[items_[i]] - p).squaredNorm(), items_[i]};
-        if (here.vertex == except || here.squared_distance > reach * reach) continue;
+        if (here.vertex == except || here.squared_distance > radius * radius) continue;
         if (found.size() == most) {
           if (!is_nearer(here, found.front())) continue;
           std::pop_heap(found.begin(), found.end(), is_nearer);
@@ -85,12 +85,12 @@ void VertexTree::find_nearest(const Vec3& p, std::uint32_t except, double reach,
   std::sort_heap(found.begin(), found.end(), is_nearer);
 }
 
-void VertexTree::find_near_segment(const Vec3& a, const Vec3& b, double reach, std::vector<Found>& found) {
+void VertexTree::find_near_segment(const Vec3& a, const Vec3& b, double radius, std::vector<Found>& found) {
   found.clear();
   if (nodes_.empty()) return;
-  const Vec3 margin = Vec3::Constant(reach);
+  const Vec3 margin = Vec3::Constant(radius);
   const SegmentSlabs segment(a, b);
-  // Returns how many items were tested for the last time.
+  // Returns how many items have reached their test limit.
   const auto visit = [&](auto&& self, std::uint32_t number) -> std::uint32_t {
     Node& node = nodes_[number];
     if (node.open == 0 || !segment.meets(node.low - margin, node.high + margin)) return 0;
@@ -103,7 +103,7 @@ void VertexTree::find_near_segment(const Vec3& a, const Vec3& b, double reach, s
         if (tested_[i] == kMostSegments) continue;
         spent += ++tested_[i] == kMostSegments ? 1 : 0;
         const double away = squared_distance_to_segment(a, b, points_[items_[i]]);
-        if (away <= reach * reach) found.push_back({away, items_[i]});
+        if (away <= radius * radius) found.push_back({away, items_[i]});
       }
     }
     node.open -= spent;

@@ -8,13 +8,13 @@
 
 namespace hapton {
 
-// Some of the vertices of a mesh in a kd-tree: which are near a point, and which near a segment.
+// Some of the vertices of a mesh in a kd-tree: finds those near a point or a segment.
 //
-// Building takes n log n steps however the points lie, also when all lie in one spot. A query's results do not depend on the order of the
-// items. Units and frame: those of the points. RT: set-up only. Threads: one (queries count).
+// Construction takes n log n steps for any input, also if all points are equal. A query's result does not depend on the order of the items.
+// Units and frame: those of the points. RT: set-up only. Threads: one (queries count).
 class VertexTree {
  public:
-  // A point is tested against so many segments, then left out of find_near_segment: thousands of points and segments in one spot cost
+  // A point is tested against this many segments, then ignored by find_near_segment: thousands of points and segments in one place cost
   // time in proportion to their number, not to its square.
   static constexpr std::uint32_t kMostSegments = 256;
 
@@ -23,15 +23,14 @@ class VertexTree {
     std::uint32_t vertex = 0;
   };
 
-  // items: numbers into points. Pre: points outlive this; finite.
+  // items: indices into points. Pre: points outlive this; finite.
   VertexTree(std::span<const Vec3> points, std::vector<std::uint32_t> items);
 
-  // The nearest items within `reach` of p, at most `most`, nearest first; of equally near ones those of the lowest numbers. `except` is
-  // left out.
-  void find_nearest(const Vec3& p, std::uint32_t except, double reach, std::size_t most, std::vector<Found>& found) const;
+  // The nearest items within `radius` of p, at most `most`, nearest first; equally near ones by number. `except` is excluded.
+  void find_nearest(const Vec3& p, std::uint32_t except, double radius, std::size_t most, std::vector<Found>& found) const;
 
-  // All items within `reach` of the segment from a to b, but for those tested kMostSegments times already.
-  void find_near_segment(const Vec3& a, const Vec3& b, double reach, std::vector<Found>& found);
+  // All items within `radius` of the segment from a to b, except those tested kMostSegments times already.
+  void find_near_segment(const Vec3& a, const Vec3& b, double radius, std::vector<Found>& found);
 
  private:
   static constexpr std::uint32_t kLeafSize = 8;
@@ -49,7 +48,7 @@ class VertexTree {
 
   std::span<const Vec3> points_;
   std::vector<std::uint32_t> items_;
-  std::vector<std::uint32_t> tested_;  // how often, by place in items_
+  std::vector<std::uint32_t> tested_;  // test count of each item, by position in items_
   std::vector<Node> nodes_;
 };
 

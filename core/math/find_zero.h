@@ -4,10 +4,10 @@
 
 namespace hapton {
 
-// Where a continuous function passes zero: false position, with the value at an end halved that stays twice in a row (the Illinois
-// method; Dowell and Jarratt 1971). It is `at_low` at `low` and `at_high` at `high`, and `value(t)` between. It ends where |value| <=
-// near_zero, where `low` and `high` have no number between them, after 40 rounds, or where `value` is NaN (not known there). Pre: at_high <
-// 0. Returns `low` unless at_low > 0. RT: yes, if `value` is.
+// The zero of a continuous function: false position that halves the value at an end kept twice in a row (the Illinois method; Dowell and
+// Jarratt 1971). The function is `at_low` at `low`, `at_high` at `high`, and `value(t)` between. Stops where |value| <= near_zero, where
+// `low` and `high` have no number between them, after 40 rounds, or where `value` is NaN (unknown there). Pre: at_high < 0. Returns `low`
+// unless at_low > 0. RT: yes, if `value` is.
 template <class Value>
 double find_zero(double low, double at_low, double high, double at_high, double near_zero, Value&& value) {
   constexpr int kMostRounds = 40;

@@ -4,12 +4,12 @@
 // Double4). Two implementations with one interface and the same results to the last bit: AVX2 with FMA, and a scalar twin for any other
 // processor or with -DHAPTON_SCALAR. No other file uses vector instructions of a processor.
 //
-//   Float8(x), Uint32x8(x) ...   x in every lane; a float becomes a Float8 by itself
+//   Float8(x), Uint32x8(x) ...   x in every lane; a float converts to a Float8
 //   a[i], set_lane(i, x)         one lane
-//   load, store                  aligned to the size of the type, but for load_unaligned; load_three fills the last lane with 0
+//   load, store                  aligned to the size of the type, except load_unaligned; load_three sets the last lane to 0
 //   + - * /, sqrt, fma, fms      rounded once; fma(a, b, c) = a b + c, fms(a, b, c) = a b - c
-//   < <= > >= ==                 a mask: all bits of a lane set where it holds; false for NaN
-//   & | ^, and_not(a, b)         of the bits; and_not = ~a & b
+//   < <= > >= ==                 a mask: all bits of a lane set where true; false for NaN
+//   & | ^, and_not(a, b)         bitwise; and_not = ~a & b
 //   min, max                     b where the lanes are equal or one is NaN
 //   select(mask, set, clear)     by the sign bit of the mask
 //   sign_bits                    bit i: the sign of lane i

@@ -7,7 +7,7 @@
 
 namespace hapton::avx2 {
 
-// Eight lanes of single precision and what goes with them, in AVX2 and FMA: see core/math/float8.h, which says what each function does.
+// The AVX2 and FMA implementation of core/math/float8.h, which documents the functions.
 
 struct Float8 {
   Float8() = default;

@@ -9,8 +9,8 @@
 
 namespace hapton::scalar {
 
-// The scalar twin of core/math/float8_avx2.h: the same functions, lane by lane, with the same result to the last bit. For processors
-// without AVX2. See core/math/float8.h, which says what each function does.
+// The scalar twin of core/math/float8_avx2.h, for processors without AVX2: the same functions lane by lane, with the same result to the
+// last bit. core/math/float8.h documents the functions.
 
 namespace detail {
 

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// A sum of doubles, smallest first, that do not overlap; zeros are left out. The value is exact.
+// An exact sum of doubles that do not overlap, smallest first, without zeros.
 template <int N>
 struct Expansion {
   std::array<double, N> part;
@@ -18,7 +18,7 @@ struct Expansion {
 
 struct Exact {
   double value;
-  double rest;  // value + rest is exact
+  double error;  // value + error is exact
 };
 
 Exact two_sum(double a, double b) {
@@ -41,7 +41,7 @@ Exact two_product(double a, double b) {
 Expansion<2> difference(double a, double b) {
   const Exact d = two_sum(a, -b);
   Expansion<2> e;
-  e.add(d.rest);
+  e.add(d.error);
   e.add(d.value);
   return e;
 }
@@ -52,13 +52,13 @@ Expansion<2 * N> scale(const Expansion<N>& e, double b) {
   Expansion<2 * N> h;
   if (e.count == 0 || b == 0.0) return h;
   Exact q = two_product(e.part[0], b);
-  h.add(q.rest);
+  h.add(q.error);
   for (int i = 1; i < e.count; ++i) {
     const Exact t = two_product(e.part[i], b);
-    const Exact low = two_sum(q.value, t.rest);
-    h.add(low.rest);
+    const Exact low = two_sum(q.value, t.error);
+    h.add(low.error);
     q = fast_two_sum(t.value, low.value);
-    h.add(q.rest);
+    h.add(q.error);
   }
   h.add(q.value);
   return h;
@@ -80,7 +80,7 @@ Expansion<N + M> sum(const Expansion<N>& e, const Expansion<M>& f) {
   double q = merged[0];
   for (int k = 1; k < n; ++k) {
     const Exact s = k == 1 ? fast_two_sum(merged[k], q) : two_sum(q, merged[k]);
-    h.add(s.rest);
+    h.add(s.error);
     q = s.value;
   }
   h.add(q);
@@ -105,7 +105,7 @@ Expansion<N> negated(Expansion<N> e) {
   return e;
 }
 
-// Rounded once, but for the last few bits: the parts do not overlap.
+// The sum, correct up to the last few bits, because the parts do not overlap.
 template <int N>
 double value_of(const Expansion<N>& e) {
   double value = 0.0;

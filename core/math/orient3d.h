@@ -6,13 +6,13 @@
 
 namespace hapton {
 
-// Exact arithmetic behind orient3d and orient3d_sign: the determinant of the given points summed as an expansion, rounded once at the end.
-// RT: yes (no heap, about 2 us).
+// Exact arithmetic behind orient3d and orient3d_sign: the determinant of the given points as an expansion, rounded once. RT: yes (no heap,
+// about 2 us).
 double orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
 
 namespace detail {
 
-// det(b - a, c - a, d - a) in plain doubles, and what bounds its error.
+// det(b - a, c - a, d - a) in plain doubles, with a bound on its error.
 struct RoundedDeterminant {
   double value;
   double size;  // product of the largest |x|, |y| and |z| of the three differences
@@ -36,17 +36,16 @@ constexpr double kDeterminantError = 0x1p-47;
 // A determinant in plain doubles larger than this times its size has a relative error below 2^-20.
 constexpr double kAccurateDeterminant = 0x1p20 * detail::kDeterminantError;
 
-// Six times the signed volume of tetrahedron abcd, det(b - a, c - a, d - a): > 0 when d lies on the side of abc from which a, b, c turn
-// counter-clockwise; exactly 0 only when the four points as given lie in one plane. Relative error at most 2^-20, and almost always
-// about 2^-50: plain doubles where their bound allows it, else exact.
-// Pre: coordinates zero or of magnitude 1e-60 .. 1e60. RT: yes.
-// Source: Shewchuk 1997 (exact expansions); we differ in two stages only, and a first stage that looks at the largest differences.
+// Six times the signed volume of tetrahedron abcd, det(b - a, c - a, d - a): > 0 if d is on the side of abc from which a, b, c run
+// counter-clockwise; exactly 0 only if the four points are coplanar as given. Relative error at most 2^-20, mostly about 2^-50: plain
+// doubles where their error bound allows it, otherwise exact. Pre: coordinates zero or of magnitude 1e-60 .. 1e60. RT: yes. Source:
+// Shewchuk 1997 (exact expansions); we differ in having two stages only, the first with a bound from the largest differences.
 inline double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
   const detail::RoundedDeterminant rounded = detail::rounded_determinant(a, b, c, d);
   return std::fabs(rounded.value) > kAccurateDeterminant * rounded.size ? rounded.value : orient3d_exact(a, b, c, d);
 }
 
-// The same, of which only the sign means anything: looks closer only where the sign is in doubt.
+// The same, but only its sign is meaningful: exact arithmetic only where the sign is in doubt.
 inline double orient3d_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
   const detail::RoundedDeterminant rounded = detail::rounded_determinant(a, b, c, d);
   return std::fabs(rounded.value) > detail::kDeterminantError * rounded.size ? rounded.value : orient3d_exact(a, b, c, d);

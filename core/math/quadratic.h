@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// a t^2 + 2 b t + c, t from 0 on: when it next rises above zero. At once if it rises from there or above, after it has fallen below if it
-// falls. Where it falls but stays above zero: when it is as high again. A dip that stays above zero, or below it by no more than `play`
-// would reach, is none: infinite, as where it never rises. RT: yes.
+// The first t >= 0 at which a t^2 + 2 b t + c rises above zero. If it is zero or more and rises at t = 0: at once. If it falls: when it
+// rises again, or, if it stays above zero, when it is back at its value at t = 0. A dip that stays above zero, or does not go below it by
+// more than `play`, is ignored. Infinite if it never rises. RT: yes.
 inline double time_of_rise(double a, double b, double c, double play = -std::numeric_limits<double>::infinity()) noexcept {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (a < 0.0 && b > 0.0 && c - b * b / a <= play) return kNever;

@@ -6,16 +6,16 @@
 
 namespace hapton {
 
-// Exact signs for points that move among triangles, none of them zero: where the points as given lie exactly in a plane or a line through
-// an edge, all moving points are taken to be shifted by one and the same direction, by less than any number (Edelsbrunner & Muecke 1990,
-// simulation of simplicity; we differ in shifting the moving points alone, all alike). So a chain of segments crosses a closed surface just
-// as a chain in general position does: it never slips through an edge, and what it only touches it does not meet from both sides.
-// Pre: as orient3d. RT: yes.
+// Exact signs, never zero, for points that move among triangles. Where the given points lie exactly in a plane, or on a line through an
+// edge, all moving points are treated as shifted in one common direction by an infinitesimal amount (Edelsbrunner & Muecke 1990, simulation
+// of simplicity; we differ in shifting only the moving points, all alike). So a chain of segments crosses a closed surface like a chain in
+// general position: it never slips through an edge, and a surface it only touches is not crossed from both sides. Pre: see orient3d. RT:
+// yes.
 
-// The direction. Of no mesh's symmetry: powers of the reciprocal of the tribonacci-like root of x^4 = x + 1, signs mixed.
+// The direction of the shift. It belongs to no mesh's symmetry: powers of the reciprocal of a root of x^4 = x + 1, with mixed signs.
 inline const Vec3 kShift(0.8191725133961645, -0.6710436067037893, 0.5497004779019703);
 
-// > 0 where the moving point p lies on the side of abc from which a, b, c turn counter-clockwise.
+// > 0 if the moving point p is on the side of abc from which a, b, c run counter-clockwise.
 inline double side_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noexcept {
   const double sign = orient3d_sign(a, b, c, p);
   return sign != 0.0 ? sign : accurate_cross(b - a, c - a).dot(kShift);

@@ -6,11 +6,11 @@
 
 namespace hapton {
 
-// A point on a straight motion from time 0 to 1; exactly `to` from then on. RT: yes.
-inline Vec3 on_way(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
+// The point at `time` of a straight motion over 0..1; exactly `to` from 1 on. RT: yes.
+inline Vec3 on_path(const Vec3& from, const Vec3& to, double time) { return time < 1.0 ? Vec3(from + time * (to - from)) : to; }
 
-// When a quantity that is `at_0` at time 0 and `at_1` at time 1, and linear between, passes zero, not before `now`. Pre: it does, or has.
-// RT: yes.
+// The time, not before `now`, at which a quantity that is `at_0` at time 0, `at_1` at time 1 and linear between passes zero. Pre: it does
+// so, or has done so. RT: yes.
 inline double time_of_zero(double at_0, double at_1, double now) {
   const double t = at_0 != at_1 ? at_0 / (at_0 - at_1) : now;
   return std::clamp(t, now, 1.0);

@@ -74,7 +74,7 @@ bool Client::hear_message(const Message& message, Time now) {
   return true;
 }
 
-// The number of what is described stands in the sender's place.
+// The number of the described sender is in the sender field.
 void Client::hear_sender(const Message& message) {
   const bool is_us = name_of(message) == name_;
   if (is_us) remember(us_, message.sender, kMostIds);

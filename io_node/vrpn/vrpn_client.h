@@ -19,18 +19,18 @@ constexpr std::array<std::string_view, 9> kOurTypes = {"vrpn_Base pong_message",
                                                        "vrpn_Analog Channel",    "vrpn_ForceDevice Force", "vrpn_ForceDevice Force_Error"};
 constexpr std::int32_t kOurSender = 0;
 
-// One program that speaks VRPN: what it says is understood, and what it must be answered is put into out(). Whatever bytes come, memory and
-// time stay within bounds. Pure: no socket, no clock.
-// Forces that it asks for (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted: see docs/vrpn.md.
+// The protocol state of one VRPN client: parses its messages and puts the replies into out(). For any bytes, memory and time are bounded.
+// Pure: no socket, no clock. Forces that it requests (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted: see
+// docs/vrpn.md.
 class Client {
  public:
   // name: of the device, what clients write before the '@'.
   explicit Client(std::string_view name) : name_(name) { append_cookie(out_); }
 
-  // Takes what came. False: nothing more is to be heard from this one, or it said goodbye.
+  // Parses received bytes. False: the client said goodbye or its messages are invalid; close it.
   bool hear(std::span<const std::byte> bytes, Time now);
 
-  // Has shown a cookie that we understand, and was told our names.
+  // It has sent a valid cookie and got our names.
   bool is_connected() const { return is_connected_; }
   // A request for UDP: the port, and the address as it wrote it. The caller decides whether to follow.
   struct UdpRequest {
@@ -43,7 +43,7 @@ class Client {
   bool take_workspace_request();
 
   Header header(OurType type, Time time) { return {kOurSender, static_cast<std::int32_t>(type), time, ++sequence_}; }
-  // To go by TCP; whoever sends it clears it.
+  // Bytes to send by TCP; the caller sends and clears them.
   Bytes& out() { return out_; }
 
  private:

@@ -19,8 +19,8 @@ struct FeedSample {
   double motor_temperature = -1.0;
 };
 
-// Brings every sample from the servo to whoever shows it to others. One who is late loses samples; the servo never waits.
-// RT: push yes, wait-free; take no. Threads: one pushes, one takes.
+// Brings every sample from the servo to an observer. A slow observer loses samples; the servo never waits. RT: push yes, wait-free; take
+// no. Threads: one pushes, one takes.
 class Feed {
  public:
   Feed() : ring_(kBytes) {}
@@ -49,7 +49,7 @@ class Feed {
   std::atomic<bool> is_wanted_{false};
 };
 
-// A device that tells a feed of all that it does, and is otherwise the device itself. RT: as the device's own.
+// A device that also sends everything it does to a feed. RT: as the device's own.
 class WatchedDevice final : public Device {
  public:
   // Pre: the feed outlives this.

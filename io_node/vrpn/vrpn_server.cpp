@@ -17,7 +17,7 @@
 namespace hapton::vrpn {
 namespace {
 
-constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;  // nobody there: look so often
+constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;  // interval of checks without clients
 constexpr std::int64_t kCookiePatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int32_t kButtons = 32;
 constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;  // of vrpn_ForceDevice Force_Error
@@ -38,8 +38,8 @@ bool names_itself(const std::string& text, const Address& peer) {
   return with_port == text + port || with_port == "[" + text + "]" + port;
 }
 
-// The port of "HOST PORT" with a zero at its end, as a client asks to be called back. The host is not looked at: only who sent the
-// datagram is called, or anyone could have us call anyone.
+// The port of "HOST PORT" with a zero at its end, which a client sends to be called back. The host is ignored: only the sender of the
+// datagram is called, because otherwise anyone could have us call anyone.
 std::optional<std::uint16_t> callback_port(std::span<const std::byte> bytes) {
   constexpr std::size_t kLongest = 200;
   constexpr int kLowest = 1024;
@@ -153,7 +153,7 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
   answer(id, peer);
 }
 
-// Datagrams go to nobody but who has the connection.
+// Datagrams go only to the host of the connection.
 void Server::State::follow_udp_request(Peer& peer) {
   if (!peer.client.udp_request() || peer.udp) return;
   if (!names_itself(peer.client.udp_request()->address, peer.address)) return;
@@ -179,7 +179,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   if (!port) return;
   Address to = from;
   to.port = *port;
-  // It asks again and again until it is called.
+  // It repeats the request until it is called.
   const bool is_there = std::any_of(peers.begin(), peers.end(), [&](const auto& peer) { return peer.second.address == to; });
   if (is_there) return;
   if (const StreamEndpoint::Id id = endpoint->connect(to); id != 0) {
@@ -189,7 +189,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   }
 }
 
-// Of those who took a place and said nothing the one that did so longest: 16 of them must not keep everybody else out.
+// Closes the client that has been silent longest after connecting: 16 such clients must not keep all others out.
 StreamEndpoint::Id Server::State::give_up_for_another() {
   StreamEndpoint::Id longest = 0;
   std::int64_t since_ns = 0;
@@ -201,7 +201,7 @@ StreamEndpoint::Id Server::State::give_up_for_another() {
   return longest;
 }
 
-// Who takes a place and says nothing.
+// Drops clients that connect and say nothing.
 void Server::State::drop_timed_out(std::int64_t now_ns) {
   for (const auto& [id, peer] : peers) {
     if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookiePatienceNs) endpoint->close(id);
@@ -239,7 +239,7 @@ void Server::State::take_samples() {
 
 void Server::State::report() {
   const bool is_new = newest && (!told || newest->device.time_ns != told->device.time_ns);
-  // Where a device is that is away or not calibrated nobody knows.
+  // The pose of a device that is away or not calibrated is unknown.
   const bool is_known = is_new && newest->status == DeviceStatus::ready;
   if (is_known && told && told->status == DeviceStatus::ready) {
     dt_s = 1e-9 * static_cast<double>(newest->device.time_ns - told->device.time_ns);
@@ -268,7 +268,7 @@ void Server::State::report_to(Peer& peer, Time time) {
   append_velocity(out, client.header(OurType::velocity, time), v_m_per_s, turn, dt_s);
   append_force(out, client.header(OurType::force, time), f);
   append_analog(out, client.header(OurType::analog, time), channels);
-  // A datagram that is lost is lost: the next is under way.
+  // A lost datagram is not repeated: the next one follows soon.
   if (peer.udp) endpoint->send_datagram(*peer.udp, datagram);
 }
 

@@ -24,7 +24,7 @@ constexpr std::size_t kMostMessageBytes = 16384;
 // VRPN's own limit of a datagram with messages.
 constexpr std::size_t kMostDatagramBytes = 1472;
 
-// What the types below zero mean.
+// The meaning of negative types.
 constexpr std::int32_t kSenderDescription = -1, kTypeDescription = -2, kUdpDescription = -3, kLogDescription = -4, kDisconnect = -5;
 
 // Time of day.
@@ -40,9 +40,9 @@ struct Header {
   std::uint32_t sequence = 0;
 };
 
-// "vrpn: ver. 07.38  0": no logging asked for.
+// "vrpn: ver. 07.38  0": logging not requested.
 void append_cookie(Bytes& out);
-// Whether we understand who sent this: the version up to its last dot. Pre: cookie.size() == kCookieBytes.
+// Whether we support the sender's version: equal up to the last dot. Pre: cookie.size() == kCookieBytes.
 bool is_cookie_good(std::span<const std::byte> cookie);
 
 // A name with the number that its sender uses for it.
@@ -76,8 +76,8 @@ struct Message {
 
 enum class ReadStatus : std::uint8_t {
   message,
-  incomplete,  // the rest is still to come
-  broken,      // no such message can be: whoever sent it is not to be listened to
+  incomplete,  // the rest has not arrived yet
+  broken,      // no valid message: ignore the sender from now on
 };
 
 // Takes one message off the front of bytes.

@@ -21,8 +21,8 @@ struct MeshoptLayout {
 // Error: a mode, a filter, a count or a stride that the extension does not have.
 Result<MeshoptLayout> meshopt_layout_of(const Json& json, const std::string& where);
 
-// The items that the bytes unfold to, stride bytes each.
-// Error: more items than the fewest bytes of an item allow, broken data. RT: set-up only. Source: meshoptimizer, EXT_meshopt_compression.
+// The decoded items, stride bytes each. Error: more items than the fewest bytes of an item allow, broken data. RT: set-up only. Source:
+// meshoptimizer, EXT_meshopt_compression.
 Result<std::string> decode_meshopt(std::string_view bytes, const MeshoptLayout& layout, const std::string& where);
 
 }  // namespace hapton::gltf

@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", settings.only, "Those alone whose name contains this");
   app.add_option("--slack-ms", settings.slack_ms,
-                 "For a machine that does other things meanwhile: what is over its bound by less is told of, but breaks nothing")
+                 "For a machine that is not idle: a bound exceeded by less than this is reported but is no failure")
       ->check(CLI::Range(0.0, 1e5))
       ->capture_default_str();
   app.add_option("--json", json_file, "File for the table");

@@ -30,7 +30,7 @@ void sleep_s(double seconds) {
 // In a thread that is there in time, where this user may have one; it starts no programs, which would inherit that.
 void observe(const std::function<void()>& what, bool in_realtime = true) {
   std::thread thread([&] {
-    // Before all that is observed, where that is granted: not even a real-time program run wild keeps it from looking.
+    // With priority over everything observed, if permitted: not even a real-time program run wild keeps it from observing.
     if (in_realtime && !enter_deadline(100'000, 200'000))
       (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .lock_memory = false, .low_dma_latency = false});
     what();
@@ -38,7 +38,7 @@ void observe(const std::function<void()>& what, bool in_realtime = true) {
   thread.join();
 }
 
-// Over its bound by no more than this machine, in which nothing runs without a hypervisor, let nobody run: not even the observers.
+// Over its bound by no more than a stall of this machine, in which the hypervisor ran no guest thread: not even the observers.
 bool is_stalled(const Row& row) { return row.is_over && row.release_ms() - row.blind_ms <= row.bound_ms; }
 
 class List {
@@ -209,7 +209,7 @@ void List::io_node_freezes() {
       note(row, bed->observer().release_after([&] { ::kill(bed->io().pid(), SIGSTOP); }));
       sleep_s(0.2);
       ::kill(bed->io().pid(), SIGCONT);
-      // What was out before must not come back: the first 10 ms bring at most the beginning of a ramp.
+      // The earlier force must not come back: the first 10 ms bring at most the beginning of a ramp.
       thawed_n = std::max(thawed_n, bed->observer().watch(0.01).strongest_n);
     });
   }
@@ -247,7 +247,7 @@ void List::realtime_is_taken() {
   finish(row);
 }
 
-// The counters of a report; 0 for what is not there.
+// A counter of a report; 0 if missing.
 double counter(const nlohmann::json& report, const char* name) {
   const auto counters = report.find("counters");
   return report.is_object() && counters != report.end() ? counters->value(name, 0.0) : 0.0;
@@ -280,7 +280,7 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
   const double asked = of("forces_in_time") + of("late") + of("lost") + of("superseded");
   const double late_share = asked > 0.0 ? (asked - of("forces_in_time")) / asked : 1.0;
-  row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k refused or dropped",
+  row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k rejected or dropped",
                          1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share,
                          1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
   if (!bed->io().is_running()) {
@@ -302,7 +302,7 @@ std::vector<Row> List::run() {
       rows_.pop_back();
       ++stalls;
     }
-    if (stalls > 0) rows_.back().note += fmt::format(" (made anew {} times: the machine stood still)", stalls);
+    if (stalls > 0) rows_.back().note += fmt::format(" (repeated {} times because the machine stalled)", stalls);
     told_(rows_.back());
   };
   row("haptics_node killed", [&](const auto& name) { haptics_dies(name, SIGKILL); });

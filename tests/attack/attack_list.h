@@ -6,8 +6,8 @@
 
 namespace hapton::attack {
 
-// What is promised (docs/safety-case.md): 20 ms after its sample, and a cycle of 1 kHz, while the process runs; when it is frozen or
-// killed, so long after that.
+// The promise (docs/safety-case.md): 20 ms after its sample, plus a cycle of 1 kHz, while the process runs; if it is frozen or killed, as
+// long after that.
 constexpr double kInsideMs = 21.0;
 constexpr double kOutsideMs = 50.0;
 // A flood that a hub must bear without more late forces than this share.
@@ -28,7 +28,7 @@ struct Row {
   std::string name;
   Kind kind = Kind::inside;
   double bound_ms = kInsideMs;
-  double after_sample_ms = -1.0;  // the oldest force seen on the motors, counted from the sample that it answers
+  double after_sample_ms = -1.0;  // the oldest force seen on the motors, counted from its sample
   double after_event_ms = -1.0;   // the fault -> nothing on the motors
   double blind_ms = -1.0;         // the longest time between two looks: so much longer it may have been
   bool is_skipped = false;
@@ -39,7 +39,7 @@ struct Row {
   double release_ms() const { return kind == Kind::inside ? after_sample_ms : after_event_ms; }
 };
 
-// All of the list in its order; told is called with each as it is done.
+// The whole list in order; calls told with each row as it is done.
 std::vector<Row> run_list(const Settings& settings, const std::function<void(const Row&)>& told);
 
 }  // namespace hapton::attack

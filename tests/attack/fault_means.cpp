@@ -15,7 +15,7 @@ namespace hapton::attack {
 
 StoppedThread::StoppedThread(pid_t thread) : thread_(thread) {
   if (::ptrace(PTRACE_SEIZE, thread_, nullptr, nullptr) != 0) return;
-  // The stop takes effect in a moment; nobody waits for it here.
+  // The stop takes effect soon and is not waited for here.
   is_stopped_ = ::ptrace(PTRACE_INTERRUPT, thread_, nullptr, nullptr) == 0;
 }
 
@@ -69,7 +69,7 @@ RealtimeHog::RealtimeHog() {
       asm volatile("");
     }
   }
-  // Who was refused has ended.
+  // A child whose request was denied has ended.
   ::usleep(50'000);
   std::erase_if(children_, [](pid_t child) { return ::waitpid(child, nullptr, WNOHANG) == child; });
 }

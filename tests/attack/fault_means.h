@@ -8,7 +8,7 @@
 
 namespace hapton::attack {
 
-// One thread of another process, stopped as if it hung; it goes on when this object ends. The others do not notice.
+// Stops one thread of another process, as if it hung, until this object ends. The other threads are not affected.
 class StoppedThread {
  public:
   explicit StoppedThread(pid_t thread);
@@ -23,7 +23,7 @@ class StoppedThread {
   bool is_stopped_ = false;
 };
 
-// The thread of that name; none when there is none.
+// The thread of that name; empty if there is none.
 std::optional<pid_t> find_thread(pid_t process, const std::string& name);
 // Its children.
 std::vector<pid_t> find_children(pid_t process);

@@ -1,5 +1,5 @@
-// Floods a UDP port with datagrams that whoever has no key can send: junk, captured datagrams again and again, oversized ones. For
-// deploy/attack and for trying out a network; it floods loopback and private addresses only.
+// Floods a UDP port with datagrams that need no key: junk, captured datagrams repeatedly, oversized ones. For deploy/attack and for testing
+// a network; it floods loopback and private addresses only.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <netinet/ip.h>
@@ -53,7 +53,7 @@ bool is_private_v4(const Address& address) {
   return ip[0] == 127 || ip[0] == 10 || (ip[0] == 172 && (ip[1] & 0xF0) == 16) || (ip[0] == 192 && ip[1] == 168);
 }
 
-// Stands between a node and the hub for a while, and keeps what the node says: what anyone on the wire could.
+// Relays between a node and the hub for a while, and records the node's datagrams, as an eavesdropper could.
 int capture(const Options& options, const Address& hub) {
   const auto listen = parse_address(options.listen);
   auto inside = open_udp_endpoint(options.listen);

@@ -1,4 +1,4 @@
-// Looks at the motors of a running io_node with a simulated device from outside, while it is left alone, frozen or killed. For
+// Observes the motors of a running io_node with a simulated device from outside, while it is left alone, frozen or killed. For
 // deploy/unit-test.
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "hapton_motors: this user may not have real time\n");
     return 2;
   }
-  // To be there in time itself; where that is not granted its own gaps are told of.
+  // To be punctual itself; if that is denied, its own gaps are reported.
   if (!enter_deadline(100'000, 200'000)) (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .low_dma_latency = false});
   if (what == "watch" || what == "hog") {
     const auto seen = observer.watch(seconds);
@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
     SteadyClock clock;
     clock.sleep_until_ns(clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds));
     ::kill(process, SIGCONT);
-    // What was out before must not come back: the first 10 ms bring at most the beginning of a ramp.
+    // The earlier force must not come back: the first 10 ms bring at most the beginning of a ramp.
     after_n = observer.watch(0.01).strongest_n;
   }
   std::printf("{\"was_out\": %s, \"after_event_ms\": %.2f, \"after_sample_ms\": %.2f, \"blind_ms\": %.2f, \"thawed_n\": %.3f}\n",

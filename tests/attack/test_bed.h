@@ -12,7 +12,7 @@
 
 namespace hapton::attack {
 
-// io_node with a simulated device under the limits of its unit, a haptics node, and someone who looks at the motors from outside.
+// io_node with a simulated device under the limits of its unit, a haptics node, and an observer of the motors.
 class TestBed {
  public:
   // A force of that size is waited for before anything is done to it.
@@ -30,7 +30,7 @@ class TestBed {
   const std::filesystem::path& folder() const { return folder_.path(); }
   // Where the haptics node sends from, as io_node saw it; "" before it has joined.
   std::string haptics_address() const;
-  // The sample of a handshake and of data of a tool that holds the key, as whoever listens has it.
+  // A recorded handshake and data of a tool that holds the key, as an eavesdropper has them.
   std::string capture();
   // A report of io_node as of now; null when none comes.
   nlohmann::json ask_for_report();
@@ -43,7 +43,7 @@ class TestBed {
   MotorObserver observer_;
 };
 
-// Waits until it holds; false: not within 30 s.
+// Waits until the condition holds; false: not within 30 s.
 bool wait_until(const std::function<bool()>& holds);
 
 }  // namespace hapton::attack

@@ -51,7 +51,7 @@ TEST(DeviceExchange, ADeviceThatHasBecomeReadyGetsItsForceOverTheRamp) {
   EXPECT_DOUBLE_EQ(before_n, 2.0);
 }
 
-TEST(DeviceExchange, NothingPushesWhileTheDeviceIsNotReady) {
+TEST(DeviceExchange, NoForceWhileTheDeviceIsNotReady) {
   for (const DeviceStatus status : {DeviceStatus::calibrating, DeviceStatus::away, DeviceStatus::fault, DeviceStatus::ended}) {
     DeviceExchange exchange;
     DeviceExchange::Reading reading = ready_at(0);
@@ -65,7 +65,7 @@ TEST(DeviceExchange, NothingPushesWhileTheDeviceIsNotReady) {
   }
 }
 
-TEST(DeviceExchange, AServoThatFellSilentPushesNoLongerAndRampsInAgain) {
+TEST(DeviceExchange, AServoThatTimedOutExertsNoForceAndRampsUpAgain) {
   DeviceExchange exchange;
   std::int64_t t = 0;
   exchange.publish(ready_at(0));

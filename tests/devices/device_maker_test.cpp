@@ -38,7 +38,7 @@ TEST(DeviceMaker, GivesTheSimulatedHandItsPath) {
   EXPECT_LT((device->read(4'000'000'000).p_WD - Vec3(0.05, -0.04, 0.03)).norm(), 0.002);
 }
 
-TEST(DeviceMaker, PutsTheDeviceWhereItStands) {
+TEST(DeviceMaker, PutsTheDeviceAtItsPose) {
   DeviceSettings settings;
   const Vec3 here = (*make_device(settings))->read(0).p_WD;
   settings.X_WB.translation() = Vec3(0.2, 0.0, 0.0);

@@ -60,7 +60,7 @@ TEST_F(ForceDimension, LimitsGoByTheType) {
   EXPECT_EQ(device->limits().max_torque_nm, 0.4);
 }
 
-TEST_F(ForceDimension, AnUnknownTypeGetsLittleAndIsToldOf) {
+TEST_F(ForceDimension, AnUnknownTypeGetsLowLimitsAndIsReported) {
   board->system_type = 999;
   testing::internal::CaptureStderr();
   open();
@@ -131,7 +131,7 @@ TEST_F(ForceDimension, CalibratesByMotorAfterHavingSaidSo) {
   EXPECT_THAT(said, HasSubstr("is calibrated"));
 }
 
-TEST_F(ForceDimension, ThatCannotCalibratePushesNothing) {
+TEST_F(ForceDimension, ThatCannotCalibrateExertsNoForce) {
   board->calibration = 1;
   board->updates_until_good = 0;
   open();
@@ -154,7 +154,7 @@ TEST_F(ForceDimension, AFalconIsCalibratedByHand) {
   EXPECT_EQ(device->limits().max_force_n, 8.0);
 }
 
-TEST_F(ForceDimension, AForceThatTheFirmwareLetGoIsToldWithItsCauseAndComesBack) {
+TEST_F(ForceDimension, AForceThatTheFirmwareReleasedIsReportedWithItsCauseAndReturns) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());
@@ -197,7 +197,7 @@ TEST_F(ForceDimension, AServoThatDiesLeavesNoForce) {
   EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[0] == 0.0; }));
 }
 
-TEST_F(ForceDimension, NoneThereOrAnotherNumberIsTold) {
+TEST_F(ForceDimension, AMissingDeviceOrAnotherNumberIsReported) {
   EXPECT_THAT(make("1").error().what, HasSubstr("is number 1"));
   EXPECT_THAT(make("left").error().what, HasSubstr("not 'left'"));
   EXPECT_THAT(make("-1").error().what, HasSubstr("not '-1'"));
@@ -205,7 +205,7 @@ TEST_F(ForceDimension, NoneThereOrAnotherNumberIsTold) {
   EXPECT_THAT(make().error().what, HasSubstr("finds 0 devices"));
 }
 
-TEST_F(ForceDimension, OneThatSomebodyHasIsTold) {
+TEST_F(ForceDimension, ADeviceInUseIsReported) {
   open();
   const std::string what = make().error().what;
   EXPECT_THAT(what, HasSubstr("another program"));

@@ -58,7 +58,7 @@ HandScript::Options path_over(bool repeats) {
   return options;
 }
 
-// The hand so many steps after it has come to the path's first row.
+// The hand this many steps after it has reached the path's first row.
 Vec3 hand_on_path(HandScript& script, int steps) {
   Vec3 hand = box(3).start_m;
   for (int step = 0; step < 5000 && (hand - Vec3(0.05, 0, 0)).norm() > 1e-12; ++step) hand = script.step(hand, Vec3::Zero()).p_WH;
@@ -99,7 +99,7 @@ TEST(HandScript, TakesAPathNoFartherThanTheWorkspaceAndYieldsToALead) {
   EXPECT_LT((hand_on_path(script, 500) - Vec3(0.05, 0.01, 0)).norm(), 1e-9) << "from its beginning";
 }
 
-TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {
+TEST(HandScript, ALedHandHoldsTheStylusStillAndContinuesFromThere) {
   HandScript script(box(1));
   Vec3 last = box(1).start_m;
   HandIntention before;
@@ -113,9 +113,9 @@ TEST(HandScript, a_led_hand_holds_the_stylus_still_and_goes_on_from_there) {
   EXPECT_LT((after.gimbal_rad - before.gimbal_rad).norm(), 0.01) << "without a jump";
 }
 
-// A pin of 2 mm that stands aside, which no blind search meets within seconds.
-// A surface felt from within its reach, whose normal leads out of it: away from there is as far as the border only.
-TEST(HandScript, LeavesASurfaceAtTheBorderOfItsReach) {
+// A pin of 2 mm to the side, which a blind search does not find within seconds. The surface touched from inside the workspace has a normal
+// that leads out of it: the hand retreats only as far as the workspace's limit.
+TEST(HandScript, LeavesASurfaceAtTheLimitOfItsWorkspace) {
   HandScript script(box(4));
   const Vec3 border(0.0, -0.1, 0.0);
   Vec3 last = box(4).start_m;
@@ -127,7 +127,7 @@ TEST(HandScript, LeavesASurfaceAtTheBorderOfItsReach) {
   EXPECT_GT((last - border).norm(), 0.01);
 }
 
-TEST(HandScript, GoesToWhereItIsToldThatThereIsSomething) {
+TEST(HandScript, GoesToTheReportedScene) {
   const Vec3 pin(0.07, -0.08, 0.05);
   const auto seconds_until_touch = [&](bool is_told) {
     HandScript script(box(3));

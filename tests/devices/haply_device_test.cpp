@@ -85,7 +85,7 @@ TEST_F(Haply, WorksWithoutAGrip) {
   EXPECT_EQ(hand.sample().q_WT.coeffs(), Quat::Identity().coeffs());
 }
 
-TEST_F(Haply, PushesNothingUntilItIsCalibratedAndTellsWhatToDo) {
+TEST_F(Haply, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {
   service->is_calibrated = false;
   testing::internal::CaptureStderr();
   open();
@@ -123,7 +123,7 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   EXPECT_THAT(said, HasSubstr("reconnected"));
 }
 
-TEST_F(Haply, AServiceThatFallsSilentIsMetAnew) {
+TEST_F(Haply, AServiceThatStopsAnsweringIsConnectedAgain) {
   open();
   ASSERT_TRUE(serve_until_ready());
   service->is_silent = true;

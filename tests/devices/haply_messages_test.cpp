@@ -64,7 +64,7 @@ TEST(HaplyMessages, WhatIsNoObjectIsAnError) {
   for (const char* text : {"", "7", "[]", "{", "null", "\xff"}) EXPECT_FALSE(read_state(text)) << text;
 }
 
-TEST(HaplyMessages, TheFirstSaysWhoWeAreAndWhichAxesAndPushesNothing) {
+TEST(HaplyMessages, TheFirstNamesUsAndTheAxesAndExertsNoForce) {
   EXPECT_EQ(first_message("049D"), R"({"session":{"configure":{"profile":{"name":"org.hapton:io_node"},"basis":{"permutation":"XYZ"}}},)"
                                    R"("inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":{"x":0,"y":0,"z":0}}}}]})");
 }

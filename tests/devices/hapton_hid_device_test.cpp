@@ -55,7 +55,7 @@ class HaptonHid : public ::testing::Test {
     return backend_.begin(**transport);
   }
   std::uint32_t now_us() const { return static_cast<std::uint32_t>(now_ns_ / 1000); }
-  // One cycle of a millisecond each way; what the motors do after it, N.
+  // One cycle of a millisecond in each direction; returns the motors' force after it, N.
   double cycle(const Vec3& force_n, bool is_live) {
     now_ns_ += kMs;
     Bytes state(HAPTON_HID_STATE_BYTES);
@@ -88,15 +88,15 @@ TEST_F(HaptonHid, IsWhatItsMakerSays) {
   EXPECT_EQ(backend_.condition().firmware, "1.0");
 }
 
-TEST_F(HaptonHid, PushesWithWhatItIsTold) {
+TEST_F(HaptonHid, ExertsTheRequestedForce) {
   ASSERT_TRUE(begin());
-  EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was told to be off";
+  EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 0.0) << "not before it was commanded off";
   EXPECT_EQ(cycle(Vec3::Zero(), false), 0.0);
   EXPECT_EQ(reading_.status, DeviceStatus::ready);
   EXPECT_EQ(cycle(Vec3(1, 2, 2), true), 3.0);
 }
 
-TEST_F(HaptonHid, WhoseWatchdogHasBarkedIsAwayUntilItIsToldToBeOff) {
+TEST_F(HaptonHid, WithATrippedWatchdogIsAwayUntilSwitchedOff) {
   ASSERT_TRUE(begin());
   cycle(Vec3::Zero(), false);
   cycle(Vec3(1, 0, 0), true);
@@ -108,7 +108,7 @@ TEST_F(HaptonHid, WhoseWatchdogHasBarkedIsAwayUntilItIsToldToBeOff) {
   EXPECT_EQ(reading_.status, DeviceStatus::ready);
 }
 
-TEST_F(HaptonHid, TellsWhatItMeasuresAndHowItIs) {
+TEST_F(HaptonHid, ReportsItsMeasurementsAndItsState) {
   ASSERT_TRUE(begin());
   measured_.position_m[1] = 0.05f;
   measured_.buttons = 3;
@@ -147,7 +147,7 @@ TEST_F(HaptonHid, ThatComesBackAsAnotherDeviceIsNotDriven) {
   EXPECT_THAT(begin().error().what, HasSubstr("Arm 8"));
 }
 
-TEST_F(HaptonHid, WhoseLimitsMakeNoSenseIsRefused) {
+TEST_F(HaptonHid, WithImpossibleLimitsIsRejected) {
   hapton_hid_limits limits = maker_limits();
   limits.watchdog_ms = 2000;
   give(limits);

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-// In: {position in mm, status}; out: {0, whether it may push, force x in N}.
+// In: {position in mm, status}; out: {0, whether it may exert force, force x in N}.
 class PlainBackend final : public HidBackend {
  public:
   Result<void> begin(HidTransport&) override { return {}; }
@@ -37,7 +37,7 @@ class PlainBackend final : public HidBackend {
   DeviceLimits limits_;
 };
 
-// A device that reports all the time, as real ones do, where it is told to be.
+// A device that reports all the time, as real ones do, at a position set by the test.
 class Reporter {
  public:
   explicit Reporter(FakeHid& hid)
@@ -103,7 +103,7 @@ TEST_F(HidDeviceTest, LetsGoWhenTheServoIsSilent) {
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
 }
 
-TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndBackItPushesFromZero) {
+TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   const Vec3 last = hand_.sample().p_WD;
   hid_.unplug();

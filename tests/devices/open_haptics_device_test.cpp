@@ -42,7 +42,7 @@ struct OpenHaptics : testing::Test {
     ASSERT_TRUE(made) << made.error().what;
     device = std::move(*made);
   }
-  // Acts as the servo does until what is asked for holds.
+  // Acts as the servo until the condition holds.
   template <class Condition>
   bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
     return hand.serve_until(*device, holds, wrench);
@@ -95,7 +95,7 @@ TEST_F(OpenHaptics, TheTransformIsReadColumnByColumn) {
   board->turn_rad[2] = std::numbers::pi / 2;
   open();
   ASSERT_TRUE(serve_until_ready());
-  // A quarter turn about z takes x to y; read the other way round it would take it to -y.
+  // A quarter turn about z takes x to y; transposed it would take it to -y.
   EXPECT_TRUE((hand.sample().q_WT * Vec3::UnitX()).isApprox(Vec3::UnitY(), 1e-9));
 }
 
@@ -146,7 +146,7 @@ TEST_F(OpenHaptics, ANameThatWasGivenIsTheOnlyOneTried) {
   EXPECT_THAT(made.error().what, Not(HasSubstr("Default")));
 }
 
-TEST_F(OpenHaptics, WhatFailsIsToldByNameWithTheLibrarysWordsAndARemedy) {
+TEST_F(OpenHaptics, AFailureIsReportedByNameWithTheLibrarysTextAndARemedy) {
   board->open_error = 0x302;
   const std::string what = make().error().what;
   EXPECT_THAT(what, HasSubstr("HD_COMM_ERROR (0x302)"));
@@ -159,13 +159,13 @@ TEST_F(OpenHaptics, WhatFailsIsToldByNameWithTheLibrarysWordsAndARemedy) {
   EXPECT_THAT(make().error().what, HasSubstr("another program"));
 }
 
-TEST_F(OpenHaptics, ADeviceWhoseFiguresCannotBeIsRefused) {
+TEST_F(OpenHaptics, ADeviceWithImpossibleDataIsRejected) {
   board->max_force_n = 0.0;
   EXPECT_THAT(make().error().what, HasSubstr("impossible workspace"));
   EXPECT_EQ(board->opened, board->closed);
 }
 
-TEST_F(OpenHaptics, PushesNothingUntilItIsCalibratedAndTellsWhatToDo) {
+TEST_F(OpenHaptics, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {
   board->calibration = 2;
   board->calibration_style = 4;
   testing::internal::CaptureStderr();
@@ -207,7 +207,7 @@ TEST_F(OpenHaptics, AForceErrorLetsGoForAMomentAndTheForceRampsInAgain) {
   EXPECT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
 }
 
-TEST_F(OpenHaptics, MotorsThatStayWarmAreNotPushedAndAreToldOf) {
+TEST_F(OpenHaptics, MotorsThatStayWarmGetNoForceAndAreReported) {
   open();
   ASSERT_TRUE(serve_until_ready());
   testing::internal::CaptureStderr();
@@ -241,7 +241,7 @@ TEST_F(OpenHaptics, UnpluggedInContactItIsAwayAndFoundAgain) {
   EXPECT_EQ(board->wrong_calls, 0U);
 }
 
-TEST_F(OpenHaptics, ASchedulerThatStandsStillIsAwayAndStartedAgain) {
+TEST_F(OpenHaptics, AStalledSchedulerIsAwayAndRestarted) {
   open();
   ASSERT_TRUE(serve_until_ready());
   board->stands_still = 1;
@@ -299,7 +299,7 @@ TEST_F(OpenHaptics, AServoThatDiesLeavesNoForce) {
   open();
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
-  // Nobody serves any more; the device goes on by itself.
+  // The servo no longer writes; the device releases by itself.
   EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[2] == 0.0; }));
 }
 

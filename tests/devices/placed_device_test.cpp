@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// Stays where it is put and remembers what it was told, in its own base frame.
+// Stays where it is put and records its commands, in its own base frame.
 class StillDevice final : public Device {
  public:
   StillDevice() {

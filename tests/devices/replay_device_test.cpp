@@ -52,7 +52,7 @@ TEST(ReplayDevice, ALoopThatDoesNotCloseIsAwayForTheReadThatJumps) {
   }
 }
 
-TEST(ReplayDevice, OneRowIsAPlaceToStand) {
+TEST(ReplayDevice, OneRowIsAFixedPosition) {
   std::vector<TrajectoryRow> rows = {two_rows()[1]};
   ReplayDevice device(rows, {.loop = true});
   EXPECT_EQ(device.read(0).p_WD, rows[0].p_WD);

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Does with a device what the servo does, in real time, until something holds or half a minute is over.
+// Drives a device like the servo, in real time, until a condition holds or half a minute is over.
 class ServoHand {
  public:
   static constexpr std::int64_t kPatienceNs = 30 * kNanosecondsPerSecond;
@@ -32,7 +32,7 @@ class ServoHand {
     return true;
   }
 
-  // What a thousand cycles of the servo take from the heap. Pre: AllocationGuard::is_available().
+  // Heap allocations of a thousand cycles of the servo. Pre: AllocationGuard::is_available().
   static std::uint64_t count_heap_use(Device& device) {
     const AllocationGuard guard;
     for (std::int64_t t = 0; t < 1000; ++t) {

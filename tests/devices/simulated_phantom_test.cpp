@@ -89,7 +89,7 @@ TEST(SimulatedPhantom, ForcePushesTheHandBackByItsStiffness) {
   EXPECT_NEAR(device.exact_position_m().z() - place.z(), give, 1e-6);
 }
 
-TEST(SimulatedPhantom, StaysInTheWorkspaceWhateverPushes) {
+TEST(SimulatedPhantom, StaysInTheWorkspaceUnderAnyForce) {
   SimulatedPhantom device({});
   device.set_hand_target(Vec3(10.0, -10.0, 10.0));
   for (std::int64_t now = 0; now < 2000 * kMs; now += kMs) {

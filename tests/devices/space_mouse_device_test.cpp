@@ -15,7 +15,7 @@ class SpaceMouseHand : public ::testing::Test {
     ASSERT_TRUE(reader->open());
     device_ = std::make_unique<SpaceMouseDevice>(std::move(reader));
   }
-  // The cap held so, in counts of the device's own axes, until something holds.
+  // Holds the cap, in counts of the device's own axes, until the condition holds.
   template <class Condition>
   bool hold_until(int x, int y, int z, int rx, int ry, int rz, Condition&& holds, const Vec3& force_n = Vec3::Zero()) {
     FakeHid::Bytes report = {1};
@@ -51,7 +51,7 @@ TEST_F(SpaceMouseHand, TurnsAsTheCapIsTurned) {
   EXPECT_LT((turned.axis() - Vec3::UnitY()).norm(), 1e-6);
 }
 
-TEST_F(SpaceMouseHand, RestsNearASurfaceThatItIsPushedInto) {
+TEST_F(SpaceMouseHand, StopsNearASurfaceThatItIsPushedInto) {
   // A wall of 1000 N/m at z = 0.05; the cap is pushed away from the person.
   const auto depth_m = [&] { return 0.05 - p().z(); };
   int rests = 0;

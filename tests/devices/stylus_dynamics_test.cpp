@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t kMs = 1'000'000;
 constexpr AxisStops kNoStops{-1e6, 1e6};
 
-// Device mass and stylus not joined: each side then has a closed form of its own.
+// Device mass and stylus not joined: each side then has its own closed form.
 StylusModel apart() {
   StylusModel model;
   model.structure_hz = 0.0;
@@ -52,7 +52,7 @@ TEST(StylusDynamics, HandFollowsAStepOfItsIntentionAsAMassSpringDamper) {
   }
 }
 
-TEST(StylusDynamics, HandFollowsARampWithoutLagAtTheEnd) {
+TEST(StylusDynamics, HandFollowsARampWithoutDelayAtTheEnd) {
   const StylusDynamics dynamics(apart());
   AxisState state;
   for (std::int64_t now = 0; now < 3000 * kMs; now += kMs) {

@@ -23,7 +23,7 @@ TEST(VendorLibrary, IsLoadedAndItsFunctionsAreFound) {
   EXPECT_EQ(loaded->find<unsigned()>("hdNoSuchThing"), nullptr);
 }
 
-TEST(VendorLibrary, ThatIsNowhereIsToldWithTheLoadersWordsForEveryName) {
+TEST(VendorLibrary, ThatIsMissingIsReportedWithTheLoadersTextForEveryName) {
   constexpr std::array<std::string_view, 2> kFiles = {"libhapton-no-such.so", "libhapton-no-such.so.3"};
   const KnownVendorLibrary none = {"No SDK", "none", kFiles, "nothing", "nowhere", {}};
   const auto loaded = VendorLibrary::open(none);
@@ -35,7 +35,7 @@ TEST(VendorLibrary, ThatIsNowhereIsToldWithTheLoadersWordsForEveryName) {
   EXPECT_THAT(loaded.error().what, Not(HasSubstr("\n")));
 }
 
-TEST(VendorLibrary, WhoseDependencyIsMissingNamesItAndWhatBringsIt) {
+TEST(VendorLibrary, WithAMissingDependencyNamesItAndItsPackage) {
   std::vector<FailedLoad> failures;
   const VendorLibrary loaded = VendorLibrary::try_open(kOpenHaptics, library("needy/libHD.so"), failures);
   EXPECT_THAT(loaded.file(), IsEmpty());

@@ -143,7 +143,7 @@ TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndLetsGoAtOnce) {
   EXPECT_LT(first_ma, 0.05 * weight.norm());
   EXPECT_LT((settled_currents(Vec3::Zero()) - weight).cwiseAbs().maxCoeff(), 0.51);
   EXPECT_EQ(currents(Vec3(1, 1, 1), false), Vec3::Zero());
-  EXPECT_LT(currents(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it begins anew, easily";
+  EXPECT_LT(currents(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it starts again, easily";
 }
 
 TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {
@@ -199,7 +199,7 @@ TEST_F(Wooden, GoesOnWhereItWasWhenItsElectronicsKeptTheirPower) {
   EXPECT_EQ(hear(kInTheMiddle).sample.p_WD, before);
 }
 
-TEST_F(Wooden, WhoseCountsBeganAnewInUseIsNotTrustedUntilItHasRested) {
+TEST_F(Wooden, WithCountsResetInUseIsNotTrustedUntilItHasBeenAtRest) {
   begin();
   hear(kInTheMiddle);
   begin_again();
@@ -214,7 +214,7 @@ TEST_F(Wooden, WhoseCountsBeganAnewInUseIsNotTrustedUntilItHasRested) {
   EXPECT_LT(hear({0, 0, 0, 0}).sample.p_WD.norm(), 0.1) << "where it had been when it was plugged in";
 }
 
-TEST_F(Wooden, ThatTremblesDoesNotRest) {
+TEST_F(Wooden, ThatTremblesIsNotAtRest) {
   begin();
   hear(kInTheMiddle);
   begin_again();

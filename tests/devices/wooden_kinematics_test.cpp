@@ -103,7 +103,7 @@ TEST(WoodenKinematics, GravityIsTheGradientOfTheEnergy) {
   }
 }
 
-// Its heights come from the kinematics: an arm whose mass sits in the device point weighs as that point does.
+// Its heights come from the kinematics: an arm whose mass is in the device point weighs as much as that point.
 TEST(WoodenKinematics, AMassAtTheDevicePointHasTheEnergyOfItsHeight) {
   WoodenArm build = odd_arm();
   build.bodies[1].mass_kg = 0.0;
@@ -117,7 +117,7 @@ TEST(WoodenKinematics, AMassAtTheDevicePointHasTheEnergyOfItsHeight) {
   }
 }
 
-// What the motors do is what the hand gets, for any small movement.
+// The motors' power is the hand's power, for any small movement.
 TEST(WoodenKinematics, TheMotorsPowerIsTheHandsPower) {
   std::mt19937_64 random(14);
   const WoodenArm build = odd_arm();
@@ -135,7 +135,7 @@ TEST(WoodenKinematics, TheMotorsPowerIsTheHandsPower) {
   }
 }
 
-TEST(WoodenKinematics, TheGimbalStandsOnTheLowerArm) {
+TEST(WoodenKinematics, TheGimbalIsMountedOnTheLowerArm) {
   const WoodenKinematics arm(odd_arm());
   std::mt19937_64 random(15);
   for (int turn = 0; turn < 100; ++turn) {

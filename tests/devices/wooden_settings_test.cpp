@@ -73,7 +73,7 @@ offset_deg = 180
   EXPECT_NEAR(settings->wrist->joints[2].offset_rad, std::numbers::pi, 1e-12);
 }
 
-TEST_F(WoodenSettingsFile, WhatMakesNoSenseIsRefusedWithItsLine) {
+TEST_F(WoodenSettingsFile, AnImpossibleValueIsRejectedWithItsLine) {
   EXPECT_THAT(rejection("\nmax_force = 5\n"), HasSubstr("wooden.toml:2"));
   EXPECT_THAT(rejection("max_force_n = 1e9"), HasSubstr("max_force_n"));
   EXPECT_THAT(rejection("max_force_n = nan"), HasSubstr("max_force_n"));

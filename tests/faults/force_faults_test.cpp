@@ -1,4 +1,4 @@
-// Rows of docs/faults.md: what the hand feels when something dies, freezes, or the network is bad. Times are exact: they are simulated.
+// Rows of docs/faults.md: the force when something dies, freezes, or the network is bad. Times are exact: they are simulated.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ TEST_F(Faults, HapticsKilledInContactLeavesNoForceAfter20Ms) {
   expect_bounded(system->device);
 }
 
-TEST_F(Faults, HapticsRestartedInContactIsFeltAgainWithin200Ms) {
+TEST_F(Faults, HapticsRestartedInContactExertsForceAgainWithin200Ms) {
   for (const std::int64_t away_ns : {1 * kMs, 40 * kMs, 60 * kMs, 1500 * kMs}) {
     press();
     system->kill_haptics();
@@ -63,7 +63,7 @@ TEST_F(Faults, HapticsRestartedInContactIsFeltAgainWithin200Ms) {
     system->start_haptics();
     const std::int64_t restarted_ns = now_ns();
     system->run_for_ns(1000 * kMs);
-    // A silence lies between, however short it was away: its place was still taken.
+    // A timeout lies between, however short the absence was: its slot was still taken.
     const auto felt_ns = system->felt_after_ns(std::max(restarted_ns, restarted_ns - away_ns + 25 * kMs));
     ASSERT_TRUE(felt_ns) << away_ns;
     EXPECT_LE(*felt_ns - restarted_ns, 200 * kMs) << away_ns;
@@ -99,7 +99,7 @@ TEST_F(Faults, HubRestartedIsFoundAgainWithin500Ms) {
   ASSERT_TRUE(system->felt_after_ns(restarted_ns + 1));
   EXPECT_LE(*system->felt_after_ns(restarted_ns + 1) - restarted_ns, 500 * kMs);
   EXPECT_NEAR(system->force_n().z(), 2.0, 0.05);
-  // The new hub's first force is a step of its own ramp.
+  // The new hub's first force is the first step of its own ramp.
   ASSERT_GT(system->device.written.size(), before);
   EXPECT_LT(system->device.written[before].force_n.norm(), 0.1);
 }
@@ -202,8 +202,8 @@ TEST_F(Faults, APartitionOfOneWayIsSurvivedToo) {
   }
 }
 
-// Nodes compare times of one clock only. What the other's clock shows, and that it leaps, makes no difference to the force.
-TEST_F(Faults, AClockThatStepsAtTheHapticsNodeIsNotFelt) {
+// Nodes compare times of one clock only. The other node's clock, and a step of it, makes no difference to the force.
+TEST_F(Faults, AClockStepAtTheHapticsNodeDoesNotChangeTheForce) {
   press();
   for (const std::int64_t step_ns : {3600'000'000'000LL, -7200'000'000'000LL, 1LL, -1'000'000LL}) {
     system->haptics->clock.step_ns(step_ns);
@@ -217,8 +217,8 @@ TEST_F(Faults, AClockThatStepsAtTheHapticsNodeIsNotFelt) {
   expect_bounded(system->device);
 }
 
-// The machine of the hub sleeps for an hour: its clock leaps, and the last force is not held.
-TEST_F(Faults, AClockThatLeapsAtTheHubLetsGoAndBeginsAnew) {
+// The machine of the hub sleeps for an hour: its clock jumps, and the last force is not held.
+TEST_F(Faults, AClockStepAtTheHubReleasesTheForceAndStartsAgain) {
   press();
   const std::size_t before = system->device.written.size();
   system->clock.advance_ns(3600'000'000'000LL);
@@ -233,7 +233,7 @@ TEST_F(Faults, AClockThatLeapsAtTheHubLetsGoAndBeginsAnew) {
 }
 
 // Changed twice a second instead of every two minutes; the force is the same as with one key for the whole time, to the last bit.
-TEST_F(Faults, AChangeOfKeysInContactIsNotFelt) {
+TEST_F(Faults, AChangeOfKeysInContactDoesNotChangeTheForce) {
   std::vector<std::vector<PressingDevice::Written>> written;
   for (const std::int64_t every_ns : {SealedClient::kRekeyEveryNs, 500 * kMs}) {
     SealedClient::Options sealing;
@@ -256,7 +256,7 @@ TEST_F(Faults, AChangeOfKeysInContactIsNotFelt) {
 }
 
 // Captured on the line and sent again 200 times a cycle, from the node's own address and from others.
-TEST_F(Faults, ReplayedHandshakesByTheHundredACycleAreNotFelt) {
+TEST_F(Faults, HundredsOfReplayedHandshakesACycleDoNotChangeTheForce) {
   press();
   const LinkKey key = system->key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 9, AgreementWorker::Where::caller);
@@ -282,7 +282,7 @@ TEST_F(Faults, ReplayedHandshakesByTheHundredACycleAreNotFelt) {
   EXPECT_EQ(stats.seal.handshakes, 1U);
 }
 
-TEST_F(Faults, JunkByTheHundredACycleIsNotFelt) {
+TEST_F(Faults, HundredsOfJunkDatagramsACycleDoNotChangeTheForce) {
   press();
   std::vector<std::byte> junk(100);
   std::uint64_t salt = 0;

@@ -14,12 +14,12 @@
 
 namespace hapton {
 
-// A star of one hub and any nodes on one simulated clock and one thread. The hub's loop drives it: while the hub waits, time moves on from
-// event to event, and a node whose datagram or whose time has come gets its turn. Each way has its own FaultInjector.
+// A star of one hub and any nodes on one simulated clock and one thread. The hub's loop drives it: while the hub waits, time advances from
+// event to event, and a node whose datagram or time has come gets its turn. Each direction has its own FaultInjector.
 class SimulatedNetwork {
  public:
   static constexpr std::int64_t kTurnNs = 20'000'000;   // a node gets a turn at least so often
-  static constexpr std::size_t kInboxDatagrams = 4096;  // what a system's buffer holds of a node that is frozen
+  static constexpr std::size_t kInboxDatagrams = 4096;  // capacity of a frozen node's socket buffer
 
   SimulatedNetwork(SimulatedClock& clock, std::uint64_t seed) : clock_(clock), to_hub_(seed), to_nodes_(seed + 1) {}
 
@@ -44,21 +44,21 @@ class SimulatedNetwork {
     std::erase_if(nodes_, [&](const Node& node) { return node.address == address; });
   }
 
-  // Stopped and continued: what comes meanwhile waits.
+  // Stops or continues a node: datagrams wait meanwhile.
   void freeze(const Address& address, bool is_frozen) {
     Node& node = *find(address);
     node.is_frozen = is_frozen;
     node.next_turn_ns = clock_.now_ns();
   }
 
-  // The nodes go on until then while the hub stands still.
+  // The nodes run until then while the hub is stopped.
   void run_nodes_until(std::int64_t end_ns) {
     while (step_nodes(end_ns)) {
     }
     clock_.sleep_until_ns(end_ns);
   }
 
-  // Straight into the hub's buffer, from whoever that is.
+  // Puts bytes straight into the hub's buffer, from any address.
   void inject(const Address& from, std::vector<std::byte> bytes) {
     hub_inbox_.push_back({clock_.now_ns(), ++order_, from, hub_, std::move(bytes)});
   }
@@ -132,7 +132,7 @@ class SimulatedNetwork {
     return hand_out(hub_inbox_, into);
   }
 
-  // The next thing to happen no later than then; false when there is none.
+  // Runs the next event until then; false if there is none.
   bool step_nodes(std::int64_t end_ns) {
     const auto arrival = std::min_element(in_flight_.begin(), in_flight_.end(), [](const InFlight& a, const InFlight& b) {
       return a.due_ns != b.due_ns ? a.due_ns < b.due_ns : a.order < b.order;

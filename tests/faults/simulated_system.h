@@ -16,7 +16,7 @@
 
 namespace hapton {
 
-// A clock that another one drives and that is off by whatever it is told.
+// A clock driven by another one, with a settable offset.
 class ShiftedClock final : public Clock {
  public:
   explicit ShiftedClock(const Clock& base) : base_(base) {}
@@ -29,9 +29,9 @@ class ShiftedClock final : public Clock {
   std::int64_t shift_ns_ = 0;
 };
 
-// A device that comes down onto the top of a box, 0.1 m wide around the origin, in its first 100 ms, and then stays 2 mm inside it, moving
-// to and fro by a millimetre. What is
-// put on its motors is written down.
+// A device that comes down onto the top of a box, 0.1 m wide around the origin, in its first 100 ms,
+// and then stays 2 mm inside it, moving to and fro by a millimetre. It records the forces on its
+// motors.
 class PressingDevice final : public Device {
  public:
   struct Written {
@@ -58,7 +58,7 @@ class PressingDevice final : public Device {
   std::int64_t begin_ns_ = 0;
 };
 
-// One haptics node: its clock, its sealed way to the hub and its loop.
+// One haptics node: its clock, its sealed connection to the hub and its loop.
 class SimulatedHaptics {
  public:
   SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
@@ -101,7 +101,7 @@ class SimulatedHaptics {
   ReplyLoop loop_;
 };
 
-// A vision node that says of every state at once that it has drawn it, and so many times more.
+// A vision node that acknowledges every state at once, and repeats it a number of times.
 class SimulatedVision {
  public:
   SimulatedVision(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
@@ -144,18 +144,18 @@ class SimulatedVision {
   int seen_ = 0;
 };
 
-// The hub, its servo and a haptics node over a network that does what it is told; all of it the code that people run, but the clock.
+// The hub, its servo and a haptics node over a network with given faults; all product code, except for the clock.
 class SimulatedSystem {
  public:
   static constexpr std::int64_t kMs = 1'000'000;
-  static constexpr std::int64_t kWireNs = 30'000;  // each way when nothing is bad
+  static constexpr std::int64_t kWireNs = 30'000;  // one direction without faults
 
   explicit SimulatedSystem(std::uint64_t seed = 1) : network(clock, seed) {
     set_faults({}, {});
     start_hub();
   }
 
-  // On top of what a good wire takes.
+  // In addition to the time on a good wire.
   void set_faults(LinkFaults to_hub, LinkFaults to_nodes) {
     to_hub.delay_ns += kWireNs;
     to_nodes.delay_ns += kWireNs;
@@ -181,7 +181,7 @@ class SimulatedSystem {
     at.ip = hub_address_.ip;
     return std::make_unique<SimulatedVision>(network, clock, key_, hub_address_, at, words_a_turn);
   }
-  // As kill -9 does: not a word more.
+  // Like kill -9: without a goodbye.
   void kill_haptics() {
     network.kill(haptics->address());
     haptics.reset();
@@ -207,7 +207,7 @@ class SimulatedSystem {
     }
     return since;
   }
-  // When a force was felt first at or after that time.
+  // The first force at or after that time.
   std::optional<std::int64_t> felt_after_ns(std::int64_t time_ns) const {
     for (const auto& written : device.written) {
       if (written.time_ns >= time_ns && written.force_n != Vec3::Zero()) return written.time_ns;

@@ -1,4 +1,4 @@
-// Any bytes as a datagram: rejected, or a message that can be said again and is then understood.
+// Any bytes as a datagram: rejected, or a message that can be encoded and decoded again.
 #include "link/codec.h"
 #include "link/endpoint.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -22,7 +22,7 @@ FUZZ_TARGET(codec) {
 
 namespace {
 
-// Every message has the form of protobuf, in which lengths stand in front of what they count.
+// Every message has the form of protobuf, with lengths before their content.
 hapton::fuzz::Bytes mutate_message(std::span<const std::uint8_t> message, hapton::fuzz::Mutation& mutation) {
   return hapton::fuzz::mutate_proto(hapton::fuzz::Bytes(message.begin(), message.end()), mutation);
 }

@@ -10,7 +10,7 @@
 
 #include "tests/fuzz/mutation.h"
 
-// The corpora that stand in the tree, and the plain changes that tests make to them.
+// The corpora in the tree, and the simple changes that tests make to them.
 namespace hapton::fuzz {
 
 inline std::vector<std::filesystem::path> corpus_of(const std::string& target) {

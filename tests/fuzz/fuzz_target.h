@@ -42,7 +42,7 @@ inline void require(bool holds) {
   if (!holds) std::abort();
 }
 
-// Counts the inputs that came past what a plain change breaks: a seal, a tag, a checksum, a count.
+// Counts the inputs that pass what a random change breaks: a seal, a tag, a checksum, a count.
 struct Passage {
   std::uint64_t inputs = 0;
   std::uint64_t passed = 0;
@@ -75,7 +75,7 @@ inline void write_passage() {
     std::ofstream(path) << passage().inputs << ' ' << passage().passed << '\n';
 }
 
-// HAPTON_FUZZ_PLAIN=1: a fuzzer forgets what it knows of checks, for a comparison.
+// HAPTON_FUZZ_PLAIN=1: the fuzzer changes bytes without knowledge of checks, for a comparison.
 inline bool is_plain() {
   static const bool plain = std::getenv("HAPTON_FUZZ_PLAIN") != nullptr;
   return plain;

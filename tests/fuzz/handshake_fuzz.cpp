@@ -1,6 +1,6 @@
-// A hub and a node with someone between them who does what the bytes say: he holds back, repeats, swaps, turns around, changes and forges
-// datagrams, and makes time pass. He holds the key of the role as well: he can give a handshake that he changed the tag that belongs to it,
-// so that what lies behind the tag is reached, too. Whatever he does, nothing is handed out that was not said, and nothing twice.
+// A hub and a node with an attacker between them who follows the bytes: he holds back, repeats, swaps, reflects, changes and forges
+// datagrams, and lets time pass. He holds the key of the role as well: he can give a changed handshake its valid tag, so that the code
+// behind the tag is reached, too. Nothing may be handed out that was not sent, and nothing twice.
 #include <algorithm>
 #include <set>
 #include <vector>
@@ -17,7 +17,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// The end of a line that the one between holds.
+// One end of the connection, held by the attacker.
 class HeldEndpoint final : public Endpoint {
  public:
   explicit HeldEndpoint(const Address& at) : at_(at) {}
@@ -156,7 +156,7 @@ class Line {
     std::uint32_t number = 0;
     fuzz::require(word.size() == sizeof number);
     std::copy(word.begin(), word.end(), std::as_writable_bytes(std::span(&number, 1)).begin());
-    // Said by the other side. While a new session is asked for a word goes the old way and the new one: it may be heard once in each.
+    // Sent by the other side. While a new session is requested a datagram is sent in both sessions: it may arrive once in each.
     fuzz::require((by_hub ? said_by_node_ : said_by_hub_).contains(number));
     const std::size_t times = (by_hub ? heard_by_hub_ : heard_by_node_).insert(number).second ? 1 : 2;
     if (times == 2) fuzz::require(by_hub && ++heard_twice_ <= node_.seal_counts().handshakes);

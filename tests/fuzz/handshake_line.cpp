@@ -21,7 +21,7 @@ LinkKey make_master() {
   return LinkKey(bytes);
 }
 
-// Random numbers begin anew before anything draws one: every line has the same secrets.
+// Random numbers restart before anything draws one: every connection has the same secrets.
 std::int64_t start() {
   FixedRandom::install();
   FixedRandom::restart();
@@ -179,14 +179,14 @@ Cookie random_cookie(Mutation& mutation) {
   return cookie;
 }
 
-// When the datagram at that place is delivered.
+// When the datagram at that index is delivered.
 std::int64_t time_at(const std::vector<ListedDatagram>& datagrams, std::size_t place) {
   std::int64_t now_ns = kStartNs;
   for (std::size_t i = 0; i <= place; ++i) now_ns += datagrams[i].pause_ns();
   return now_ns;
 }
 
-// As an honest sender would have made the datagram at that place.
+// The datagram at that index as an honest sender would have made it.
 Bytes make_honest(const std::vector<ListedDatagram>& datagrams, std::size_t place, Mutation& mutation) {
   const ListedDatagram& at = datagrams[place];
   const std::int64_t now_ns = time_at(datagrams, place);
@@ -204,7 +204,7 @@ void change_part(Bytes& datagram, std::size_t at, std::size_t size, Mutation& mu
   std::copy(changed.begin(), changed.end(), begin);
 }
 
-// One field of a request; whether the Noise message still has to belong to what stands before it.
+// Changes one field of a request; the Noise message may have to be made again for it.
 void change_request(Bytes& request, std::int64_t now_ns, std::uint8_t node, Mutation& mutation) {
   bool is_first_changed = false;
   switch (mutation.below(6)) {

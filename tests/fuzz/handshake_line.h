@@ -14,7 +14,7 @@
 // them.
 namespace hapton::fuzz {
 
-// Keeps what is sent, and gives out what was put into it, once.
+// Keeps what is sent, and hands out what was put into it, once.
 class HeldDatagram final : public Endpoint {
  public:
   explicit HeldDatagram(const Address& at) : at_(at) {}
@@ -41,13 +41,13 @@ class HandshakeLine {
  public:
   HandshakeLine();
 
-  // Lets its pause pass, then delivers it. The bytes that were handed out, which nobody has said.
+  // Waits for its pause, then delivers it. Returns the number of bytes handed out that were never sent.
   std::size_t deliver(const ListedDatagram& datagram);
 
   const Clock& clock() const { return clock_; }
   const SealedHub& hub() const { return hub_; }
   const SealedClient& node() const { return node_; }
-  // Of what was sent, the newest last.
+  // The datagrams sent, the newest last.
   const std::vector<HeldDatagram::Sent>& from_hub() const { return hub_end_.sent; }
   const std::vector<HeldDatagram::Sent>& from_node() const { return node_end_.sent; }
 
@@ -67,7 +67,7 @@ bool has_tag(const Bytes& datagram, KeyRole node_role);
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns, const seal::Cookie& cookie);
 Bytes make_retry(std::int64_t timestamp_ns, const seal::Cookie& cookie, KeyRole role);
 std::optional<Bytes> make_answer(const Bytes& request, std::uint32_t connection);
-// What the hub of every HandshakeLine gives out at that time.
+// The cookie that the hub of every HandshakeLine issues at that time.
 seal::Cookie find_cookie(std::uint8_t node, std::int64_t now_ns);
 
 // A list of handshake messages with a change in one, which then has the tag, mostly the Noise message, the cookie and a timestamp as if its

@@ -13,7 +13,7 @@ FUZZ_TARGET(haply) {
   }
   for (const haply::Arm& arm : state->arms) {
     fuzz::require(!arm.id.empty() && arm.p_WD.allFinite());
-    // What it calls itself goes back to it, and cannot break the text it stands in.
+    // Its id is sent back to it, and cannot break the text around it.
     fuzz::require(haply::read_state(haply::force_message(arm.id, Vec3::Zero())).has_value());
   }
   if (state->grip) fuzz::require(std::abs(state->grip->q_WT.norm() - 1.0) < 1e-9);

@@ -1,4 +1,4 @@
-// Any bytes as what a HID device sends: its report descriptor, and reports of every kind of device that we drive. First byte: which.
+// Any bytes as data from a HID device: its report descriptor, and reports of every supported kind of device. The first byte selects it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -50,7 +50,7 @@ void drive_wooden(std::span<const std::uint8_t> bytes, std::size_t report_bytes)
   drive(backend, bytes, 3000.0);
 }
 
-// The first two reports are what it says of itself.
+// The first two reports are its self-description.
 void drive_hapton_hid(std::span<const std::uint8_t> bytes) {
   FakeHid hid;
   std::size_t used = 0;

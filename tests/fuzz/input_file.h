@@ -10,7 +10,7 @@
 
 namespace hapton::fuzz {
 
-// The bytes as a file, for what only reads files.
+// Writes bytes to a file, for code that only reads files.
 class InputFile {
  public:
   explicit InputFile(std::string name) : name_(std::move(name)) {}

@@ -1,6 +1,6 @@
-// Writes what the fuzzers of sealed datagrams and of handshakes begin with, to tests/fuzz/corpus/, and gives the codec's messages there the
-// protocol version of today. To be run again when the protocol
-// version changes: seals and tags of another version hold no longer, and fuzz_test says so.
+// Writes the initial inputs of the fuzzers of sealed datagrams and of handshakes to tests/fuzz/corpus/, and gives the codec's messages
+// there the present protocol version. Run it again when the protocol version changes: seals and tags of another version are invalid, and
+// fuzz_test says so.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

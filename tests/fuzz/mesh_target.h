@@ -19,7 +19,7 @@ inline void require_sound(const TriangleMesh& mesh) {
   }
 }
 
-// What is done to a mesh that was read: its flaws are counted, in half a line, and its cracks sealed.
+// What follows the reading of a mesh: its flaws are counted, reported, and its cracks sealed.
 inline void require_touchable(const TriangleMesh& mesh) {
   require(to_text(find_flaws(mesh)).find('\n') == std::string::npos);
   SealReport report;
@@ -42,7 +42,7 @@ inline void require_sound(const MeshLook& look, std::size_t triangles) {
   }
 }
 
-// What every reader promises: one line that says what is wrong, or a mesh with every coordinate finite and every index in range.
+// The promise of every reader: one line that says what is wrong, or a mesh with every coordinate finite and every index in range.
 inline void require_sound(Result<RawMesh> raw) {
   if (!raw) {
     require(!raw.error().what.empty());
@@ -67,7 +67,7 @@ inline void require_sound(Result<RawMesh> raw) {
 // No file lies there, so that a mesh can name no other.
 constexpr const char* kNoFolder = "/nonexistent/hapton";
 
-// Of a file with instances: a few bytes can ask for any number of triangles up to the limit.
+// Of a file with instances: a few bytes can request any number of triangles up to the limit.
 constexpr std::size_t kMostTriangles = 1U << 16;
 
 }  // namespace hapton::fuzz

@@ -1,6 +1,6 @@
-// Handshake messages to a hub and to a node that has requested a session, by someone who holds the keys and so can give each its tag.
-// Whatever comes: nothing is handed out, since nothing was said; every datagram is counted once or answered; nobody is sent more bytes than
-// came from there; and no request, retry or answer without its tag is replied to.
+// Handshake messages to a hub and to a node that has requested a session, from an attacker who holds the keys and so can give each its tag.
+// In all cases: nothing is handed out, because nothing was sent; every datagram is counted once or replied to; no reply is longer than its
+// request; and no request, retry or answer without its tag gets a reply.
 #include <map>
 
 #include "tests/fuzz/fixed_random.h"

@@ -1,5 +1,5 @@
-// Sealed datagrams of four nodes and their hub, in sessions whose keys are known: what is behind the seal reaches the hub's table of nodes
-// and a node's client. What is opened comes from who holds the key; nobody does more than the role of that key allows.
+// Sealed datagrams of four nodes and their hub, in sessions with known keys: what is behind the seal reaches the hub's table of nodes and a
+// node's client. An opened datagram comes from the holder of the key; nobody does more than the role of that key allows.
 #include <array>
 
 #include "link/hub_client.h"
@@ -15,12 +15,12 @@ namespace {
 constexpr std::uint64_t kHubSession = 1;
 constexpr std::uint8_t kNodes = 4;
 
-// What the holder of a key may join as: docs/security.md, written down a second time.
+// The roles that the holder of a key may join as, from docs/security.md, independent of the product code.
 NodeRole allowed_role(KeyRole role) {
   return role == KeyRole::haptics ? NodeRole::haptics : role == KeyRole::vision ? NodeRole::vision : NodeRole::tool;
 }
 
-// Takes all that is sent, and gives out what was put into it, once.
+// Accepts all that is sent, and hands out what was put into it, once.
 class HeldPayload final : public Endpoint {
  public:
   bool send(const Address&, std::span<const std::byte> datagram) noexcept override {
@@ -95,7 +95,7 @@ class Sessions {
     fuzz::require(client_.state() == JoinState::joined && message.header.session == client_.session());
     if (const auto* state = std::get_if<DeviceState>(&message.message)) {
       fuzz::require(state->p_WD.allFinite() && state->p_WP.allFinite() &&
-                    std::abs(state->q_WT.norm() - 1.0) <= 1e-3);  // what the codec lets through
+                    std::abs(state->q_WT.norm() - 1.0) <= 1e-3);  // as accepted by the codec
     }
   }
 

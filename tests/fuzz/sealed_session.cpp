@@ -44,8 +44,8 @@ Bytes seal_all(std::vector<Item>& items) {
   return join_datagrams(datagrams);
 }
 
-// So that no receiver takes one for a repetition of another.
-void number_anew(std::vector<Item>& items, bool has_new_sequences) {
+// Gives every datagram a new number, so that no receiver takes one for a repetition of another.
+void renumber(std::vector<Item>& items, bool has_new_sequences) {
   std::uint64_t counter = 0;
   for (Item& item : items) {
     ++counter;
@@ -68,7 +68,7 @@ void change_header(Item& item, Mutation& mutation) {
     case 1:
       item.data->counter = mutation.odd_number();
       return;
-    default:  // said in another session, in the other direction, or later
+    default:  // sent in another session, in the other direction, or later
       item.datagram.flags ^= static_cast<std::uint8_t>(1U << mutation.below(5));
       item.data->connection = connection_of(item.datagram.node());
   }
@@ -119,20 +119,20 @@ Bytes mutate_sealed(std::span<const std::uint8_t> input, Mutation& mutation) {
   if (kind == 0) {
     mutation.change_order(items);
   } else if (kind == 1) {
-    number_anew(items, false);
+    renumber(items, false);
     change_header(item, mutation);
     return seal_all(items);
   } else {
     item.data->payload = mutate_proto(item.data->payload, mutation);
     item.data->payload.resize(std::clamp<std::size_t>(item.data->payload.size(), 1, kMaxPayloadBytes));
   }
-  number_anew(items, mutation.one_in(2));
+  renumber(items, mutation.one_in(2));
   return seal_all(items);
 }
 
 Bytes cross_sealed(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, Mutation& mutation) {
   std::vector<Item> items = mutation.cross(open_all(a), open_all(b));
-  number_anew(items, mutation.one_in(2));
+  renumber(items, mutation.one_in(2));
   return seal_all(items);
 }
 

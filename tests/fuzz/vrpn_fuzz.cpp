@@ -1,4 +1,4 @@
-// Any bytes from a program that speaks VRPN, in pieces: the first byte says how long.
+// Any bytes from a VRPN client, in pieces whose length the first byte gives.
 #include <algorithm>
 
 #include "io_node/vrpn/vrpn_client.h"
@@ -16,7 +16,7 @@ FUZZ_TARGET(vrpn) {
     rest = rest.subspan(now.size());
     goes_on = client.hear(std::as_bytes(now), {1, 2});
     client.take_workspace_request();
-    // A reply is no longer than what asked for it, and our names.
+    // A reply is no longer than its request plus our names.
     fuzz::require(client.out().size() <= bytes.size() + 1024);
     fuzz::require(!client.udp_request() || (client.udp_request()->port != 0 && client.udp_request()->address.size() <= 64));
   }

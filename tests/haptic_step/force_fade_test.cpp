@@ -18,7 +18,7 @@ TEST(ForceFade, WithoutASwitchForcesPassToTheLastBit) {
   EXPECT_FALSE(fade.is_felt());
 }
 
-TEST(ForceFade, TheDifferenceOnlySinksAndIsGoneWhenItsTimeIsOver) {
+TEST(ForceFade, TheDifferenceOnlyDecreasesAndIsZeroAfterItsTime) {
   for (const double dt_s : {1e-4, kMs, 4e-3}) {
     ForceFade fade;
     fade.step(kBefore, true, dt_s);
@@ -38,7 +38,7 @@ TEST(ForceFade, TheDifferenceOnlySinksAndIsGoneWhenItsTimeIsOver) {
   }
 }
 
-TEST(ForceFade, InTheAirItIsGoneTenTimesAsSoonAndContactThereafterBringsNothingBack) {
+TEST(ForceFade, InTheAirItFadesTenTimesFasterAndContactDoesNotBringItBack) {
   ForceFade fade;
   fade.step(kBefore, true, kMs);
   fade.begin();
@@ -52,7 +52,7 @@ TEST(ForceFade, InTheAirItIsGoneTenTimesAsSoonAndContactThereafterBringsNothingB
   EXPECT_FALSE(fade.is_felt());
 }
 
-TEST(ForceFade, AnotherSwitchWhileItFadesBeginsAtWhatIsFelt) {
+TEST(ForceFade, AnotherSwitchWhileItFadesStartsAtThePresentForce) {
   ForceFade fade;
   fade.step(kBefore, true, kMs);
   fade.begin();
@@ -73,7 +73,7 @@ TEST(ForceFade, ADifferenceThatIsNotFiniteIsLeftOut) {
   }
 }
 
-TEST(ForceFade, WhatIsForgottenIsNotFelt) {
+TEST(ForceFade, AForgottenFadeAddsNoForce) {
   ForceFade fade;
   fade.step(kBefore, true, kMs);
   fade.begin();

@@ -62,13 +62,13 @@ TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
   EXPECT_TRUE(felt.contact);
   EXPECT_NEAR((felt.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
 
-  // The hand has gone too far since.
+  // The hand has moved too far since.
   inside.p_WD.z() = -1.1 * kResumeReachM;
   HapticsStep late(make_touch(), kOffset);
   EXPECT_FALSE(answer(late, inside).contact);
 }
 
-TEST(HapticsStep, GoesOnFeelingInANewSessionUnlessToldToForget) {
+TEST(HapticsStep, KeepsContactInANewSessionUnlessReset) {
   for (const bool forgets : {false, true}) {
     HapticsStep step(make_touch(), kOffset);
     States states;
@@ -98,7 +98,7 @@ TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
   EXPECT_FALSE(step.is_running());
   EXPECT_TRUE(step.has_state());
   const ForceCommand command = step.answer();
-  EXPECT_TRUE(command.contact);  // on the side that was felt before
+  EXPECT_TRUE(command.contact);  // on the side of the earlier contact
   EXPECT_GT(command.force_n.z(), 0.0);
   EXPECT_EQ(command.answered_before, 0U);
 }
@@ -117,7 +117,7 @@ TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
   EXPECT_EQ(answer(step, states.at({0, 0, 0.005})).skipped_samples, 0U);
 }
 
-TEST(HapticsStep, AnAnswerTellsWhichOfThe64SamplesBeforeItWereAnswered) {
+TEST(HapticsStep, AReplySaysWhichOfThe64SamplesBeforeItHadAReply) {
   HapticsStep step(make_touch(), kOffset);
   const auto answer_sample = [&](std::uint64_t sample) {
     return answer(step, {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample), .p_WD = {0, 0, 0.01}}).answered_before;
@@ -133,7 +133,7 @@ TEST(HapticsStep, AnAnswerTellsWhichOfThe64SamplesBeforeItWereAnswered) {
   EXPECT_EQ(answer_sample(401), 0U);
 }
 
-TEST(HapticsStep, AnAnswerTellsItsViewAndItsMethod) {
+TEST(HapticsStep, AReplyNamesItsViewAndItsMethod) {
   HapticsStep step(make_touch(), kOffset);
   States states;
   EXPECT_EQ(answer(step, states.at({0, 0, 0.01})).view_revision, 0U);
@@ -153,7 +153,7 @@ TEST(HapticsStep, TheFirstStateIsFreeSpaceWhereverItIs) {
   EXPECT_FALSE(answer(step, states.at({0, 0.001, -0.002})).contact);
 }
 
-TEST(HapticsStep, ATurnedSceneIsFeltAndABrokenOneIgnored) {
+TEST(HapticsStep, ATurnedSceneChangesTheForceAndAnInvalidOneIsIgnored) {
   HapticsStep step(make_touch(), kOffset);
   States states;
   answer(step, states.at({0.01, 0.001, 0.001}));
@@ -170,7 +170,7 @@ TEST(HapticsStep, ATurnedSceneIsFeltAndABrokenOneIgnored) {
   EXPECT_EQ(step.counts().views_rejected, 1U);
 }
 
-TEST(HapticsStep, AMethodTakesOverInContactWithoutAPop) {
+TEST(HapticsStep, AMethodTakesOverInContactWithoutAForceDiscontinuity) {
   for (const double side : {1.0, -1.0}) {
     HapticsStep step(make_touch(1000.0), kOffset);
     States states;

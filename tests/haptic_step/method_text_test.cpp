@@ -37,7 +37,7 @@ TEST(MethodText, GivesBackEverySettingToTheLastBit) {
   EXPECT_EQ(read->reference_substep_limit, 512);
 }
 
-TEST(MethodText, RefusesWhatItDoesNotWrite) {
+TEST(MethodText, RejectsWhatItDoesNotWrite) {
   for (const char* text : {"name", "name=", "speed=3", "set_size=many", "set_size=3x", "grid_division=0", "shading="}) {
     const auto read = parse_method_text(text);
     ASSERT_FALSE(read) << text;

@@ -1,4 +1,4 @@
-// A haptic step, from datagram to datagram, asks nothing of the kernel.
+// A haptic step, from datagram to datagram, makes no system call.
 #include <gtest/gtest.h>
 
 #include <unistd.h>

@@ -39,7 +39,7 @@ const RejectedMethod* wait_for_refusal(MethodBuilder& builder) {
   return nullptr;
 }
 
-TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
+TEST(MethodBuilder, BuildsEveryRequestedMethod) {
   MethodBuilder builder({}, one_sphere());
   EXPECT_EQ(builder.take(), nullptr);
   for (int i = 0; i < 3; ++i) {
@@ -51,7 +51,7 @@ TEST(MethodBuilder, BuildsWhatIsAskedForAgainAndAgain) {
   }
 }
 
-TEST(MethodBuilder, WhatCannotBeBuiltIsToldWithItsReasonAndBuildsNothing) {
+TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
   MethodBuilder builder({.probe_radius_m = 0.001}, one_sphere());
   EXPECT_EQ(builder.take_rejection(), nullptr);
   std::uint32_t ask = 6;
@@ -71,7 +71,7 @@ TEST(MethodBuilder, WhatCannotBeBuiltIsToldWithItsReasonAndBuildsNothing) {
   EXPECT_EQ(builder.take_rejection(), nullptr);
 }
 
-TEST(MethodBuilder, WhatNobodyTookIsFreed) {
+TEST(MethodBuilder, AnUnusedMethodIsFreed) {
   MethodBuilder builder({}, one_sphere());
   builder.request(name_of("sweep"));
   std::this_thread::sleep_for(std::chrono::milliseconds(100));

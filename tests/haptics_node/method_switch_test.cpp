@@ -1,4 +1,4 @@
-// Method and rate change in contact, of a device that rests and one that slides, with friction, on a box and on a sphere of facets.
+// Method and rate change in contact, with a stationary device and a sliding one, with friction, on a box and on a faceted sphere.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ const Shape& shape_of(const std::string& name) {
   return name == "box" ? kBox : kSphere;
 }
 
-// No less friction sliding than stuck: letting go is a jump of the method's own.
+// Equal friction sliding and sticking: a release is a jump of the method's own.
 TouchScene scene_of(const Shape& shape, double friction, double damping = 0.0) {
   return {.objects = {
               {shape.mesh,
@@ -51,7 +51,7 @@ std::unique_ptr<TouchStep> make_touch(const std::string& name, const TouchScene&
   return std::make_unique<TouchStep>(*make_method({.name = name}, scene));
 }
 
-// A hand that comes down obliquely onto the surface, and what it feels.
+// A hand that comes down obliquely onto the surface, with the forces on it.
 class Hand {
  public:
   Hand(const Shape& shape, const std::string& method, const TouchScene& scene) : shape_(shape), step_(make_touch(method, scene), kOffset) {}
@@ -63,7 +63,7 @@ class Hand {
     largest_excess_n_ = -1.0;
   }
 
-  // On for so many samples of so many seconds, resting or sliding.
+  // Continues for this many samples of this duration, stationary or sliding.
   void go_on(int samples, double dt_s, bool slides) {
     dt_s_ = dt_s;
     for (int i = 0; i < samples; ++i) go(s_ + (slides ? kSpeed * dt_s : 0.0), -kDepth);
@@ -104,7 +104,7 @@ class Hand {
   double largest_excess_n_ = 0.0;
 };
 
-// What a method by itself may jump by where one facet follows another; to sweep, with its lag, they do so even when the device rests.
+// The jump of a method's own between two facets; in sweep, whose proxy lags behind, also with a stationary device.
 double facet_jump_n(const Shape& shape, const Hand& hand) { return shape.facet_turn * hand.largest_force_n(); }
 
 using Pair = std::tuple<const char*, const char*, const char*>;
@@ -131,7 +131,7 @@ TEST_P(MethodSwitch, InContactChangesTheForceByNoMoreThanMotionAndFadeExplain) {
           << (slides ? "sliding, " : "resting, ") << dt_s << " s";
 
       EXPECT_TRUE(hand.felt().contact);
-      if (to_ == "sweep") continue;  // its lag has a memory of its own
+      if (to_ == "sweep") continue;  // its contact point lags behind
       Hand other(shape_, to_, scene);
       other.press();
       other.go_on(20 + static_cast<int>(0.15 / dt_s), dt_s, slides);
@@ -141,7 +141,7 @@ TEST_P(MethodSwitch, InContactChangesTheForceByNoMoreThanMotionAndFadeExplain) {
   }
 }
 
-TEST_P(MethodSwitch, InContactAndBackAgainBeforeTheFadeIsOverDoesNotPop) {
+TEST_P(MethodSwitch, InContactAndBackAgainBeforeTheFadeIsOverHasNoForceDiscontinuity) {
   const TouchScene scene = scene_of(shape_, 0.5);
   Hand hand(shape_, from_, scene);
   hand.press();
@@ -164,7 +164,7 @@ TEST_P(MethodSwitch, WithDampingDoesNotTakeTheWayFromTheSurfaceForAMotion) {
   EXPECT_LE(hand.largest_excess_n(), 0.02 * hand.largest_force_n() + 5.0 * 0.1);
 }
 
-TEST_P(MethodSwitch, WhenTheHandLeavesWhatWasFeltIsGoneInTenMilliseconds) {
+TEST_P(MethodSwitch, WhenTheHandLeavesTheOldForceIsGoneInTenMilliseconds) {
   const TouchScene scene = scene_of(shape_, 0.5);
   Hand hand(shape_, from_, scene);
   hand.press();
@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(Pairs, MethodSwitch,
 
 class RateSwitch : public ::testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
-TEST_P(RateSwitch, InContactIsNotFelt) {
+TEST_P(RateSwitch, InContactDoesNotChangeTheForce) {
   const Shape& shape = shape_of(std::get<0>(GetParam()));
   const std::string name = std::get<1>(GetParam());
   const TouchScene scene = scene_of(shape, 0.5);

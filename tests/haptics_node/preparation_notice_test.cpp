@@ -32,7 +32,7 @@ TEST(BuildAndTell, PassesAnErrorOn) {
   EXPECT_EQ(method.error().what, "no such method");
 }
 
-TEST(BuildAndTell, TellsVisionNodesHowLongItHasTakenUntilItIsDone) {
+TEST(BuildAndTell, NotifiesVisionNodesOfTheTimeTakenUntilItIsDone) {
   SteadyClock clock;
   auto hub_endpoint = std::move(*open_udp_endpoint("127.0.0.1:0"));
   HubPeers hub(*hub_endpoint, clock, 7, 1000.0);

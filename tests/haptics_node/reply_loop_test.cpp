@@ -37,7 +37,7 @@ class ReplyLoopTest : public ::testing::Test {
 
   void turn(std::int64_t wait_ns) { loop_.turn(clock_.now_ns() + wait_ns); }
 
-  // What the hub gets within 1 ms; the last force command of it.
+  // What the hub receives within 1 ms; the last force command of it.
   std::optional<ForceCommand> hear() {
     std::optional<ForceCommand> command;
     const std::int64_t end_ns = clock_.now_ns() + kMs;
@@ -131,13 +131,13 @@ TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
 }
 
-TEST_F(ReplyLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
+TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
   exchange({0.01, 0.01, 0.001});
   const auto ask = [&](std::string_view name, std::uint32_t number) {
     Settings settings{.method_request = number};
     std::copy(name.begin(), name.end(), settings.method.begin());
     for (int i = 0; i < 500 && setups_.back().method_request != number; ++i) {
-      send(settings);  // again and again, as one does whose words may get lost
+      send(settings);  // repeated, because datagrams may be lost
       exchange({0.01, 0.01, 0.001});
       std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
     }
@@ -160,7 +160,7 @@ TEST_F(ReplyLoopTest, WhoAsksForAMethodIsToldWhatBecameOfIt) {
   EXPECT_EQ(step_.counts().methods_taken, 1U) << "asked again and again, built once";
 }
 
-TEST_F(ReplyLoopTest, TheHubIsToldTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
+TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
   ASSERT_EQ(setups_.size(), 1U);
   EXPECT_EQ(setups_[0].scene_hash, 42U);
   const std::int64_t begin_ns = clock_.now_ns();
@@ -202,7 +202,7 @@ TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   EXPECT_TRUE(hear()->contact);
 }
 
-// Whose slow task takes as long as the test wants.
+// A method with a slow task as long as the test wants.
 class SlowMethod : public ForceMethod {
  public:
   SlowMethod(std::unique_ptr<ForceMethod> method, std::atomic<bool>& done) : method_(std::move(method)), done_(done) {}
@@ -219,7 +219,7 @@ class SlowMethod : public ForceMethod {
   std::atomic<bool>& done_;
 };
 
-TEST_F(ReplyLoopTest, WhileTheFirstAnswerWaitsVisionIsToldForHowLong) {
+TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
   std::atomic<bool> done{false};
   HapticsStep step(std::make_unique<TouchStep>(std::make_unique<SlowMethod>(*make_method({}, one_sheet()), done)), 1e-5);
   MethodBuilder builder({}, one_sheet(), step.touch().share_method());

@@ -26,7 +26,7 @@ TEST(ChooseHidDevice, TheOnlyOneOfItsKindNeedsNoName) {
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "")->path, "/dev/hidraw1");
 }
 
-TEST(ChooseHidDevice, SeveralAreToldApartBySerialNumberPathOrPlace) {
+TEST(ChooseHidDevice, SeveralAreDistinguishedBySerialNumberPathOrPlace) {
   const std::vector devices = {wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw4", "B")};
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "B")->path, "/dev/hidraw4");
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "/dev/hidraw1")->path, "/dev/hidraw1");

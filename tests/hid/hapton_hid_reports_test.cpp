@@ -94,7 +94,7 @@ TEST(HaptonHidReports, NamesMayFillTheirRoomToTheLastByte) {
   EXPECT_EQ(decode_names(feature(kNamesId, limits))->serial, "0123456789abcdef");
 }
 
-TEST(HaptonHidReports, LimitsThatMakeNoSenseAreRefusedInWords) {
+TEST(HaptonHidReports, ImpossibleLimitsAreRejectedWithAReason) {
   const auto with = [](auto&& change) {
     hapton_hid_limits limits = maker_limits();
     change(limits);
@@ -117,7 +117,7 @@ TEST(HaptonHidReports, LimitsThatMakeNoSenseAreRefusedInWords) {
             "taken");
 }
 
-TEST(HaptonHidReports, AnotherVersionAndAForeignDeviceAreToldApart) {
+TEST(HaptonHidReports, AnotherVersionAndAForeignDeviceAreDistinguished) {
   Bytes report = feature(kLimitsId);
   report[1] = 2;
   EXPECT_THAT(decode_limits(report).error().what, HasSubstr("version 2"));
@@ -190,7 +190,7 @@ TEST(HaptonHidReports, WhatIsNoForceIsZeroOrTheFormatsMost) {
   EXPECT_EQ(at(16), -2147483647);
 }
 
-TEST(HaptonHidReports, ShortForeignAndGarbledStatesAreRefused) {
+TEST(HaptonHidReports, ShortForeignAndGarbledStatesAreRejected) {
   const hapton_hid_limits limits = maker_limits();
   hapton_hid_device device;
   hapton_hid_init(&device, &limits);
@@ -253,7 +253,7 @@ class MakersDevice : public ::testing::Test {
   std::uint16_t sequence_ = 0;
 };
 
-TEST_F(MakersDevice, PushesOnlyAfterItWasToldToBeOffFirst) {
+TEST_F(MakersDevice, ExertsForceOnlyAfterItWasSwitchedOffOnce) {
   take(true, 1000);
   EXPECT_EQ(pushes(1000), 0.0);
   take(false, 2000);
@@ -264,7 +264,7 @@ TEST_F(MakersDevice, PushesOnlyAfterItWasToldToBeOffFirst) {
   EXPECT_EQ(state(3000).newest_force, sequence_);
 }
 
-TEST_F(MakersDevice, LetsGoWhenItHearsNothingAndStaysOffUntilToldToBeOff) {
+TEST_F(MakersDevice, ReleasesOnTimeoutAndStaysOffUntilSwitchedOff) {
   take(false, 1000);
   take(true, 2000);
   EXPECT_EQ(pushes(22'000), 1.0);
@@ -278,7 +278,7 @@ TEST_F(MakersDevice, LetsGoWhenItHearsNothingAndStaysOffUntilToldToBeOff) {
   EXPECT_EQ(pushes(25'000), 1.0);
 }
 
-TEST_F(MakersDevice, HoldsItsOwnForceLimitWhateverIsAsked) {
+TEST_F(MakersDevice, KeepsItsOwnForceLimitWhateverIsRequested) {
   take(false, 1000);
   take(true, 2000, Vec3(300.0, 400.0, 0.0));
   EXPECT_NEAR(pushes(2000), 7.5, 1e-5);
@@ -291,7 +291,7 @@ TEST_F(MakersDevice, WatchesTheTimeAcrossTheWrapOfItsClock) {
   EXPECT_EQ(pushes(0x00010000U), 0.0);
 }
 
-TEST_F(MakersDevice, RefusesWhatIsNoForceReport) {
+TEST_F(MakersDevice, RejectsOtherReports) {
   const auto report = encode_force({.is_on = false});
   EXPECT_FALSE(hapton_hid_take_force(&device_, report.data(), report.size() - 1, 0));
   Bytes foreign(report.begin(), report.end());

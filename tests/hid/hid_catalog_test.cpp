@@ -7,7 +7,7 @@ namespace {
 
 HidKind kind_of(const HidCatalogEntry* entry) { return entry == nullptr ? HidKind::vendor_driver : entry->kind; }
 
-TEST(HidCatalog, AHaptonHidDeviceIsFoundByItsUsageWhoeverMadeIt) {
+TEST(HidCatalog, AHaptonHidDeviceIsFoundByItsUsageWhateverTheMaker) {
   EXPECT_EQ(kind_of(find_in_hid_catalog(0xcafe, 0x4001, kHaptonHidUsagePage, kHaptonHidUsage)), HidKind::hapton_hid);
   EXPECT_EQ(find_in_hid_catalog(0xcafe, 0x4001, kHaptonHidUsagePage, 2), nullptr);
 }

@@ -14,13 +14,13 @@ namespace {
 using ::testing::ElementsAre;
 using Bytes = std::vector<std::uint8_t>;
 
-// What the mbed library tells of WoodenHaptics: vendor page 0xFFAB, usage 0x0200, reports without numbers.
+// The descriptor that the mbed library makes for WoodenHaptics: vendor page 0xFFAB, usage 0x0200, reports without numbers.
 Bytes wooden_descriptor(std::uint8_t in, std::uint8_t out) {
   return {0x06, 0xAB, 0xFF, 0x0A, 0x00, 0x02, 0xA1, 0x01, 0x75, 0x08, 0x15, 0x00, 0x26, 0xFF,
           0x00, 0x95, in,   0x09, 0x01, 0x81, 0x02, 0x95, out,  0x09, 0x02, 0x91, 0x02, 0xC0};
 }
 
-TEST(HidLayout, TellsTheVariantsOfWoodenHapticsApart) {
+TEST(HidLayout, DistinguishesTheVariantsOfWoodenHaptics) {
   const HidLayout layout = read_hid_layout(wooden_descriptor(8, 8));
   EXPECT_TRUE(layout.has_application(0xFFAB, 0x0200));
   EXPECT_THAT(layout.reports, ElementsAre(HidLayout::Report{0, 8, 8, 0}));
@@ -43,7 +43,7 @@ TEST(HidLayout, KnowsTheUsagesOfAllTopLevelCollections) {
   EXPECT_THAT(read_hid_layout(descriptor).applications, ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
 }
 
-TEST(HidLayout, PushAndPopBringBackTheSizes) {
+TEST(HidLayout, PushAndPopRestoreTheSizes) {
   const Bytes descriptor = {0x75, 0x08, 0x95, 0x02, 0xA4, 0x75, 0x20, 0x95, 0x08, 0xB4, 0x81, 0x02};
   EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, 2, 0, 0}));
 }

@@ -88,7 +88,7 @@ TEST(HidPort, PulledAndPluggedInBetweenTwoLooksItIsOpenedAnew) {
   EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
 }
 
-TEST(HidPort, WhatIsNotUsableIsAskedAgainLater) {
+TEST(HidPort, AnUnusableDeviceIsTriedAgainLater) {
   FakeHid hid;
   Listener listener;
   HidPort port(hid.opener(), listener, "fake");
@@ -111,7 +111,7 @@ TEST(HidPort, ASuspectIsClosedAndOpenedAnew) {
   EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
 }
 
-TEST(HidPort, WhoHoldsTheTransportMayGoOnWithItAfterItHasGone) {
+TEST(HidPort, AUserOfTheTransportMayContinueAfterItHasGone) {
   FakeHid hid;
   Listener listener;
   HidPort port(hid.opener(), listener, "fake");

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// What there is on a machine is its own affair; the guest of deploy/hid-test has devices. Here: that it answers, and that errors are one
+// The devices of this machine are unknown; the guest of deploy/hid-test has devices. Here: that it replies, and that errors are one
 // line.
 TEST(HidapiTransport, ListsWhatThereIsWithoutPermissions) {
   for (const HidDescription& device : list_hid_devices()) EXPECT_EQ(device.path.rfind("/dev/", 0), 0U);

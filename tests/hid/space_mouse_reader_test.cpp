@@ -10,7 +10,7 @@ namespace {
 
 const FakeHid::Bytes kPushed = {1, 0x5e, 0x01, 0, 0, 0, 0};  // x: 350
 
-TEST(SpaceMouseReader, TellsHowTheCapIsHeldUntilItIsUnpluggedAndAgainAfterwards) {
+TEST(SpaceMouseReader, ReportsTheCapUntilItIsUnpluggedAndAgainAfterwards) {
   FakeHid hid;
   SpaceMouseReader reader(hid.opener());
   ASSERT_TRUE(reader.open());

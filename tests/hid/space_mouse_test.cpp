@@ -48,7 +48,7 @@ TEST(SpaceMouseDecoder, UpIsUpAndTowardsThePersonIsZ) {
   expect_near(decoder.state(kNow).turn, Vec3(0, 0, -1));
 }
 
-TEST(SpaceMouseDecoder, WhatIsWithinTheDeadBandIsRestAndNothingJumpsAtItsEdge) {
+TEST(SpaceMouseDecoder, TheDeadBandIsZeroAndContinuousAtItsEdge) {
   SpaceMouseDecoder decoder;
   decoder.take(report(1, {10, -10, 3}), kNow);
   EXPECT_TRUE(decoder.state(kNow).is_at_rest());
@@ -58,7 +58,7 @@ TEST(SpaceMouseDecoder, WhatIsWithinTheDeadBandIsRestAndNothingJumpsAtItsEdge) {
   expect_near(decoder.state(kNow).push, Vec3(1, 0, -1));
 }
 
-TEST(SpaceMouseDecoder, ACapThatSaysNothingMoreIsAtRestAfterAWhileEachHalfForItself) {
+TEST(SpaceMouseDecoder, ACapWithoutReportsIsAtRestAfterAWhileEachHalfForItself) {
   SpaceMouseDecoder decoder;
   decoder.take(report(1, {350, 0, 0}), kNow);
   decoder.take(report(2, {350, 0, 0}), kNow + SpaceMouseDecoder::kStaleNs);

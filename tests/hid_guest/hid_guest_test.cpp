@@ -1,5 +1,5 @@
 // Runs inside the guest of deploy/hid-test, on a kernel with uhid: virtual devices below a real HID stack, the unmodified io_node above it.
-// No timing is judged: what is emulated by software takes its time. Waits end with a condition.
+// No timing is checked: software emulation is slow. Waits end with a condition.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -60,7 +60,7 @@ class Guest : public ::testing::Test {
     }
     return false;
   }
-  // So many more samples come, whatever the device does.
+  // Waits for this many more samples, whatever the device does.
   bool hears_more(std::uint64_t samples) const {
     const std::uint64_t from = haptics_->states();
     return wait_until([&] { return haptics_->states() >= from + samples; });
@@ -72,7 +72,7 @@ class Guest : public ::testing::Test {
   std::unique_ptr<WallHaptics> haptics_;
 };
 
-// From nothing, by steps, to what it was: no jump to it.
+// From zero, in steps, to the earlier force: no jump to it.
 void expect_ramp(const std::vector<Vec3>& told, const Vec3& full) {
   ASSERT_FALSE(told.empty());
   EXPECT_LT(told.front().norm(), 0.05 * full.norm());
@@ -101,7 +101,7 @@ class GuestWithWooden : public Guest {
   }
 };
 
-TEST_F(GuestWithWooden, IsFoundFeltUnpluggedInContactAndFeltAgain) {
+TEST_F(GuestWithWooden, IsFoundTouchedUnpluggedInContactAndTouchedAgain) {
   VirtualWooden device(false);
   device.plug_in();
   ASSERT_TRUE(wait_until([&] { return is_node("W8"); }));
@@ -139,7 +139,7 @@ TEST_F(GuestWithWooden, IsFoundFeltUnpluggedInContactAndFeltAgain) {
   tell(device);
 }
 
-TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsFelt) {
+TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsTouched) {
   VirtualWooden device(true);
   device.plug_in();
   ASSERT_TRUE(wait_until([&] { return is_node("W14"); }));
@@ -150,7 +150,7 @@ TEST_F(GuestWithWooden, OfTheLaterKindWithSixEncodersIsFelt) {
   end();
 }
 
-TEST_F(Guest, HaptonHidIsFoundFeltFrozenUnpluggedInContactAndFeltAgain) {
+TEST_F(Guest, HaptonHidIsFoundTouchedFrozenUnpluggedInContactAndTouchedAgain) {
   VirtualHaptonHid device;
   device.plug_in();
   ASSERT_TRUE(wait_until([&] { return is_node("V1"); }));
@@ -211,7 +211,7 @@ TEST_F(Guest, SpaceMouseMovesTheHandUntilItIsUnpluggedAndAgainAfterwards) {
   end();
 }
 
-// Nobody, but of the group plugdev; the device's node belongs to root until udev has run our rules.
+// Runs as nobody, in the group plugdev; the device's node belongs to root until udev has run our rules.
 class AsNobody {
  public:
   AsNobody() { EXPECT_TRUE(::setegid(kPlugdev) == 0 && ::seteuid(kNobody) == 0); }
@@ -237,7 +237,7 @@ TEST_F(Guest, UdevGivesEachDeviceToPlugdevAndOpeningWaitsForThat) {
   }
 }
 
-TEST_F(Guest, ADeviceWithoutARuleIsRefusedWithTheRemedy) {
+TEST_F(Guest, ADeviceWithoutARuleIsRejectedWithTheRemedy) {
   VirtualStranger stranger;
   stranger.plug_in();
   ASSERT_TRUE(wait_until([&] { return is_node("X1"); }));

@@ -36,7 +36,7 @@ void UhidDevice::plug_in() {
   event.u.create2.product = identity_.pid;
   event.u.create2.rd_size = static_cast<__u16>(identity_.descriptor.size());
   std::copy(identity_.descriptor.begin(), identity_.descriptor.end(), event.u.create2.rd_data);
-  ASSERT_TRUE(tell(descriptor_, event)) << "the kernel refuses the device: " << std::strerror(errno);
+  ASSERT_TRUE(tell(descriptor_, event)) << "the kernel rejects the device: " << std::strerror(errno);
   ends_ = false;
   thread_ = std::thread([this] { run(); });
 }

@@ -6,7 +6,7 @@
 
 namespace hapton::guest {
 
-// What a virtual device's motors were told since it was plugged in, in the order of its reports.
+// The commands to a virtual device's motors since it was plugged in, in the order of its reports.
 class Told {
  public:
   void clear() {
@@ -31,7 +31,7 @@ class Told {
   std::vector<Vec3> told_;
 };
 
-// WoodenHaptics as its firmware shows itself, with 3 or 6 encoders. The upper arm leans 40 degrees, the column stands still.
+// WoodenHaptics as its firmware presents itself, with 3 or 6 encoders. The upper arm leans 40 degrees, the column does not move.
 class VirtualWooden final : public UhidDevice {
  public:
   explicit VirtualWooden(bool has_wrist);
@@ -84,7 +84,7 @@ class VirtualHaptonHid final : public UhidDevice {
   Told told_;
 };
 
-// A SpaceMouse whose cap is held as it is told: 16 ms a report, pushes and turns by turns.
+// A SpaceMouse with a settable cap: 16 ms a report, translations and rotations alternating.
 class VirtualSpaceMouse final : public UhidDevice {
  public:
   VirtualSpaceMouse();
@@ -104,7 +104,7 @@ class VirtualSpaceMouse final : public UhidDevice {
   std::uint32_t next_us_ = 0;
 };
 
-// A device that is none of ours.
+// An unsupported device.
 class VirtualStranger final : public UhidDevice {
  public:
   VirtualStranger();

@@ -9,7 +9,7 @@
 
 namespace hapton::guest {
 
-// A haptics node that knows one wall: below a height z in W it pushes along z, as a spring.
+// A haptics node with one wall: below a height z in W it exerts a spring force along z.
 class WallHaptics {
  public:
   static constexpr double kStiffnessNPerM = 300.0;

@@ -96,7 +96,7 @@ TEST_F(Servos, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
     Address local_address() const override { return {}; }
     SimulatedClock& clock;
   };
-  // Time passes with every look at it, so that spinning ends.
+  // Time advances with every reading, so that spinning ends.
   class Ticking final : public Clock {
    public:
     explicit Ticking(SimulatedClock& c) : clock(c) {}
@@ -144,7 +144,7 @@ TEST_F(Servos, CatchingUpHasAnEnd) {
   EXPECT_LE(stats().caught_up_cycles, 11U);
 }
 
-TEST_F(Servos, AMissedCycleStopsTheSessionWhereThatIsAskedFor) {
+TEST_F(Servos, AMissedCycleStopsTheSessionIfRequested) {
   make({.overrun = OverrunPolicy::stop});
   run(100);
   EXPECT_FALSE(servo->has_overrun());
@@ -157,7 +157,7 @@ TEST_F(Servos, AFloodOfRubbishDoesNotHoldUpTheLoop) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
-  // More than a late loop looks at in a cycle, all of it there already, and the clock stands still while it is read.
+  // More than a late loop handles in a cycle, all of it there already, while the clock does not advance.
   const std::byte rubbish[] = {std::byte{1}, std::byte{2}, std::byte{3}};
   clock.advance_ns(5 * kMs);
   for (int n = 0; n < 500; ++n) endpoint.arrive_raw(clock.now_ns(), at(66), rubbish);

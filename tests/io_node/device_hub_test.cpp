@@ -29,7 +29,7 @@ struct DeviceHubs : testing::Test {
   IoOptions options;
 };
 
-TEST_F(DeviceHubs, StandSideBySideInOneProcess) {
+TEST_F(DeviceHubs, RunSideBySideInOneProcess) {
   options.name = "left";
   const auto left = DeviceHub::open(options, clock);
   options.name = "right";

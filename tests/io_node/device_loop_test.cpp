@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
-// Stands still, and remembers what was done to it. within_write is called in the middle of a write.
+// Does not move, and records its calls. within_write is called in the middle of a write.
 class StillDevice final : public Device {
  public:
   StillDevice() {
@@ -75,7 +75,7 @@ struct DeviceLoops : testing::Test {
   DeviceCycle newest;
 };
 
-// Who holds the dead man's switch may have let it go between the request and the cycle that grants it.
+// The dead man's switch may have been released between the request and the cycle that grants it.
 TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
   DeviceLoop held(device, clock, {.hold_button = 1});
   const auto run = [&](int cycles) {
@@ -99,7 +99,7 @@ TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
   (void)held.latest();
   latch();
   device.buttons = 0;
-  held.reset_faults(ResetPresence::while_held);  // asked for while the newest cycle still had it held
+  held.reset_faults(ResetPresence::while_held);  // requested while the newest cycle still had it held
   EXPECT_TRUE(held.latest().is_switch_held);
   run(5);
   EXPECT_NE(held.latest().governor.fault, SafetyFault::none);
@@ -147,7 +147,7 @@ TEST_F(DeviceLoops, TheFirstCycleAfterAStallWritesZeroBeforeItDoesAnythingElse) 
   }
 }
 
-TEST_F(DeviceLoops, AForceThatWasLongOnItsWayIsNotHeldForLonger) {
+TEST_F(DeviceLoops, ALateForceIsNotHeldForLonger) {
   press();
   // Forces come 15 ms after their samples, then none any more.
   std::vector<std::int64_t> samples;
@@ -249,7 +249,7 @@ TEST_F(DeviceLoops, AsksForNeitherHeapNorSystemCalls) {
   EXPECT_EQ(SystemCallGuard::run([] {}, [&] { press(500); }), "");
 }
 
-// Two threads, no network, and the network side stops for good: what the whole design is for.
+// Two threads, no network, and the network side stops for good: the central property of the design.
 TEST(DeviceThreads, LetsGoWhenTheNetworkSideStops) {
   SteadyClock clock;
   SimulatedPhantom device({});
@@ -264,14 +264,14 @@ TEST(DeviceThreads, LetsGoWhenTheNetworkSideStops) {
     clock.sleep_until_ns(clock.now_ns() + kMs / 4);
   }
   EXPECT_GT(posted, 100U);
-  // A busy machine may take its time; for ever is what must not be.
+  // A busy machine may be slow; the test fails only if it never happens.
   while (loop->force_sample_ns() != 0 && clock.now_ns() < end_ns + 5000 * kMs) clock.sleep_until_ns(clock.now_ns() + kMs);
   EXPECT_EQ(loop->force_sample_ns(), 0);
   thread.stop();
   EXPECT_GE(loop->collect_stats().governor.counters.command_timeouts, 1U);
 }
 
-// As fast as both can: nothing is lost, nobody waits for ever, and ThreadSanitizer has something to look at.
+// As fast as both can: nothing is lost, nobody waits for ever, and ThreadSanitizer can check it.
 TEST(DeviceThreads, CyclesAndForcesFromTwoThreadsNeverMeetInTheDevice) {
   SteadyClock clock;
   StillDevice device;

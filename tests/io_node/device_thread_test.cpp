@@ -36,7 +36,7 @@ TEST_F(DeviceThreadTest, CyclesUntilItIsStopped) {
   EXPECT_EQ(loop->collect_stats().samples, samples);
 }
 
-TEST_F(DeviceThreadTest, RealTimeThatIsRequiredAndRefusedIsAnError) {
+TEST_F(DeviceThreadTest, RealTimeThatIsRequiredAndDeniedIsAnError) {
   DeviceThread thread(*loop, clock);
   const auto started = thread.start({.mode = RealtimeMode::require, .priority = 80, .cpu = 4095});
   ASSERT_FALSE(started);

@@ -79,7 +79,7 @@ TEST_F(DevicesFiles, NameOtherFilesFromTheirOwnFolder) {
   EXPECT_TRUE(devices->front().device.loop);
 }
 
-TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToMendIt) {
+TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
   EXPECT_THAT(rejection(""), HasSubstr("add one for each device"));
   EXPECT_THAT(rejection("[device]\nname = \"left\"\n"), HasSubstr("[[device]]"));
   EXPECT_THAT(rejection("rate = 1000\n" + kLeft), HasSubstr("devices.toml:1: unknown key 'rate'"));

@@ -55,7 +55,7 @@ TEST_F(Probe, ALateAnswerIsCountedAndNotTakenForTheNextOne) {
   EXPECT_EQ(probe.round_trip().max_ns(), 250 * kUs);
 }
 
-TEST_F(Probe, StrangersAreNotTakenForTheResponder) {
+TEST_F(Probe, UnknownPeersAreNotTakenForTheResponder) {
   endpoint.on_send_raw = [this](const Address&, std::span<const std::byte> sent) {
     const auto reply = reply_to(sent);
     endpoint.arrive_raw(clock.now_ns() + kUs, Address{{2}, 7}, reply);

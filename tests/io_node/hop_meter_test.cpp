@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kUs = 1000;
 constexpr std::int64_t kMs = 1'000'000;
 
-// A hub whose datagrams take so long, and a node whose clock is ahead by so much.
+// A hub whose datagrams take a given time, and a node whose clock is ahead by a given offset.
 struct Ways : testing::Test {
   SimulatedClock clock{1'000'000'000};
   MemoryNetwork network{clock};
@@ -59,7 +59,7 @@ TEST_F(Ways, OnOneHostAreExactAndAddUpToTheRoundTrip) {
   EXPECT_EQ(stats().link.bytes_received, 10U);
 }
 
-TEST_F(Ways, BetweenHostsRestOnTheOffsetOfTheClocks) {
+TEST_F(Ways, BetweenHostsUseTheOffsetOfTheClocks) {
   ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
   ahead_ns = -3'600'000'000'000;
   for (int n = 0; n < 20; ++n) exchange(30 * kUs, 30 * kUs);
@@ -68,7 +68,7 @@ TEST_F(Ways, BetweenHostsRestOnTheOffsetOfTheClocks) {
   EXPECT_NEAR(static_cast<double>(stats().clock_offset_ns - ahead_ns), 0.0, 1.0);
   EXPECT_NEAR(static_cast<double>(stats().clock_error_ns), 30.0 * kUs, 2.0 * kUs);
   EXPECT_EQ(stats().wire_out.count(), 20U);
-  // A queue on the way back is seen there and nowhere else.
+  // A queue on the return path is seen there and nowhere else.
   exchange(30 * kUs, 230 * kUs);
   EXPECT_NEAR(static_cast<double>(stats().wire_out.max_ns()), 30.0 * kUs, 2.0);
   EXPECT_NEAR(static_cast<double>(stats().wire_back.max_ns()), 230.0 * kUs, 2.0);
@@ -92,7 +92,7 @@ TEST_F(Ways, JitterIsTheDifferenceOfNeighbours) {
   EXPECT_EQ(stats().jitter.min_ns(), 0);
 }
 
-TEST_F(Ways, TimesThatNoClockTellsAreLeftOut) {
+TEST_F(Ways, UnknownTimesAreLeftOut) {
   ways.on_joined(HubPeers::kHapticsSlot, memory_address(2, 1));
   for (const std::int64_t bad : {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
     ForceCommand command;
@@ -130,7 +130,7 @@ TEST_F(Ways, MotionToPhotonEndsWithThePictureNotWithTheNewsOfIt) {
   EXPECT_EQ(stats().vision_draw.max_ns(), 8 * kMs);
   ways.on_drawn(header, Drawn{41, sample_ns, 60.0F, 8 * kMs}, 3);  // never sent
   ways.on_drawn(header, Drawn{0, sample_ns, 60.0F, 8 * kMs}, 3);   // no sample
-  ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 0}, 3);        // does not tell
+  ways.on_drawn(header, Drawn{42, sample_ns, 60.0F, 0}, 3);        // does not report it
   EXPECT_EQ(stats().motion_to_photon.count(), 1U);
 }
 

@@ -48,7 +48,7 @@ TEST(IoOptions, VrpnIsOffUnlessAnAddressIsGiven) {
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--vrpn"})));
 }
 
-TEST(IoOptions, RefusesWhatMakesNoSense) {
+TEST(IoOptions, RejectsWhatMakesNoSense) {
   for (const std::vector<const char*>& wrong : std::vector<std::vector<const char*>>{{"--rate", "249"},
                                                                                      {"--rate", "10001"},
                                                                                      {"--rate", "nan"},

@@ -136,14 +136,14 @@ TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
   EXPECT_EQ(report.notes.at("haptics_clock_error_ns"), "20000");
 }
 
-TEST(IoReport, TellsPeopleTheRunInLines) {
+TEST(IoReport, DescribesTheRunInLines) {
   const std::string text = describe_run(*two_seconds());
   EXPECT_THAT(text, HasSubstr("1990 samples (995 Hz)"));
   EXPECT_THAT(text, HasSubstr("lost 3"));
   EXPECT_THAT(text, HasSubstr("missed cycles 10"));
 }
 
-TEST(IoReport, TellsPeopleTheAgeAtEveryHop) {
+TEST(IoReport, DescribesTheAgeAtEveryHop) {
   auto stats = two_seconds();
   stats->hops.wire_out.record(12'000);
   stats->device_to_drawn.record(30'000'000);

@@ -22,7 +22,7 @@
 namespace hapton {
 namespace {
 
-// Answers every sample with 1 N until told to stop.
+// Replies to every sample with 1 N until it is stopped.
 class Answerer {
  public:
   explicit Answerer(const Address& hub) : thread_([this, hub] { run(hub); }) {}
@@ -99,7 +99,7 @@ TEST_F(Sessions, EndsWithItsRecording) {
   EXPECT_TRUE(run(device));
 }
 
-// Is away and being calibrated for 100 reads each, is there until a force has been felt, and has then been played to its end.
+// Is away and being calibrated for 100 reads each, is there until a force has been written, and then its recording is over.
 class Wayward final : public Device {
  public:
   std::string_view name() const noexcept override { return "wayward"; }
@@ -135,7 +135,7 @@ TEST_F(Sessions, GoesOnWhileTheDeviceIsAwayOrBeingCalibrated) {
   EXPECT_GT(device.forces_after, 0);
 }
 
-TEST_F(Sessions, EndsWhenToldAndReportsOnRequest) {
+TEST_F(Sessions, EndsOnRequestAndReportsOnRequest) {
   options.seconds = 0.0;
   SimulatedPhantom device({});
   std::atomic<bool> seen{false};

@@ -15,14 +15,14 @@ Kinds check(UnknownPeerNotices& notices, const SealCounts& seal, const HubCounts
   return told;
 }
 
-TEST(UnknownPeerNoticesTest, TellsOfEachKindThatCame) {
+TEST(UnknownPeerNoticesTest, ReportsEachKind) {
   UnknownPeerNotices notices;
   EXPECT_TRUE(check(notices, {}, {}, 0).empty());
   EXPECT_EQ(check(notices, {.wrong_version = 3, .wrong_key = 1}, {.role_violations = 2}, 1),
             (Kinds{ServoEvent::Kind::wrong_key, ServoEvent::Kind::wrong_version, ServoEvent::Kind::role_violation}));
 }
 
-TEST(UnknownPeerNoticesTest, TellsEveryTenSecondsAtMostAndNothingTwice) {
+TEST(UnknownPeerNoticesTest, ReportsAtMostEveryTenSecondsAndNothingTwice) {
   UnknownPeerNotices notices;
   EXPECT_EQ(check(notices, {.wrong_key = 1}, {}, 0), Kinds{ServoEvent::Kind::wrong_key});
   EXPECT_TRUE(check(notices, {.wrong_key = 9}, {.role_violations = 1}, UnknownPeerNotices::kEveryNs - 1).empty());

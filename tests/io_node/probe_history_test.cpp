@@ -57,7 +57,7 @@ TEST_F(Memory, AnAnswerToAForgottenSampleHasNoPose) {
   EXPECT_FALSE(shown.contact);
 }
 
-TEST_F(Memory, ANewHapticsNodeGoesOnWhereTheProbeRestsUntilItAnswers) {
+TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   memory.note_sample(1, sample_at(1, 0.1));
   memory.note_answer(answer_to(1, true));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
@@ -68,7 +68,7 @@ TEST_F(Memory, ANewHapticsNodeGoesOnWhereTheProbeRestsUntilItAnswers) {
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
   memory.note_answer(answer_to(1, false));
   memory.note_new_haptics();
-  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it rested nowhere
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it has no position
 }
 
 }  // namespace

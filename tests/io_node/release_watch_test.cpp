@@ -17,7 +17,7 @@ struct ReleaseWatchTest : testing::Test {
     device.use_heartbeat_page(*page);
     loop->set_heartbeat_page(page.get());
   }
-  // So many cycles, each answered by a force.
+  // Runs this many cycles, each with a force in reply.
   void press(int cycles) {
     for (DeviceCycle cycle; cycles > 0; --cycles) {
       clock.sleep_until_ns(loop->tick_ns());
@@ -45,7 +45,7 @@ TEST_F(ReleaseWatchTest, LeavesALivingLoopAlone) {
 }
 
 // The device loop's thread never comes again: displaced, throttled with its CPU, or hung in a library.
-TEST_F(ReleaseWatchTest, CutsInTimeWhenTheLoopStandsStill) {
+TEST_F(ReleaseWatchTest, ReleasesInTimeWhenTheLoopStalls) {
   press(200);
   const std::int64_t sample_ns = loop->force_sample_ns();
   ASSERT_NE(sample_ns, 0);
@@ -62,7 +62,7 @@ TEST_F(ReleaseWatchTest, WithoutAForceItLooksSoonAgain) {
   EXPECT_FALSE(is_cut());
 }
 
-// A cut that came just after the loop had let go by itself must not last: the force sinks, and ramps in.
+// A cut just after the loop had released the force itself must not last: the force ramps down, and up again.
 TEST_F(ReleaseWatchTest, WhatItCutComesBackWithARampWhileForcesComeAllTheTime) {
   press(200);
   EXPECT_TRUE(loop->cut_if_older(0));
@@ -74,7 +74,7 @@ TEST_F(ReleaseWatchTest, WhatItCutComesBackWithARampWhileForcesComeAllTheTime) {
   EXPECT_GT(loop->latest().written.force_n.norm(), 1.0);
 }
 
-TEST_F(ReleaseWatchTest, EndsWhenItIsTold) {
+TEST_F(ReleaseWatchTest, EndsOnRequest) {
   SteadyClock real;
   const auto living = std::make_unique<DeviceLoop>(device, real, DeviceLoop::Options{});
   ReleaseWatch watching(*living, real);

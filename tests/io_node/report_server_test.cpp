@@ -22,7 +22,7 @@ struct Desks : testing::Test {
     };
   }
 
-  // A tool at this port; its place.
+  // A tool at this port; returns its slot.
   std::size_t join(std::uint16_t port) {
     endpoint.arrive(clock.now_ns(), {{9}, port}, {{0, 100ULL + port, 1, 0}, Hello{NodeRole::tool}});
     Datagram datagram;
@@ -61,7 +61,7 @@ TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
   EXPECT_FALSE(report_server.take_request());
 }
 
-TEST_F(Desks, WhoReadsAnOldReportIsToldTheBeginningOfTheNewOne) {
+TEST_F(Desks, AReaderOfAnOldReportGetsTheBeginningOfTheNewOne) {
   const std::size_t tool = join(1);
   report_server.publish(std::string(2000, 'a'), "");
   report_server.serve(peers);
@@ -74,7 +74,7 @@ TEST_F(Desks, WhoReadsAnOldReportIsToldTheBeginningOfTheNewOne) {
   EXPECT_EQ(text(0), "new");
 }
 
-TEST_F(Desks, OneDatagramACycleGoesToAllWhoAskInTurn) {
+TEST_F(Desks, OneDatagramACycleGoesToAllRequestersInTurn) {
   const std::size_t first = join(1);
   const std::size_t second = join(2);
   report_server.publish("text", "");
@@ -91,7 +91,7 @@ TEST_F(Desks, NonsenseIsNotAnswered) {
   report_server.publish("text", "");
   report_server.accept(tool, {ReportDocument::json, 1, 7});
   report_server.accept(1000, {ReportDocument::json, 1, 0});
-  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // nobody is there
+  report_server.accept(tool + 1, {ReportDocument::json, 1, 0});  // no tool at that address
   for (int n = 0; n < 5; ++n) report_server.serve(peers);
   EXPECT_TRUE(told.empty());
 }

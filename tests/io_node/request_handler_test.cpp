@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-TEST_F(Servos, RateChangesWhileRunningAndNonsenseIsRefused) {
+TEST_F(Servos, RateChangesWhileRunningAndNonsenseIsRejected) {
   make();
   join(kTool, NodeRole::tool);
   run(10);
@@ -127,7 +127,7 @@ TEST_F(Servos, ALatchedFaultIsToldRecordedAndResetByAToolAlone) {
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, AResetIsRefusedWhileTheCauseIsThere) {
+TEST_F(Servos, AResetIsRejectedWhileTheCauseIsThere) {
   make({.hold_button = 2});
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -184,7 +184,7 @@ TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
   EXPECT_EQ(reset_by(KeyRole::operator_role, 2), ServoEvent::Kind::reset);
 }
 
-TEST_F(Servos, ResetsThatAreDeniedAreAllCountedAndToldOnceASecond) {
+TEST_F(Servos, DeniedResetsAreAllCountedAndReportedOnceASecond) {
   endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::tool : KeyRole::haptics; };
   make();
   join(kHaptics, NodeRole::haptics);

@@ -31,7 +31,7 @@ struct Ledger : testing::Test {
   }
 };
 
-TEST_F(Ledger, TellsInTimeLateReorderedDuplicateAndUnknownApart) {
+TEST_F(Ledger, DistinguishesInTimeLateReorderedDuplicateAndUnknown) {
   EXPECT_EQ(ledger->answer(to(0)), Verdict::unknown);
   take(1, 1);
   EXPECT_FALSE(ledger->is_newest_answered());
@@ -54,7 +54,7 @@ TEST_F(Ledger, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
   ledger->settle(ResponseTracker::kPatienceNs);
   EXPECT_EQ(ledger->counts().lost, 0U);
   ledger->settle(ResponseTracker::kPatienceNs + 100 * kMs);
-  EXPECT_EQ(ledger->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has been answered
+  EXPECT_EQ(ledger->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has a response
   EXPECT_EQ(ledger->answer(to(3)), Verdict::reordered);
   EXPECT_EQ(ledger->counts().lost, 3U);
 }
@@ -76,7 +76,7 @@ TEST_F(Ledger, ALieAboutSkippingExcusesNoMoreThanThereIs) {
   EXPECT_EQ(ledger->counts().superseded, 8U);
 }
 
-// 1 is answered; 2 and 5 are sent, 3 and 4 are not, for a newer one was there; the node skips 2 and 5 and answers 6.
+// 1 has a response; 2 and 5 are sent, 3 and 4 are not, because there was a newer one; the node skips 2 and 5 and responds to 6.
 TEST_F(Ledger, WhatWasNeverSentIsNoneOfTheSkipped) {
   take(1, 1);
   ledger->answer(to(1));
@@ -92,7 +92,7 @@ TEST_F(Ledger, WhatWasNeverSentIsNoneOfTheSkipped) {
   EXPECT_EQ(ledger->counts().taken, 6U);
 }
 
-// The numbers in between are of cycles that nobody was told of, once the places of old samples and once fresh ones.
+// The numbers in between are of cycles that were never reported, once in the slots of old samples and once in fresh ones.
 TEST_F(Ledger, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
   for (const std::uint64_t before : {std::uint64_t{3}, 2 * ResponseTracker::kCapacity}) {
     ledger = std::make_unique<ResponseTracker>();
@@ -110,8 +110,8 @@ TEST_F(Ledger, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
   }
 }
 
-// A node that falls behind and answers the newest of what waits for it, a hub that falls behind and sends the newest of what it has: who
-// answers all that it did not skip has lost nothing.
+// A node that falls behind and responds to the newest of its waiting samples, and a hub that falls behind and sends the newest of its own:
+// a node that responds to all that it did not skip has lost nothing.
 TEST_F(Ledger, ANodeThatSaysWhatItSkippedHasLostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
@@ -147,7 +147,7 @@ TEST_F(Ledger, NobodyThereIsExcused) {
   EXPECT_EQ(ledger->counts().excused, 17U);
 }
 
-// Whatever comes, every sample is in one place only.
+// In all cases, every sample is in one category only.
 TEST_F(Ledger, CountsAlwaysAddUp) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);

@@ -39,7 +39,7 @@ struct News : testing::Test {
   }
 };
 
-TEST_F(News, ALatchedFaultAndItsResetAreToldOnce) {
+TEST_F(News, ALatchedFaultAndItsResetAreReportedOnce) {
   check();
   side.governor.fault = SafetyFault::jump;
   ++side.governor.counters.latched;

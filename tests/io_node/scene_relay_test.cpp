@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-TEST_F(Servos, HapticsAndVisionHearOfEachOthersScene) {
+TEST_F(Servos, HapticsAndVisionGetEachOthersScene) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -28,7 +28,7 @@ TEST_F(Servos, HapticsAndVisionHearOfEachOthersScene) {
   EXPECT_EQ(scenes[1].second.given_hash, 2U);
 }
 
-TEST_F(Servos, TheHandIsToldWhereTheSceneIsAndWhereItWasTurnedTo) {
+TEST_F(Servos, TheHandGetsThePoseOfTheSceneAndItsChanges) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -47,7 +47,7 @@ TEST_F(Servos, TheHandIsToldWhereTheSceneIsAndWhereItWasTurnedTo) {
   EXPECT_EQ(probes.back().status, ProbeStatus::out_of_reach);
 }
 
-TEST_F(Servos, VisionIsToldWhyThereIsNoForce) {
+TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {
   make();
   join(kVision, NodeRole::vision);
   run(200);

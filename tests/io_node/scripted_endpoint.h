@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// The network end of a test that plays all the other nodes: what the hub sends is shown to on_send, what the test wants the hub to
-// receive is put on the agenda with its time of arrival. Waiting moves the simulated clock on.
+// The network end of a test that plays all the other nodes: on_send gets what the hub sends; the agenda has what the hub shall receive,
+// with times of arrival. Waiting advances the simulated clock.
 class ScriptedEndpoint final : public Endpoint {
  public:
   explicit ScriptedEndpoint(SimulatedClock& clock) : clock_(clock) {}
@@ -23,7 +23,7 @@ class ScriptedEndpoint final : public Endpoint {
   // Of bytes that are no datagram of ours.
   std::function<void(const Address& to, std::span<const std::byte>)> on_send_raw;
 
-  // The key that what comes from there was sealed with; not set: none.
+  // The key that datagrams from there were sealed with; not set: none.
   std::function<KeyRole(const Address& from)> key_role_of;
 
   void arrive(std::int64_t when_ns, const Address& from, const Datagram& datagram) {
@@ -59,7 +59,7 @@ class ScriptedEndpoint final : public Endpoint {
 
   Address local_address() const override { return {{}, 4950}; }
 
-  // What a sealed endpoint would have rejected.
+  // The flood that a sealed endpoint would report.
   std::optional<Flood> flood;
   std::optional<Flood> take_flood(std::int64_t) noexcept override { return std::exchange(flood, std::nullopt); }
   SealCounts seal;

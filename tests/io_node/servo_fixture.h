@@ -23,7 +23,7 @@ constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kUs = 1000;
 constexpr std::uint64_t kSession = 77;
 
-// A device that stands still and remembers what was put on its motors.
+// A device that does not move and records the forces on its motors.
 class BenchDevice final : public Device {
  public:
   struct Written {
@@ -77,18 +77,18 @@ struct Servos : testing::Test {
   HubPeers peers{endpoint, clock, kSession, 1000.0};
   std::unique_ptr<Servo> servo;
   std::map<std::uint16_t, std::uint64_t> sequences;
-  // What the nodes heard.
+  // Messages received by the nodes.
   std::vector<DeviceState> states;
   std::vector<ProbeState> probes;
   std::vector<ViewTransform> views;
   std::vector<Settings> settings;
   std::vector<std::pair<Address, HapticsSetup>> setups;
   std::vector<std::pair<Address, SceneFacts>> scenes;
-  // How the haptics node answers; -1: not at all.
+  // Delay of the haptics node's reply; -1: no reply.
   std::int64_t answer_delay_ns = 100 * kUs;
   ForceCommand answer;
-  bool takes_views = true;          // its answers name the newest view it was sent
-  std::optional<double> floor_z_m;  // set: what is touched, so that each answer has its own sample's visual offset
+  bool takes_views = true;          // its replies name the newest view it was sent
+  std::optional<double> floor_z_m;  // set: a floor, so that each reply has its own sample's visual offset
   // How long the vision node draws at a state; -1: it never says.
   std::int64_t draw_ns = 0;
   std::deque<std::pair<std::int64_t, Drawn>> drawing;
@@ -151,7 +151,7 @@ struct Servos : testing::Test {
   const ServoStats& stats() { return servo->collect_stats(); }
 };
 
-// Remembers what it heard.
+// Records what it receives.
 class Heard final : public ServoTap {
  public:
   void on_received(const Address&, std::span<const std::byte>, std::int64_t) noexcept override { ++received; }

@@ -1,4 +1,4 @@
-// What the servo loop does every cycle takes nothing from the heap.
+// A cycle of the servo loop allocates nothing from the heap.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-TEST_F(Servos, StrangersAreToldOfButNotAllTheTime) {
+TEST_F(Servos, UnknownPeersAreReportedAtALimitedRate) {
   make();
   run(1000);
   ServoEvent event;
@@ -72,7 +72,7 @@ TEST_F(Servos, ATapHearsEachFaultOnce) {
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, AKeyThatDoesNotAllowARoleIsToldOf) {
+TEST_F(Servos, AKeyThatDoesNotAllowARoleIsReported) {
   endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
   make();
   join(kHaptics, NodeRole::haptics);
@@ -87,7 +87,7 @@ TEST_F(Servos, AKeyThatDoesNotAllowARoleIsToldOf) {
   EXPECT_GE(stats().hub.role_violations, 499U);
 }
 
-TEST_F(Servos, AFloodIsToldOfWithWhereItComesFrom) {
+TEST_F(Servos, AFloodIsReportedWithItsSource) {
   make();
   run(100);
   endpoint.flood = Flood{Rejection::replayed_handshake, at(66), true, 200'000.0};

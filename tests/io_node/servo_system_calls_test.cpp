@@ -1,4 +1,4 @@
-// What the servo loop does every cycle asks nothing of the kernel: the waiting and the datagrams are the endpoint's.
+// A cycle of the servo loop makes no system call: the waiting and the datagrams are the endpoint's.
 #include <gtest/gtest.h>
 
 #include <sys/syscall.h>

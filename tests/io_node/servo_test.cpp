@@ -34,7 +34,7 @@ TEST_F(Servos, TicksOnAbsoluteTimeAndWritesTheMatchingForceAtOnce) {
   EXPECT_NEAR(stats().seconds(), 0.5, 1e-12);
 }
 
-TEST_F(Servos, ADeviceThatIsAwayIsToldOfAndItsForceRampsInOnReturn) {
+TEST_F(Servos, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);

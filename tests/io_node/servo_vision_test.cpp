@@ -24,7 +24,8 @@ TEST_F(Servos, VisionHearsTheProbeAtItsRateWithOffsetAndFigures) {
   EXPECT_EQ(stats().probe_states_sent, probes.size());
 }
 
-// 0.5 m/s into a floor, each answer 1.3 ms late: an offset beside another sample's pose would be off by what the device moved meanwhile.
+// 0.5 m/s into a floor, each reply 1.3 ms late: an offset combined with another sample's pose would be wrong by the device's motion in
+// between.
 TEST_F(Servos, VisionHearsAPoseAndTheOffsetOfTheSameSample) {
   make();
   device.drift.z() = -0.5e-3;
@@ -72,11 +73,11 @@ TEST_F(Servos, VisionIsServedWithoutHapticsToo) {
   EXPECT_FALSE(probes.back().contact);
 }
 
-TEST_F(Servos, WhatHasNotChangedIsToldToVisionTenTimesASecondAndAtOnceWhenItDoes) {
+TEST_F(Servos, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
   make();
   join(kVision, NodeRole::vision);
   run(1000);
-  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // the figures change now and then
+  EXPECT_NEAR(static_cast<double>(probes.size()), 12.0, 4.0);  // the statistics change now and then
   EXPECT_NEAR(static_cast<double>(stats().probe_states_unchanged), 228.0, 6.0);
   const std::size_t before = probes.size();
   device.place.x() += 0.001;

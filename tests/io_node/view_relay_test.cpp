@@ -44,7 +44,7 @@ TEST_F(Servos, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView) {
   ASSERT_FALSE(views.empty());
   EXPECT_EQ(views.front().X_WS[3], 0.5F);
   EXPECT_EQ(probes.back().view_revision, 4U);
-  // Killed: neither answers nor heartbeats; then another at another port.
+  // Killed: neither replies nor heartbeats; then another at another port.
   answer_delay_ns = -1;
   sequences.erase(kHaptics);
   run(1200);

@@ -53,7 +53,7 @@ struct Feed : testing::Test {
   Drawn drawn() const { return {heard.back().sample, heard.back().sample_time_ns, 60.0F}; }
 };
 
-TEST_F(Feed, TellsTheProbeAsItIsAndTheNextOneWhenItIsDrawn) {
+TEST_F(Feed, SendsTheProbeAtOnceAndTheNextOneWhenItIsDrawn) {
   tell(0.01);
   ASSERT_EQ(heard.size(), 1U);
   EXPECT_EQ(heard[0].p_WD.x(), 0.01);
@@ -79,7 +79,7 @@ TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
   EXPECT_EQ(stats->drawn, 0U);
 }
 
-TEST_F(Feed, TellsTheRateOfTheSamplesSinceTheLastFigures) {
+TEST_F(Feed, ReportsTheRateOfTheSamplesSinceTheLastStatistics) {
   for (int n = 0; n < 500; ++n) {
     tell(0.001 * n);
     if (!heard.empty()) feed.on_drawn({}, drawn(), place, cycle.number, clock.now_ns());

@@ -23,7 +23,7 @@ TEST(VisionPaces, TheNextStateWaitsForTheLastToBeDrawn) {
   EXPECT_EQ(pace.decide(0, state_at(41), 40 * kMs), Decision::send);
 }
 
-TEST(VisionPaces, WhatIsLostIsToldAgain) {
+TEST(VisionPaces, ALostStateIsSentAgain) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   EXPECT_EQ(pace.decide(0, state_at(2), VisionPace::kRepeatNs - 1), Decision::wait);
@@ -47,7 +47,7 @@ TEST(VisionPaces, TheNextStateComesFreshWhenVisionWouldDrawAgain) {
   EXPECT_EQ(pace.decide(0, state_at(3), 17 * kMs), Decision::send);
 }
 
-TEST(VisionPaces, ARestBeyondTheRepeatIsNotBelieved) {
+TEST(VisionPaces, APauseBeyondTheRepeatIsLimited) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   Drawn drawn{1, 0, 60.0F};
@@ -76,7 +76,7 @@ TEST(VisionPaces, WhatHasNotChangedIsSpared) {
   EXPECT_EQ(pace.decide(0, later, VisionPace::kRepeatNs), Decision::send);
 }
 
-TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsToldAtOnce) {
+TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsServedAtOnce) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
   EXPECT_EQ(pace.decide(1, state_at(1), 0), Decision::send);
@@ -87,7 +87,7 @@ TEST(VisionPaces, EachNodeHasItsOwnPaceAndANewOneIsToldAtOnce) {
   EXPECT_EQ(pace.decide(0, state_at(3), 7 * kMs), Decision::send);
 }
 
-TEST(VisionPaces, Rate0TellsNothing) {
+TEST(VisionPaces, Rate0SendsNothing) {
   VisionPace pace(0.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::wait);
 }

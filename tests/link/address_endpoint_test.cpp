@@ -29,7 +29,7 @@ TEST(AddressConversion, SystemAndAsioAgree) {
   EXPECT_EQ(std::memcmp(&system.storage, endpoint.data(), system.size), 0);
 }
 
-TEST(AddressConversion, TellsWhereASocketIsBound) {
+TEST(AddressConversion, ReportsWhereASocketIsBound) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   ASSERT_GE(socket, 0);
   const SocketAddress any = to_socket_address(*parse_address("127.0.0.1:0"));

@@ -40,8 +40,8 @@ TEST(ParseAddress, SaysWhatIsWrongInOneLine) {
   }
 }
 
-// Read as an IPv4 address, "4950" would be 0.0.19.86.
-TEST(ParseAddress, RefusesANumberAloneAndSaysHowToWriteAPort) {
+// As an IPv4 address, "4950" would be 0.0.19.86.
+TEST(ParseAddress, RejectsANumberAloneAndSaysHowToWriteAPort) {
   const Result<Address> address = parse_address("3883");
   ASSERT_FALSE(address);
   EXPECT_THAT(address.error().what, HasSubstr("127.0.0.1:3883"));

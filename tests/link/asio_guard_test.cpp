@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-// Every descriptor that this process may have, but so many.
+// Uses all descriptors that this process may have, except a given number.
 class NoDescriptors {
  public:
   explicit NoDescriptors(std::size_t left) {
@@ -71,7 +71,7 @@ TEST(AsioGuardTest, ANameIsAnErrorWhereDescriptorsAreUsedUp) {
   expect_one_line([] { return parse_address("no.such.host.invalid:1"); });
 }
 
-TEST(AsioGuardTest, MakesWhatItIsAskedFor) {
+TEST(AsioGuardTest, MakesTheRequestedEndpoint) {
   const auto made = make_with_context<std::pair<int, int>>(1, 2);
   ASSERT_TRUE(made);
   EXPECT_EQ((*made)->second, 2);

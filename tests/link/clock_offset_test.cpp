@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kUs = 1000;
 
-// An exchange with a clock so far ahead, the two ways taking so long, the other side answering after 5 us.
+// An exchange with a clock ahead by the offset, the two directions taking the given times, the other side replying after 5 us.
 ClockOffset::Exchange exchange(std::int64_t t1_ns, std::int64_t offset_ns, std::int64_t out_ns, std::int64_t back_ns) {
   const std::int64_t t2_ns = t1_ns + out_ns + offset_ns;
   return {t1_ns, t2_ns, t2_ns + 5 * kUs, t1_ns + out_ns + 5 * kUs + back_ns};
@@ -32,7 +32,7 @@ TEST(ClockOffsetTest, TheTruthIsWithinTheBoundWhateverTheNetworkDoes) {
   ClockOffset offset;
   std::int64_t worst_bound_ns = 0;
   for (int n = 0; n < 20'000; ++n) {
-    // Two clocks that part by 500 ppm, and ways that differ: the worst for a symmetric guess.
+    // Two clocks that drift apart by 500 ppm, and unequal directions: the worst for a symmetric guess.
     const std::int64_t t1_ns = n * 1'000'000LL;
     const auto true_ns = static_cast<std::int64_t>(-3e9 + 500e-6 * static_cast<double>(t1_ns));
     const auto out_ns = 20 * kUs + static_cast<std::int64_t>(queueing(random));
@@ -52,7 +52,7 @@ TEST(ClockOffsetTest, TimesThatCannotBeAreLeftOut) {
   constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
   ClockOffset offset;
   offset.add({10, 0, 0, 5});           // back before it left
-  offset.add({0, 100, 50, 10});        // answered before it arrived
+  offset.add({0, 100, 50, 10});        // reply before it arrived
   offset.add({0, 100, 5000, 10});      // held for longer than it was away
   offset.add({-5, kMost, kMost, 10});  // overflows
   offset.add({0, kLeast, kMost, 10});  // overflows

@@ -9,7 +9,7 @@ TEST_F(CodecTest, NoTruncationPasses) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
     const Bytes bytes = encode(random_.draw(kind));
     for (std::size_t size = 0; size < bytes.size(); ++size) {
-      // A copy of its own size, so that the address sanitizer sees a read past the end.
+      // A copy of exact size, so that the address sanitizer sees a read past the end.
       const DecodeStatus status = decode(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
       EXPECT_TRUE(status == DecodeStatus::truncated || status == DecodeStatus::unknown_message)
           << "kind " << kind << " cut to " << size << ": " << to_string(status);

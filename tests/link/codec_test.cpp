@@ -22,13 +22,13 @@ TEST_F(CodecTest, RoundTripsEveryMessage) {
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    // A setup, once a second, carries texts; so does a part of a report, when a tool asks for it.
+    // A setup, once a second, carries texts; so does a part of a report, on request.
     const std::size_t most = kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     EXPECT_LE(encode(random_.draw(kind)).size(), most) << "kind " << kind;
   }
 }
 
-// Who listens must not learn by lengths whether something is touched, or what it feels like.
+// An eavesdropper must not learn from lengths whether there is contact, or with which force.
 TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
   const Vec3 odd(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
   const std::vector<std::vector<Message>> kinds = {
@@ -68,7 +68,7 @@ TEST_F(CodecTest, CarriesTheVersionFirst) {
   EXPECT_EQ(bytes[1], std::byte{kProtocolVersion});
 }
 
-TEST_F(CodecTest, RefusesABufferThatIsTooSmall) {
+TEST_F(CodecTest, RejectsABufferThatIsTooSmall) {
   const Datagram datagram = random_.draw(3);
   const std::size_t size = encode(datagram).size();
   Bytes exact(size, std::byte{0});
@@ -79,7 +79,7 @@ TEST_F(CodecTest, RefusesABufferThatIsTooSmall) {
   EXPECT_EQ(small, Bytes(size - 1, std::byte{0xEE}));
 }
 
-TEST_F(CodecTest, LeavesTheDatagramAloneWhenItRefuses) {
+TEST_F(CodecTest, LeavesTheDatagramAloneWhenItRejects) {
   decoded_ = Datagram{{7, 8, 9, 10}, Welcome{true, 1234.0}};
   Bytes bytes = encode(random_.draw(3));
   bytes.resize(bytes.size() / 2);
@@ -87,7 +87,7 @@ TEST_F(CodecTest, LeavesTheDatagramAloneWhenItRefuses) {
   expect_equal(decoded_, Datagram{{7, 8, 9, 10}, Welcome{true, 1234.0}});
 }
 
-TEST_F(CodecTest, TellsAnotherVersion) {
+TEST_F(CodecTest, ReportsAnotherVersion) {
   Bytes bytes = encode(random_.draw(3));
   bytes[1] = std::byte{kProtocolVersion + 1};
   EXPECT_EQ(decode(bytes), DecodeStatus::wrong_version);
@@ -97,7 +97,7 @@ TEST_F(CodecTest, TellsAnotherVersion) {
   EXPECT_EQ(decode({std::byte{0x08}, std::byte{0x00}}), DecodeStatus::wrong_version);
 }
 
-TEST_F(CodecTest, TellsAnUnknownMessageAndSkipsUnknownFields) {
+TEST_F(CodecTest, ReportsAnUnknownMessageAndSkipsUnknownFields) {
   // Field 100, length-delimited, two bytes: a message of a later build.
   const Bytes later = {std::byte{0xA2}, std::byte{0x06}, std::byte{0x02}, std::byte{0x08}, std::byte{0x01}};
   Bytes unknown = {std::byte{0x08}, std::byte{kProtocolVersion}};
@@ -111,14 +111,14 @@ TEST_F(CodecTest, TellsAnUnknownMessageAndSkipsUnknownFields) {
   expect_equal(sent, decoded_);
 }
 
-TEST_F(CodecTest, RefusesTwoMessagesInOne) {
+TEST_F(CodecTest, RejectsTwoMessagesInOne) {
   Bytes both = encode(Datagram{{}, Hello{}});
   const Bytes drawn = encode(Datagram{{}, Drawn{1, 2, 3.0F}});
   both.insert(both.end(), drawn.begin(), drawn.end());
   EXPECT_EQ(decode(both), DecodeStatus::bad_value);
 }
 
-TEST_F(CodecTest, RefusesAVectorOfTheWrongLength) {
+TEST_F(CodecTest, RejectsAVectorOfTheWrongLength) {
   // Concatenating the same message merges its repeated fields: six numbers where three belong.
   Bytes doubled = encode(random_.draw(3));
   const Bytes once = doubled;
@@ -126,7 +126,7 @@ TEST_F(CodecTest, RefusesAVectorOfTheWrongLength) {
   EXPECT_EQ(decode(doubled), DecodeStatus::bad_value);
 }
 
-TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
+TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, infinity, -infinity, 2 * kMaxWireMagnitude}) {
@@ -160,7 +160,7 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(HapticsSetup{.rejection = {'a', '\n'}}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(HapticsSetup{.rejection = {'\x1b', '['}}), DecodeStatus::bad_value);
   HapticsSetup endless;
-  endless.rejection.fill('x');  // the last place is NUL
+  endless.rejection.fill('x');  // the last byte is NUL
   EXPECT_EQ(round_trip(endless), DecodeStatus::bad_value);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(round_trip(SceneFacts{.lowest_m = {0, kNan, 0}}), DecodeStatus::bad_value);
@@ -172,7 +172,7 @@ TEST_F(CodecTest, RefusesValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);
 }
 
-TEST_F(CodecTest, RefusesMoreThanADatagramHolds) {
+TEST_F(CodecTest, RejectsMoreThanADatagramHolds) {
   EXPECT_EQ(decode(Bytes(kMaxDatagramBytes + 1, std::byte{0x08})), DecodeStatus::bad_value);
 }
 

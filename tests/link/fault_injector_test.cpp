@@ -94,7 +94,7 @@ TEST(FaultInjectorTest, AHeldBackDatagramIsOvertakenButNotItsCopy) {
   }
 }
 
-TEST(FaultInjectorTest, BurstsHaveTheShareAndLengthAskedFor) {
+TEST(FaultInjectorTest, BurstsHaveTheRequestedShareAndLength) {
   for (const double length : {1.0, 4.0, 20.0}) {
     const auto fates = draw_many({.burst_share = 0.1, .burst_length = length});
     const auto is_bad = [](const Fate& fate) { return fate.kind == Fate::Kind::lost_in_burst; };

@@ -43,13 +43,13 @@ struct Wire {
     while (hub->receive(into, clock.now_ns() + 5 * kMs).bytes > 0) ++count;
     return count;
   }
-  // Until the hub keeps strangers out.
+  // Until the hub drops unknown peers.
   void flood(Endpoint& from) {
     for (int n = 0; n < 100 && hub->socket_counts().floods == 0; ++n) {
       passed(from, Bytes(50, std::byte{1}), 200);
     }
     ASSERT_EQ(hub->socket_counts().floods, 1U);
-    // The share that passes settles while it goes on.
+    // The share that passes settles during the flood.
     for (int n = 0; n < 20; ++n) passed(from, Bytes(50, std::byte{1}), 2000);
   }
 
@@ -59,7 +59,7 @@ struct Wire {
   std::unique_ptr<Endpoint> stranger = std::move(*open_udp_endpoint("127.0.0.1:0"));
 };
 
-TEST(FloodFilter, KeepsStrangersOutInTheKernelAndLetsDataOfKnownNodesPass) {
+TEST(FloodFilter, DropsUnknownPeersInTheKernelAndPassesDataOfKnownNodes) {
   Wire wire;
   const Bytes data = sealed(seal::Kind::data);
   wire.hub->expect(wire.node->local_address(), kConnection);
@@ -122,7 +122,7 @@ struct Judged : testing::Test {
   std::uint32_t dropped = 0xFFFFFFF0;  // it wraps
 };
 
-TEST_F(Judged, AFewStrangersAreNoFlood) {
+TEST_F(Judged, AFewUnknownPeersAreNoFlood) {
   window(0);
   for (int n = 0; n < 100; ++n) ASSERT_EQ(window(FloodFilter::kFlood - 1), FloodFilter::Action::none);
   EXPECT_EQ(filter.counts().floods, 0U);
@@ -155,13 +155,13 @@ TEST_F(Judged, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the answer";
   ASSERT_EQ(filter.judge(dropped, now_ns), FloodFilter::Action::install);
   EXPECT_GT(filter.program().size(), before);
-  // Not for everyone, or who agrees without end has a program made each time.
+  // Not for everyone: endless handshakes would make a program each time.
   filter.note_expected(node_at(78), kConnection, now_ns);
   EXPECT_FALSE(filter.is_due(now_ns));
   EXPECT_EQ(window(500), FloodFilter::Action::install);
 }
 
-TEST_F(Judged, WhatIsAgreedOnWithoutEndDisplacesNobodyWhoIsSentData) {
+TEST_F(Judged, EndlessHandshakesDisplaceNobodyThatIsSentData) {
   const Bytes data = sealed(seal::Kind::data);
   filter.note_sent(node_at(77), data, now_ns);
   for (std::uint16_t n = 0; n < 1000; ++n) {
@@ -176,7 +176,7 @@ TEST_F(Judged, WhatIsAgreedOnWithoutEndDisplacesNobodyWhoIsSentData) {
   EXPECT_EQ(filter.counts().unknown_peers, 1U) << "that is too long ago";
 }
 
-TEST_F(Judged, WhatTheKernelKeepsOutInAFloodIsToldApartFromWhatItHasNoRoomFor) {
+TEST_F(Judged, FilteredAndOverflownDatagramsAreCountedSeparately) {
   window(0);
   EXPECT_EQ(window(0, 500), FloodFilter::Action::install);
   EXPECT_EQ(filter.counts().kept_out, 0U);
@@ -188,7 +188,7 @@ TEST_F(Judged, WhatTheKernelKeepsOutInAFloodIsToldApartFromWhatItHasNoRoomFor) {
 TEST_F(Judged, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemOut) {
   for (std::uint16_t n = 1; n <= 100; ++n) {
     filter.note_sent({{0x20, 1, 0xd, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, n}, sealed(seal::Kind::data), now_ns);
-    // Retries to strangers make nobody known.
+    // Retries to unknown peers do not make them known.
     filter.note_sent(stranger, sealed(seal::Kind::retry), now_ns);
   }
   window(0);

@@ -132,7 +132,7 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
   EXPECT_TRUE(carries(channel, agreement.channel));
 }
 
-TEST_F(HandshakeTest, WithoutTheKeyNothingIsHeard) {
+TEST_F(HandshakeTest, WithoutTheKeyNothingIsAccepted) {
   HubHandshake stranger(master_of(2), Where::caller);
   const Bytes shown = good_request();
   EXPECT_EQ(stranger.judge(shown, from_, kNow), Verdict::wrong_key);
@@ -155,7 +155,7 @@ TEST_F(HandshakeTest, TheRoleIsPartOfTheKeys) {
   }
 }
 
-// Who holds the key of another role, and has every byte of a handshake, has not its session.
+// The holder of another role's key, with every byte of a handshake, does not have its session.
 TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   const Bytes shown = good_request();
   const Bytes answered = answer(shown);
@@ -167,7 +167,7 @@ TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   std::copy_n(seal::bytes_of(std::span(shown)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
   run_agreement(task);
   EXPECT_FALSE(task.went_well);
-  // As a hub that holds this key alone: neither side takes what it makes.
+  // Like a hub that holds this key alone: neither side accepts its messages.
   ClientHandshake vision_node(vision, kHost, Where::caller);
   vision_node.begin();
   EXPECT_FALSE(vision_node.read_answer(answered));

@@ -36,7 +36,7 @@ TEST(HandshakeTimesTest, AnyTimeMayBeTheFirst) {
   }
 }
 
-TEST(HandshakeTimesTest, ACrowdOfHostsPushesOutTheOldestOfItsOwnRoleOnly) {
+TEST(HandshakeTimesTest, ManyHostsDisplaceTheOldestOfTheirOwnRoleOnly) {
   HandshakeTimes times;
   EXPECT_TRUE(times.accept(KeyRole::haptics, 1, 100));
   EXPECT_TRUE(times.accept(kRole, 1, 100));

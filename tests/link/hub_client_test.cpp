@@ -17,7 +17,7 @@ class HubClientTest : public testing::Test {
  protected:
   void start_hub(std::uint64_t session) { hub_.emplace(*hub_endpoint_, clock_, session, 1000.0); }
 
-  // A hub that dies without a word.
+  // A hub that dies without a goodbye.
   void crash_hub() {
     network_.set_impairments({.loss = 1.0});
     hub_.reset();
@@ -135,7 +135,7 @@ TEST_F(HubClientTest, JoinsARestartedHubByItself) {
   EXPECT_EQ(client_->sequence_counts().restarts, 1U);
 }
 
-TEST_F(HubClientTest, AHubsByeIsHeard) {
+TEST_F(HubClientTest, AHubsByeIsReceived) {
   start_hub(1);
   start_client();
   run(10);
@@ -168,7 +168,7 @@ TEST_F(HubClientTest, DropsWordsOfAnotherSession) {
   start_hub(2);
   run(110);
   ASSERT_EQ(client_->session(), 2U);
-  // The earlier hub's late words: a state, and a welcome that would take us back.
+  // The earlier hub's late datagrams: a state, and a welcome that would take us back.
   states_ = 0;
   Codec codec;
   std::array<std::byte, kMaxDatagramBytes> bytes;
@@ -217,7 +217,7 @@ TEST_F(HubClientTest, AFloodOfRubbishCannotHoldAPoll) {
   EXPECT_EQ(clock_.now_ns(), start_ns + 5 * kMs);
 }
 
-TEST_F(HubClientTest, ASecondHapticsNodeIsRefusedAndTakesOverWhenTheFirstDies) {
+TEST_F(HubClientTest, ASecondHapticsNodeIsRejectedAndTakesOverWhenTheFirstDies) {
   start_hub(1);
   start_client();
   run(5);
@@ -232,7 +232,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRefusedAndTakesOverWhenTheFirstDies) {
   EXPECT_EQ(second.state(), JoinState::rejected);
   EXPECT_EQ(client_->state(), JoinState::joined);
   EXPECT_FALSE(second.send(ForceCommand{}));
-  // The first dies without a word: 50 ms of silence and one Hello period later the second has its place.
+  // The first dies without a goodbye: after 50 ms of timeout and one Hello period the second has its slot.
   int served_at_ms = -1;
   for (int i = 0; i < 300 && served_at_ms < 0; ++i) {
     clock_.advance_ns(kMs);
@@ -244,7 +244,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRefusedAndTakesOverWhenTheFirstDies) {
   EXPECT_EQ(second.state(), JoinState::joined);
 }
 
-// A partition: the hub misses the node, which comes again in the same session. What it is sent then must not look old to it.
+// A partition: the hub drops the node, which returns in the same session. New datagrams must not look old to it.
 TEST_F(HubClientTest, HearsAtOnceAfterItWasMissed) {
   start_hub(1);
   start_client();

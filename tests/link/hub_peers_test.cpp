@@ -18,7 +18,7 @@ constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 constexpr std::uint64_t kSession = 777;
 constexpr double kRate = 1000.0;
 
-// Someone who speaks the wire by hand.
+// A peer with hand-made datagrams.
 struct RawNode {
   std::unique_ptr<Endpoint> endpoint;
   std::uint64_t sender = 0;
@@ -40,7 +40,7 @@ class HubPeersTest : public testing::Test {
     node.endpoint->send(hub_endpoint_->local_address(), std::span(bytes).first(size));
   }
 
-  // What the hub makes of all that has come; silences included.
+  // The hub's events from all that has come, timeouts included.
   std::vector<PeerEvent> events() {
     std::vector<PeerEvent> all;
     while (true) {
@@ -110,7 +110,7 @@ TEST_F(HubPeersTest, AnswersEveryHelloAndJoinsOnce) {
   EXPECT_EQ(hub_->count(NodeRole::vision), 1U);
 }
 
-TEST_F(HubPeersTest, RefusesASecondHapticsNodeWhileTheFirstLives) {
+TEST_F(HubPeersTest, RejectsASecondHapticsNodeWhileTheFirstLives) {
   RawNode first = raw_node(2, 20);
   RawNode second = raw_node(3, 30);
   send(first, Hello{NodeRole::haptics}, 0);
@@ -266,7 +266,7 @@ TEST_F(HubPeersTest, DropsDuplicatesAndMarksTheOvertaken) {
   EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).tracker.counts().duplicate, 1U);
 }
 
-TEST_F(HubPeersTest, AFullTableRefusesButKeepsThePlaceOfTheHapticsNode) {
+TEST_F(HubPeersTest, AFullTableRejectsButKeepsThePlaceOfTheHapticsNode) {
   std::vector<RawNode> nodes;
   for (std::uint8_t i = 0; i < HubPeers::kCapacity; ++i) {
     nodes.push_back(raw_node(static_cast<std::uint8_t>(10 + i), 100U + i));
@@ -295,7 +295,7 @@ TEST_F(HubPeersTest, AFloodFromOneAddressTakesOnePlaceAndNoHeap) {
     const Message message = i % 3 == 0 ? Message(Hello{NodeRole::tool}) : Message(ForceCommand{.force_n = Vec3(99, 0, 0)});
     const std::size_t size = codec_.encode({{random() % 2 == 0 ? kSession : random(), random() | 1U, random(), 0}, message}, bytes);
     clock_.advance_ns(1000);
-    // Straight into the hub: the memory network would allocate for the answer only.
+    // Straight into the hub: the memory network would allocate for the reply only.
     const std::uint64_t before = guard.count();
     const PeerEvent e = hub_->handle_datagram(std::span(bytes).first(size), from, clock_.now_ns(), datagram_);
     allocations += guard.count() - before;
@@ -339,7 +339,7 @@ TEST_F(RoleRights, AKeyJoinsAsItsOwnRoleAlone) {
   }
 }
 
-TEST_F(RoleRights, APeerIsHeardUnderItsOwnKeyAlone) {
+TEST_F(RoleRights, APeerIsAcceptedUnderItsOwnKeyAlone) {
   ASSERT_EQ(say(KeyRole::haptics, Hello{NodeRole::haptics}).kind, Kind::joined);
   EXPECT_EQ(say(KeyRole::vision, ForceCommand{}).kind, Kind::none);
   EXPECT_EQ(say(KeyRole::tool, Bye{}).kind, Kind::none);
@@ -393,7 +393,7 @@ TEST_F(HubPeersTest, ReportsARejectedViewToItsSender) {
   EXPECT_TRUE(received_by(other).empty());
   EXPECT_EQ(hub_->counts().views_rejected, 1U);
   EXPECT_EQ(hub_->counts().undecodable, 1U);
-  // Who may not send a view, or has not joined, gets no reply.
+  // A peer that may not send a view, or has not joined, gets no reply.
   send(tool, scaled, kSession);
   EXPECT_TRUE(events().empty());
   EXPECT_TRUE(received_by(tool).empty());

@@ -34,8 +34,8 @@ class KeyScheduleTest : public testing::Test {
   RoleKey key_{master_, KeyRole::haptics};
 };
 
-// The answers come from an implementation of its own (tests/link/known_answers.py): a change of the schedule, of the order of the fields or
-// of the protocol version is a new wire format, and must come with a new version.
+// The expected values come from an independent implementation (tests/link/known_answers.py): a change of the schedule, of the order of the
+// fields or of the protocol version is a new wire format, and needs a new version.
 TEST_F(KeyScheduleTest, GivesTheKnownRoleKeys) {
   const auto of = [&](KeyRole role) { return hex(derive_role_key(master_, role)); };
   EXPECT_EQ(of(KeyRole::haptics), "b4ce355e13f44bad8ce76dc2ef7e9fdc7796efe368978f0a14488e66fc8429e5");

@@ -88,7 +88,7 @@ TEST_F(LinkKeyTest, APlaceThatIsNotThereIsAnError) {
   EXPECT_THAT(made.error().what, HasSubstr("No such file"));
 }
 
-TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
+TEST_F(LinkKeyTest, RejectsAWrongSizeWithTheRemedy) {
   for (const std::size_t bytes : {0U, 1U, 31U, 33U, 47U, 49U, 4096U}) {
     const std::string told = rejection(write_key("key", bytes, 0600));
     EXPECT_THAT(told, HasSubstr(std::to_string(bytes)));
@@ -96,7 +96,7 @@ TEST_F(LinkKeyTest, RefusesAWrongSizeWithTheRemedy) {
   }
 }
 
-TEST_F(LinkKeyTest, RefusesAModeThatLetsOthersInWithTheRemedy) {
+TEST_F(LinkKeyTest, RejectsAModeThatLetsOthersInWithTheRemedy) {
   for (const mode_t mode : {0644, 0640, 0660, 0666, 0604, 0601, 0777}) {
     EXPECT_THAT(rejection(write_key("key", kKeyFileBytes, mode)), HasSubstr("chmod 600"));
   }
@@ -114,14 +114,14 @@ TEST_F(LinkKeyTest, TakesWhatSystemdHandsToAService) {
   EXPECT_THAT(rejection(path), HasSubstr("chmod 600"));
 }
 
-TEST_F(LinkKeyTest, RefusesAnotherUsersFileWithTheRemedy) {
+TEST_F(LinkKeyTest, RejectsAnotherUsersFileWithTheRemedy) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   const auto path = write_key("key", kKeyFileBytes, 0600);
   ASSERT_EQ(chown(path.c_str(), 12345, 12345), 0);
   EXPECT_THAT(rejection(path), HasSubstr("chown"));
 }
 
-TEST_F(LinkKeyTest, RefusesWhatIsNoRegularFile) {
+TEST_F(LinkKeyTest, RejectsWhatIsNoRegularFile) {
   EXPECT_THAT(rejection(folder_.path()), HasSubstr("regular"));
   const auto fifo = folder_.path() / "fifo";
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
@@ -129,7 +129,7 @@ TEST_F(LinkKeyTest, RefusesWhatIsNoRegularFile) {
   EXPECT_THAT(rejection(folder_.path() / "gone"), HasSubstr("hapton keygen"));
 }
 
-TEST_F(LinkKeyTest, RefusesAKeyWhoseBytesAreAllTheSame) {
+TEST_F(LinkKeyTest, RejectsAKeyWhoseBytesAreAllTheSame) {
   for (const char byte : {'\0', 'k', '\xff'}) {
     const auto path = folder_.write("key", std::string("hapton-master\0\0\0", 16) + std::string(32, byte));
     ASSERT_EQ(chmod(path.c_str(), 0600), 0);
@@ -137,19 +137,19 @@ TEST_F(LinkKeyTest, RefusesAKeyWhoseBytesAreAllTheSame) {
   }
 }
 
-TEST_F(LinkKeyTest, RefusesAKeyOfAnOlderHaptonAndSaysWhatToDo) {
+TEST_F(LinkKeyTest, RejectsAKeyOfAnOlderHaptonAndSaysWhatToDo) {
   const std::string told = rejection(write_key("key", 32, 0600));
   EXPECT_THAT(told, HasSubstr("older Hapton"));
   EXPECT_THAT(told, HasSubstr("hapton keygen --role"));
 }
 
-TEST_F(LinkKeyTest, RefusesAFileOfTheRightLengthThatIsNoKey) {
+TEST_F(LinkKeyTest, RejectsAFileOfTheRightLengthThatIsNoKey) {
   for (const std::string role : {"io", "Master", "vision2", ""}) {
     EXPECT_THAT(rejection(write_key("key", kKeyFileBytes, 0600, role)), HasSubstr("not a Hapton key file")) << role;
   }
 }
 
-TEST_F(LinkKeyTest, RefusesAFolderThatEveryoneMayChange) {
+TEST_F(LinkKeyTest, RejectsAFolderThatEveryoneMayChange) {
   const auto open_folder = folder_.path() / "open";
   std::filesystem::create_directories(open_folder / "below");
   ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
@@ -158,13 +158,13 @@ TEST_F(LinkKeyTest, RefusesAFolderThatEveryoneMayChange) {
   ASSERT_FALSE(not_made);
   EXPECT_THAT(not_made.error().what, HasSubstr("chmod o-w " + open_folder.string()));
   EXPECT_FALSE(std::filesystem::exists(path));
-  // With the sticky bit, as /tmp has it, nobody can put another file in its place.
+  // With the sticky bit, as in /tmp, no other user can put another file in its place.
   ASSERT_EQ(chmod(open_folder.c_str(), 01777), 0);
   ASSERT_TRUE(make_key_file(path));
   EXPECT_TRUE(read_key_file(path));
   ASSERT_EQ(chmod(open_folder.c_str(), 0777), 0);
   EXPECT_THAT(rejection(path), HasSubstr("chmod o-w " + open_folder.string()));
-  // A way round by a link leads to the same folder.
+  // A link leads to the same folder.
   std::filesystem::create_symlink(path, folder_.path() / "link");
   EXPECT_THAT(rejection(folder_.path() / "link"), HasSubstr("chmod o-w"));
   ASSERT_EQ(chmod(open_folder.c_str(), 0755), 0);
@@ -211,7 +211,7 @@ TEST_F(LinkKeyTest, AnOperatorsKeyIsAToolsToo) {
   EXPECT_FALSE(read_role_key_file(tool, KeyRole::operator_role));
 }
 
-TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
+TEST_F(LinkKeyTest, NodesThatStartAtOnceShareOneKey) {
   constexpr int kThreads = 8;
   for (int round = 0; round < 20; ++round) {
     const auto folder = folder_.path() / std::to_string(round) / "hapton";
@@ -233,12 +233,12 @@ TEST_F(LinkKeyTest, AllWhoStartAtOnceShareOneKey) {
     }
     EXPECT_EQ(mode_of(folder / "master"), mode_t{0600});
     EXPECT_EQ(mode_of(folder), mode_t{0700});
-    // Nothing is left beside it.
+    // No temporary file remains.
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
   }
 }
 
-TEST_F(LinkKeyTest, ASharedKeyThatIsOpenToOthersIsRefused) {
+TEST_F(LinkKeyTest, ASharedKeyThatIsOpenToOthersIsRejected) {
   const auto folder = folder_.path() / "hapton";
   ASSERT_TRUE(find_or_make_shared_key(folder));
   ASSERT_EQ(chmod((folder / "master").c_str(), 0644), 0);
@@ -252,7 +252,7 @@ TEST_F(LinkKeyTest, ASharedKeyThatCannotBeMadeIsAnErrorWithTheRemedy) {
   EXPECT_EQ(key.error().what.find('\n'), std::string::npos);
 }
 
-TEST_F(LinkKeyTest, TellsLoopbackFromEverywhereElse) {
+TEST_F(LinkKeyTest, DistinguishesLoopbackFromOtherAddresses) {
   for (const char* address : {"127.0.0.1:1", "127.255.0.3:1", "[::1]:1"}) EXPECT_TRUE(is_loopback(*parse_address(address))) << address;
   for (const char* address : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "128.0.0.1:1", "[::2]:1", "[fe80::1]:1", "126.255.255.255:1"}) {
     EXPECT_FALSE(is_loopback(*parse_address(address))) << address;

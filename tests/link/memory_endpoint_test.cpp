@@ -61,7 +61,7 @@ TEST_F(MemoryEndpointTest, DelaysAndMovesTheClockToTheArrival) {
   EXPECT_EQ(clock_.now_ns(), start_ns + 3 * kMs);
 }
 
-TEST_F(MemoryEndpointTest, LosesDuplicatesAndReordersTheSharesAskedFor) {
+TEST_F(MemoryEndpointTest, LosesDuplicatesAndReordersTheRequestedShares) {
   open({.seed = 5, .loss = 0.2, .duplicate = 0.1, .reorder = 0.1, .reorder_by_ns = 10 * kMs});
   constexpr int kSent = 10'000;
   std::vector<int> numbers;

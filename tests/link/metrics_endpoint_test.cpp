@@ -62,7 +62,7 @@ TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
   (*endpoint)->set_text("alive 1\n");
   const Address at = (*endpoint)->local_address();
   EXPECT_THAT(ask(at, std::string(20'000, 'x') + "\r\n\r\n"), testing::Not(HasSubstr("200 OK")));
-  // More than may be at once, none of them ever asking to the end.
+  // More than the limit of connections, none of them completing a request.
   std::vector<int> silent;
   for (int n = 0; n < 40; ++n) silent.push_back(say(at, "GET /met"));
   for (const int client : silent) ::close(client);
@@ -74,7 +74,7 @@ TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
   EXPECT_THAT(heard, HasSubstr("alive 1"));
 }
 
-// A page from elsewhere whose name was made to mean 127.0.0.1 asks in that name.
+// A page from elsewhere whose name was made to mean 127.0.0.1 sends that name.
 TEST(MetricsEndpointTest, AnswersToTheNamesOfThisMachineAlone) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;
@@ -91,7 +91,7 @@ TEST(MetricsEndpointTest, AnswersToTheNamesOfThisMachineAlone) {
   EXPECT_THAT(ask(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is no browser";
 }
 
-TEST(MetricsEndpointTest, ThoseWhoSitAndSayNothingKeepNobodyOut) {
+TEST(MetricsEndpointTest, SilentConnectionsKeepNobodyOut) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;
   (*endpoint)->set_text("alive 1\n");

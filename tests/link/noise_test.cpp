@@ -147,7 +147,7 @@ TEST_F(NoiseTest, AnotherPskOrPrologueOpensNothing) {
   EXPECT_FALSE(other.read_first(message, &none));
 }
 
-// A public key of small order fixes what is agreed on whatever the other secret is: then the key exchange would add nothing.
+// A public key of small order fixes the shared secret for any other key: the key exchange would then add nothing.
 TEST_F(NoiseTest, APublicKeyOfSmallOrderEndsTheHandshake) {
   for (const std::uint8_t value : {std::uint8_t{0}, std::uint8_t{1}}) {
     first();
@@ -161,7 +161,7 @@ TEST_F(NoiseTest, APublicKeyOfSmallOrderEndsTheHandshake) {
 }
 
 // Forward secrecy: with the psk, the prologue and every byte that was sent, but neither of the secrets that were made for the handshake.
-TEST_F(NoiseTest, WhoLearnsThePskLaterCannotOpenTheSecondMessage) {
+TEST_F(NoiseTest, AnAttackerWithThePskCannotOpenTheSecondMessageLater) {
   std::uint8_t none = 0;
   const Bytes one = first();
   ASSERT_TRUE(responder_.read_first(one, &none));

@@ -21,7 +21,7 @@ TEST(TokenBucketTest, LetsABurstThroughAndThenTheRate) {
   EXPECT_EQ(passed, 100);
 }
 
-TEST(TokenBucketTest, ALongRestFillsItNoFurther) {
+TEST(TokenBucketTest, ALongPauseFillsItNoFurther) {
   TokenBucket bucket(10, 5);
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(bucket.take(0));
   for (const std::int64_t now_ns : {1000 * kSecond, std::numeric_limits<std::int64_t>::max()}) {
@@ -31,7 +31,7 @@ TEST(TokenBucketTest, ALongRestFillsItNoFurther) {
   }
 }
 
-TEST(TokenBucketTest, AClockThatGoesBackRefillsNothing) {
+TEST(TokenBucketTest, AClockThatGoesBackAddsNoTokens) {
   TokenBucket bucket(10, 1);
   EXPECT_TRUE(bucket.take(100 * kSecond));
   EXPECT_FALSE(bucket.take(0));

@@ -23,11 +23,11 @@ TEST(RejectionMonitorTest, SaysNothingOfAFew) {
   EXPECT_FALSE(watch.take(kSecond));
   note(watch, Rejection::wrong_key, kOne, 900);
   EXPECT_FALSE(watch.take(2 * kSecond));
-  note(watch, Rejection::replayed_handshake, kOne, 20);  // two nodes of one host that asked at the same time
+  note(watch, Rejection::replayed_handshake, kOne, 20);  // two nodes of one host with simultaneous requests
   EXPECT_FALSE(watch.take(3 * kSecond));
 }
 
-// Nodes of ours send none: someone who repeats a hundred a second is named, though a thousand of other kinds would pass.
+// Our nodes repeat none: a peer that repeats a hundred a second is reported, although a thousand of other kinds would pass.
 TEST(RejectionMonitorTest, NamesASlowFloodOfHandshakes) {
   for (const Rejection rejection : {Rejection::replayed_handshake, Rejection::too_many_handshakes}) {
     RejectionMonitor watch;

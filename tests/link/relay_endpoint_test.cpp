@@ -36,7 +36,7 @@ struct Relays : testing::Test {
     return {};
   }
 
-  // Sends so many numbered datagrams to the hub and lets the relay deal with all of them.
+  // Sends this many numbered datagrams to the hub and lets the relay handle all of them.
   void send_numbered(Endpoint& from, int count) {
     for (int n = 0; n < count; ++n) {
       const auto before = relay->to_hub().received;
@@ -125,7 +125,7 @@ TEST_F(Relays, GoOnWhileTheHubIsAway) {
   hub.reset();
   send_numbered(*node, 10);
   hub = *open_udp_endpoint(at);
-  // What comes back from a port that nobody holds may meet the next one or two.
+  // An ICMP error of a port without a receiver may affect the next call or two.
   std::string heard;
   for (int n = 0; n < 100 && heard.empty(); ++n) {
     send_numbered(*node, 1);

@@ -24,7 +24,7 @@ TEST(ReplayWindowTest, ZeroIsNoCounter) {
   EXPECT_FALSE(window.is_fresh(0));
 }
 
-TEST(ReplayWindowTest, WhatIsTooOldToTellDoesNotPass) {
+TEST(ReplayWindowTest, ADatagramTooOldToCheckDoesNotPass) {
   ReplayWindow window;
   window.mark(ReplayWindow::kSpan + 10);
   EXPECT_FALSE(window.is_fresh(10));
@@ -37,7 +37,7 @@ TEST(ReplayWindowTest, AskingLeavesNoMark) {
   EXPECT_TRUE(window.is_fresh(1));
 }
 
-// Against a set that forgets nothing: what passes was never marked, and what is recent and unmarked passes.
+// Against a set without a limit: what passes was never marked, and what is recent and unmarked passes.
 TEST(ReplayWindowTest, AgreesWithASetUnderAnyOrder) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);

@@ -1,5 +1,5 @@
-// What the holder of one role's key can do to the others, with the hub's whole link between: he is on the line, hears every byte, and may
-// send from any address.
+// What the holder of one role's key can do to the others, with the hub's whole link between: he sees every byte on the wire, and may send
+// from any address.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -46,7 +46,7 @@ class RoleAttack : public testing::Test {
     return std::make_unique<Member>(network_, clock_, RoleKey(master_, key_role), role, host, hub_at_);
   }
 
-  // A millisecond at a time: the hub sends a state, the haptics node answers, the attacker has his turn.
+  // A millisecond at a time: the hub sends a state, the haptics node replies, the attacker has his turn.
   template <class Turn>
   void run(int ms, Turn&& attacker) {
     for (int i = 0; i < ms; ++i) {
@@ -92,11 +92,11 @@ class RoleAttack : public testing::Test {
 };
 
 // The attack that found 3,399 of 3,399 forces its own: listen to the handshake, derive the session's keys, seal forces with them.
-TEST_F(RoleAttack, ForcesSealedWithWhatAVisionKeyDerivesAreRefused) {
+TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
   run(300, [] {});
   ASSERT_GT(true_forces_, 250);
-  // Of every request and answer on the line, and of everything he can do with them and his key: a handshake of his own on each request, as
-  // if he were the hub, with the vision key and with the tag and role that would belong to it.
+  // Every request and answer on the wire, and everything he can do with them and his key: a handshake of his own on each request, posing as
+  // the hub, with the vision key and with the tag and role that would belong to it.
   const RoleKey vision(master_, KeyRole::vision);
   Codec codec;
   int tried = 0;
@@ -158,7 +158,7 @@ TEST_F(RoleAttack, AVisionOrToolKeyJoinsAsNoHapticsNodeAndSendsNoForce) {
     });
     EXPECT_NE(liar->client.state(), JoinState::joined);
     EXPECT_GT(peers_->counts().role_violations, violations);
-    // Joined as what the key says, it still sends no force.
+    // Joined in the role of its key, it still sends no force.
     const std::uint64_t wrong_role = peers_->counts().wrong_role;
     const NodeRole own = key_role == KeyRole::vision ? NodeRole::vision : NodeRole::tool;
     const auto member = make_member(key_role, own, static_cast<std::uint8_t>(host + 100));

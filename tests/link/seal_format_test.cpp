@@ -80,7 +80,7 @@ std::vector<Message> longest_of_all(std::index_sequence<kKinds...>) {
   return {longest_of_kind<kKinds>()...};
 }
 
-// Nothing that is said needs more than one datagram: there is no fragmenting because there is nothing to fragment.
+// Every message fits into one datagram, so there is no fragmentation.
 TEST(SealFormatTest, EveryMessageAtItsLongestFitsOneSealedDatagram) {
   Codec codec;
   for (const Message& message : longest_of_all(std::make_index_sequence<std::variant_size_v<Message>>())) {
@@ -120,7 +120,7 @@ TEST(SealFormatTest, ClassifiesByLeadAndLength) {
   EXPECT_EQ(classify_sealed({}).status, OpenStatus::malformed);
 }
 
-TEST(SealFormatTest, TheVersionStandsWhereAnEnvelopeHasIt) {
+TEST(SealFormatTest, TheVersionIsWhereAnEnvelopeHasIt) {
   std::array<std::byte, seal::kLeadBytes> lead;
   seal::write_lead(seal::Kind::data, seal::bytes_of(std::span<std::byte>(lead)));
   std::array<std::byte, kMaxDatagramBytes> envelope;

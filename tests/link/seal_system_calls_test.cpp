@@ -1,4 +1,4 @@
-// Sealing and opening, as every datagram of a session goes through them, ask nothing of the kernel.
+// Sealing and opening the datagrams of a session makes no system call.
 #include <gtest/gtest.h>
 
 #include <unistd.h>

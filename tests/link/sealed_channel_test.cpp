@@ -38,7 +38,7 @@ class SealedChannelTest : public testing::Test {
   }
 
   OpenStatus open(SealedChannel& channel, const Bytes& sealed) {
-    // A copy of its own size, so that the address sanitizer sees a read past the end.
+    // A copy of exact size, so that the address sanitizer sees a read past the end.
     const Bytes exact(sealed.begin(), sealed.end());
     opened_.assign(kMaxDatagramBytes, std::byte{0});
     std::size_t bytes = 0;
@@ -66,7 +66,7 @@ TEST_F(SealedChannelTest, CarriesEveryLengthBothWays) {
   }
 }
 
-TEST_F(SealedChannelTest, RefusesWhatDoesNotFit) {
+TEST_F(SealedChannelTest, RejectsWhatDoesNotFit) {
   Bytes sealed(kMaxDatagramBytes);
   EXPECT_EQ(client_.seal(Bytes(seal::kMaxPayloadBytes + 1), sealed), 0U);
   EXPECT_EQ(client_.seal(payload_, std::span(sealed).first(payload_.size() + seal::kOverheadBytes - 1)), 0U);
@@ -142,7 +142,7 @@ TEST_F(SealedChannelTest, DoesNotOpenAnotherSession) {
   EXPECT_EQ(open(hub_, seal(elsewhere, payload_)), OpenStatus::unknown_session);
 }
 
-TEST_F(SealedChannelTest, TellsAnotherVersion) {
+TEST_F(SealedChannelTest, ReportsAnotherVersion) {
   Bytes sealed = seal(client_, payload_);
   for (int version = 0; version < 256; ++version) {
     const auto byte = static_cast<std::byte>(version);
@@ -163,7 +163,7 @@ TEST_F(SealedChannelTest, AClosedOneSealsAndOpensNothing) {
 TEST_F(SealedChannelTest, MovesWithItsCountersAndLeavesNothingBehind) {
   const Bytes first = seal(client_, payload_);
   SealedChannel moved = std::move(client_);
-  EXPECT_TRUE(seal(client_, payload_).empty());  // NOLINT(bugprone-use-after-move): that is what is asked
+  EXPECT_TRUE(seal(client_, payload_).empty());  // NOLINT(bugprone-use-after-move): that is what is tested
   const Bytes second = seal(moved, payload_);
   EXPECT_NE(first, second);
   EXPECT_EQ(open(hub_, first), OpenStatus::opened);

@@ -33,8 +33,8 @@ TEST_F(SealedHubTest, AReplayedHandshakeMeetsSilenceFromAnyAddressAndIsCounted) 
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, replays);
 }
 
-// A hub that was restarted has seen no timestamps: what it gives away then is one cookie, no longer than what came, for each recorded
-// request that is later than those before, within the rate; never a session.
+// A restarted hub has seen no timestamps: it then gives one cookie, no longer than the request, for each recorded request that is later
+// than those before, within the rate; never a session.
 TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   const auto node = make_node(2);
   join(*node);
@@ -50,7 +50,7 @@ TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
 }
 
 TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {
-  // The holder of a key, who can make as many good requests as he likes: one address, many ports and hosts.
+  // The holder of a key can make as many valid requests as he likes: one address, many ports and hosts.
   for (int i = 0; i < 1000; ++i) {
     ClientHandshake greedy(RoleKey(key_of(1), KeyRole::tool), static_cast<std::uint64_t>(i), AgreementWorker::Where::caller);
     greedy.begin();
@@ -111,8 +111,8 @@ TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   EXPECT_TRUE(flood->is_kept_out);
 }
 
-// What the answer says of the session is sealed: the filter must be told of it, or it keeps out the node that it is for.
-TEST_F(SealedHubTest, TheEndpointIsToldWhichSessionToExpectFromWhom) {
+// The answer's session number is sealed: the filter must be notified of it, or it drops the node's first data.
+TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
   const auto node = make_node(2);
   join(*node);
   ASSERT_EQ(hub_endpoint_.expected().size(), 1U);
@@ -135,7 +135,7 @@ Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t time_ns) {
   return request;
 }
 
-// Addresses can be anyone's: without the rates by role, whoever holds a tool's key keeps the haptics node from its cookie for ever.
+// Addresses can be forged: without the rates by role, the holder of a tool's key keeps the haptics node from its cookie for ever.
 TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
   std::unique_ptr<Node> haptics;  // comes when the flood has spent every burst
   std::uint64_t made = 0;
@@ -186,7 +186,7 @@ TEST_F(SealedHubTest, WhatIsHandedOutWearsTheRoleOfItsKey) {
   }
 }
 
-// Who holds the vision key and can play the haptics node's address does not end the haptics node's session.
+// The holder of the vision key who can forge the haptics node's address does not end the haptics node's session.
 TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
   const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
   join(*haptics);
@@ -212,8 +212,8 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
 
 // --- rekeying
 
-// A node at 1 kHz whose every word is answered, over a wire that delays, jitters and reorders: over many changes of keys no word and no
-// answer is lost, and none comes later than the wire makes it.
+// A node at 1 kHz with a reply to every datagram, over a wire that delays, jitters and reorders: over many changes of keys no datagram and
+// no reply is lost, and none comes later than the wire makes it.
 TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
   for (const std::int64_t jitter_ns : {std::int64_t{0}, 5 * kMs}) {
     SCOPED_TRACE(jitter_ns);
@@ -268,7 +268,7 @@ TEST_F(SealedHubTest, ASessionIsReplacedAfterSoManyDatagramsToo) {
 TEST_F(SealedHubTest, TheOldSessionIsOverAfterTheOverlap) {
   const auto node = make_node(2);
   join(*node);
-  // On its way for very long: the network holds it while the keys change.
+  // A very late datagram: the network holds it while the keys change.
   say(*node, "slow");
   std::array<std::byte, kMaxDatagramBytes> into;
   const Received slow = hub_endpoint_.receive(into, 0);

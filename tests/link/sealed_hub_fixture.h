@@ -14,7 +14,7 @@
 #include "link/sealed_hub.h"
 #include "tests/link/tapped_endpoint.h"
 
-// A hub and its nodes over a network in memory, with someone on the line: what the tests of SealedHub begin with.
+// A hub and its nodes over a network in memory, with an eavesdropper: the fixture of the SealedHub tests.
 namespace hapton::sealed_hub {
 
 using Bytes = std::vector<std::byte>;
@@ -40,7 +40,7 @@ inline std::string words(std::span<const std::byte> bytes) {
   return text;
 }
 
-// A node with a sealed way to the hub, on a host of its own for each address.
+// A node with a sealed connection to the hub, on its own host for each address.
 struct Node {
   Node(MemoryNetwork& network, const Clock& clock, const Address& at, const Address& hub, const RoleKey& key)
       : endpoint(*network.open(at)), sealed(endpoint, clock, key, hub, {.host = at.ip[15]}) {}
@@ -60,7 +60,7 @@ class SealedHubTest : public testing::Test {
     return std::make_unique<Node>(network_, clock_, memory_address(host, 9), hub_at_, RoleKey(key, role));
   }
 
-  // All that is sealed for the hub now, by who said it.
+  // All datagrams sealed for the hub now, by sender.
   std::multimap<std::string, Address> hub_hears() {
     std::multimap<std::string, Address> all;
     std::array<std::byte, kMaxDatagramBytes> into;
@@ -82,14 +82,14 @@ class SealedHubTest : public testing::Test {
   void say(Node& node, const std::string& what) { EXPECT_TRUE(node.sealed.send(hub_at_, text(what))); }
   bool answer(const Node& node, const std::string& what) { return hub_->send(node.endpoint.local_address(), text(what)); }
 
-  // Until both have said all they have to say by themselves.
+  // Runs until both have no more handshake messages to send.
   std::multimap<std::string, Address> meet(Node& node) {
     std::multimap<std::string, Address> all;
     for (int turn = 0; turn < 4; ++turn) {
       all.merge(hub_hears());
       node_hears(node);
     }
-    clock_.advance_ns(20 * kMs);  // what the handshake rates refill in
+    clock_.advance_ns(20 * kMs);  // lets the handshake rates recover
     return all;
   }
 
@@ -100,7 +100,7 @@ class SealedHubTest : public testing::Test {
     ASSERT_EQ(node_hears(node), std::vector<std::string>{"welcome"});
   }
 
-  // Time in steps, the nodes speaking and listening as HubClient would, the hub answering every word.
+  // Runs time in steps, the nodes sending and receiving like HubClient, the hub replying to every datagram.
   void live(std::vector<Node*> nodes, int ms) {
     for (int i = 0; i < ms; ++i) {
       clock_.advance_ns(kMs);

@@ -18,7 +18,7 @@
 namespace hapton::sealed_hub {
 namespace {
 
-TEST_F(SealedHubTest, TheFirstWordIsHeldUntilThereIsASession) {
+TEST_F(SealedHubTest, TheFirstMessageWaitsForASession) {
   const auto node = make_node(2);
   say(*node, "hello hub");
   EXPECT_EQ(meet(*node).count("hello hub"), 1U);
@@ -42,7 +42,7 @@ TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
   for (const auto& node : nodes) join(*node);
   for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "to you"));
   for (const auto& node : nodes) EXPECT_EQ(node_hears(*node), std::vector<std::string>{"to you"});
-  // What one was sent opens for nobody else.
+  // A datagram to one node opens for no other.
   ASSERT_TRUE(answer(*nodes[0], "yours alone"));
   node_hears(*nodes[0]);
   nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.heard().back().bytes);
@@ -77,7 +77,7 @@ TEST_F(SealedHubTest, AnotherVersionAndJunkGetSilenceAndACount) {
   EXPECT_EQ(hub_->seal_counts().unknown_session, 1U);
 }
 
-TEST_F(SealedHubTest, WhatWasRecordedIsNotHeardAgain) {
+TEST_F(SealedHubTest, ARecordedDatagramIsNotAcceptedAgain) {
   const auto node = make_node(2);
   join(*node);
   say(*node, "open the gate");
@@ -90,7 +90,7 @@ TEST_F(SealedHubTest, WhatWasRecordedIsNotHeardAgain) {
   }
   EXPECT_GT(hub_->seal_counts().replayed, before.replayed);
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, before.replayed_handshakes + 6);
-  // And the session goes on.
+  // And the session continues.
   node_hears(*node);
   say(*node, "still here");
   EXPECT_EQ(hub_hears().count("still here"), 1U);
@@ -132,7 +132,7 @@ TEST_F(SealedHubTest, ARecordedHandshakeDoesNotEndALiveSession) {
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
 }
 
-TEST_F(SealedHubTest, WordsReflectedToWhoSaidThemAreNotHeard) {
+TEST_F(SealedHubTest, ReflectedDatagramsAreNotAccepted) {
   const auto node = make_node(2);
   join(*node);
   say(*node, "up");
@@ -166,7 +166,7 @@ TEST_F(SealedHubTest, ASessionIsGoodForItsAddressOnly) {
   EXPECT_EQ(hub_hears().count("fresh"), 1U);
 }
 
-TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRefusedAndCounted) {
+TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRejectedAndCounted) {
   const auto node = make_node(2);
   join(*node);
   say(*node, "some words");
@@ -209,14 +209,14 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   const auto node = make_node(2);
   live({node.get()}, 10);
   const std::uint64_t handshakes = hub_->seal_counts().handshakes;
-  // 150 ms without a word from the hub, shorter than its silence: nothing is asked anew.
+  // 150 ms without a datagram from the hub, shorter than its timeout: no new request.
   for (int i = 0; i < 150; ++i) {
     clock_.advance_ns(kMs);
     node_hears(*node);
   }
   EXPECT_TRUE(answer(*node, "here again"));
   EXPECT_EQ(node_hears(*node).size(), 1U);
-  // 400 ms: it asks anew, and meanwhile what comes in the old session is still heard, and what it says too.
+  // 400 ms: it requests a new session, and meanwhile the old session still works in both directions.
   for (int i = 0; i < 400; ++i) {
     clock_.advance_ns(kMs);
     node_hears(*node);
@@ -244,16 +244,16 @@ TEST_F(SealedHubTest, ANodeThatWasBusyForLongAsksForNothing) {
   EXPECT_EQ(hub_endpoint_.heard().size(), 3U) << "it asked";
 }
 
-TEST_F(SealedHubTest, WhileTheHubHasNotHeardTheNewSessionItIsHeardInTheOldOne) {
+TEST_F(SealedHubTest, UntilTheHubUsesTheNewSessionTheOldOneIsAccepted) {
   const auto node = make_node(2);
   join(*node);
   clock_.advance_ns(SealedClient::kPeerTimeoutNs);
-  node_hears(*node);  // asks
+  node_hears(*node);  // requests
   hub_hears();        // cookie
   say(*node, "lost on the way");
-  node_hears(*node);  // asks with it
+  node_hears(*node);  // requests with it
   hub_hears();        // agrees
-  node_hears(*node);  // has a new session, and says its word in it
+  node_hears(*node);  // has a new session, and sends its datagram in it
   std::array<std::byte, kMaxDatagramBytes> into;
   while (hub_endpoint_.receive(into, 0).bytes != 0) {
   }
@@ -262,7 +262,7 @@ TEST_F(SealedHubTest, WhileTheHubHasNotHeardTheNewSessionItIsHeardInTheOldOne) {
   EXPECT_TRUE(answer(*node, "still the old one"));
   EXPECT_EQ(node_hears(*node), std::vector<std::string>{"still the old one"});
   const Bytes old = node->endpoint.heard().back().bytes;
-  // Once each way in the new one, the old one is over, but for what comes late.
+  // After one datagram in each direction of the new one, the old one is over, except for late datagrams.
   say(*node, "heard");
   EXPECT_EQ(hub_hears().count("heard"), 1U);
   EXPECT_TRUE(answer(*node, "the new one"));
@@ -315,12 +315,12 @@ TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
 TEST_F(SealedHubTest, RecordedHandshakesCannotCrowdOutTheLiving) {
   const auto node = make_node(2);
   join(*node);
-  // Requests with good cookies whose nodes never come back: as many as someone with the key, or a recording, can bring.
+  // Requests with valid cookies whose nodes never come back: as many as the holder of a key, or a recording, can send.
   for (std::uint8_t i = 0; i < 100; ++i) {
     auto ghost = make_node(static_cast<std::uint8_t>(100 + i));
     say(*ghost, "boo");
     hub_hears();         // its request gets a cookie
-    node_hears(*ghost);  // it asks with the cookie
+    node_hears(*ghost);  // requests with the cookie
     ghost->sealed.send(hub_at_, text("never mind"));
     std::array<std::byte, kMaxDatagramBytes> into;
     EXPECT_EQ(hub_->receive(into, 0).bytes, 0U);
@@ -400,7 +400,7 @@ TEST_P(SealedHubHeapTest, NeitherSideUsesTheHeapOnceBuilt) {
   std::array<std::byte, kMaxDatagramBytes> into;
   int heard = 0;
   const AllocationGuard guard;
-  // A session, a silence and a session more, and one after the time of a rekeying; the clock stands still while a thread is at work.
+  // A session, another one after a timeout, and one more after the time of a rekeying; the clock does not advance while a thread works.
   const auto agree_on = [&](std::uint64_t handshakes) {
     for (int turn = 0; turn < 200'000 && hub.seal_counts().handshakes < handshakes; ++turn) {
       node.send(hub_end.local_address(), payload);

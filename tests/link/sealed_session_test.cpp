@@ -1,4 +1,4 @@
-// Joining, leaving and coming back as hub_client_test.cpp has it, with sealing between: what the nodes do.
+// Joining, leaving and coming back as in hub_client_test.cpp, with sealing between.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -48,7 +48,7 @@ class SealedSessionTest : public testing::Test {
     sealed_.emplace(*endpoint_, clock_, key_of(1));
     peers_.emplace(*sealed_, clock_, ++session_, 1000.0);
   }
-  // Dies without a word, and its keys with it.
+  // Dies without a goodbye, and its keys with it.
   void crash_hub() {
     network_.set_impairments({.loss = 1.0});
     peers_.reset();
@@ -56,7 +56,7 @@ class SealedSessionTest : public testing::Test {
     network_.set_impairments(impairments_);
   }
 
-  // A millisecond at a time: the hub sends a state, a haptics node answers each.
+  // A millisecond at a time: the hub sends a state, a haptics node replies to each.
   void run(const std::vector<Node*>& nodes, int ms) {
     for (int i = 0; i < ms; ++i) {
       clock_.advance_ns(kMs);
@@ -169,7 +169,7 @@ TEST_F(SealedSessionTest, AHubGoneForLongIsJoinedSoonAfterItsReturn) {
   EXPECT_GT(node->states, 50);
 }
 
-TEST_F(SealedSessionTest, ASecondHapticsNodeIsToldThatThePlaceIsTaken) {
+TEST_F(SealedSessionTest, ASecondHapticsNodeIsNotifiedThatThePlaceIsTaken) {
   start_hub();
   const auto first = make_node(2);
   const auto second = make_node(3);
@@ -178,7 +178,7 @@ TEST_F(SealedSessionTest, ASecondHapticsNodeIsToldThatThePlaceIsTaken) {
   EXPECT_EQ(second->client.state(), JoinState::rejected);
 }
 
-TEST_F(SealedSessionTest, AStrangerLearnsNothingAndDisturbsNobody) {
+TEST_F(SealedSessionTest, AnUnknownPeerLearnsNothingAndDisturbsNobody) {
   start_hub();
   const auto node = make_node(2);
   const auto stranger = make_node(3, NodeRole::haptics, 2);

@@ -57,7 +57,7 @@ TEST(SequenceTrackerTest, ARestartedSenderStartsAfreshAndItsOldWordsAreStale) {
   EXPECT_EQ(tracker.counts().lost, 0U);
 }
 
-TEST(SequenceTrackerTest, HugeLeapsAreNoLoss) {
+TEST(SequenceTrackerTest, HugeJumpsAreNoLoss) {
   for (const std::uint64_t leap :
        {SequenceTracker::kMaxGap + 1, std::uint64_t{1} << 63, std::numeric_limits<std::uint64_t>::max() - 5'000'000}) {
     SequenceTracker tracker;
@@ -82,7 +82,7 @@ TEST(SequenceTrackerTest, WrapsAround) {
   EXPECT_EQ(tracker.counts().jumps, 0U);
 }
 
-TEST(SequenceTrackerTest, TooLateToTellIsADuplicate) {
+TEST(SequenceTrackerTest, TooLateToCheckIsADuplicate) {
   SequenceTracker tracker;
   tracker.track(kSender, 1);
   tracker.track(kSender, 2 + SequenceTracker::kWindow);
@@ -125,7 +125,7 @@ TEST(SequenceTrackerTest, AgreesWithASetOnARandomLink) {
   EXPECT_EQ(tracker.counts().received, expected.received);
 }
 
-TEST(SequenceTrackerTest, WhoGreetsAnewMayCountAnew) {
+TEST(SequenceTrackerTest, ARejoiningPeerMayRestartItsNumbers) {
   SequenceTracker tracker;
   for (std::uint64_t sequence = 1; sequence <= 3000; ++sequence) tracker.track(7, sequence);
   EXPECT_EQ(tracker.track(7, 5), Arrival::duplicate);

@@ -56,7 +56,7 @@ TEST_F(SessionReaders, WaitForNoPipe) {
   }
 }
 
-TEST_F(SessionReaders, GiveWhatStandsBeforeACutAndSayWhereItIs) {
+TEST_F(SessionReaders, GiveWhatIsBeforeACutAndSayWhereItIs) {
   const std::string whole = make_file(10);
   auto reader = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - 1)));
   ASSERT_TRUE(reader);
@@ -64,7 +64,7 @@ TEST_F(SessionReaders, GiveWhatStandsBeforeACutAndSayWhereItIs) {
   EXPECT_NE(reader->problem().find("cut short after 9 entries"), std::string::npos) << reader->problem();
 }
 
-TEST_F(SessionReaders, GiveWhatStandsBeforeADamagedEntry) {
+TEST_F(SessionReaders, GiveWhatIsBeforeADamagedEntry) {
   std::string bytes = make_file(10);
   bytes[bytes.size() - 1000] ^= 1;
   auto reader = SessionReader::open(scratch.write("s", bytes));
@@ -89,7 +89,7 @@ TEST_F(SessionReaders, SurviveWhateverIsInTheFile) {
   }
 }
 
-TEST_F(SessionReaders, RefuseInOneLineWhatIsNoSession) {
+TEST_F(SessionReaders, RejectOtherFilesInOneLine) {
   const std::string whole = make_file(1);
   const struct {
     std::string bytes;

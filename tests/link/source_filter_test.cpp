@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
-// True: what it sends comes through.
+// True if a datagram from there arrives.
 bool passes(Endpoint& from, Endpoint& to) {
   const std::array<std::byte, 20> datagram = {};
   std::array<std::byte, kMaxDatagramBytes> into = {};

@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 std::string text_of(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-// An endpoint and all that it has heard.
+// An endpoint and its received events.
 struct Party final : StreamEndpoint::Listener {
   std::unique_ptr<StreamEndpoint> endpoint;
   std::map<StreamEndpoint::Id, std::string> heard;
@@ -67,7 +67,7 @@ TEST(StreamEndpoint, TwoConnectSpeakAndPart) {
   Party server, client;
   const auto id = client.endpoint->connect(server.endpoint->local_address());
   ASSERT_NE(id, 0U);
-  // What is sent before the connection stands goes out when it does.
+  // Data sent before the connection is established is sent when it is.
   ASSERT_TRUE(client.endpoint->send(id, bytes_of("hello ")));
   ASSERT_TRUE(until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
   EXPECT_EQ(client.peers.at(id), server.endpoint->local_address());
@@ -108,7 +108,7 @@ TEST(StreamEndpoint, AConnectionToNobodyIsClosed) {
   }
 }
 
-TEST(StreamEndpoint, WhoDoesNotReadIsCutOff) {
+TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
   Party server, client;
   client.endpoint->connect(server.endpoint->local_address());
   ASSERT_TRUE(until({&server, &client}, [&] { return !server.peers.empty(); }));
@@ -161,7 +161,7 @@ TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {
   for (; clock.now_ns() < end_ns; ++waits) server.endpoint->wait(end_ns, server);
   ::setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_LT(waits, 30);
-  // And it goes on when there is one again.
+  // And it continues when there is one again.
   EXPECT_TRUE(until({&server}, [&] { return server.peers.size() == 1; }));
   ::close(caller);
 }
@@ -174,7 +174,7 @@ TEST(StreamEndpoint, AWaitEndsWhenItIsWoken) {
   other.join();
 }
 
-TEST(StreamEndpoint, WhatCannotBeOpenedIsTold) {
+TEST(StreamEndpoint, AnAddressThatCannotBeOpenedIsReported) {
   const Party first;
   const auto second = StreamEndpoint::open(to_string(first.endpoint->local_address()), 3883);
   ASSERT_FALSE(second);

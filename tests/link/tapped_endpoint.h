@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// An endpoint with someone on the line: he hears all that comes in, and puts in what he likes under any address.
+// An endpoint with an attacker on the wire: he sees all incoming datagrams, and injects what he likes under any address.
 class TappedEndpoint final : public Endpoint {
  public:
   struct Heard {
@@ -22,7 +22,7 @@ class TappedEndpoint final : public Endpoint {
 
   void put_in(const Address& from, std::vector<std::byte> bytes) { put_in_.push_back({from, std::move(bytes)}); }
   const std::vector<Heard>& heard() const { return heard_; }
-  // As if the socket had passed over so many datagrams that are too long.
+  // As if the socket had skipped this many oversized datagrams.
   void put_in_oversized(const Address& from, std::uint64_t count) {
     counts_.last_oversized = from;
     counts_.oversized += count;
@@ -52,9 +52,9 @@ class TappedEndpoint final : public Endpoint {
   Address local_address() const override { return endpoint_->local_address(); }
   SocketCounts socket_counts() const noexcept override { return counts_; }
   void expect(const Address& from, std::uint32_t connection) noexcept override { expected_.emplace_back(from, connection); }
-  // Whom the hub said that it awaits data from, in which session.
+  // The addresses and sessions from which the hub expects data.
   const std::vector<std::pair<Address, std::uint32_t>>& expected() const { return expected_; }
-  // As if a filter in the kernel had kept out so many.
+  // As if a filter in the kernel had dropped this many.
   void keep_out(std::uint64_t count) { counts_.kept_out += count; }
 
  private:

@@ -96,7 +96,7 @@ TEST_F(UdpEndpointTest, SpeaksIpv6AndIpv4OnOneSocket) {
   }
 }
 
-TEST_F(UdpEndpointTest, AnIpv4SocketRefusesIpv6Addresses) {
+TEST_F(UdpEndpointTest, AnIpv4SocketRejectsIpv6Addresses) {
   const auto a = open("127.0.0.1:0");
   EXPECT_FALSE(a->send(*parse_address("[2001:db8::1]:9"), bytes_of("x")));
 }

@@ -30,7 +30,7 @@ std::string replace_all(std::string text, const std::string& from, const std::st
   return text;
 }
 
-// What went to stderr, without what was only told on the way there.
+// The errors on stderr, without notices.
 std::vector<std::string> complaints_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -85,7 +85,7 @@ TEST_P(BadInput, GivesOneLineAndFails) {
   EXPECT_THAT(complaints.front(), ::testing::HasSubstr(fill_in(call.mentions)));
 }
 
-// Gone on, an io_node would hold this port; nobody else is asked for.
+// An io_node that continued would hold this port; nothing else is started.
 const std::vector<BadCall> kIoNode = {
     {"UnknownFlag", "io_node", {"--frobnicate"}, "frobnicate"},
     {"ConfigIsAPipe", "io_node", {"--config", "FOLDER/pipe"}, "not a regular file"},
@@ -290,7 +290,7 @@ TEST_P(FewDescriptors, EndWithOneLine) {
 }
 
 #ifdef HAPTON_FEW_THREADS
-// A system that starts no more than so many threads for a program, for what this process starts.
+// A system limit on the threads of a program, for the child processes.
 class ThreadLimit {
  public:
   ThreadLimit(const std::string& program, int allowed) {
@@ -346,7 +346,7 @@ const std::vector<BadCall> kThreaded = {
 INSTANTIATE_TEST_SUITE_P(Programs, FewThreads, ::testing::ValuesIn(kThreaded),
                          [](const ::testing::TestParamInfo<BadCall>& call) { return call.param.name; });
 
-// The watchdog process says so and ends; io_node goes on without it, as far as it was told to.
+// The watchdog process says so and ends; io_node continues without it, as requested.
 TEST(FewThreadsAlone, TheWatchdogSaysSo) {
   const TestFolder folder;
   const ThreadLimit limit("hapton_watchdog", 0);
@@ -358,7 +358,7 @@ TEST(FewThreadsAlone, TheWatchdogSaysSo) {
 }
 #endif
 
-TEST(HaptonAlone, TellsItsCommandsAndFails) {
+TEST(HaptonAlone, ListsItsCommandsAndFails) {
   const TestFolder folder;
   const auto ended = run("hapton", {}, folder.path());
   ASSERT_TRUE(ended) << "still runs";

@@ -26,7 +26,7 @@ TEST(Demo, ListsItsSteps) {
                     HasSubstr("4  a heavy mesh\n"), HasSubstr("5  a slow network\n"), HasSubstr("6  a node dies\n")));
 }
 
-TEST(Demo, RefusesWhatItCannotDoInALine) {
+TEST(Demo, RejectsWhatItCannotDoInALine) {
   const TestFolder folder;
   struct Case {
     std::vector<std::string> words;
@@ -73,12 +73,12 @@ INSTANTIATE_TEST_SUITE_P(Tour, DemoStep,
                          ::testing::Values(std::pair("2", "slide-in-a-groove"), std::pair("3", "a-wall-thinner-than-a-step"),
                                            std::pair("6", "a-node-dies")));
 
-// A haptics node that says it is ready and answers nothing.
-TEST(Demo, StepThatDoesNotShowWhatItPromisesIsToldAndCounts) {
+// A haptics node that reports ready and never replies.
+TEST(Demo, AStepThatFailsIsReportedAndCounts) {
   const TestFolder folder;
   const std::filesystem::path bin = folder.path() / "bin";
   std::filesystem::create_directories(bin);
-  // A copy: it looks for the others beside itself.
+  // A copy, because it looks for the other programs beside itself.
   std::filesystem::copy(HAPTON_BIN_DIR "/hapton", bin / "hapton");
   for (const char* name : {"io_node", "vision_node", "hapton_watchdog"}) {
     std::filesystem::create_symlink(std::filesystem::path(HAPTON_BIN_DIR) / name, bin / name);

@@ -39,7 +39,7 @@ struct TwoHands : testing::Test {
   Json report_of(const std::string& name) const {
     return Json::parse(read_text(system.folder() / "out" / name / "report.json"), nullptr, false);
   }
-  // Asks for reports until both hands' hold.
+  // Requests reports until the condition holds for both hands.
   bool wait_for(const std::function<bool(const Json& left, const Json& right)>& holds) {
     return System::wait_until([&] {
       if (!io->is_running()) return true;
@@ -61,7 +61,7 @@ TEST_F(TwoHands, TouchEachByItself) {
   start_haptics("right");
   ASSERT_TRUE(wait_for([](const Json& left, const Json& right) { return has_contact(left) && has_contact(right); }))
       << io->out() << io->err();
-  // The right hand goes on when the left one's haptics node is gone.
+  // The right hand continues when the left one's haptics node is gone.
   haptics["left"]->kill();
   ASSERT_TRUE(wait_for([](const Json& left, const Json&) { return count(left, "command_timeouts") > 0; })) << io->err();
   const std::int64_t felt = count(report_of("right"), "contact_samples");
@@ -94,7 +94,7 @@ TEST_F(TwoHands, AreShownInOnePicture) {
 }
 #endif
 
-TEST_F(TwoHands, TellTheDoctorOfTheirDevices) {
+TEST_F(TwoHands, AreReportedByTheDoctor) {
   const std::string port = hubs["left"].substr(hubs["left"].find(':') + 1);
   const auto asked = run("hapton", {"doctor", "--only", "hub", "--only", "ports", "--port", port, "--json"}, system.folder());
   ASSERT_TRUE(asked);
@@ -104,7 +104,7 @@ TEST_F(TwoHands, TellTheDoctorOfTheirDevices) {
   EXPECT_THAT(asked->out, HasSubstr("io_node has it (process " + std::to_string(io->pid())));
 }
 
-TEST(Doctor, TellsAProgramByItsExitCode) {
+TEST(Doctor, ReportsByItsExitCode) {
   TestFolder folder;
   const std::string clock = (folder.path() / "root/sys/devices/system/clocksource/clocksource0").string();
   std::filesystem::create_directories(clock);

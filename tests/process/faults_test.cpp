@@ -1,5 +1,5 @@
-// The rows of docs/faults.md that need whole programs: what dies, freezes, floods or is spoilt on the wire, and what the others do then.
-// Times are asked for with patience only; the exact bounds are those of tests/faults, on simulated time.
+// The rows of docs/faults.md that need whole programs: what dies, freezes, floods or is corrupted on the wire, and what the others do then.
+// Time limits are generous; the exact bounds are those of tests/faults, on simulated time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -34,13 +34,13 @@ const std::vector<std::string> kStorm = {"--loss",      "0.3", "--jitter-ms", "2
 
 bool waits_for(System& system, const std::function<bool(const Json&)>& holds) { return holds(system.wait_for_report(holds)); }
 
-// Contact goes on from here: so many more samples of it.
+// Contact continues from here for this many samples.
 bool feels_on(System& system, std::int64_t samples = 300) {
   const std::int64_t before = count(system.ask_for_report(), "contact_samples");
   return waits_for(system, [&](const Json& report) { return count(report, "contact_samples") > before + samples; });
 }
 
-// Watches the force for so long: never too strong, and never growing faster than it may.
+// Observes the force for this long: its largest value and its fastest growth.
 struct Watched {
   int seen = 0;
   int felt = 0;
@@ -109,8 +109,8 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   expect_sane(system.ask_for_report());
 }
 
-// The hand never leaves the body: what is felt after the restart is the contact from before.
-TEST(Haptics, StartedAgainIsFeltWithoutTheHandHavingLeft) {
+// The hand never leaves the body: the force after the restart is that of the earlier contact.
+TEST(Haptics, RestartedExertsForceWithoutTheHandHavingLeft) {
   System system(kTightLimits);
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
   system.start("io_node");
@@ -131,7 +131,7 @@ TEST(Haptics, StartedAgainIsFeltWithoutTheHandHavingLeft) {
 
 std::string note(const Json& report, const char* name) { return report.at("notes").value(name, ""); }
 
-// The hand comes down at 11 mm/s, which is too fast here, and then rests in contact.
+// The hand comes down at 11 mm/s, which is too fast here, and then stays in contact.
 TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
   System system({"--max-speed", "0.008", "--vision-rate", "1000"});
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
@@ -194,7 +194,7 @@ TEST(Hub, FrozenAndThawedIsFoundAgainByAll) {
   system.end_all();
 }
 
-TEST(Hub, ASecondDeviceAtTheSameAddressIsRefusedInALineAndTheFirstGoesOn) {
+TEST(Hub, ASecondDeviceAtTheSameAddressIsRejectedInALineAndTheFirstGoesOn) {
   System system;
   system.start("io_node");
   system.start("haptics_node");
@@ -208,13 +208,13 @@ TEST(Hub, ASecondDeviceAtTheSameAddressIsRefusedInALineAndTheFirstGoesOn) {
   system.end_all();
 }
 
-// Sends to the hub what nobody asked for.
+// Sends unrequested datagrams to the hub.
 class Stranger {
  public:
   explicit Stranger(const std::string& hub) : hub_(*parse_address(hub)), endpoint_(*open_udp_endpoint("127.0.0.1:0")) {}
 
   bool send(std::span<const std::byte> bytes) { return endpoint_->send(hub_, bytes); }
-  // What comes back within that time.
+  // The replies within that time.
   std::size_t hear(std::int64_t for_ns) {
     std::array<std::byte, kMaxDatagramBytes> buffer;
     return endpoint_->receive(buffer, clock_.now_ns() + for_ns).bytes;
@@ -242,7 +242,7 @@ TEST(Hub, AnotherVersionIsMetWithSilenceAndCounted) {
   system.end("io_node");
 }
 
-// As many junk datagrams a second as are asked for, as far as this machine gets; from one socket, many to a system call.
+// Sends the requested number of junk datagrams a second, as far as this machine can; from one socket, many per system call.
 class Flood {
  public:
   Flood(const std::string& to, double per_second) : thread_([this, to, per_second] { run(*parse_address(to), per_second); }) {}

@@ -1,4 +1,4 @@
-// Keys as people meet them: none given, one named, the wrong one.
+// Keys as users meet them: none given, one named, the wrong one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ std::string make_key(const System& system, const std::string& name) {
   return path;
 }
 
-TEST(Keys, WithoutBeingToldNodesOfOneUserShareOne) {
+TEST(Keys, ByDefaultNodesOfOneUserShareOne) {
   System system;
   for (const char* node : {"haptics_node", "io_node"}) system.start(node);
   EXPECT_TRUE(has_contact(system.wait_for_report(has_contact)));
@@ -72,7 +72,7 @@ TEST(Keys, EachRoleHasItsOwnAndTheHubTheMaster) {
   system.end_all();
 }
 
-TEST(Keys, AKeyOfAnotherRoleOrOfAnOlderVersionIsRefusedInALine) {
+TEST(Keys, AKeyOfAnotherRoleOrOfAnOlderVersionIsRejectedInALine) {
   System system;
   const std::string master = make_key(system, "our.key");
   const std::string vision = make_role_key(system, "vision", master);

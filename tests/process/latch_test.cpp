@@ -17,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// A device that stands still, and once, after half a second, leaps by 50 mm if it is asked to.
+// A device that does not move and, if requested, jumps by 50 mm once, after half a second.
 void write_trajectory(const std::filesystem::path& path, bool leaps) {
   std::ofstream file(path);
   file << "t_s,x_m,y_m,z_m\n";

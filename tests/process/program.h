@@ -29,8 +29,8 @@ struct Ended {
 // One of our programs, running. Ends with this object at the latest, killed if need be.
 class Program {
  public:
-  // Starts build/.../bin/NAME, or NAME itself where it is an absolute path, with its output going to files in folder (NAME.<n>.out, NAME.<n>.err).
-  // display: an X display; empty: it sees none. The user's shared key is the folder's own, hapton/key.
+  // Starts build/.../bin/NAME, or NAME itself where it is an absolute path, with its output going to files in folder (NAME.<n>.out,
+  // NAME.<n>.err). display: an X display; empty: it sees none. The user's shared key is the folder's own, hapton/key.
   Program(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& folder,
           const std::string& display = "");
   ~Program();
@@ -44,7 +44,7 @@ class Program {
   std::optional<Ended> wait(Seconds at_most);
   // Ends it at once, as a crash would.
   void kill();
-  // What it has written so far.
+  // Its output so far.
   std::string out() const;
   std::string err() const;
 
@@ -75,10 +75,10 @@ class VirtualDisplay {
   std::string name_;
 };
 
-// A UDP port of 127.0.0.1 that nobody has at the moment.
+// A UDP port of 127.0.0.1 that is free at the moment.
 std::string find_free_port();
 
-// Holds a UDP port of 127.0.0.1 as long as it lives.
+// Occupies a UDP port of 127.0.0.1 while it lives.
 class TakenPort {
  public:
   TakenPort();

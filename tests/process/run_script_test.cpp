@@ -55,7 +55,7 @@ TEST_F(RunScript, EndsWithThreeLinesOnWhatWasTouchedWhetherItHeldAndWhereTheFile
   EXPECT_TRUE(has("report.json") && has("latency.png") && has("stereo.png"));
 }
 
-// Ctrl-C reaches the script alone: the nodes have sessions of their own.
+// Ctrl-C reaches the script alone: the nodes are in their own sessions.
 TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
   for (const int signal : {SIGINT, SIGTERM}) {
     Program run = start({"--headless", "--seconds", "200"});
@@ -88,7 +88,7 @@ TEST_F(RunScript, TouchesAMeshInAnyUnitAndItsRecordingReplays) {
   }
 }
 
-// Two pins far apart: a hand that does not know where they are meets nothing for a long time.
+// Two pins far apart: a hand that does not know their position touches nothing for a long time.
 TEST_F(RunScript, TouchesASmallThingThatLiesAside) {
   const std::filesystem::path mesh = folder_.path() / "pins.obj";
   std::ofstream file(mesh);
@@ -102,7 +102,7 @@ TEST_F(RunScript, TouchesASmallThingThatLiesAside) {
   EXPECT_THAT(ended->out, HasSubstr("\nrun: touched " + mesh.string()));
 }
 
-TEST_F(RunScript, RefusesAtOnceWhatItCouldNotWriteAtTheEnd) {
+TEST_F(RunScript, RejectsAtOnceWhatItCouldNotWriteAtTheEnd) {
   std::ofstream(folder_.path() / "file") << "in the way";
   const auto ended = start({"--headless", "--out", (folder_.path() / "file").string()}).wait(Seconds(20));
   ASSERT_TRUE(ended) << "still runs";

@@ -1,4 +1,4 @@
-// Which scene is touched: told where two nodes have different ones, or the device cannot reach it; and written into the report.
+// The touched scene: reported if two nodes have different ones, or if the device cannot reach it; and written into the report.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Whole sessions, recorded, looked into and felt again.
+// Whole sessions, recorded, inspected and replayed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ struct Sessions : testing::Test {
   }
 };
 
-TEST_F(Sessions, EveryForceOfARecordedSessionIsFeltAgainToTheLastBit) {
+TEST_F(Sessions, EveryForceOfARecordedSessionIsReplayedToTheLastBit) {
   record();
   const Ended replayed = session({"replay", file.string()});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
@@ -59,7 +59,7 @@ TEST_F(Sessions, EveryForceOfARecordedSessionIsFeltAgainToTheLastBit) {
   for (const char* table : {"forces.csv", "cycles.csv"}) EXPECT_GT(read_text(scratch.path() / "tables" / table).size(), 1000U);
 }
 
-TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreFeltAgainToo) {
+TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {
   system.start("io_node");
   system.start_relay({"--loss", "0.1", "--jitter-ms", "3", "--reorder", "0.1", "--duplicate", "0.05"});
   system.start("haptics_node");
@@ -82,7 +82,7 @@ TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreFeltAgainToo) {
   EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("name=smooth"));
 }
 
-TEST_F(Sessions, AFileThatWasCutGivesWhatStandsBeforeTheCut) {
+TEST_F(Sessions, ACutFileGivesWhatIsBeforeTheCut) {
   record();
   const std::string whole = read_text(file);
   const auto cut = scratch.write("cut.hapton", std::string_view(whole).substr(0, whole.size() * 2 / 3));
@@ -93,7 +93,7 @@ TEST_F(Sessions, AFileThatWasCutGivesWhatStandsBeforeTheCut) {
   EXPECT_GT(read_text(scratch.path() / "tables/forces.csv").size(), 1000U);
 }
 
-TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRefused) {
+TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRejected) {
   record();
   const Ended refused = session({"replay", file.string(), "--scene", HAPTON_SOURCE_DIR "/meshes/wingnut.obj"});
   EXPECT_EQ(refused.exit_code, 1);

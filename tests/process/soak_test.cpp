@@ -1,4 +1,4 @@
-// A minute of soak, as CI runs it: whole programs, looked at from outside.
+// A minute of soak, as in CI: whole programs, observed from outside.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -15,14 +15,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// A sanitizer keeps what was freed and remembers who touched what: memory then grows without a leak.
+// A sanitizer keeps freed memory and records accesses: memory then grows without a leak.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kMemoryTells = false;
 #else
 constexpr bool kMemoryTells = true;
 #endif
 
-// Neither the rate nor the drift is judged here: this machine may be busy.
+// Neither the rate nor the drift counts here: this machine may be busy.
 bool is_judged(const std::string& what) { return what != "rate" && what != "drift" && (what != "memory" || kMemoryTells); }
 
 // The process of that name that this one has started; -1: none.
@@ -67,7 +67,7 @@ TEST(Soak, OfANodeThatDiesEndsAtOnceAndSaysWhichOne) {
   const std::string out = (folder.path() / "soak").string();
   const std::string scene = HAPTON_SOURCE_DIR "/scenes/car_front.toml";
   Program soak("hapton", {"soak", "--seconds", "200", "--every", "0.5", "--scene", scene, "--out", out}, folder.path());
-  // It tells of its first look when the nodes are at work.
+  // It reports its first sample when the nodes are running.
   const std::regex kFirstLook("soak: [0-9]+ of 200 s");
   for (int tries = 0; tries < 1200 && !std::regex_search(soak.out(), kFirstLook) && soak.is_running(); ++tries) {
     (void)soak.wait(Seconds(0.05));
@@ -82,7 +82,7 @@ TEST(Soak, OfANodeThatDiesEndsAtOnceAndSaysWhichOne) {
   EXPECT_NE(ended->out.find("not flat: haptics_node ended with 137"), std::string::npos) << ended->out << ended->err;
 }
 
-TEST(Soak, RefusesATimeTooShortForItsLooks) {
+TEST(Soak, RejectsATimeTooShortForItsSamples) {
   const TestFolder folder;
   const auto ended = run("hapton", {"soak", "--seconds", "12"}, folder.path());
   ASSERT_TRUE(ended);

@@ -1,4 +1,4 @@
-// A node that is asked to end while it still loads its scene ends in order.
+// A node that gets a stop request while it still loads its scene ends in order.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -21,7 +21,7 @@ namespace hapton::process {
 
 using Json = nlohmann::json;
 
-// A folder, a port and the programs that meet there.
+// A folder, a port and the programs that use them.
 class System {
  public:
   explicit System(std::vector<std::string> io_options = {});
@@ -32,7 +32,7 @@ class System {
   }
   Program& operator[](const std::string& name) { return *programs_.at(name); }
 
-  // Another of them, beside the one there is.
+  // One more of them, beside the running one.
   std::unique_ptr<Program> start_another(const std::string& name) {
     return std::make_unique<Program>(name, arguments_of(name), folder_.path(), display_ ? display_->name() : "");
   }
@@ -51,7 +51,7 @@ class System {
   // More for a program's command line.
   void add_arguments(const std::string& name, const std::vector<std::string>& arguments) { more_[name] = arguments; }
 
-  // Asks the I/O node for its report so far; null when none comes.
+  // Requests the I/O node's report so far; null if none comes.
   Json ask_for_report() {
     // Earlier than this the signal would end it.
     wait_until([&] { return (*this)["io_node"].out().starts_with("hub on ") || !(*this)["io_node"].is_running(); });
@@ -62,7 +62,7 @@ class System {
   }
   Json read_report() const { return Json::parse(read_text(report_path()), nullptr, false); }
 
-  // Until what is asked of the report holds; the report that did, or the last one.
+  // Waits until the condition on the report holds; returns that report, or the last one.
   Json wait_for_report(const std::function<bool(const Json&)>& holds) {
     Json report;
     wait_until([&] {
@@ -142,7 +142,7 @@ void expect_sane(const Json& report);
 extern const std::vector<std::string> kNodes;
 bool is_complete(const Json& report);
 
-// Sits at the hub as a vision node does that draws at once, and so hears of the force as often as any may.
+// Joins the hub like a vision node that draws at once, and so gets the force as often as possible.
 class Onlooker {
  public:
   explicit Onlooker(const System& system)
@@ -165,7 +165,7 @@ class Onlooker {
     return false;
   }
 
-  // Sees on until a force is felt (or none any more); false when that does not come in time.
+  // Receives until there is a force (or none any more); false if that does not come in time.
   bool see_until(bool felt, ProbeState& state) {
     const std::int64_t end_ns = clock_.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
     while (clock_.now_ns() < end_ns && see(state)) {

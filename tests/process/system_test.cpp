@@ -1,5 +1,5 @@
-// The three nodes as people start them, over loopback: joining in any order, dying, coming back, while the others go on.
-// What is asked of them is logic; times are only bounds for a busy machine.
+// The three nodes as people start them, over loopback: joining in any order, dying, coming back, while the others continue. The tests check
+// logic; times are only bounds for a busy machine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,10 +79,10 @@ TEST(SystemRun, ReportsWhatItMeasured) {
   EXPECT_GE(answered, count(report, "forces"));
   EXPECT_LE(answered, count(report, "states_sent"));
   EXPECT_GE(count(report, "forces"), 9 * answered / 10) << "loopback loses no force";
-  // Every answered sample has one round trip.
+  // Every sample with a reply has one round trip.
   EXPECT_EQ(report.at("hops").at("round_trip").at("n").get<std::int64_t>(), count(report, "forces"));
 
-  // The CSV holds the same histograms.
+  // The CSV has the same histograms.
   std::map<std::string, std::int64_t> rows;
   std::istringstream csv(read_text(system.folder() / "out" / "latency.csv"));
   std::string line;
@@ -102,7 +102,7 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
 
   system["haptics_node"].kill();
   const std::int64_t killed_ns = onlooker.now_ns();
-  // The last force answers a sample from before this moment; 20 ms after that one there is none. As much again for a busy machine.
+  // The last force is for a sample from before this moment; 20 ms after that one there is none. As much again for a busy machine.
   const std::int64_t silent_ns = killed_ns + 40 * kNanosecondsPerMillisecond;
   int seen = 0;
   while (onlooker.see(state) && state.sample_time_ns < killed_ns + kNanosecondsPerSecond) {
@@ -183,7 +183,7 @@ TEST(Hub, GoesOnFromOneRateToAnotherAndBetweenMethods) {
   system.end_all();
 }
 
-TEST(Haptics, AMethodItCannotUseIsRefusedWithItsReasonWhereItWasAskedFor) {
+TEST(Haptics, AnUnusableMethodIsRejectedWithItsReasonAtTheRequester) {
   System system;
   system.add_arguments("haptics_node", {"--probe-radius", "0.001"});
   const auto set = [&](const char* method) { return run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder()); };

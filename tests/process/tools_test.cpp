@@ -17,7 +17,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-// hapton with these words, knowing the system's key.
+// hapton with these arguments, and the system's key.
 Ended hapton(System& system, const std::vector<std::string>& words) {
   const auto ended = run("hapton", words, system.folder(), 2 * kPatience);
   EXPECT_TRUE(ended) << "still runs";
@@ -43,7 +43,7 @@ TEST(Top, WithoutAHubSaysSo) {
   EXPECT_THAT(none.err, HasSubstr("no reply from a hub at " + system.hub()));
 }
 
-// What GET /metrics gives there; empty when nobody serves.
+// The reply to GET /metrics; empty if there is no server.
 std::string read_metrics(int port) {
   const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = {};
@@ -80,7 +80,7 @@ TEST(Metrics, AreServedWhileTheSystemRuns) {
   system.end_all();
 }
 
-TEST(Metrics, ElsewhereThanOnLoopbackAreRefused) {
+TEST(Metrics, OutsideLoopbackAreRejected) {
   System system({"--metrics", "0.0.0.0:9464"});
   system.start("io_node");
   const auto ended = system["io_node"].wait(kPatience);

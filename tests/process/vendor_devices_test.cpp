@@ -1,4 +1,4 @@
-// The unmodified io_node with stand-ins of vendors' libraries and services: forces arrive, cables are pulled, VRPN programs look on.
+// The unmodified io_node with stand-ins of vendors' libraries and services: forces arrive, cables are pulled, VRPN clients observe.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -61,7 +61,7 @@ struct VendorDevices : testing::Test {
   }
 };
 
-// The stand-in's middle is 2 cm up: what is W's origin is at (0, 0.02, 0) there.
+// The stand-in's middle is 2 cm up: W's origin is at (0, 0.02, 0) there.
 TEST_F(VendorDevices, OpenHapticsIsTouchedPulledOutInContactAndTouchedAgain) {
   ::setenv("LD_LIBRARY_PATH", standin::library("openhaptics").c_str(), 1);
   board->hand_m[1] = 0.02;

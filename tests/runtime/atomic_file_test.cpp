@@ -52,7 +52,7 @@ TEST_F(AtomicFileTest, AFullDiskLeavesTheOldFile) {
   }
   const std::filesystem::path path = folder_ / "file";
   ASSERT_TRUE(write_file_atomically(path, "old"));
-  // What is written beside goes to a device that is always full.
+  // The temporary file is a device that is always full.
   std::filesystem::create_symlink("/dev/full", folder_ / fmt::format("file.{}.part", getpid()));
   const Result<void> written = write_file_atomically(path, std::string(100'000, 'x'));
   ASSERT_FALSE(written);

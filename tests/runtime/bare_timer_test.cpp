@@ -56,7 +56,7 @@ TEST(BareTimers, TwoOfThemAddUp) {
   EXPECT_EQ(timer.ticks + timer.missed, 2200U);
 }
 
-TEST(BareTimers, ARealOneTicksAsOftenAsAskedButForWhatItMisses) {
+TEST(BareTimers, ARealOneTicksAtTheRequestedRateExceptMissedCycles) {
   const auto timer = measure_bare_timer({.mode = RealtimeMode::off, .lock_memory = false, .low_dma_latency = false}, 500.0, 0.1);
   ASSERT_TRUE(timer);
   EXPECT_GE(timer->ticks + timer->missed, 50U);

@@ -21,7 +21,7 @@ TEST(SteadyClockTest, PastAndNegativeDeadlinesReturn) {
   EXPECT_GE(clock.now_ns(), before_ns);
 }
 
-TEST(SimulatedClockTest, MovesOnlyWhenTold) {
+TEST(SimulatedClockTest, MovesOnlyOnRequest) {
   SimulatedClock clock(100);
   EXPECT_EQ(clock.now_ns(), 100);
   clock.advance_ns(20);

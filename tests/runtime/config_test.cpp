@@ -33,7 +33,7 @@ class ConfigTest : public testing::Test {
     return path_.string();
   }
 
-  // The exit code, or -1 to go on; what was said on stderr is in error_.
+  // The exit code, or -1 to continue; the text on stderr is in error_.
   int parse(std::vector<std::string> arguments) {
     std::vector<const char*> argv = {"/some/where/io_node"};
     for (const std::string& argument : arguments) {
@@ -128,7 +128,7 @@ TEST_F(ConfigTest, NamesASyntaxErrorWithItsLine) {
   expect_one_error(path_.string() + ":2: ");
 }
 
-TEST_F(ConfigTest, RefusesSectionsAndDates) {
+TEST_F(ConfigTest, RejectsSectionsAndDates) {
   EXPECT_EQ(parse({"--config", file("[rate]\nvalue = 3\n")}), 2);
   expect_one_error(":1: 'rate' is not a text, number, true or false");
   EXPECT_EQ(parse({"--config", file("rate = 2020-01-01\n")}), 2);

@@ -26,7 +26,7 @@ TEST(DeadlineThread, ChangesTheCallersPolicyOrLeavesItAsItWas) {
   EXPECT_NE(::sched_getscheduler(0) & 0xFF, 6) << "the caller's alone";
 }
 
-TEST(DeadlineThread, WhatMakesNoSenseIsRefused) {
+TEST(DeadlineThread, ImpossibleValuesAreRejected) {
   std::thread([] { EXPECT_FALSE(enter_deadline(2 * kMs, kMs)); }).join();
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// What the thread is like after entering, as the system tells it.
+// The thread's state after entering, as reported by the system.
 struct Outcome {
   std::optional<Result<RealtimeReport>> report;
   int policy = -1;
@@ -53,7 +53,7 @@ TEST(RealtimeTest, OffAsksForFineTimersOnly) {
   EXPECT_EQ(outcome.policy, SCHED_OTHER);
 }
 
-TEST(RealtimeTest, TheReportTellsTheTruth) {
+TEST(RealtimeTest, TheReportIsTrue) {
   const Outcome outcome = enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 7, .cpu = 0});
   ASSERT_TRUE(*outcome.report);
   const RealtimeReport& report = **outcome.report;
@@ -67,7 +67,7 @@ TEST(RealtimeTest, TheReportTellsTheTruth) {
     EXPECT_EQ(item.remedy.empty(), item.obtained) << item.name;
     EXPECT_THAT(report.to_text(), HasSubstr(item.name));
   }
-  // Once SCHED_FIFO is obtained the kernel reports no slack at all.
+  // With SCHED_FIFO the kernel reports no slack at all.
   EXPECT_LE(outcome.slack_ns, 1);
 }
 

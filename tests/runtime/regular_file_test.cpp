@@ -37,8 +37,8 @@ TEST_F(RegularFileTest, IsReadWhole) {
   EXPECT_THAT(read_regular_file("/proc/self/status", "").value_or(""), HasSubstr("Name:"));  // of unknown size
 }
 
-// A pipe that nobody writes to would be waited for without end.
-TEST_F(RegularFileTest, WhatIsNoneIsRefusedInOneLine) {
+// Opening a pipe without a writer would wait for ever.
+TEST_F(RegularFileTest, OtherFilesAreRejectedInOneLine) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
   std::filesystem::create_symlink("pipe", folder_ / "link");
   for (const std::filesystem::path& path : {folder_ / "pipe", folder_ / "link", std::filesystem::path("/dev/zero")}) {

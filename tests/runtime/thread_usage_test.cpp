@@ -31,7 +31,7 @@ TEST(ThreadUsage, OfAThreadThatWorksGrows) {
 
 TEST(ThreadUsage, OfAThreadThatIsGoneIsNone) { EXPECT_FALSE(read_thread_usage(-1)); }
 
-TEST(RealtimeShare, IsAShareWhereTheSystemTells) {
+TEST(RealtimeShare, IsAShareWhereTheSystemProvidesIt) {
   const auto share = read_realtime_share();
   if (!share) GTEST_SKIP() << "this kernel does not say how it throttles real-time threads";
   EXPECT_GE(*share, 0.0);

@@ -25,7 +25,7 @@ struct TomlFiles : testing::Test {
     EXPECT_TRUE(reader) << (reader ? "" : reader.error().what);
     return *reader;
   }
-  // What is said of this text when it is read so.
+  // The error for this text when it is read so.
   std::string rejection(const std::string& text, const std::function<void(TomlReader&)>& read) {
     TomlReader reader = open(text);
     read(reader);

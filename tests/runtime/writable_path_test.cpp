@@ -23,7 +23,7 @@ TEST(WritablePath, TakesWhatIsThereAndWhatCanBeMade) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "b"));
 }
 
-TEST(WritablePath, RefusesWhatIsInTheWay) {
+TEST(WritablePath, RejectsAPathThatIsBlocked) {
   const ScratchFolder folder;
   const auto file = folder.write("a.csv", "x");
   EXPECT_THAT(error_of(check_writable_folder(file)), HasSubstr("a.csv is none"));

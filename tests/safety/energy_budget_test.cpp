@@ -37,7 +37,7 @@ TEST(EnergyBudget, CountsTorqueAndTurn) {
   EXPECT_NEAR(budget.spent_j(), 0.05 - 2e-5, 1e-12);
 }
 
-TEST(EnergyBudget, WhatTimeDoesNotTellTheWrenchOfNowDoes) {
+TEST(EnergyBudget, WithoutTimeThePresentWrenchDecides) {
   EnergyBudget budget;
   budget.observe(kMaxN, {Vec3(0, 0, 3), Vec3::Zero()}, Vec3(0, 0, 0.01), Vec3::Zero());
   EXPECT_NEAR(budget.spent_j(), 0.03, 1e-12);

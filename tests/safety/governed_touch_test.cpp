@@ -17,8 +17,8 @@ constexpr std::int64_t kMs = 1'000'000;
 
 struct Touch {
   double contact_s = 0.0;
-  double felt_n2 = 0.0;   // sum of squares of what was asked for, in contact
-  double error_n2 = 0.0;  // and of what was missing of it
+  double felt_n2 = 0.0;   // sum of squares of the requested force, in contact
+  double error_n2 = 0.0;  // and of the missing part
   double most_error_n = 0.0;
   double given_j = 0.0;       // to the hand, in all, at the exact position
   double most_given_j = 0.0;  // over any time
@@ -27,7 +27,7 @@ struct Touch {
 
 using Source = std::function<Vec3(const Vec3& p_WD, const Vec3& v)>;
 
-// 1 kHz, answers 100 us after the sample, `lag` samples late.
+// 1 kHz, replies 100 us after the sample, `lag` samples late.
 Touch touch(SafetyGovernor* governor, const Source& source, double seconds, std::uint64_t seed, std::size_t lag = 0) {
   SimulatedPhantom device({.seed = seed, .stylus = {}});
   Touch touch;
@@ -72,12 +72,12 @@ Source wall(double stiffness_n_per_m) {
   return [=](const Vec3& p_WD, const Vec3&) { return Vec3(0, 0, std::max(0.0, -stiffness_n_per_m * p_WD.z())); };
 }
 
-// Negative damping: pushes whatever moves.
+// Negative damping: accelerates every motion.
 Source pump(double gain_n_s_per_m) {
   return [=](const Vec3&, const Vec3& v) { return Vec3(gain_n_s_per_m * v); };
 }
 
-TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsFeltAsItIs) {
+TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsRenderedUnchanged) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SafetyGovernor governor(model_a::limits());
     const Touch felt = touch(&governor, wall(1000.0), 30.0, seed);
@@ -106,8 +106,8 @@ TEST(GovernedTouch, ASourceOfEnergyIsBounded) {
     const Touch wild = touch(nullptr, pump(gain), kSeconds, 1);
     SafetyGovernor governor(model_a::limits());
     const Touch tame = touch(&governor, pump(gain), kSeconds, 1);
-    // energy_budget.h: what is free, what is there at most, what is forgiven, and what the last force gives while it is let go. Positions
-    // are read in steps of 32 um, the judgement is on the exact ones: a tenth more.
+    // energy_budget.h: what is free, the maximum of the budget, what is forgiven, and the energy of the last force during its release.
+    // Positions are read in steps of 32 um, the bound is on the exact ones: a tenth more.
     const double bound_j =
         1.1 * model_a::kMaxForceN *
         (EnergyBudget::kFreeM + EnergyBudget::kMostM + EnergyBudget::kForgivenMPerS * kSeconds + 0.01 * model_a::kMaxSpeedMPerS);

@@ -1,6 +1,6 @@
 #pragma once
 
-// A governor with a device that answers, and someone who requests forces.
+// A governor with a simulated device, and a source of forces.
 #include <gtest/gtest.h>
 #include <cmath>
 #include <limits>
@@ -24,7 +24,7 @@ inline DeviceLimits device_limits() {
           .max_speed_m_per_s = 2.0};
 }
 
-// A device that answers, and someone who asks for forces: a cycle of 1 ms each.
+// A simulated device and a source of forces: a cycle of 1 ms each.
 struct Bench {
   explicit Bench(const DeviceLimits& limits = device_limits()) : governor(limits) {}
 
@@ -51,7 +51,7 @@ struct Bench {
   Wrench out;
 };
 
-// z from -0.09 on, at this speed, pushed along it by 1 N.
+// z from -0.09 on, at this speed, with a force of 1 N along it.
 inline void sweep(Bench& bench, double speed_m_per_s, int cycles) {
   for (int n = 0; n < cycles; ++n) {
     bench.sample.p_WD.z() += 1e-3 * speed_m_per_s;

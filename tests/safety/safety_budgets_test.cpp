@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-TEST(SafetyGovernor, WhatPushesAFastDeviceOnFadesToDamping) {
+TEST(SafetyGovernor, AForceThatAcceleratesAFastDeviceFadesToDamping) {
   double before = 1.0;
   for (const double speed : {1.0, 1.3, 1.5, 1.7, 1.9}) {
     Bench bench;
@@ -45,7 +45,7 @@ TEST(SafetyGovernor, EnergyGivenBeyondWhatIsFreeIsDampedAgainstTheMotion) {
   move(Vec3(4, 0, 0), 150);
   EXPECT_EQ(bench.out.force_n, Vec3(4, 0, 0));
   move(Vec3(0, 0, 4), 50);
-  EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 4));  // nothing is done about what is free
+  EXPECT_EQ(bench.out.force_n, Vec3(0, 0, 4));  // the free energy changes nothing
   EXPECT_EQ(bench.governor.counters().damped, 0U);
   move(Vec3(4, 0, 0), 200);
   ASSERT_GT(bench.governor.energy_spent_j(), EnergyBudget::free_j(8.0));
@@ -57,7 +57,7 @@ TEST(SafetyGovernor, EnergyGivenBeyondWhatIsFreeIsDampedAgainstTheMotion) {
   EXPECT_LT(bench.governor.energy_spent_j(), spent_j - 1e-4);
 }
 
-TEST(SafetyGovernor, TheEndOfTheWorkspaceTakesWhatPushesOutwardsAndAddsNothing) {
+TEST(SafetyGovernor, TheEndOfTheWorkspaceRemovesOutwardForceAndAddsNothing) {
   Bench bench;
   const auto at = [&](double z, double force_n) {
     bench.now_ns += 200 * kMs;

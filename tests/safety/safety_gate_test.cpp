@@ -17,7 +17,7 @@ TEST(SafetyGovernor, WhatWasLatchedBeforeItsTimeStaysLatchedUntilTheReset) {
   EXPECT_EQ(bench.press(2.0, 150), Vec3(0, 0, 2.0));
 }
 
-TEST(SafetyGovernor, IsBlindWithoutSamplesOfTheDevice) {
+TEST(SafetyGovernor, TimesOutWithoutSamplesOfTheDevice) {
   Bench bench;
   bench.press(4.0, 300);
   const std::int64_t seen_ns = bench.now_ns;
@@ -88,14 +88,14 @@ TEST(SafetyGovernor, AStylusThatIsLetGoGetsNoForceAndRampsBack) {
   EXPECT_EQ(bench.press(4.0, 100).z(), 4.0);
 }
 
-TEST(SafetyGovernor, AButtonCanBeAskedFor) {
+TEST(SafetyGovernor, AButtonCanBeRequired) {
   Bench bench;
   bench.governor.require_button(1);
   bench.sample.buttons = 0b101;
   EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
   bench.sample.buttons = 0b010;
   EXPECT_EQ(bench.press(4.0, 300).z(), 4.0);
-  // It can be asked for, never waived.
+  // It can be required, never waived.
   for (const int nonsense : {-1, 32, 1000}) bench.governor.require_button(nonsense);
   bench.governor.require_button(2);
   EXPECT_EQ(bench.press(4.0, 300), Vec3::Zero());
@@ -103,7 +103,7 @@ TEST(SafetyGovernor, AButtonCanBeAskedFor) {
   EXPECT_EQ(bench.press(4.0, 300).z(), 4.0);
 }
 
-TEST(SafetyGovernor, ASwitchIsHeldOnlyWhereTheDeviceTellsSoNow) {
+TEST(SafetyGovernor, ASwitchIsHeldOnlyWhileTheDeviceReportsIt) {
   Bench bench;
   bench.sample.buttons = 0b010;
   bench.press(4.0, 300);
@@ -167,7 +167,7 @@ TEST(SafetyGovernor, ALatchedFaultOutlivesEverythingButAResetAndThenRamps) {
   bench.press(4.0, 1);
   ASSERT_EQ(bench.governor.fault(), SafetyFault::jump);
   EXPECT_EQ(bench.press(4.0, 10), Vec3::Zero());
-  // Silence, other forces, going away, being let go, time: none of it is a reset.
+  // Timeouts, other forces, absence, release, time: none of them is a reset.
   bench.wait(500);
   bench.press(8.0, 500);
   bench.status = DeviceStatus::away;
@@ -205,7 +205,7 @@ TEST(SafetyGovernor, NoResetWhileTheDeviceStillMovesTooFast) {
   EXPECT_TRUE(bench.governor.reset_faults());
 }
 
-TEST(SafetyGovernor, TheFirstFaultIsTheOneThatIsTold) {
+TEST(SafetyGovernor, TheFirstFaultIsReported) {
   Bench bench;
   bench.press(4.0, 300);
   bench.sample.p_WD.x() = 0.05;

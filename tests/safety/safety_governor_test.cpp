@@ -79,7 +79,7 @@ TEST(SafetyGovernor, IsZeroAfterTwentyMillisecondsOfSilenceAndRampsBack) {
   }
 }
 
-// A force that was long on its way has used up its time: what counts is how old its sample is, not when it came.
+// A late force has used up its time: its age counts from its sample, not from its arrival.
 TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheSampleHoweverLateItsForceCame) {
   for (const std::int64_t age_ns : {kMs, 8 * kMs, 15 * kMs, 18 * kMs}) {
     Bench bench;
@@ -144,7 +144,7 @@ TEST(SafetyGovernor, BadNumbersNowAndThenDoNotLatch) {
   EXPECT_EQ(bench.governor.fault(), SafetyFault::none);
 }
 
-TEST(SafetyGovernor, OldRepeatedAndFutureForcesAreRefusedAndDoNotCountAsLife) {
+TEST(SafetyGovernor, OldRepeatedAndFutureForcesAreRejectedAndDoNotRenewTheTimeout) {
   Bench bench;
   bench.press(2.0, 200);
   const std::int64_t answered = bench.now_ns - 100'000;

@@ -23,7 +23,7 @@ TEST(SlewLimit, ComesIntoTheBallBeforeItFollows) {
   const Vec3 v = slew.follow(Vec3(0, 3, 0), 3.0, {1.0, 1.0});
   EXPECT_NEAR(v.x(), 3.0, 1e-9);
   EXPECT_NEAR(v.y(), 0.0, 1e-9);
-  // Letting go may be faster than following.
+  // A release may be faster than following.
   EXPECT_NEAR(slew.follow(Vec3(0, 3, 0), 1.0, {0.1, 1.5}).norm(), 1.5, 1e-9);
 }
 

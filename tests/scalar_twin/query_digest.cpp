@@ -1,4 +1,4 @@
-// Prints a checksum of what the queries of core/collision find, to the last bit. Built twice, with Float8 and with its scalar twin
+// Prints a checksum of the results of core/collision's queries, to the last bit. Built twice, with Float8 and with its scalar twin
 // (core/math/float8.h): both must print the same.
 #include <fmt/core.h>
 
@@ -9,8 +9,8 @@
 
 #include "core/collision/fdh_tree.h"
 #include "core/collision/near_triangles.h"
-#include "core/collision/neighbourhood.h"
 #include "core/collision/touch_geometry.h"
+#include "core/collision/triangle_cache.h"
 #include "core/collision/triangle_pair.h"
 #include "core/geometry/mesh_shapes.h"
 
@@ -52,9 +52,9 @@ TriangleMesh make_rough_torus(Numbers& numbers) {
 std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
   Digest digest;
   for (std::uint32_t id = 0; id < geometry.triangle_count(); ++id) digest.add(std::uint64_t{geometry.is_walkable(id)});
-  auto neighbourhood = std::make_unique<Neighbourhood>();
+  auto cache = std::make_unique<TriangleCache>();
   auto near = std::make_unique<NearTriangles>();
-  auto meetings = std::make_unique<std::array<Neighbourhood::Meeting, Neighbourhood::kCapacity>>();
+  auto candidates = std::make_unique<std::array<TriangleCache::Candidate, TriangleCache::kCapacity>>();
   for (int n = 0; n < 400; ++n) {
     const Vec3 p = numbers.vector(0.6);
     const Vec3 motion = numbers.vector(0.05);
@@ -66,20 +66,20 @@ std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
     Box region;
     region.grow(Vec3(p - Vec3::Constant(0.08)));
     region.grow(Vec3(p + Vec3::Constant(0.08)));
-    if (!neighbourhood->fill(geometry, region)) continue;
+    if (!cache->rebuild(geometry, region)) continue;
     Box way;
     way.grow(p);
     way.grow(Vec3(p + motion));
-    const int count = neighbourhood->find_meetings(p, motion, 0.002, way, *meetings);
+    const int count = cache->find_candidates(p, motion, 0.002, way, *candidates);
     for (int i = 0; i < count; ++i) {
-      digest.add((*meetings)[i].earliest);
-      digest.add(std::uint64_t{(*meetings)[i].triangle});
-      const auto across = neighbourhood->across((*meetings)[i].place, i % 3);
-      digest.add(std::uint64_t{across.place});
-      digest.add(std::uint64_t(neighbourhood->count_round((*meetings)[i].place, i % 3)));
+      digest.add((*candidates)[i].earliest);
+      digest.add(std::uint64_t{(*candidates)[i].triangle});
+      const auto adjacent = cache->adjacent((*candidates)[i].place, i % 3);
+      digest.add(std::uint64_t{adjacent.place});
+      digest.add(std::uint64_t(cache->count_at_vertex((*candidates)[i].place, i % 3)));
     }
     const std::array<Vec3, 3> polyline = {p, Vec3(p + motion), Vec3(p + 0.5 * motion)};
-    digest.add(std::uint64_t{neighbourhood->is_clear(polyline, 0.003, {})});
+    digest.add(std::uint64_t{cache->is_clear(polyline, 0.003, {})});
   }
   return digest.value();
 }

@@ -172,7 +172,7 @@ TEST(AuthoredNormals, GoWithPartsAndPoses) {
   expect_radial(*loaded->objects[0].mesh);
 }
 
-TEST(AuthoredNormals, StayWithTheirTrianglesWhenAMeshIsMended) {
+TEST(AuthoredNormals, StayWithTheirTrianglesWhenAMeshIsRepaired) {
   TriangleMesh mesh = ball();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     std::array<Eigen::Vector3f, 3> normals;

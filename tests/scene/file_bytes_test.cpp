@@ -18,7 +18,7 @@ TEST(FileBytes, GivesAllOfAFile) {
   EXPECT_EQ(*read, bytes);
 }
 
-TEST(FileBytes, RefusesWithTheReason) {
+TEST(FileBytes, RejectsWithTheReason) {
   const ScratchFolder folder;
   EXPECT_THAT(read_file_bytes(folder.write("a", "12345"), 4).error().what, HasSubstr("5 bytes, more than the 4"));
   EXPECT_THAT(read_file_bytes(folder.write("b", ""), 4).error().what, HasSubstr("empty"));

@@ -115,7 +115,7 @@ TEST(MeshFile, ReadsABufferBesideTheFileAndUnescapesItsName) {
   EXPECT_EQ(file->mesh.triangles.size(), 4U);
 }
 
-TEST(MeshFile, RefusesWhatIsNoFile) {
+TEST(MeshFile, RejectsWhatIsNoFile) {
   const ScratchFolder folder;
   EXPECT_THAT(error_of(folder.path() / "none.obj"), HasSubstr("no such file"));
   std::filesystem::create_directory(folder.path() / "a.stl");
@@ -126,7 +126,7 @@ TEST(MeshFile, RefusesWhatIsNoFile) {
   EXPECT_THAT(error_of(folder.path() / "pipe.obj"), HasSubstr("not a regular file"));
 }
 
-TEST(MeshFile, RefusesAMeshWithoutTriangles) {
+TEST(MeshFile, RejectsAMeshWithoutTriangles) {
   const ScratchFolder folder;
   EXPECT_THAT(error_of(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n")), HasSubstr("no triangles"));
   EXPECT_THAT(error_of(folder.write("a.stl", sample::binary_stl({}))), HasSubstr("no triangles"));
@@ -135,7 +135,7 @@ TEST(MeshFile, RefusesAMeshWithoutTriangles) {
   EXPECT_THAT(error_of(folder.write("a.gltf", R"({"asset":{"version":"2.0"}})")), HasSubstr("no triangles"));
 }
 
-TEST(MeshFile, RefusesCoordinatesBeyondAllMeaning) {
+TEST(MeshFile, RejectsCoordinatesBeyondAllMeaning) {
   const ScratchFolder folder;
   EXPECT_THAT(error_of(folder.write("a.obj", "v 0 0 0\nv 1e200 0 0\nv 0 1 0\nf 1 2 3\n")), HasSubstr("beyond 1e+12 m"));
 }
@@ -208,7 +208,7 @@ TEST(MeshFile, SaysWhenABufferWasCutShort) {
 }
 
 // Bytes changed at random: never a crash, a hang or an unsound mesh.
-TEST(MeshFile, StandsDamage) {
+TEST(MeshFile, SurvivesDamage) {
   const unsigned seed = 20260807;
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);
@@ -267,7 +267,7 @@ TEST(MeshFile, GivesAPartByItsName) {
   EXPECT_THAT(none.error().what, AllOf(HasSubstr("'pipe_3'"), HasSubstr("'pipe_1'")));
 }
 
-// Buffers and pictures alike, so that every other program can open what we ship.
+// Buffers and images, so that every other program can open the shipped files.
 TEST(MeshFile, ThoseThatAreShippedNameNoFileThatIsNotThere) {
   const std::filesystem::path folder = HAPTON_SOURCE_DIR "/meshes";
   int files = 0;

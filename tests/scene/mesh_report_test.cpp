@@ -71,7 +71,7 @@ TEST_P(MeshReports, AgreeWithTheFiguresOfTheMeshes) {
   EXPECT_EQ(t.components, expected.components);
   EXPECT_EQ(report->file.parts.size(), expected.parts);
   EXPECT_EQ(report->flaws.borders.open + report->flaws.borders.cracks, expected.boundary_edges);
-  EXPECT_EQ(report->flaws.mend.dropped_duplicates + report->flaws.mend.double_faces, expected.duplicate_triangles);
+  EXPECT_EQ(report->flaws.repair.dropped_duplicates + report->flaws.repair.double_faces, expected.duplicate_triangles);
   EXPECT_EQ(t.is_closed(), expected.closed);
   for (int axis = 0; axis < 3; ++axis) expect_digits(t.highest[axis] - t.lowest[axis], expected.extents[axis], 6);
   expect_digits(t.signed_volume, expected.signed_volume, 5);
@@ -94,16 +94,16 @@ TEST(MeshReport, SaysTheSameAsTextAndAsJson) {
   EXPECT_NEAR(json["highest_m"][0].get<double>(), 0.3556, 1e-9);
 }
 
-TEST(MeshReport, SaysWhatSmoothWouldMend) {
+TEST(MeshReport, SaysWhatSmoothWouldRepair) {
   const auto report = make_mesh_report(HAPTON_SOURCE_DIR "/meshes/multibody_ascii.stl", std::nullopt);
   ASSERT_TRUE(report) << report.error().what;
-  EXPECT_GT(report->flaws.mend.turned, 0U);
-  EXPECT_THAT(to_text(*report), HasSubstr(report->flaws.mend.describe()));
-  EXPECT_EQ(nlohmann::json::parse(to_json(*report))["mend"]["turned"], report->flaws.mend.turned);
+  EXPECT_GT(report->flaws.repair.turned, 0U);
+  EXPECT_THAT(to_text(*report), HasSubstr(report->flaws.repair.describe()));
+  EXPECT_EQ(nlohmann::json::parse(to_json(*report))["repair"]["turned"], report->flaws.repair.turned);
 }
 
 // A square of two triangles; the same with one of them twice, and with one of them on both sides.
-TEST(MeshReport, TellsDuplicatesFromDoubleFaces) {
+TEST(MeshReport, DistinguishesDuplicatesFromDoubleFaces) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
   const ScratchFolder folder;
   const auto twice = make_mesh_report(folder.write("twice.obj", square + "f 2 3 1\n"), std::nullopt);
@@ -128,14 +128,14 @@ TEST(MeshReport, SaysThatABodyIsInsideOut) {
 }
 
 // Two squares side by side, a ten-thousandth apart: six edges look out, two at each other.
-TEST(MeshReport, TellsCracksFromBorders) {
+TEST(MeshReport, DistinguishesCracksFromBoundaries) {
   const ScratchFolder folder;
   const auto report = make_mesh_report(folder.write("a.obj",
                                                     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1.0001 0 0\nv 2 0 0\nv 2 1 0\nv 1.0001 1 0\n"
                                                     "f 1 2 3\nf 1 3 4\nf 5 6 7\nf 5 7 8\n"),
                                        std::nullopt);
   ASSERT_TRUE(report) << report.error().what;
-  EXPECT_EQ(to_text(report->flaws), "not closed: open border edges 6, crack edges 2");
+  EXPECT_EQ(to_text(report->flaws), "not closed: open boundary edges 6, crack edges 2");
 }
 
 TEST(MeshReport, SaysThatNotAllCracksWereLookedFor) {

@@ -98,7 +98,7 @@ TEST(Polygon, GivesAFanWhereNothingBetterExists) {
   }
 }
 
-TEST(Polygon, RefusesOnlyHollowOnesWithTooManyCorners) {
+TEST(Polygon, RejectsOnlyHollowOnesWithTooManyCorners) {
   std::vector<Vec3> round;
   for (int i = 0; i < 5000; ++i)
     round.emplace_back(std::cos(2 * std::numbers::pi * i / 5000), std::sin(2 * std::numbers::pi * i / 5000), 0);

@@ -78,7 +78,7 @@ TEST(ReadObj, TakesAByteOrderMark) {
   EXPECT_TRUE(raw->notes.empty());
 }
 
-TEST(ReadObj, TellsTheLineOfAFault) {
+TEST(ReadObj, NamesTheLineOfAFault) {
   EXPECT_THAT(error_of(read_obj(kThree + "f 1 2 9\n")), AllOf(HasSubstr("line 4"), HasSubstr("9 is out of range")));
   EXPECT_THAT(error_of(read_obj(kThree + "f 0 1 2\n")), HasSubstr("0 is out of range"));
   EXPECT_THAT(error_of(read_obj(kThree + "f -1 -2 -4\n")), HasSubstr("-4 is out of range"));
@@ -109,7 +109,7 @@ TEST(ReadStl, TakesSeveralSolidsInEitherCase) {
   EXPECT_THAT(raw->mesh.triangles, SizeIs(8));
 }
 
-TEST(ReadStl, TellsWhereAFaultIs) {
+TEST(ReadStl, NamesThePositionOfAFault) {
   std::string quad = sample::ascii_stl(sample::tetrahedron());
   quad.insert(quad.find("  endloop"), "   vertex 0 0 0\n");
   EXPECT_THAT(error_of(read_stl(quad)), AllOf(HasSubstr("line 7"), HasSubstr("'vertex' where 'endloop' belongs")));
@@ -141,7 +141,7 @@ TEST(ReadPly, SkipsWhatIsNotGeometry) {
   EXPECT_THAT(raw->mesh.triangles, SizeIs(2));
 }
 
-TEST(ReadPly, TellsWhereAFaultIs) {
+TEST(ReadPly, NamesThePositionOfAFault) {
   const auto with = [](const std::string& what, const std::string& by) {
     std::string text = sample::ascii_ply(sample::tetrahedron());
     text.replace(text.find(what), what.size(), by);
@@ -165,7 +165,7 @@ TEST(ReadPly, TellsWhereAFaultIs) {
   EXPECT_THAT(with("3 0 1 2", "4000000000 0 1 2"), HasSubstr("ends too early"));
 }
 
-TEST(ReadPly, TellsTheByteOfAFaultInBinary) {
+TEST(ReadPly, NamesTheByteOfAFaultInBinary) {
   std::string bytes = sample::binary_ply(sample::tetrahedron());
   const std::int32_t index = 70000;
   std::memcpy(bytes.data() + bytes.size() - 4, &index, sizeof index);
@@ -178,7 +178,7 @@ std::string gltf_with(const std::string& what, const std::string& by) {
   return error_of(read_gltf(text, "."));
 }
 
-TEST(ReadGltf, TellsWhatIsWrong) {
+TEST(ReadGltf, SaysWhatIsWrong) {
   EXPECT_THAT(gltf_with("\"2.0\"", "\"1.0\""), HasSubstr("version '1.0'"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":5"), HasSubstr("nodes[0].mesh is 5, out of range"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":-1"), HasSubstr("nodes[0].mesh is -1"));
@@ -265,7 +265,7 @@ TEST(ReadGltf, TakesQuantizedPositions) {
   EXPECT_THAT(raw->mesh.vertices, ElementsAre(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, -1, 0)));
 }
 
-TEST(ReadGlb, TellsWhatIsWrong) {
+TEST(ReadGlb, SaysWhatIsWrong) {
   std::string bytes = sample::glb(sample::gltf_json(sample::tetrahedron(), ""), sample::gltf_buffer(sample::tetrahedron()));
   EXPECT_THAT(error_of(read_glb("glTX" + bytes.substr(4), ".")), HasSubstr("does not begin with 'glTF'"));
   std::string version = bytes;

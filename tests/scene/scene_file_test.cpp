@@ -119,7 +119,7 @@ TEST_F(SceneFile, FitsAllObjectsTogetherAroundTheOrigin) {
   EXPECT_NEAR(box.sizes().y(), 0.3 * 2.25 / 6.0, kTiny);
 }
 
-TEST_F(SceneFile, RefusesToFitAPoint) {
+TEST_F(SceneFile, RejectsToFitAPoint) {
   folder_.write("point.obj", "v 1 1 1\nf 1 1 1\n");
   EXPECT_THAT(error_of("fit_m = [1, 1, 1]\n[[object]]\nmesh = 'point.obj'\n"), HasSubstr("one point"));
   folder_.write("line.obj", "v 1 1 1\nv 3 1 1\nf 1 2 2\n");
@@ -155,7 +155,7 @@ TEST_F(SceneFile, HintsAtTheKeyThatWasMeant) {
   EXPECT_THAT(error_of("[[object]]\nmesh = 'a.obj'\nmaterial = 'steal'\n[material.steel]\n"), HasSubstr("did you mean 'steel'?"));
 }
 
-TEST_F(SceneFile, RefusesAbsurdMaterials) {
+TEST_F(SceneFile, RejectsAbsurdMaterials) {
   EXPECT_THAT(material_error("stiffness_n_per_m = -1"), AllOf(HasSubstr("line 5"), HasSubstr("'stiffness_n_per_m'"), HasSubstr("-1")));
   EXPECT_THAT(material_error("stiffness_n_per_m = 0"), HasSubstr("must be above 0"));
   EXPECT_THAT(material_error("stiffness_n_per_m = inf"), HasSubstr("inf"));
@@ -167,7 +167,7 @@ TEST_F(SceneFile, RefusesAbsurdMaterials) {
   EXPECT_THAT(material_error("two_sided = 1"), HasSubstr("true or false"));
 }
 
-TEST_F(SceneFile, RefusesAbsurdObjects) {
+TEST_F(SceneFile, RejectsAbsurdObjects) {
   EXPECT_THAT(object_error("scale = 0"), AllOf(HasSubstr("line 3"), HasSubstr("above 0")));
   EXPECT_THAT(object_error("scale = -1"), HasSubstr("above 0"));
   EXPECT_THAT(object_error("unit = 'ft'"), HasSubstr("'ft'"));
@@ -182,7 +182,7 @@ TEST_F(SceneFile, RefusesAbsurdObjects) {
   EXPECT_THAT(error_of("[[object]]\nmesh = 3\n"), HasSubstr("text in quotes"));
 }
 
-TEST_F(SceneFile, RefusesWhatIsNoScene) {
+TEST_F(SceneFile, RejectsWhatIsNoScene) {
   EXPECT_THAT(error_of("# nothing\n"), HasSubstr("no [[object]]"));
   EXPECT_THAT(error_of("object = []\n"), HasSubstr("no [[object]]"));
   EXPECT_THAT(error_of("object = 1\n"), HasSubstr("line 1: 'object' must be tables that begin with [[object]]"));
@@ -198,7 +198,7 @@ TEST_F(SceneFile, RefusesWhatIsNoScene) {
               HasSubstr("leave the unit out"));
 }
 
-TEST_F(SceneFile, StandsBeingCutAnywhere) {
+TEST_F(SceneFile, SurvivesBeingCutAnywhere) {
   const std::string text =
       "fit_m = [1, 1, 1]\n[[object]]\nmesh = 'a.obj'\nrotation_deg = [0, 90, 0]\nmaterial = 'm'\n[material.m]\nfriction_static = 0.5\n";
   for (std::size_t size = 0; size < text.size(); ++size) {
@@ -234,7 +234,7 @@ TEST(ShippedScenes, TheCarFrontFacesTheHand) {
   const TriangleMesh& mesh = *scene->objects[0].mesh;
   EXPECT_THAT(mesh.triangles, SizeIs(3300));
   EXPECT_NEAR(box_of(*scene).sizes().x(), 0.267, 1e-9);
-  // It was cut off at the back, so the open borders lie at the least z, and the bonnet rises towards the back.
+  // It was cut off at the back, so the open boundaries are at the lowest z, and the bonnet rises towards the back.
   double top_front = -1;
   double top_back = -1;
   for (const Vec3& v : mesh.vertices) (v.z() > 0 ? top_front : top_back) = std::max(v.z() > 0 ? top_front : top_back, v.y());
@@ -248,7 +248,7 @@ TEST(ShippedScenes, TheAssemblyHasSixObjects) {
   EXPECT_NE(scene->objects[0].material.stiffness_n_per_m, scene->objects[2].material.stiffness_n_per_m);
 }
 
-// What is seen and what is felt of one file are the same scene, however cracks are treated; another unit, pose or mesh is another one.
+// The drawn and the haptic scene of one file are the same, however cracks are treated; another unit, pose or mesh is another scene.
 TEST(SceneAsGiven, HasAHashOfWhatTheFilesGive) {
   const ScratchFolder folder;
   folder.write("a.stl", sample::binary_stl(sample::tetrahedron()));

@@ -16,7 +16,7 @@ std::uint64_t hash_of(const TriangleMesh& mesh, const Material& material = {}) {
 
 TEST(SceneHash, EqualScenesHaveEqualHashes) { EXPECT_EQ(hash_of(corner()), hash_of(corner())); }
 
-TEST(SceneHash, WhateverCanBeFeltChangesIt) {
+TEST(SceneHash, WhateverChangesTheForceChangesIt) {
   std::set<std::uint64_t> hashes = {hash_of(corner())};
   TriangleMesh moved = corner();
   moved.vertices[1].x() = 1.0 + 1e-15;

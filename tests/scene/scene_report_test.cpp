@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(SceneReport, TellsOfEveryObject) {
+TEST(SceneReport, DescribesEveryObject) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/nist_assembly.toml");
   ASSERT_TRUE(report) << report.error().what;
   const std::string text = to_text(*report);

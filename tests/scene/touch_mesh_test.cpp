@@ -42,7 +42,7 @@ TEST_F(TouchMeshes, AreSealedWhenTheyAreLoaded) {
   EXPECT_THAT(load_touch_mesh(folder_.path() / "whole.obj")->notes, IsEmpty());
 }
 
-TEST_F(TouchMeshes, AreLeftAsTheyAreWhereThatIsAskedFor) {
+TEST_F(TouchMeshes, AreLeftAsTheyAreOnRequest) {
   const auto touch = load_touch_mesh(folder_.path() / "cracked.obj", std::nullopt, CrackSealing::off);
   ASSERT_TRUE(touch) << touch.error().what;
   EXPECT_EQ(touch->mesh.triangles, load_mesh_file(folder_.path() / "cracked.obj")->mesh.triangles);
@@ -60,17 +60,17 @@ TEST_F(TouchMeshes, OfAMeshFileAndOfAScene) {
   ASSERT_TRUE(scene) << scene.error().what;
   EXPECT_TRUE(count_edges(*scene->objects[0].mesh).closed());
   EXPECT_TRUE(count_edges(*scene->objects[1].mesh).closed());
-  EXPECT_EQ(count_edges(*scene->objects[2].mesh).border, 144U);
+  EXPECT_EQ(count_edges(*scene->objects[2].mesh).boundary, 144U);
   EXPECT_THAT(scene->notes, ElementsAre(AllOf(HasSubstr("cracked.obj: sealed cracks"), HasSubstr("144"))));  // once for both
   const auto unsealed = load_scene(folder_.path() / "a.toml", {.sealing = CrackSealing::off});
   ASSERT_TRUE(unsealed);
-  EXPECT_EQ(count_edges(*unsealed->objects[0].mesh).border, 144U);
+  EXPECT_EQ(count_edges(*unsealed->objects[0].mesh).boundary, 144U);
   EXPECT_THAT(unsealed->notes, IsEmpty());
   EXPECT_THAT(load_scene(folder_.write("b.toml", "[[object]]\nmesh = 'cracked.obj'\nseal_cracks = 1\n")).error().what,
               HasSubstr("'seal_cracks' in [[object]] 1 must be true or false"));
 }
 
-// What is drawn is as it came, and where it is touched.
+// The drawn mesh is unchanged, and where it is touched.
 TEST_F(TouchMeshes, FittedAreInTheSamePlaceSealedAndUnsealed) {
   const auto path = folder_.write("fit.toml",
                                   "fit_m = [0.3, 0.3, 0.3]\n[[object]]\nmesh = 'cracked.obj'\n[[object]]\nmesh = 'whole.obj'\n"

@@ -13,8 +13,8 @@
 #include <new>
 #include <string>
 
-// Where a test and the stand-in of a vendor's library meet, in one process or in two: memory shared through a file, whose path the library
-// finds in HAPTON_STANDIN_BOARD. The test sets what the hardware does and reads what was done to it.
+// Shared memory between a test and the stand-in of a vendor's library, in one process or in two: a file, whose path the library finds in
+// HAPTON_STANDIN_BOARD. The test sets what the hardware does and reads what was done to it.
 namespace hapton::standin {
 
 constexpr const char* kBoardVariable = "HAPTON_STANDIN_BOARD";
@@ -27,14 +27,14 @@ struct Board {
   std::atomic<int> is_plugged{1};
   std::atomic<int> calibration{0};           // 0 good, 1 needs update, 2 needs a person
   std::atomic<int> calibration_style{4};     // HD: 1 encoder reset, 2 auto, 4 inkwell, or several
-  std::atomic<int> updates_until_good{1};    // so many calls of the calibration make it good; 0: never
+  std::atomic<int> updates_until_good{1};    // after this many calls the calibration is good; 0: never
   std::atomic<unsigned> error_each_tick{0};  // HD: reported after each frame
   std::atomic<unsigned> error_once{0};       // HD: reported after the next frame
   std::atomic<int> known_name{0};            // HD: 0 "Default Device", 1 "Default PHANToM", 2 the default alone, 3 "Left Hand"
   std::atomic<unsigned> open_error{0};       // HD: what opening reports, plugged or not
   std::atomic<double> motor_temperature{0.2};
   std::atomic<int> slow_us{0};          // each tick takes so much longer
-  std::atomic<int> stands_still{0};     // the scheduler calls nobody
+  std::atomic<int> stands_still{0};     // the scheduler makes no calls
   std::atomic<int> force_off_cause{0};  // DHD: not 0: the firmware has let the force go
   std::atomic<int> system_type{33};     // DHD
   std::atomic<int> result{0};           // DHD: of every call that moves data: 1 time guard, 2 saturated
@@ -45,7 +45,7 @@ struct Board {
   Vector hand_m{};                   // device axes
   Vector turn_rad{};                 // of the stylus, about x, then y, then z
 
-  // Told by the stand-in. Forces as they were given, in the device's own units and axes.
+  // Written by the stand-in. Forces unchanged, in the device's own units and axes.
   Vector position_m{};
   Vector force{};
   Vector torque{};
@@ -66,19 +66,19 @@ struct Board {
 };
 static_assert(std::atomic<double>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free);
 
-// The board of a file. The test makes it, the stand-in maps it.
+// The board of a file. The test creates it, the stand-in maps it.
 class BoardFile {
  public:
-  // Test: makes the file and names it to whoever is started from now on.
+  // Test: creates the file and names it to all programs started from now on.
   explicit BoardFile(const std::filesystem::path& path, const char* variable = kBoardVariable)
       : BoardFile(path.c_str(), O_RDWR | O_CREAT | O_TRUNC) {
     new (board_) Board;
     ::setenv(variable, path.c_str(), 1);
   }
-  // Stand-in: the one that the environment names.
+  // Stand-in: the one named in the environment.
   static Board& of_environment(const char* variable = kBoardVariable) {
     static Board alone;
-    // Kept, should someone still look at the one before.
+    // Kept, in case the previous one is still read.
     static std::map<std::string, BoardFile> mapped;
     const char* path = std::getenv(variable);
     if (path == nullptr) return alone;

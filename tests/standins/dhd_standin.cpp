@@ -1,4 +1,4 @@
-// Our own library with the binary interface of libdrd, as far as it is used, and a point mass in place of a device.
+// Our own library with the binary interface of libdrd, as far as it is used, and a point mass instead of a device.
 #include <chrono>
 #include <thread>
 

@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// Stands in for the Haply Inverse Service: an inventory first, then one state for each message, over a WebSocket of 127.0.0.1. One client
-// at a time, in a thread of its own.
+// A stand-in for the Haply Inverse Service: an inventory first, then one state for each message, over a WebSocket of 127.0.0.1. One client
+// at a time, in its own thread.
 class HaplyService {
  public:
   // port 0: any free one.
@@ -21,12 +21,12 @@ class HaplyService {
   std::uint16_t port() const { return port_; }
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
 
-  // What it does from now on.
+  // Its behaviour from now on.
   std::atomic<bool> is_plugged{true};
   std::atomic<bool> is_calibrated{true};
   std::atomic<bool> has_grip{true};
-  std::atomic<bool> is_silent{false};  // takes messages and answers none
-  std::atomic<bool> babbles{false};    // answers with something else
+  std::atomic<bool> is_silent{false};  // accepts messages and never replies
+  std::atomic<bool> babbles{false};    // replies with something else
   std::array<std::atomic<double>, 3> position_m{0.0, -0.12, 0.15};
   std::atomic<int> buttons{0};
 

@@ -8,10 +8,10 @@
 
 namespace hapton::standin {
 
-// A stylus of 50 g held by a hand: spring and damper to where the hand is, pushed by the motors. Device axes, SI.
+// A stylus of 50 g held by a hand: spring and damper to the hand's position, driven by the motors. Device axes, SI.
 class PointMass {
  public:
-  // At rest where the hand is.
+  // At rest at the hand's position.
   void place(Board& board) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       board.position_m[axis] = position_m_[axis] = board.hand_m[axis];
@@ -35,7 +35,7 @@ class PointMass {
     }
   }
 
-  // What was given to the motors, for the test to read.
+  // Records the motors' force for the test.
   static void note_force(Board& board, const std::array<double, 3>& force, const std::array<double, 3>& torque, bool is_calibrated) {
     double norm2 = 0.0, step2 = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -135,7 +135,7 @@ std::string method_of(const std::string& path) {
   return std::regex_match(path, method, kMethod) ? method[1].str() : "";
 }
 
-// A method can be read, changed and taken out alone. The proxy follows spheres by a part of its own; evaluation compares methods.
+// Each method can be read, changed and removed alone. The proxy has its own part for spheres; evaluation compares methods.
 bool may_know_method(const std::string& from, const std::string& included) {
   const std::string own = method_of(from);
   const std::string other = method_of(included);
@@ -177,7 +177,7 @@ TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
               IsEmpty());
 }
 
-// Two exceptions, which see no network: what is said to systemd goes by its socket, and the watchdog waits for the end of a process by
+// Two exceptions without network: the notification to systemd uses its socket, and the watchdog waits for the end of a process by
 // poll.
 bool may_see(const std::string& file, const std::string& socket) {
   if (file == "runtime/service_notify.cpp") return socket == "sys/socket.h" || socket == "sys/un.h";
@@ -223,7 +223,7 @@ TEST(Sources, ThrowNothingOfOurs) {
   EXPECT_THAT(find_files(kFolders, [](const SourceFile& file) { return std::regex_search(file.code, kThrow); }), IsEmpty());
 }
 
-// Who may look at the wall clock, which people and daemons set, and why. Everything else goes by CLOCK_MONOTONIC.
+// Files that may read the wall clock, which people and daemons set, and why. Everything else uses CLOCK_MONOTONIC.
 const std::map<std::string, std::string> kMayReadTheDate = {
     {"io_node/session_setup.cpp", "a recording says on what day it was made"},
     {"link/random_id.cpp", "one more source of chance, should the system have none"},

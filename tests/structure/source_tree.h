@@ -21,7 +21,7 @@ struct SourceFile {
 // Every .h and .cpp under a folder of the repository root, sorted by path. A folder that is not there gives none.
 std::vector<SourceFile> read_folder(const std::string& folder);
 
-// Reads one file's text (the part of read_folder that can be tested by itself).
+// Reads one file's text (the part of read_folder that can be tested alone).
 SourceFile read_source(const std::string& path, const std::string& text);
 
 bool exists(const std::string& path);

@@ -11,7 +11,7 @@
 
 namespace {
 
-// Plain data, so that counting needs no set-up of its own when a thread's first allocation comes.
+// Plain data, so that counting needs no set-up of its own at a thread's first allocation.
 thread_local std::uint64_t allocations __attribute__((tls_model("initial-exec"))) = 0;
 
 }  // namespace
@@ -31,7 +31,7 @@ static const int installed =
 
 #else
 
-// glibc's own entry points under other names: the program's malloc takes their place, and operator new calls it.
+// glibc's own entry points under other names: the program's malloc replaces them, and operator new calls it.
 constexpr bool kCanCount = true;
 extern "C" {
 void* __libc_malloc(std::size_t size);

@@ -98,9 +98,9 @@ inline Sealed seal_checked(const TriangleMesh& given, const std::string& what, d
   }
   const EdgeCensus before = count_edges(without_repeats(given));
   const EdgeCensus after = count_edges(without_repeats(mesh));
-  EXPECT_EQ(before.border, report.boundary_edges);
-  EXPECT_EQ(after.border, report.boundary_edges_left);
-  EXPECT_LE(after.border, before.border);
+  EXPECT_EQ(before.boundary, report.boundary_edges);
+  EXPECT_EQ(after.boundary, report.boundary_edges_left);
+  EXPECT_LE(after.boundary, before.boundary);
   EXPECT_LE(after.non_manifold, before.non_manifold);
   EXPECT_LE(count_same_vertices(mesh), count_same_vertices(given));
   EXPECT_LE(compute_mesh_topology(mesh).degenerate_triangles, compute_mesh_topology(given).degenerate_triangles);

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// Proves that code asks nothing of the kernel. RT: no.
+// Proves that code makes no system calls. RT: no.
 class SystemCallGuard {
  public:
   // Runs `prepare` and then `work` in a process of its own; during `work` the first system call ends that process. Allowed are exit and

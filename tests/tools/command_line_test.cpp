@@ -63,7 +63,7 @@ TEST_F(CommandLineTest, FillsVariablesOfEveryKind) {
   EXPECT_TRUE(flag);
 }
 
-TEST_F(CommandLineTest, SaysWhatAnOptionTakesWhenItIsRefused) {
+TEST_F(CommandLineTest, SaysWhatAnOptionTakesWhenItIsRejected) {
   int cpu = 0;
   double share = 0.0;
   double stiffness = 1.0;

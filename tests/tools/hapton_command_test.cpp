@@ -162,13 +162,13 @@ TEST_F(HaptonCommandTest, UnknownFlagsAreHinted) {
   EXPECT_THAT(grouped.err, HasSubstr("did you mean '--mesh'?"));
 }
 
-TEST_F(HaptonCommandTest, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
+TEST_F(HaptonCommandTest, AnOutputThatCannotBeWrittenIsRejectedBeforeTheWork) {
   const Seen seen = run({"replay", "--trajectory", path("none.csv"), "--out", path("t.obj/r.csv"), "--mesh", path("none.obj")});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("cannot be a folder"));
 }
 
-TEST_F(HaptonCommandTest, ReplayWritesWhatWasFelt) {
+TEST_F(HaptonCommandTest, ReplayWritesTheForces) {
   const Seen seen = run(replay({"--mesh", path("t.obj"), "--unit", "mm", "--stiffness", "2000", "--repeat", "2", "--grid", "4x3x2"}));
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.out, HasSubstr("4 x 3 x 2 cells"));
@@ -211,7 +211,7 @@ TEST_F(HaptonCommandTest, ReplaySaysWhatItCannotDo) {
   EXPECT_EQ(run(replay({"--mesh", path("t.obj"), "--repeat", "0"})).code, 2);
 }
 
-TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatItTookForSharp) {
+TEST_F(HaptonCommandTest, SmoothSaysHowItSimplifiedAndWhatCountedAsSharp) {
   std::vector<std::string> words = replay({"--mesh", path("t.obj"), "--unit", "mm", "--simplify", "0.5mm", "--crease", "70"});
   *(std::find(words.begin(), words.end(), "sweep")) = "smooth";
   const Seen seen = run(words);
@@ -244,7 +244,7 @@ TEST_F(HaptonCommandTest, GovernorHoldsAndSaysHowNearItCame) {
   EXPECT_EQ(run({"governor", "--program", "7"}).code, 0);
 }
 
-TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
+TEST_F(HaptonCommandTest, SetRejectsBeforeItContactsTheHub) {
   EXPECT_THAT(run({"set"}).err, HasSubstr("nothing to set"));
   EXPECT_THAT(run({"set", "--method", "nope"}).err, HasSubstr("'nope'"));
   EXPECT_EQ(run({"set", "--rate", "100"}).code, 2);
@@ -254,12 +254,23 @@ TEST_F(HaptonCommandTest, SetRefusesBeforeItAsksTheHub) {
 // It takes the flags of `bench numbers`, and checks its folder before it measures.
 TEST_F(HaptonCommandTest, BenchAloneMeasuresTheNumbersToBeat) {
   std::ofstream(folder_ / "a file");
-  const Seen seen = run({"bench", "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
+  const Seen seen = run({"bench", "--quick", "--compared-steps", "20", "--out", path("a file/numbers")});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("a file is none"));
 }
 
-TEST_F(HaptonCommandTest, StressRefusesADynamicFrictionAboveTheStaticOne) {
+TEST_F(HaptonCommandTest, BenchTakesTheOldNameOfComparedStepsAndSaysSo) {
+  std::ofstream(folder_ / "a file");
+  for (const std::string kind : {"numbers", "pareto"}) {
+    const Seen seen = run({"bench", kind, "--quick", "--judged-steps", "20", "--out", path("a file/numbers")});
+    EXPECT_EQ(seen.code, 2) << kind;
+    EXPECT_THAT(seen.err, HasSubstr("--judged-steps is now --compared-steps")) << kind;
+    EXPECT_THAT(run({"bench", kind, "--judged-steps", "1", "--out", path("numbers")}).err, HasSubstr("--compared-steps")) << kind;
+    EXPECT_THAT(run({"bench", kind, "--help"}).out, Not(HasSubstr("judged"))) << kind;
+  }
+}
+
+TEST_F(HaptonCommandTest, StressRejectsADynamicFrictionAboveTheStaticOne) {
   const Seen seen = run({"stress", "--body", "box", "--friction-dynamic", "0.3"});
   EXPECT_EQ(seen.code, 1);
   EXPECT_THAT(seen.err, HasSubstr("dynamic friction 0.3 is above static friction 0"));

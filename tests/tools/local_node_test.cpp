@@ -49,7 +49,7 @@ TEST(LocalNode, IsKilledAsByACrash) {
   EXPECT_THAT(node.check_running().error().what, HasSubstr("137"));
 }
 
-// Gone, or ended and not yet collected by whoever inherited it.
+// Gone, or ended and not yet collected by its parent.
 bool has_ended(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string number;

@@ -32,7 +32,7 @@ TEST(MethodFlags, SetTheSweepsGridAndOffset) {
   EXPECT_DOUBLE_EQ(settings->offset_m, 0.000254);
 }
 
-TEST(MethodFlags, RefuseWhatIsNoSetting) {
+TEST(MethodFlags, RejectUnknownSettings) {
   EXPECT_THROW(settings_from("--offset-in 0"), CLI::ValidationError);
   EXPECT_THROW(settings_from("--probe-radius -1"), CLI::ValidationError);
   EXPECT_FALSE(settings_from("--grid 0"));

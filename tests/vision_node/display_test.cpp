@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-TEST(Display, SaysWhatIsMissingAndHowToMendIt) {
+TEST(Display, SaysWhatIsMissingAndHowToFixIt) {
   const std::string real = std::getenv("DISPLAY");
   for (const char* wrong : {"", ":9876"}) {
     setenv("DISPLAY", wrong, 1);

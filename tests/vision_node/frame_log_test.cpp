@@ -28,7 +28,7 @@ TEST(FrameLog, SlowPicturesAreNoPause) {
   EXPECT_NEAR(log.rate_hz(), 1.0, 1e-6);
 }
 
-TEST(FrameLog, SaysHowOldTheProbeIsInMillisecondsAndFramesAndHowLongTheFirstPictureTook) {
+TEST(FrameLog, SaysHowOldTheProbeIsInMillisecondsAndFramesAndHowLongTheFirstFrameTook) {
   FrameLog log;
   EXPECT_EQ(log.describe_motion(), "");
   log.drew(0, 80 * kMs);

@@ -101,7 +101,7 @@ TEST_F(HandRoute, FromTheBackOfAThinSheetOutBesideItAndOnItsFrontStraight) {
   EXPECT_GT(std::hypot(out.x() - 200.0, out.y() - 200.0), 80.0);
 }
 
-// What is felt decides where the tip is: the hand pulls the device, the method keeps the tip on the side where it touched first.
+// The force decides where the tip is: the hand pulls the device, the method keeps the tip on the side where it touched first.
 class LedThroughAMethod : public HandRoute {
  protected:
   static constexpr double kHalf = 0.05;
@@ -120,7 +120,7 @@ class LedThroughAMethod : public HandRoute {
     });
   }
 
-  // Three seconds of a hand that goes 0.3 m/s, told where to every 4 ms.
+  // Three seconds of a hand at 0.3 m/s that receives a new goal every 4 ms.
   MethodOutput lead(const Vec3& from, const Vec3& goal, bool by_route) const {
     const auto method = make_method({}, scene_);
     if (!method) throw std::runtime_error(method.error().what);

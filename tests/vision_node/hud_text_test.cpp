@@ -72,7 +72,7 @@ TEST(Hud, SaysWhyThereIsNoForce) {
   EXPECT_NE(compose_hud(facts).find("free"), std::string::npos);
 }
 
-TEST(Hud, WarnsOfASceneThatCannotBeReachedOrIsNotTheOneFelt) {
+TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   HudFacts facts;
   facts.connected = true;
   const std::string plain = compose_hud(facts);

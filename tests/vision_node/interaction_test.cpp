@@ -50,7 +50,7 @@ TEST_F(InteractionTest, KeysTurnTheDialsBothWays) {
   EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
 }
 
-TEST_F(InteractionTest, RightDragGoesRoundTheSceneAndTurnsNothingThatIsFelt) {
+TEST_F(InteractionTest, RightDragGoesRoundTheSceneWithoutTurningIt) {
   give(mouse(Kind::press, 100, 100, Button::right));
   give(mouse(Kind::move, 110, 100));
   EXPECT_LT(hands_.camera().yaw_rad, 0.0) << "what is seen goes with the mouse";
@@ -185,7 +185,7 @@ TEST_F(InteractionTest, WheelMovesTheHeldHandInDepth) {
   EXPECT_LT(hand->p_WH.z(), view_.p_WD.z()) << "away from the viewer";
 }
 
-TEST_F(InteractionTest, LettingGoIsToldAndToldAgainButNotForEver) {
+TEST_F(InteractionTest, AReleaseIsSentRepeatedlyButNotForEver) {
   give(mouse(Kind::press, 0, 0, Button::left));
   ASSERT_TRUE(hands_.take_hand(0));
   give(mouse(Kind::release, 0, 0, Button::left));
@@ -200,7 +200,7 @@ TEST_F(InteractionTest, LettingGoIsToldAndToldAgainButNotForEver) {
   EXPECT_LE(told, 6);
 }
 
-TEST_F(InteractionTest, AHeldHandIsToldAgainWhileItRests) {
+TEST_F(InteractionTest, AHeldHandIsSentAgainWhileItRests) {
   give(mouse(Kind::press, 0, 0, Button::left));
   int told = 0;
   for (int ms = 0; ms < 1000; ++ms) told += hands_.take_hand(ms * kMs).has_value();

@@ -60,7 +60,7 @@ void expect_quarters(StereoView& view, int tolerance) {
   near(0.5, 0.5, {0, 255, 0});
   near(-0.5, -0.5, {0, 0, 255});
   near(0.5, -0.5, {255, 255, 255});
-  // Up to the border of two colours.
+  // Up to the boundary of two colours.
   near(-0.05, 0.5, {255, 0, 0});
   near(0.05, 0.5, {0, 255, 0});
 }

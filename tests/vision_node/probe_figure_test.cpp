@@ -149,7 +149,7 @@ TEST(ProbeFigure, TheTipIsSeenThoughTheForcePointsAtTheViewer) {
   EXPECT_GT(measure(view->read_picture(), is_tip, 0, 720).count, 0.3 * alone);
 }
 
-TEST(ProbeFigure, ABallIsDrawnAsLargeAsItIsFelt) {
+TEST(ProbeFigure, ASphereIsDrawnAtItsHapticSize) {
   auto view = open_or_fail(plain_settings(StereoMode::mono, 720, 720), {});
   ASSERT_TRUE(view);
   ProbeShown probe;

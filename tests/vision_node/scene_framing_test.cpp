@@ -133,7 +133,7 @@ TEST(SceneFraming, GoesByTheDialsAtTheStart) {
   EXPECT_LT((pixel_of(framing, dials.compute_pose(Vec3::Zero()) * Vec3(0.08, 0.0, 0.0)) - Vec2(640.0, 360.0)).norm(), 1.0);
 }
 
-TEST(SceneFraming, TakesTheSizeItIsTold) {
+TEST(SceneFraming, UsesTheGivenSize) {
   VisionOptions options = in_window();
   options.view_mm = 50.0;
   EXPECT_EQ(frame_scene(ball_at(Vec3::Zero(), 0.05), options).view_m, 0.05);

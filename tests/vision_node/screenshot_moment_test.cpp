@@ -31,7 +31,7 @@ TEST(ScreenshotMoment, ExitIsLeftToTheEnd) {
   EXPECT_FALSE(moment.taken());
 }
 
-TEST(ScreenshotMoment, RefusesAnythingElse) {
+TEST(ScreenshotMoment, RejectsAnythingElse) {
   for (const char* text : {"", "now", "1.5s", "-1", "nan", "inf", "1e9"}) {
     const auto moment = ScreenshotMoment::parse(text);
     ASSERT_FALSE(moment) << text;

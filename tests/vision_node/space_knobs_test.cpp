@@ -51,7 +51,7 @@ TEST_F(SpaceKnobsTest, WithoutOneNothingTurnsUntilOneIsPluggedIn) {
   EXPECT_TRUE(turns_until(knobs, turned(0), [](const Vec3& degrees) { return degrees.x() > 1.0; }));
 }
 
-TEST_F(SpaceKnobsTest, ASlowPictureMakesTheSceneNotLeap) {
+TEST_F(SpaceKnobsTest, ASlowFrameDoesNotMakeTheSceneJump) {
   SpaceKnobs knobs(hid_.opener());
   EXPECT_TRUE(turns_until(knobs, turned(0), [](const Vec3& degrees) { return degrees.x() > 1.0; }));
   Vec3 leap = Vec3::Zero();

@@ -120,7 +120,7 @@ TEST(StereoCamera, FramedSphereIsWhollyInsideThePictureOfEveryEye) {
 }
 
 // The picture is drawn in single precision: however small the scene, what lies a pixel apart must differ as seen from the eye.
-TEST(StereoCamera, TellsPixelsOfASmallSceneApart) {
+TEST(StereoCamera, ResolvesPixelsOfASmallScene) {
   for (const double radius : {1e-6, 1e-5, 1e-4, 1e-3, 0.1}) {
     const Framing framing = frame_sphere(Vec3::Zero(), radius, 0.063);
     const double pixel_m = framing.view_m / 720.0;

@@ -15,7 +15,7 @@ TEST(StereoModeNames, ReadBackAsThemselves) {
   }
 }
 
-TEST(StereoModeNames, UnknownOnesAreRefusedWithTheList) {
+TEST(StereoModeNames, UnknownOnesAreRejectedWithTheList) {
   const auto mode = find_stereo_mode("3d");
   ASSERT_FALSE(mode);
   EXPECT_NE(mode.error().what.find("'3d'"), std::string::npos);

@@ -19,7 +19,7 @@
 namespace hapton {
 namespace {
 
-// A hub that sends probe states at 500 Hz from a thread of its own and keeps what it hears.
+// A hub that sends probe states at 500 Hz from a thread of its own and keeps what it receives.
 class FakeHub {
  public:
   FakeHub() : endpoint_(std::move(*open_udp_endpoint("127.0.0.1:0"))), thread_([this] { run(); }) {}
@@ -241,7 +241,7 @@ TEST(VisionSession, TheMouseLeadsTheHandToTheSurfaceUnderItAndKeysChangeThePictu
   EXPECT_LT(led->p_WH.norm(), 0.0302);
   EXPECT_GT(led->p_WH.norm(), 0.028);
   EXPECT_GT(led->p_WH.z(), 0.027);
-  EXPECT_FALSE(hub.hands.back().active) << "and was let go of";
+  EXPECT_FALSE(hub.hands.back().active) << "and was released";
   EXPECT_EQ(vision.view->mode(), StereoMode::side_by_side);
   EXPECT_LT(vision.view->screen().width_m, zoomed_out_m);
 }

@@ -122,7 +122,7 @@ TEST_F(VisionStepTest, AMovedCameraIsDrawnAndNotSent) {
   EXPECT_LT(step.compose(40 * kMs).framing.view_m, settings().home.view_m);
   step.drew(40 * kMs, 45 * kMs, where_);
   EXPECT_FALSE(turn(step, 60 * kMs));
-  EXPECT_FALSE(step.take_message(60 * kMs)) << "what is felt stays where it is";
+  EXPECT_FALSE(step.take_message(60 * kMs)) << "the touched scene stays where it is";
 }
 
 TEST_F(VisionStepTest, TheSceneRestsAWhileAfterItWasTurnedThoughTheProbeMovesOn) {
@@ -223,7 +223,7 @@ TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
   EXPECT_EQ(step.drew(100 * kMs, 190 * kMs, where_)->rest_ns, 0);
 }
 
-TEST_F(VisionStepTest, AStateThatLooksTheSameIsToldOfOnce) {
+TEST_F(VisionStepTest, AnUnchangedStateIsReportedOnce) {
   VisionStep step(settings());
   step.joined();
   step.hear(state_at(0.01, 41));

@@ -28,7 +28,7 @@ class WindowEvents : public testing::Test {
     ASSERT_TRUE(person_->found());
   }
 
-  // All that is heard until `count` events have come or a second has passed.
+  // All events received until `count` have come or a second has passed.
   std::vector<WindowEvent> hear(std::size_t count) {
     std::vector<WindowEvent> heard;
     for (int i = 0; i < 100 && heard.size() < count; ++i) {

@@ -39,7 +39,7 @@ class Person {
     send(event, type == ButtonPress ? ButtonPressMask : ButtonReleaseMask);
   }
 
-  // The real pointer: VTK asks for it rather than believe the event.
+  // The real pointer: VTK reads it instead of using the event.
   void move(int x, int y) {
     XWarpPointer(display_.get(), None, window_, 0, 0, 0, 0, x, y);
     XSync(display_.get(), False);

@@ -18,7 +18,7 @@ TEST(HeartbeatMemoryTest, OneSideSeesWhatTheOtherWrites) {
   EXPECT_EQ(ours.page().is_cut.load(), 1U);
 }
 
-TEST(HeartbeatMemoryTest, OtherMemoryIsRefused) {
+TEST(HeartbeatMemoryTest, OtherMemoryIsRejected) {
   const int small = ::memfd_create("small", MFD_CLOEXEC);
   HeartbeatMemory memory;
   EXPECT_FALSE(memory.open(small));

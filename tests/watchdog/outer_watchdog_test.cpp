@@ -89,7 +89,7 @@ TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
   EXPECT_EQ(live(10), Verdict::fine);
 }
 
-// Kept from its CPU itself, the watchdog looks rarely: that must not make it blind.
+// A watchdog that is itself kept from its CPU looks rarely, and must still detect the stall.
 TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
   live(100);
   for (const std::int64_t every_ns : {5 * kMs, 9 * kMs, 40 * kMs, 400 * kMs}) {
@@ -111,7 +111,7 @@ TEST_F(Watched, OneBadLookIsNotEnough) {
   EXPECT_EQ(live(1), Verdict::fine);
 }
 
-TEST(ForceCutterTest, TellsAHidDeviceToBeOffByAHandleOfItsOwn) {
+TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();

@@ -41,7 +41,7 @@ TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
-TEST_F(WatchdogProcessTest, OneThatStandsStillIsReplaced) {
+TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
   ::kill(watchdog.id(), SIGSTOP);

@@ -91,7 +91,7 @@ Result<void> measure(NumbersOptions& options) {
   if (options.quick) {
     options.settings.ladder = {5000, 80000};
     options.settings.steps = std::min<std::size_t>(options.settings.steps, 4000);
-    options.settings.judged_steps = 600;
+    options.settings.compared_steps = 600;
     options.settings.scale_exponents = {-6, 0, 6};
     options.settings.budget = {.repetitions = 3, .seconds = 0.3};
     options.settings.rough_triangles = 80000;
@@ -140,9 +140,11 @@ void add_bench_numbers_command(CommandLine bench, int& exit_code) {
         .between(1, 10000)
         .shows_default();
     command.add_option("--window-steps", options->settings.meshes.window_steps, "Steps of each window").between(2, 4000).shows_default();
-    command.add_option("--judged-steps", options->settings.judged_steps, "Steps compared with the reference at every scale")
-        .between(10, 10'000'000)
-        .shows_default();
+    const CommandOption compared =
+        command.add_option("--compared-steps", options->settings.compared_steps, "Steps compared with the reference at every scale")
+            .between(10, 10'000'000)
+            .shows_default();
+    command.add_old_option("--judged-steps", compared);
     command.add_option("--seed", options->settings.seed, "Seed of meshes and trajectories").shows_default();
     command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv and numbers.json")
         .folder_to_write()

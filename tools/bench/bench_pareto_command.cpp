@@ -50,7 +50,7 @@ Result<void> measure(ParetoOptions& options) {
   if (auto writable = check_writable(options.out); !writable) return writable;
   if (options.quick) {
     options.settings.steps = std::min<std::size_t>(options.settings.steps, 2000);
-    options.settings.judged_steps = 500;
+    options.settings.compared_steps = 500;
     options.settings.budget = {.repetitions = 3, .seconds = 0.15};
   }
   const std::vector<std::string> meshes = !options.meshes.empty() ? options.meshes : options.all ? kAll : options.quick ? kQuick : kUsual;
@@ -95,9 +95,11 @@ void add_bench_pareto_command(CommandLine bench, int& exit_code) {
   command.add_flag("--quick", options->quick, "Short runs, over two small meshes unless others are named: less than a minute");
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
   command.add_option("--steps", options->settings.steps, "Steps of the slide over each mesh").between(100, 10'000'000).shows_default();
-  command.add_option("--judged-steps", options->settings.judged_steps, "Of these, steps compared with the reference")
-      .between(10, 10'000'000)
-      .shows_default();
+  const CommandOption compared =
+      command.add_option("--compared-steps", options->settings.compared_steps, "Of these, steps compared with the reference")
+          .between(10, 10'000'000)
+          .shows_default();
+  command.add_old_option("--judged-steps", compared);
   command.add_option("--seed", options->settings.seed, "Seed of the slides").shows_default();
   command.add_option("--out", options->out, "Folder for pareto.csv, pareto.json and pareto.png").folder_to_write().required();
   command.on_run([options, &exit_code] {

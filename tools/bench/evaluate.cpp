@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void run_segment(ForceMethod& method, const TouchTrajectory& trajectory, std::size_t from, std::size_t to, std::vector<FeltStep>& felt) {
+void run_segment(ForceMethod& method, const TouchTrajectory& trajectory, std::size_t from, std::size_t to, std::vector<ForceSample>& felt) {
   const auto* const reference = dynamic_cast<const ReferenceMethod*>(&method);
   method.reset(trajectory.p_SD[from]);
   for (std::size_t i = from; i < to; ++i) {
@@ -36,8 +36,8 @@ std::string percent(const ErrorSpread& spread) {
 
 }  // namespace
 
-Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
-                                         unsigned threads) {
+Result<std::vector<ForceSample>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                            unsigned threads) {
   const std::size_t rows = trajectory.p_SD.size();
   const std::size_t segment = trajectory.reset_every == 0 ? std::max<std::size_t>(1, rows) : trajectory.reset_every;
   const std::size_t segments = (rows + segment - 1) / segment;
@@ -48,7 +48,7 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
     if (!method) return tl::unexpected(method.error());
     methods.push_back(std::move(*method));
   }
-  std::vector<FeltStep> felt(rows);
+  std::vector<ForceSample> felt(rows);
   std::atomic<std::size_t> next{0};
   auto work = [&](ForceMethod& method) {
     for (std::size_t i = next++; i < segments; i = next++)
@@ -64,7 +64,7 @@ Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const T
 Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
   Evaluation evaluation;
   if (settings.method.name == "proxy") evaluation.shading = settings.method.shading;
-  auto run = [&](const MethodSettings& method, std::vector<FeltStep>& felt) -> Result<void> {
+  auto run = [&](const MethodSettings& method, std::vector<ForceSample>& felt) -> Result<void> {
     auto done = run_method(method, scene, trajectory, settings.threads);
     if (!done) return tl::unexpected(done.error());
     felt = std::move(*done);
@@ -99,8 +99,8 @@ std::string to_text(const Evaluation& evaluation) {
                       degrees * error.direction_rad.p50, degrees * error.direction_rad.p99, degrees * error.direction_rad.most);
   text += fmt::format("branch switches {}, steps in them {} (all counted above; nothing but the surface or a reset ends one)\n",
                       error.branch_switches, error.switched_steps);
-  text += fmt::format("falls {}, ghosts {}, locks {}, pops {} (worst {:.4g} N above the bound)\n", error.falls, error.ghosts, error.locks,
-                      error.pops, error.worst_pop_n);
+  text += fmt::format("fall-throughs {}, false contacts {}, stuck steps {}, force discontinuities {} (worst {:.4g} N above the bound)\n",
+                      error.fall_throughs, error.false_contacts, error.stuck_steps, error.discontinuities, error.worst_discontinuity_n);
   return text;
 }
 
@@ -115,11 +115,11 @@ std::string to_json(const Evaluation& evaluation) {
                   {"direction_rad", spread_json(error.direction_rad)},
                   {"branch_switches", error.branch_switches},
                   {"switched_steps", error.switched_steps},
-                  {"falls", error.falls},
-                  {"ghosts", error.ghosts},
-                  {"locks", error.locks},
-                  {"pops", error.pops},
-                  {"worst_pop_n", error.worst_pop_n},
+                  {"falls", error.fall_throughs},
+                  {"ghosts", error.false_contacts},
+                  {"locks", error.stuck_steps},
+                  {"pops", error.discontinuities},
+                  {"worst_pop_n", error.worst_discontinuity_n},
                   {"not_finite", error.not_finite},
                   {"worst_step", error.worst_step}};
   return json.dump(2) + "\n";

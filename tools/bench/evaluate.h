@@ -19,17 +19,17 @@ struct EvaluationSettings {
   unsigned threads = 1;
 };
 
-// What a method felt along a trajectory, and what the reference says to it.
+// A method's output along a trajectory, and its comparison with the reference.
 struct Evaluation {
   ForceError error;
   double shading = 0.0;  // of the method's force; the reference is never shaded, so what shading turns is part of the error
-  std::vector<FeltStep> method, reference;
+  std::vector<ForceSample> method, reference;
 };
 
-// Drives the method along the trajectory, contact forgotten where the trajectory says. Segments between those places are independent and
-// run on `threads` threads, each with a method of its own.
-Result<std::vector<FeltStep>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
-                                         unsigned threads);
+// Runs the method along the trajectory, with resets where the trajectory has them. Segments between resets are independent and run on
+// `threads` threads, each with its own method.
+Result<std::vector<ForceSample>> run_method(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory,
+                                            unsigned threads);
 
 // Runs the method and the reference. The scene's first material gives the stiffness, its extent all lengths.
 Result<Evaluation> evaluate_method(const EvaluationSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);

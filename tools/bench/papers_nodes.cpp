@@ -50,7 +50,7 @@ std::optional<double> hop_ms(const nlohmann::ordered_json& report, const char* h
   return 1e-3 * hops[hop].value("p50_us", 0.0);
 }
 
-// Once with all nodes; where that fails, once without vision, so that the round trip is measured at least.
+// Once with all nodes; if that fails, once without vision, so that the round trip at least is measured.
 void measure_latencies(const PapersNodesSettings& settings, PapersReport& report) {
   LatencyRunOptions run;
   run.seconds = settings.seconds;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPanelWidth = 640;
 constexpr int kPanelHeight = 620;
-// About what is left for the axes, and what a label of font 8 takes.
+// About the width of the axes, and of a label in font 8.
 constexpr double kAxesWidth = 540.0;
 constexpr double kAxesHeight = 430.0;
 constexpr double kLetterWidth = 8.0;
@@ -60,7 +60,7 @@ struct Axes {
   Range time, error;  // microseconds, percent
 };
 
-// Whole decades around all marks, with room for so many times more above and less below.
+// Whole decades around all marks, extended by these factors above and below.
 template <class Figure>
 Range range_of(const std::vector<ParetoMark>& marks, double room_below, double room_above, Figure&& figure) {
   double low = 1e300;

@@ -30,7 +30,7 @@ StressSettings settings_of(const StressPlan& plan, const StressVariant& variant)
   settings.offset_extents = variant.offset_extents;
   settings.material.friction_static = variant.friction_static;
   settings.material.friction_dynamic = variant.friction_dynamic;
-  settings.rest_every = plan.rest_every;
+  settings.compare_every = plan.compare_every;
   return settings;
 }
 
@@ -43,7 +43,7 @@ Result<StressCount> run_one(const StressBody& body, const StressPlan& plan, cons
   auto run = StressRun::make(with_probe(body, plan), settings_of(plan, variant), plan.method);
   if (!run) return tl::unexpected(run.error());
   StressCount count;
-  // Some episodes find no free place and take no step; their number is bounded, too.
+  // Some episodes find no free position and take no step; their number is limited, too.
   for (std::uint64_t episode = 0; count.steps < steps && episode < 16 + steps; ++episode) run->run_episode(episode, count);
   const std::uint64_t walks = (steps + kStepsToEarnAWalk - kStepsOfTheFirstWalk) / kStepsToEarnAWalk;
   for (std::uint64_t walk = 0; walk < walks; ++walk) run->run_episode(kFirstLongWalk + walk, count);
@@ -61,7 +61,7 @@ std::string again(const StressResult& result, const StressFinding& finding, cons
 
 // A fault that was not looked for is no zero.
 std::string cell_of(const StressCount& count, std::size_t fault) {
-  return count.looked_for[fault] ? std::to_string(count.faults[fault]) : "-";
+  return count.covered[fault] ? std::to_string(count.faults[fault]) : "-";
 }
 
 std::string legend() {
@@ -138,7 +138,7 @@ std::string to_text(const std::vector<StressResult>& results, const StressPlan& 
   for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>11}", name_of(static_cast<StressFault>(fault)));
   text += '\n';
   auto line = [&](const std::string& name, const StressCount& count) {
-    text += fmt::format("{:<20}{:>12}{:>12}{:>10}", name, count.steps, count.contact_steps, count.judged_rests);
+    text += fmt::format("{:<20}{:>12}{:>12}{:>10}", name, count.steps, count.contact_steps, count.compared_steps);
     for (std::size_t fault = 0; fault < kFaults; ++fault) text += fmt::format("{:>11}", cell_of(count, fault));
     text += '\n';
   };
@@ -183,10 +183,10 @@ std::string to_json(const std::vector<StressResult>& results, const StressPlan& 
                {"steps", result.count.steps},
                {"contact_steps", result.count.contact_steps},
                {"episodes", result.count.episodes},
-               {"judged_rests", result.count.judged_rests}};
+               {"judged_rests", result.count.compared_steps}};
     for (std::size_t fault = 0; fault < kFaults; ++fault)
       entry[std::string(name_of(static_cast<StressFault>(fault)))] =
-          result.count.looked_for[fault] ? Json(result.count.faults[fault]) : Json(nullptr);
+          result.count.covered[fault] ? Json(result.count.faults[fault]) : Json(nullptr);
     entry["findings"] = Json::array();
     for (const StressFinding& finding : result.count.findings) {
       entry["findings"].push_back({{"fault", name_of(finding.fault)},

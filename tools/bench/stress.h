@@ -25,8 +25,8 @@ struct StressPlan {
   MethodSettings method;
   std::uint64_t seed = 1;
   std::uint64_t steps = 100000;  // a body at least, shared by the variants; episodes are whole, and long walks come on top
-  std::size_t rest_every = 64;
-  double probe_share = 0.0;  // above 0: every body is touched with this probe instead of its own, a share of its longest side
+  std::size_t compare_every = 64;
+  double probe_share = 0.0;  // above 0: this probe for every body instead of its own, as a share of its longest side
   bool no_seal = false;      // mesh files are taken as they are, their cracks open
   unsigned threads = 1;
   std::vector<StressVariant> variants = standard_variants();

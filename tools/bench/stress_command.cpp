@@ -53,7 +53,7 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
   }
   for (const std::string& name : names) {
     StressBody body = make_stress_body(name);
-    // What a finding calls a body may be a file, so that its command can be given again as it stands.
+    // A finding may name a file as its body, so that its command can be repeated literally.
     if (body.touched.triangles.empty() && is_mesh_file_name(name)) {
       auto file = load_touch_mesh(name, std::nullopt, sealing);
       if (!file) return tl::unexpected(file.error());
@@ -142,7 +142,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
   command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one").not_negative();
   command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
   command
-      .add_option("--rest-every", options->plan.rest_every,
+      .add_option("--rest-every", options->plan.compare_every,
                   "The reference checks the proxy's local minimum every so many steps; 0: on suspicion only")
       .shows_default();
   command.add_option("--substeps", options->plan.method.reference_substeps, "Of the reference, where it is the method")

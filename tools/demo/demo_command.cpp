@@ -48,12 +48,12 @@ Result<void> check_programs() {
   return {};
 }
 
-// The steps that were asked for, from first to last.
+// The requested steps, first and last.
 std::pair<std::size_t, std::size_t> range_of(const DemoOptions& options) {
   return options.only == 0 ? std::pair<std::size_t, std::size_t>(1, demo_steps().size()) : std::pair(options.only, options.only);
 }
 
-// True when every step showed what it promises.
+// True if every step showed what it promises.
 Result<bool> run_by_script(const DemoOptions& options, const DemoSettings& settings) {
   const StopSignal stop;
   std::error_code error;

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Joins the forces with the samples that they answer.
+// Joins the forces with their samples.
 class MotionReader {
  public:
   void add(const SessionEntry& entry) {

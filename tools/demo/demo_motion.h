@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// One step that was answered: where the device was, where the probe was drawn, the force that came back. W, m, N.
+// One step with a reply: positions of the device and of the drawn probe, and the force. W, m, N.
 struct DemoStepSeen {
   std::int64_t time_ns = 0;  // of the device's sample
   Vec3 p_WD = Vec3::Zero();
@@ -24,7 +24,7 @@ struct DemoForceWritten {
   double newtons = 0.0;
 };
 
-// What a recording (io_node --record) tells of hand, probe and force. Times: the hub's clock, which is this machine's.
+// Hand, probe and force from a recording (io_node --record). Times: the hub's clock, which is this machine's.
 struct DemoMotion {
   std::vector<DemoStepSeen> steps;
   std::vector<DemoForceWritten> written;

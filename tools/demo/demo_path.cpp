@@ -12,7 +12,7 @@ namespace {
 
 // The hand is a spring of 400 N/m, a hard surface one of 1,000: 8 mm behind the surface is 2.3 N, pressed firmly.
 constexpr double kPressM = 0.008;
-constexpr double kFrontM = 0.035;  // in front of what is touched next
+constexpr double kFrontM = 0.035;  // in front of the next object
 constexpr double kComeS = 0.8;
 constexpr double kRowS = 0.01;
 constexpr double kTurn = 2.0 * std::numbers::pi;

@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// Paths for the simulated hand (devices/hand_script.h) to take again and again: where it wants the stylus, W, m, the first row at 0 s. What
-// is in the way holds the stylus; the hand pulls at it as far as it is behind the surface. RT: no.
+// Paths that the simulated hand (devices/hand_script.h) repeats: where it aims the stylus, W, m, the first row at 0 s. An object in the
+// path holds the stylus; the hand pulls in proportion to its distance behind the surface. RT: no.
 using HandPath = std::vector<TrajectoryRow>;
 
 // The foremost point of the scene (greatest z) over this x and y, the scene posed as its file says; none where there is nothing.

@@ -12,15 +12,15 @@
 namespace hapton {
 namespace {
 
-// Of its seconds, that a step by script waits for its picture: a large mesh, a machine with other work to do.
+// Factor on its seconds that a scripted step waits for its picture: a large mesh, a busy machine.
 constexpr double kPictureShare = 5.0;
-constexpr double kKillShare = 0.6;   // of a step by script: the hand has come to rest by then
-constexpr double kSilentS = 1.0;     // after that the picture is taken
+constexpr double kKillShare = 0.6;   // share of a scripted step: the hand is at rest by then
+constexpr double kSilentS = 1.0;     // the picture is taken after this time without force
 constexpr double kKillAfterS = 5.0;  // in a window, again and again
 constexpr double kRestartAfterS = 8.0;
 constexpr double kKillEveryS = 12.0;
 
-// A folder of our own for what nobody keeps, as long as it lives.
+// A temporary folder, deleted with this object.
 class ScratchFolder {
  public:
   static Result<ScratchFolder> make() {
@@ -51,7 +51,7 @@ class Stopwatch {
   std::int64_t start_ns_ = now_ns();
 };
 
-// Until it holds; false: the time was over before. Error: a node has ended, a stop was asked for.
+// Waits until the condition holds; false: the time was over before. Error: a node has ended, a stop was requested.
 template <class Condition>
 Result<bool> wait_until(DemoSystem& system, const StopSignal& stop, double at_most_s, Condition&& holds) {
   SteadyClock clock;
@@ -75,7 +75,7 @@ Result<bool> wait_for_picture(DemoSystem& system, const StopSignal& stop, double
   });
 }
 
-// The picture is of the contact; where none comes, of what there is at the end.
+// The picture shows the contact; without a contact, the end.
 Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds, const std::filesystem::path& picture) {
   if (const auto started = system.start_vision(step); !started) return started;
   if (const auto waited = wait_for(system, stop, seconds); !waited) return tl::unexpected(waited.error());
@@ -83,8 +83,8 @@ Result<void> play(const DemoStep& step, DemoSystem& system, const StopSignal& st
   return taken ? Result<void>() : tl::unexpected(taken.error());
 }
 
-// The picture is of what one sees without the haptics node. The vision node is there before: a new one may have turned the scene, and then
-// the contact is not resumed.
+// The picture shows what a user sees without the haptics node. The vision node is started before: a new one may have turned the scene, and
+// then the contact is not resumed.
 Result<void> play_death(const DemoStep& step, DemoSystem& system, const StopSignal& stop, double seconds,
                         const std::filesystem::path& picture, DemoEvidence& evidence) {
   if (const auto started = system.start_vision(step); !started) return started;

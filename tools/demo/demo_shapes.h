@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// What the tour's own scenes look like, m: frame S, which is W at the start.
+// Shapes of the tour's own scenes, m: frame S, which is W at the start.
 
 // meshes/groove.obj: a block, its front towards the hand, with a V groove along a sine in x.
 namespace demo_groove {

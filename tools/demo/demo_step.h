@@ -15,20 +15,20 @@ struct DemoStep {
   enum class Event : std::uint8_t { none, haptics_dies };
 
   std::string_view name;
-  std::string_view look;                 // one or two lines: what to look at
+  std::string_view look;                 // one or two lines: what to watch
   std::string_view scene;                // empty: a mesh made for it
   std::vector<std::string> relay = {};   // flags of `hapton relay` between the hub and the haptics node; empty: none
   std::vector<std::string> vision = {};  // flags of its vision node
-  std::string picture_at = "contact";    // when the picture of a run by script is taken, as vision_node --screenshot-when
+  std::string picture_at = "contact";    // when a scripted run takes its picture, see vision_node --screenshot-when
   Event event = Event::none;
   Result<HandPath> (*make_path)(const Scene& scene) = nullptr;
   DemoVerdict (*evaluate)(const DemoEvidence& evidence) = nullptr;
 };
 
-// The tour in its order; a step's number is its place, from 1. RT: set-up only.
+// The steps of the tour, in order; a step's number is its position, from 1. RT: set-up only.
 std::span<const DemoStep> demo_steps();
 
-// "1-rest-on-the-car": names its files. Pre: there is such a step.
+// "1-rest-on-the-car": the base name of its files. Pre: there is such a step.
 std::string demo_file_name(std::size_t number);
 
 }  // namespace hapton

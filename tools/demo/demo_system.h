@@ -12,14 +12,14 @@
 
 namespace hapton {
 
-// The nodes of one step of the tour, over loopback as deploy/run starts them: the hub with the simulated hand on its path, the relay where
-// the step has one, the haptics node and the vision node. They end with this object at the latest.
-// RT: set-up only. Error: one line that names the program, with its last words. Threads: one.
+// The nodes of one step of the tour, over loopback as deploy/run starts them: the hub with the simulated hand on its path, the relay if the
+// step has one, the haptics node and the vision node. They end with this object at the latest. RT: set-up only. Error: one line that names
+// the program, with its last output. Threads: one.
 class DemoSystem {
  public:
   struct Settings {
     std::filesystem::path out;        // report.json and logs/; exists
-    std::filesystem::path scratch;    // for what nobody keeps; exists
+    std::filesystem::path scratch;    // for temporary files; exists
     int cpu = -1;                     // for hub and haptics node
     bool records = false;             // the session, into scratch
     std::vector<std::string> vision;  // more for its command line: --offscreen, --screenshot FILE
@@ -40,8 +40,8 @@ class DemoSystem {
   // False: closed by the person before it.
   bool is_vision_open();
 
-  // In order: the picture while there is a probe to show, the hub last. Post: report.json is there, and the recording where there was to be
-  // one.
+  // Stops the nodes in order: the picture while there is a probe to show, the hub last. Post: report.json exists, and the recording if one
+  // was requested.
   Result<void> stop();
 
   std::filesystem::path report() const { return settings_.out / "report.json"; }

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// What a step of the tour left behind, to be evaluated.
+// The results of a step of the tour, to be evaluated.
 struct DemoEvidence {
   DemoMotion motion;
   nlohmann::ordered_json report;  // the hub's report.json, schema hapton.report/2
@@ -19,7 +19,7 @@ struct DemoEvidence {
 // Whether the step showed what it promises, and one line of numbers.
 struct DemoVerdict {
   bool touched = false;  // some step was in contact
-  bool held = false;     // never without touched
+  bool held = false;     // true only with touched
   std::string text;
 };
 
@@ -29,13 +29,13 @@ struct DemoVerdict {
 DemoVerdict evaluate_rest(const DemoEvidence& evidence);
 // The probe goes along the groove's bends (demo_shapes.h) while the device is pulled straight on.
 DemoVerdict evaluate_groove(const DemoEvidence& evidence);
-// Some step is longer than the wall is thick, the device comes to stand behind it, and the probe never does.
+// Some step is longer than the wall is thick, the device gets behind it, and the probe never does.
 DemoVerdict evaluate_wall(const DemoEvidence& evidence);
 // In contact most of the time, and the typical force takes less than a period of 1 kHz.
 DemoVerdict evaluate_heavy(const DemoEvidence& evidence);
 // In contact most of the time though the typical round trip is as slow as the network makes it; no fault was latched.
 DemoVerdict evaluate_network(const DemoEvidence& evidence, double least_round_trip_ms);
-// The force is released soon after the haptics node was killed, and the force is felt again after it was started again.
+// The force is released soon after the haptics node was killed, and is there again after its restart.
 DemoVerdict evaluate_death(const DemoEvidence& evidence);
 
 }  // namespace hapton

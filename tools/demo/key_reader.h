@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// Keys as they are typed, without Enter and without echo, as long as it lives. Where stdin is no terminal there are none.
-// RT: no. Threads: one.
+// Reads keys as they are typed, without Enter and without echo, while it lives. If stdin is no terminal there are none. RT: no. Threads:
+// one.
 class KeyReader {
  public:
   KeyReader();

@@ -27,7 +27,7 @@ Finding explain_no_node(const Machine& machine, const PluggedDevice& device) {
   return problem(subject, "plugged in, but it has no device node", "unplug it, plug it in again, and look at the end of: sudo dmesg");
 }
 
-// Denied: which of the many reasons it is.
+// Finds the reason why access is denied.
 Finding explain_denial(const Machine& machine, const PluggedDevice& device, const DeviceNode& node) {
   const std::string subject = subject_of(device);
   const User& user = machine.user();

@@ -5,7 +5,7 @@
 
 namespace hapton::doctor {
 
-// Devices that are plugged in and known: ids, nodes, drivers, rights, udev rules, sleep. Opens none of them. RT: no.
+// Known devices that are plugged in: ids, nodes, drivers, rights, udev rules, sleep. Opens none of them. RT: no.
 Findings check_devices(const Machine& machine);
 
 // Daemons that meddle with devices, or that devices need: ModemManager, spacenavd, Haply's service. RT: no.

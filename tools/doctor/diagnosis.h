@@ -22,7 +22,7 @@ struct Check {
 // All of them, in the order of the report.
 std::span<const Check> all_checks();
 
-// What a check found.
+// The findings of a check.
 struct Section {
   std::string name;
   std::string about;
@@ -34,8 +34,8 @@ struct Diagnosis {
   std::vector<Section> sections;
 
   int count(Verdict verdict) const;
-  // What keeps a loop from a thousand regular cycles a second: the subjects of all warnings and problems of the timing checks. None: those
-  // were not all looked at.
+  // What prevents a loop of a thousand regular cycles a second: the subjects of all warnings and problems of the timing checks. Empty if
+  // not all of those were run.
   std::optional<std::vector<std::string>> obstacles_to_1_khz() const;
   // No problem was found.
   bool is_fit() const { return count(Verdict::problem) == 0; }
@@ -44,7 +44,7 @@ struct Diagnosis {
 // Runs the named checks, or all when none is named. Pre: the names are of all_checks(). RT: no.
 Diagnosis diagnose(const Machine& machine, std::span<const std::string> only = {});
 
-// For people: a table, and a verdict at its end; colours where asked for.
+// For people: a table, and a verdict at its end; colours on request.
 std::string to_text(const Diagnosis& diagnosis, bool with_colours);
 // For programs: schema hapton.doctor/1.
 std::string to_json(const Diagnosis& diagnosis);

@@ -5,10 +5,10 @@
 
 namespace hapton::doctor {
 
-// Whether vision_node finds a display here, who draws, and whether it can do quad-buffer stereo. RT: no.
+// Whether vision_node finds a display here, its renderer, and whether it supports quad-buffer stereo. RT: no.
 Findings check_display(const Machine& machine);
 
-// Asks the display in a process of its own, for Machine::Questions. Pre: the caller has no other threads.
+// Examines the display in a child process, for Machine::Questions. Pre: the caller has no other threads.
 DisplayAnswer try_display();
 
 }  // namespace hapton::doctor

@@ -77,7 +77,7 @@ Functions load() {
   return functions;
 }
 
-// Draws into nothing; only its name is wanted.
+// Creates an off-screen context, only to read the renderer's name.
 void ask_renderer(const Functions& gl, XDisplay* display, int screen, DisplayAnswer& answer) {
   constexpr std::array wanted = {kGlxDrawableType, kGlxPbufferBit, kGlxRenderType, kGlxRgbaBit, 0};
   int count = 0;

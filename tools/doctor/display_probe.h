@@ -4,8 +4,8 @@
 
 namespace hapton::doctor {
 
-// What the X display of DISPLAY can do by OpenGL, asked through libX11 and libGL loaded at run time. Draws nothing.
-// It runs in the caller's process, which a driver may take with it: run_in_child.h. RT: no.
+// The OpenGL abilities of the X display of DISPLAY, through libX11 and libGL loaded at run time. Draws nothing. It runs in the caller's
+// process, which a faulty driver may crash: see run_in_child.h. RT: no.
 DisplayAnswer probe_display();
 
 }  // namespace hapton::doctor

@@ -15,7 +15,7 @@ enum class Verdict : std::uint8_t {
   problem,  // something that a person wants will not work, or not at 1 kHz
 };
 
-// One thing that was looked at. Each text is one line.
+// The result of one check. Each text is one line.
 struct Finding {
   std::string subject;  // what: "WoodenHaptics 1234:0006"
   Verdict verdict = Verdict::ok;

@@ -9,7 +9,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kHot = 0.8;  // of what its motors stand
+constexpr double kHot = 0.8;  // share of the temperature limit of its motors
 
 std::string text_of(const nlohmann::json& notes, const char* key) {
   const auto found = notes.find(key);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLongestLoadS = 10.0;
 
-// As the loader words it when the file itself, not one that it needs, is nowhere.
+// The loader's message if the file itself is missing, not one of its dependencies.
 bool is_absent(const LibraryFailure& failure) { return failure.error.starts_with(failure.file + ": cannot open shared object file"); }
 
 // A device that this library drives and that is plugged in.

@@ -7,10 +7,10 @@
 
 namespace hapton::doctor {
 
-// Which vendors' libraries load, and why the others do not, in the loader's words. RT: no.
+// Which vendors' libraries load, and why the others do not, with the loader's message. RT: no.
 Findings check_libraries(const Machine& machine);
 
-// Loads the library of that name in a process of its own, for Machine::Questions. Pre: the caller has no other threads.
+// Loads the library of that name in a child process, for Machine::Questions. Pre: the caller has no other threads.
 LibraryAnswer try_vendor_library(std::string_view name);
 
 }  // namespace hapton::doctor

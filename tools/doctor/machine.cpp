@@ -46,7 +46,7 @@ std::vector<std::string_view> split(std::string_view text, char at) {
   }
 }
 
-// A pipe would be waited for.
+// Opening a pipe would wait.
 bool is_readable_file(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error) && std::ifstream(path).is_open();
@@ -153,7 +153,7 @@ std::string Machine::real_path(std::string_view path) const {
   return "/" + found.lexically_relative(root).string();
 }
 
-// Of the real machine the kernel is asked, which knows of access lists; of another root the rights as they stand.
+// On the real machine the kernel decides, which knows access lists; below another root the rights of the files decide.
 bool Machine::may(std::string_view path, bool writes) const {
   if (root_ == "/") return ::faccessat(AT_FDCWD, below(path).c_str(), writes ? R_OK | W_OK : R_OK, AT_EACCESS) == 0;
   const auto file = facts(path);

@@ -12,7 +12,7 @@
 
 namespace hapton::doctor {
 
-// Who asks: the process that the doctor is, as the kernel sees it.
+// The user of this process, as the kernel sees it.
 struct User {
   static constexpr int kSysNice = 23;  // bits of capabilities(7)
   static constexpr int kIpcLock = 14;
@@ -36,11 +36,11 @@ struct FileFacts {
 
 struct LibraryFailure {
   std::string file;
-  std::string error;  // the loader's words
+  std::string error;  // the loader's message
   std::string hint;
 };
 struct LibraryAnswer {
-  std::string file;  // what was loaded; empty: nothing
+  std::string file;  // the file loaded; empty: none
   std::vector<LibraryFailure> failures;
   std::string crash;  // loading it ended the process: how
 };
@@ -58,9 +58,9 @@ struct HubAnswer {
   std::string report;  // report.json
 };
 
-// The machine as the doctor sees it: files below a root (of a real one "/"), and questions that no file answers. A test gives a root of its
-// own making and its own answers; a question without an answerer is not asked.
-// RT: no. Threads: one.
+// The machine as the doctor sees it: files below a root ("/" for the real one), and questions that no file
+// answers. A test provides its own root and answers; a question without a function is skipped. RT: no. Threads:
+// one.
 class Machine {
  public:
   struct Questions {

@@ -43,7 +43,7 @@ Finding check_vrpn_port(const Machine& machine) {
   return good(subject, "free for io_node --vrpn");
 }
 
-// Where nodes of this user look for the key that nobody named.
+// Where nodes of this user look for the key if none is named.
 std::string shared_key_path(const Machine& machine) {
   if (const std::string runtime = machine.environment("XDG_RUNTIME_DIR"); runtime.starts_with('/')) return runtime + "/hapton/master";
   if (const std::string home = machine.environment("HOME"); home.starts_with('/')) return home + "/.config/hapton/master";
@@ -57,7 +57,7 @@ Finding check_key_file(const Machine& machine, const std::string& subject, const
   if (!file->is_regular) return problem(subject, path + " is no regular file", fmt::format("rm -r {0} && hapton keygen {0}", path));
   if (is_own && file->uid != user.uid) {
     return problem(subject,
-                   fmt::format("{} belongs to user {}, and the nodes of {} (user {}) refuse it", path, file->uid, user.name, user.uid),
+                   fmt::format("{} belongs to user {}, and the nodes of {} (user {}) reject it", path, file->uid, user.name, user.uid),
                    fmt::format("sudo chown {} {}", user.name, path));
   }
   if ((file->mode & 077) != 0) {

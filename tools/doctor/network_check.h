@@ -9,7 +9,7 @@ namespace hapton::doctor {
 Findings check_ports(const Machine& machine);
 // The key that nodes share: rights, size, owner, where. RT: no.
 Findings check_keys(const Machine& machine);
-// Whether other hosts reach the hub's port, as far as files tell. RT: no.
+// Whether other hosts reach the hub's port, as far as configuration files show. RT: no.
 Findings check_firewall(const Machine& machine);
 
 }  // namespace hapton::doctor

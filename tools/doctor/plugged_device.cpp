@@ -48,7 +48,7 @@ bool is_below(std::string_view path, std::string_view folder) {
   return !folder.empty() && path.size() > folder.size() && path.starts_with(folder) && path[folder.size()] == '/';
 }
 
-// What the kernel's HID layer shows of one node.
+// One node as the kernel's HID layer shows it.
 struct HidNode {
   std::string name;  // "hidraw0"
   std::string where;
@@ -91,7 +91,7 @@ void take_kind(const HidCatalogEntry& entry, PluggedDevice& plugged) {
   plugged.path = DevicePath::hidraw;
 }
 
-// What the catalogues say of these ids; false: nothing.
+// Looks the ids up in the catalogues; false: unknown.
 bool recognise(PluggedDevice& plugged) {
   const auto* usb = std::find_if(kUsbDevices.begin(), kUsbDevices.end(), [&](const KnownUsbDevice& known) {
     return known.vid == plugged.vid && (known.pid == 0 || known.pid == plugged.pid);
@@ -145,7 +145,7 @@ void add_usb_node(const Machine& machine, const std::string& folder, PluggedDevi
   plugged.nodes.push_back({fmt::format("/dev/bus/usb/{:03}/{:03}", bus, number), drivers, DevicePath::usb});
 }
 
-// Interfaces that are none of ours, a receiver's keyboard say, are left out where the usage tells them apart.
+// Interfaces of other functions, such as a receiver's keyboard, are excluded if the usage identifies them.
 bool is_wanted(const HidNode& node, const PluggedDevice& plugged) {
   return plugged.library.empty() ? find_in_hid_catalog(node.description) != nullptr : true;
 }
@@ -168,7 +168,7 @@ bool has_node(const std::vector<PluggedDevice>& devices, const std::string& path
   });
 }
 
-// By Bluetooth, by another bus, or of a maker whose ids we do not know: Hapton HID is found by its usage.
+// By Bluetooth, by another bus, or with unknown ids: Hapton HID is found by its usage.
 void add_other_hid(const std::vector<HidNode>& hid, std::vector<PluggedDevice>& devices) {
   for (const HidNode& node : hid) {
     const HidCatalogEntry* entry = find_in_hid_catalog(node.description);

@@ -34,12 +34,12 @@ struct DeviceNode {
   DevicePath kind = DevicePath::any;
 };
 
-// What is plugged in and known to us.
+// A known device that is plugged in.
 struct PluggedDevice {
   std::uint16_t vid = 0;
   std::uint16_t pid = 0;
   std::string name;     // of the catalogue
-  std::string product;  // what it says of itself, with its maker
+  std::string product;  // the device's own product and maker strings
   std::string serial;
   std::string device;   // as in --device; empty: nothing of ours drives it
   std::string library;  // that drives it

@@ -9,7 +9,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kPriority = 80.0;                     // that io_node asks for
+constexpr double kPriority = 80.0;                     // that io_node requests
 constexpr double kEnoughMemory = 512.0 * 1024 * 1024;  // a node with a large scene
 constexpr double kEnoughShare = 0.5;                   // of a CPU, for loop and spinning
 constexpr double kSoonUs = 20.0;                       // to wake up, at 1 kHz
@@ -69,7 +69,7 @@ Finding check_throttling(const Machine& machine) {
   return problem(subject, seen + ": the loop is stopped for the rest of each second", "sudo sysctl -w kernel.sched_rt_runtime_us=950000");
 }
 
-// With control groups of the first version each group has a share of real time of its own, which is none unless it was given.
+// With control groups version 1 each group has its own share of real time, which is zero unless it was set.
 std::optional<Finding> check_group_share(const Machine& machine) {
   const std::string groups = machine.read("/proc/self/cgroup").value_or("");
   for (const std::string_view line : split_lines(groups)) {

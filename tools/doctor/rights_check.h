@@ -5,7 +5,7 @@
 
 namespace hapton::doctor {
 
-// What the servo loop asks the system for: priority, locked memory, and how long it may run. RT: no.
+// The rights that the servo loop needs: priority, locked memory, and its real-time share. RT: no.
 Findings check_rights(const Machine& machine);
 
 // How soon CPUs wake from idle, for this user. RT: no.

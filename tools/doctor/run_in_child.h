@@ -5,14 +5,14 @@
 
 namespace hapton::doctor {
 
-// What a question to foreign code came to.
+// The result of a call to foreign code.
 struct ChildAnswer {
   std::string text;
-  std::string failure;  // it ended the process, or took too long: how; empty: it was answered
+  std::string failure;  // how it ended the process, or that it took too long; empty: it returned
 };
 
-// Asks in a process of its own, so that a library or driver that crashes, hangs or prints does not take the doctor with it.
-// Pre: the caller has no other threads. RT: no.
+// Calls a function in a child process, so that a library or driver that crashes, hangs or prints does not affect the doctor. Pre: the
+// caller has no other threads. RT: no.
 ChildAnswer run_in_child(const std::function<std::string()>& question, double at_most_s);
 
 }  // namespace hapton::doctor

@@ -54,7 +54,7 @@ Finding check_governor(const Machine& machine) {
   const auto governors = find_governors(machine);
   if (governors.empty()) return good(subject, "not this kernel's business (a virtual machine, or a fixed frequency)");
   const std::string driver = machine.read(fmt::format("{}/cpu0/cpufreq/scaling_driver", kCpuFolder)).value_or("");
-  // There this name stands for a governor that does raise the frequency, if late.
+  // With these drivers, a governor of this name does raise the frequency, if late.
   const bool adapts = driver.find("pstate") != driver.npos;
   for (const auto& [governor, cpu] : governors) {
     if (governor == "performance") continue;

@@ -27,7 +27,7 @@ std::map<std::string, std::string> find_rule_files(const Machine& machine) {
   return files;
 }
 
-// Without comments, and with what a backslash at a line's end joins.
+// Without comments, and with continued lines joined.
 std::vector<std::string> find_rule_lines(const std::string& text) {
   std::vector<std::string> lines(1);
   for (const std::string_view line : split_lines(text)) {
@@ -95,7 +95,7 @@ std::string_view subsystem_of(DevicePath node) {
   return "usb";
 }
 
-// One node's way through the rules.
+// The evaluation of the rules for one node.
 class RuleWalk {
  public:
   RuleWalk(const PluggedDevice& device, const DeviceNode& node, bool folds) : device_(device), node_(node), folds_(folds) {
@@ -153,7 +153,7 @@ class RuleWalk {
     if (token.key == "GROUP" || (token.key == "TAG" && token.value == "uaccess") || is_for_all) rule_.file = file;
   }
 
-  // USB's ids alone: by Bluetooth there are none.
+  // Only USB ids: Bluetooth devices have none.
   bool has_id(const std::string& pattern, std::uint16_t id) const {
     const bool is_usb = !device_.where.empty();
     return is_usb && matches(folds_ ? lower(pattern) : pattern, fmt::format("{:04x}", id));
@@ -166,7 +166,7 @@ class RuleWalk {
   const PluggedDevice& device_;
   const DeviceNode& node_;
   bool folds_;
-  std::string label_;  // to go to; empty: nowhere
+  std::string label_;  // target of a GOTO; empty: none
   std::map<std::string, std::string> env_;
   UdevRule rule_;
 };

@@ -21,9 +21,9 @@ struct UdevRule {
   bool is_too_late() const { return has_uaccess && name() > "73-seat-late.rules"; }
 };
 
-// Goes through the rules as udev does: files in their order, matches on ids, names and properties, GOTO. A match on anything that sysfs or
-// a program would have to be asked for counts as none, but for the program of 70-hapton.rules that knows Hapton HID. None: no rule gives
-// anybody a right on the node. RT: no.
+// Evaluates the rules as udev does: files in order, matches on ids, names and properties, GOTO. A match that would need sysfs or a
+// program counts as no match, except the program of 70-hapton.rules that recognises Hapton HID. Empty: no rule gives anybody a right on
+// the node.
 std::optional<UdevRule> find_udev_rule(const Machine& machine, const PluggedDevice& device, const DeviceNode& node);
 
 // Whether the rules keep ModemManager off the node.
@@ -31,7 +31,7 @@ bool keeps_modem_manager_off(const Machine& machine, const PluggedDevice& device
 
 // A shell line that adds a rule, for the group plugdev and the person at the seat, and applies it.
 std::string line_that_adds_rule(const PluggedDevice& device, DevicePath node);
-// Applies the rules there are to what is plugged in.
+// The command line that applies the installed rules to devices already plugged in.
 std::string line_that_applies_rules(DevicePath node);
 
 }  // namespace hapton::doctor

@@ -31,7 +31,7 @@ std::vector<Wall> walls_over(const std::vector<std::vector<Eigen::Vector2d>>& st
   return walls;
 }
 
-// How far a proxy at contact offset over the ground gets to the right, as a part of the motion; 1: all the way.
+// The share of a motion to the right that a proxy at contact offset over the ground can make; 1: all of it.
 double free_part(const std::vector<Wall>& walls, const Vec3& from, const Vec3& motion) {
   const Clearance clearance = {.rest = 1.0, .slack = 0.5, .tolerance = 0x1p-10};
   double first = 1.0;
@@ -60,14 +60,14 @@ Result<Figure> draw_contact_offset() {
     field += "\n";
   }
   field += "EOD\n";
-  Points ways;
+  Points paths;
   const Vec3 low(-1.0, 1.0, 0.3);
   const double over_low = free_part(walls, low, {5.5, 0.0, 0.0});
-  ways.add(1e-3 * low, 1e-3 * Vec3(5.5 * over_low, 0.0, 0.0));
+  paths.add(1e-3 * low, 1e-3 * Vec3(5.5 * over_low, 0.0, 0.0));
   const Vec3 high(3.5, 1.4, 0.3);
   const double over_high = free_part(walls, high, {5.5, 0.0, 0.0});
-  ways.add(1e-3 * high, 1e-3 * Vec3(5.5 * over_high, 0.0, 0.0));
-  std::string script = begin("contact_offset", 1000, 490) + field + surface.block("surface") + ways.block("ways");
+  paths.add(1e-3 * high, 1e-3 * Vec3(5.5 * over_high, 0.0, 0.0));
+  std::string script = begin("contact_offset", 1000, 490) + field + surface.block("surface") + paths.block("paths");
   script += fmt::format(
       "set table $levels\n"
       "set contour base\n"
@@ -91,7 +91,7 @@ Result<Figure> draw_contact_offset() {
       "set label 5 \"step of 0.7:\\n{4}\" at 7.8,-1.7 center\n"
       "plot $levels using 1:2 with lines linewidth 2.5 linecolor rgb '{0}' title 'rest: a proxy in contact is here (distance 1)', \\\n "
       "$low using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb '{1}' title 'rest - slop: it never comes nearer (distance 1/2)', "
-      "\\\n $surface with lines linewidth 4 linecolor rgb '#303030' title 'surface', \\\n $ways using 1:2:3:4 with vectors head filled "
+      "\\\n $surface with lines linewidth 4 linecolor rgb '#303030' title 'surface', \\\n $paths using 1:2:3:4 with vectors head filled "
       "size 0.35,18 linewidth 3 linecolor rgb '{2}' title 'a motion to the right'\n",
       kBlue, kRed, kGreen, over_low >= 1.0 ? "passed within the slop" : "stops", over_high >= 1.0 ? "passed" : "stops, then climbs");
   return Figure{"contact_offset", script};

@@ -104,7 +104,7 @@ Result<Figure> draw_algorithm_1() {
   std::string script = begin("algorithm1", 1000, 660) + outline_of(outline).block("solid") + planes.block("planes") +
                        smooth.block("smooth") + probes.block("probes") + vcps.block("vcps") + flat.block("flat");
   script += fmt::format(
-      "set title 'Algorithm 1 over a faceted ridge: n turns smoothly where a face''s own normal jumps'\n"
+      "set title 'Algorithm 1 over a faceted convex edge: n turns smoothly where a face''s own normal jumps'\n"
       "set size ratio -1\n"
       "set xrange [-19:19]\n"
       "set yrange [2:21]\n"
@@ -122,7 +122,7 @@ Result<Figure> draw_algorithm_1() {
   return Figure{"algorithm1", script};
 }
 
-// --- proxy: over a ridge, in a fold ----------------------------------------------------------------------------------------------
+// --- proxy: over a convex edge, in a concave edge --------------------------------------------------------------------------------
 
 Result<Figure> draw_proxy() {
   const Outline outline = {{-0.022, -0.014}, {0.022, -0.014}, {0.022, 0.005}, {0.006, -0.003}, {-0.007, 0.006}, {-0.022, -0.002}};
@@ -158,10 +158,11 @@ Result<Figure> draw_proxy() {
       "set yrange [-11.5:8]\n"
       "set xlabel 'mm' offset 0,0.4\n"
       "set label 1 'held by one plane' at -14,3.7 rotate by 28\n"
-      "set label 2 'past the ridge it catches up' at -5.6,5.9\n"
+      "set label 2 'past the convex edge it catches up' at -5.6,5.9\n"
       "set label 3 \"held by two planes: one proxy\\nfor many device points\" at 7,2.6 center\n"
       "plot $solid with filledcurves closed fillcolor rgb '{0}' notitle, $solid with lines linecolor rgb '#404040' linewidth 2 notitle, "
-      "\\\n $planes with lines linewidth 2 dashtype 2 linecolor rgb '{3}' title 'contact planes in the fold', \\\n $springs using 1:2:3:4 "
+      "\\\n $planes with lines linewidth 2 dashtype 2 linecolor rgb '{3}' title 'contact planes at the concave edge', \\\n $springs using "
+      "1:2:3:4 "
       "with vectors nohead linewidth 1.2 linecolor rgb '#909090' title 'spring: force / k', \\\n $devices with linespoints pointtype 7 "
       "pointsize 0.9 linewidth 1 linecolor rgb 'black' title 'device', \\\n $proxies with points pointtype 7 pointsize 1.2 linecolor rgb "
       "'{1}' title 'proxy'\n",
@@ -171,7 +172,7 @@ Result<Figure> draw_proxy() {
 
 // --- All methods on one slide ----------------------------------------------------------------------------------------------------
 
-// The top of the block that the slide goes over, left to right: a ridge of six facets, a groove.
+// The top of the block that the slide crosses, left to right: a convex edge of six facets, a groove.
 Outline profile() {
   Outline top = {{-0.030, 0.0}};
   for (int degree = 150; degree >= 30; degree -= 20)
@@ -249,7 +250,7 @@ Result<Figure> draw_slide() {
       "set yrange [-9:9]\n"
       "set ylabel 'mm'\n"
       "set format x ''\n"
-      "set title 'One slide at 100 mm/s, 1.2 mm under a faceted ridge and a groove, k = 1000 N/m'\n"
+      "set title 'One slide at 100 mm/s, 1.2 mm under a faceted convex edge and a groove, k = 1000 N/m'\n"
       "plot $solid with filledcurves closed fillcolor rgb '{}' notitle, $solid with lines linecolor rgb '#404040' linewidth 2 notitle, "
       "$device with lines linewidth 1.5 linecolor rgb '{}' title 'device'\n"
       "unset title\n"

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// One picture of docs/methods.md, computed by the methods themselves and drawn by gnuplot.
+// One figure of docs/methods.md, computed by the methods themselves and drawn by gnuplot.
 struct Figure {
   std::string name;    // the picture is NAME.png
   std::string script;  // gnuplot, data and all; draws NAME.png.part in the folder it runs in

@@ -27,7 +27,7 @@ Outline clipped(const Outline& polygon, const Eigen::Vector2d& normal, double li
   return kept;
 }
 
-// What the plane z = 0 cuts out of a hull.
+// The cross-section of a hull in the plane z = 0.
 template <int K>
 Outline slice_of(const FdhHull<K>& hull) {
   Outline polygon = {{hull.low[0], hull.low[1]}, {hull.high[0], hull.low[1]}, {hull.high[0], hull.high[1]}, {hull.low[0], hull.high[1]}};

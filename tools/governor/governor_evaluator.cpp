@@ -15,7 +15,7 @@ constexpr double kMargin = 0.010;
 // Of the energy budget, in metres of max_force.
 constexpr double kFree = 0.010, kMost = 0.030, kSaturation = 0.036, kForgivenPerS = 0.002;
 
-// Rounding, as a share of what is compared.
+// With rounding, as a share of the limit.
 double about(double limit) { return limit * (1.0 + 1e-9) + 1e-12; }
 
 double size_of(const Vec3& v) { return v.stableNorm(); }
@@ -197,7 +197,7 @@ void GovernorEvaluator::judge_budgets(const Wrench& out, double passed_s) noexce
   }
   breach_if(GovernorBreach::energy, force > std::max(now.max_force_n * (energy_share() + 1e-6), about(sunk_n)));
   if (is_physical_ && now.max_force_n > 0.0) {
-    // What is given while the last force is let go comes on top: 10 ms at max_speed.
+    // The energy of the release after the last force comes on top: 10 ms at max_speed.
     const double most_j =
         kMost * now.max_force_n + 0.010 * (now.max_speed_m_per_s * now.max_force_n + HostileProgram::kTurnRadPerS * now.max_torque_nm);
     worst_.energy = std::max(worst_.energy, given_j_ / most_j);
@@ -223,7 +223,7 @@ void GovernorEvaluator::judge_workspace(const Wrench& out) noexcept {
       continue;
     }
     if (axes_[side].shut_ns < 0) axes_[side].shut_ns = now_ns_;
-    // However the goal jumps about meanwhile: each step goes slew x time of a way that is no longer than the ball is wide.
+    // However the goal changes meanwhile: each step moves slew x time on a path no longer than the diameter of the force limit.
     const double time_s = 1e-9 * static_cast<double>(now_ns_ - axes_[side].shut_ns);
     const double most_n = governor_.device_limits().max_force_n;
     breach_if(GovernorBreach::workspace, outward > most_n * (std::exp(-slew * time_s / (2.0 * most_n)) + 1e-9));
@@ -234,7 +234,7 @@ void GovernorEvaluator::judge_latch(const HostileStep& step, bool was_reset) noe
   const SafetyFault fault = governor_.fault();
   breach_if(GovernorBreach::unlatched, fault_ != SafetyFault::none && fault != fault_ && !was_reset);
   fault_ = fault;
-  // A reset begins all counts anew.
+  // A reset restarts all counts.
   if (was_reset) {
     bad_forces_ = bad_torques_ = bad_samples_ = {};
     anchor_ns_ = -1;

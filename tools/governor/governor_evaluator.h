@@ -9,20 +9,20 @@
 
 namespace hapton {
 
-// What a governor must never do.
+// Properties that a governor must never violate.
 enum class GovernorBreach : std::uint8_t {
   not_finite,
-  force,        // above max_force, or above a tightened one for longer than letting go takes
+  force,        // above max_force, or above a lowered one for longer than a release takes
   torque,       // as force
-  force_slew,   // changed faster than max_slew; letting go may be as fast as the device's own
+  force_slew,   // changed faster than max_slew; a release may be as fast as the device's own
   torque_slew,  // as force_slew
   silence,      // not zero 20 ms after the sample of the last force that counted
   ramp,         // more than the ramp's share of max_force after an opening
   heat,         // more than the thermal budget allows
   energy,       // more than the energy budget allows
-  workspace,    // pushes outwards more than the soft stop allows, or has not let go of it in time
-  gate,         // has not let go although latched, away, calibrating, blind or not held
-  unlatched,    // a fault is gone without a reset
+  workspace,    // outward force above the soft stop's limit, or not released in time
+  gate,         // not released although latched, away, calibrating, pose timed out or not held
+  unlatched,    // a fault ended without a reset
   not_latched,  // a fault that latches has not
   count,
 };
@@ -35,13 +35,13 @@ struct GovernorWorst {
   double force_slew = 0.0;   // of the device's slew
   double torque_slew = 0.0;  // of the device's slew
   double heat = 0.0;         // load, programs without stalls
-  double energy = 0.0;       // given to the hand, of what the budget allows at most, physical programs
+  double energy = 0.0;       // given to the hand, as a share of the budget, physical programs
   double release_ms = 0.0;   // from the last turn with an open gate to zero, programs without stalls
 };
 
-// Watches one governor from outside, with its own arithmetic: what goes in, what comes out, and whether that may be. It takes from the
-// governor only which wrenches it accepted, its fault and its limits.
-// RT: no heap.
+// Watches one governor from outside, with its own arithmetic: inputs, outputs, and whether they are
+// allowed. From the governor it uses only which wrenches it accepted, its fault and its limits. RT: no
+// heap.
 class GovernorEvaluator {
  public:
   GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept;
@@ -54,7 +54,7 @@ class GovernorEvaluator {
 
  private:
   struct Axis {
-    std::int64_t shut_ns = -1;  // since when nothing may push out here; below 0: something may
+    std::int64_t shut_ns = -1;  // since when no outward force is allowed; below 0: it is allowed
   };
   // Of what must not come five times on end within 100 ms.
   struct Row {

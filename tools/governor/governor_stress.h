@@ -20,15 +20,15 @@ struct GovernorStressCount {
   std::uint64_t forceful = 0;  // turns with a force on the motors
   std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)> breaches = {};
   std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::count)> findings = {};  // of each breach there is
-  GovernorCounters governors;  // what the stages did, so that each is seen to have been reached
+  GovernorCounters governors;  // counts of the stages, to show that each has been reached
   GovernorWorst worst;
 
   std::uint64_t total_breaches() const noexcept;
   void add(const GovernorStressCount& other) noexcept;
 };
 
-// Drives fresh governors with hostile programs and judges every turn. Program n of a seed depends on nothing but these two.
-// RT: no heap. Threads: one each.
+// Runs fresh governors with hostile programs and evaluates every turn. Program n of a seed depends only on these two. RT: no heap. Threads:
+// one each.
 class GovernorStress {
  public:
   explicit GovernorStress(std::uint64_t seed) noexcept : seed_(seed) {}

@@ -33,7 +33,7 @@ HostileProgram::HostileProgram(std::uint64_t seed) noexcept : random_(seed) {
   step_.sample.buttons = ~0U;
 }
 
-// From what there is in shops to what nobody builds; now and then one that makes no sense in something.
+// From devices on the market to ones that do not exist; sometimes with an impossible value.
 void HostileProgram::choose_device() noexcept {
   device_.max_force_n = std::pow(10.0, random_.uniform(-1.0, 2.0));
   device_.max_slew_n_per_s = device_.max_force_n / random_.uniform(0.001, 0.05);
@@ -48,7 +48,7 @@ void HostileProgram::choose_device() noexcept {
   }
   if (!random_.once_in(3)) {
     device_.continuous_force_n = device_.max_force_n * random_.uniform(0.1, 0.9);
-    // One shorter than letting go takes cannot be kept by a force that must not jump: it ends in a fault.
+    // A shorter peak time than a release takes cannot be kept without a jump: it ends in a fault.
     device_.peak_s = std::pow(10.0, random_.uniform(is_physical_ ? -0.5 : -2.0, 1.0));
   }
   device_.max_speed_m_per_s = random_.once_in(4) ? 0.0 : random_.uniform(0.3, 4.0);
@@ -62,7 +62,7 @@ double HostileProgram::nasty() noexcept { return kNasty[random_.below(std::size(
 void HostileProgram::choose_spell() noexcept {
   left_ = static_cast<int>(5 + random_.below(200));
   force_ = static_cast<Force>(random_.below(static_cast<std::uint64_t>(Force::count)));
-  // Not too often, or nothing else is seen: the fault stays.
+  // Rarely: the fault that follows latches and hides everything else.
   if (force_ == Force::no_number && !random_.once_in(3)) force_ = Force::active;
   const auto calm_motions = static_cast<std::uint64_t>(Motion::fast);
   motion_ = static_cast<Motion>(
@@ -85,7 +85,7 @@ void HostileProgram::pass_time() noexcept {
   passed_s_ = 1e-9 * static_cast<double>(passed_ns);
   step_.sample.time_ns = step_.now_ns = clock_ns_;
   step_.now_ns += static_cast<std::int64_t>(random_.below(static_cast<std::uint64_t>(period_ns_ / 2)));
-  if (time_ == Time::leap && random_.once_in(100)) {
+  if (time_ == Time::jump && random_.once_in(100)) {
     clock_ns_ += random_.once_in(3) ? kHourNs : static_cast<std::int64_t>(random_.below(2'000'000'000));
     if (random_.once_in(10)) step_.now_ns = std::numeric_limits<std::int64_t>::max();
   }
@@ -96,7 +96,7 @@ void HostileProgram::pass_time() noexcept {
   }
 }
 
-// A mass between the force and a hand that pulls it after itself, softly; and it never leaves a room of 0.5 m.
+// A mass on which the force acts and which a moving hand pulls by a soft spring. It stays within about 0.5 m.
 void HostileProgram::move_as_matter(const Vec3& force_n, double passed_s) noexcept {
   hand_m_ += hand_m_per_s_ * passed_s;
   for (int axis = 0; axis < 3; ++axis) {
@@ -127,7 +127,7 @@ void HostileProgram::move(const Wrench& out) noexcept {
     case Motion::sweep:
       p_m_ += axis_ * (0.5 * speed * std::cos(0.02 * phase) * passed_s);
       break;
-    case Motion::yielding:  // takes all that the force gives
+    case Motion::yielding:  // moves along the force
       if (size > 0.0) p_m_ += out.force_n * (random_.uniform(0.0, 0.7) * speed * passed_s / size);
       break;
     case Motion::noise:
@@ -136,7 +136,7 @@ void HostileProgram::move(const Wrench& out) noexcept {
     case Motion::fast:
       p_m_ += axis_ * (random_.uniform(0.5, 1.5) * speed * passed_s);
       break;
-    case Motion::leap:
+    case Motion::jump:
       if (random_.once_in(30)) p_m_ = random_.vector(random_.once_in(10) ? 1e5 : 0.3);
       if (random_.once_in(30)) q_ = Quat(Eigen::AngleAxisd(random_.uniform(-3.0, 3.0), axis_));
       break;
@@ -144,8 +144,8 @@ void HostileProgram::move(const Wrench& out) noexcept {
       break;
   }
   for (int axis = 0; axis < 3; ++axis) {
-    // What wanders too far comes back, softly.
-    if (std::abs(p_m_[axis]) > 0.45 && motion_ != Motion::leap && std::abs(p_m_[axis]) < 1.0)
+    // A position that is too far out is moved back slowly.
+    if (std::abs(p_m_[axis]) > 0.45 && motion_ != Motion::jump && std::abs(p_m_[axis]) < 1.0)
       p_m_[axis] -= std::copysign(std::min(0.2 * speed * passed_s, 0.01), p_m_[axis]);
   }
   if (motion_ != Motion::matter && passed_s > 0.0) v_m_per_s_ = (p_m_ - before) / passed_s;
@@ -193,7 +193,7 @@ Vec3 HostileProgram::wanted_n(double most) noexcept {
       return Vec3::Zero();
     case Force::spring:  // a wall through the middle
       return axis_ * std::clamp(-1000.0 * axis_.dot(p_m_), 0.0, most);
-    case Force::active:  // pushes what moves
+    case Force::active:  // accelerates the motion
       return v_m_per_s_ * (most / (0.01 + v_m_per_s_.norm()));
     case Force::most:
       return axis_ * most;
@@ -216,22 +216,22 @@ Vec3 HostileProgram::wanted_n(double most) noexcept {
   return Vec3::Zero();
 }
 
-void HostileProgram::ask() noexcept {
+void HostileProgram::choose_command() noexcept {
   step_.wanted.reset();
   if (force_ == Force::none || random_.once_in(20)) return;
-  WrenchCommand& told = told_[static_cast<std::size_t>(turn_) % told_.size()];
+  WrenchCommand& command = sent_[static_cast<std::size_t>(turn_) % sent_.size()];
   if (force_ == Force::replay) {
-    step_.wanted = told_[random_.below(told_.size())];
+    step_.wanted = sent_[random_.below(sent_.size())];
     return;
   }
   const double most = std::isfinite(device_.max_force_n) ? std::abs(device_.max_force_n) * 1.2 : 10.0;
-  told.wrench.force_n = wanted_n(most);
-  told.wrench.torque_nm = random_.vector(2.0 * device_.max_torque_nm);
-  if (force_ == Force::no_number && random_.once_in(8)) told.wrench.torque_nm.x() = nasty();
-  told.sample_time_ns = step_.sample.time_ns;
-  if (random_.once_in(10)) told.sample_time_ns -= static_cast<std::int64_t>(random_.below(25'000'000));
-  if (random_.once_in(200)) told.sample_time_ns = static_cast<std::int64_t>(random_.bits());
-  step_.wanted = told;
+  command.wrench.force_n = wanted_n(most);
+  command.wrench.torque_nm = random_.vector(2.0 * device_.max_torque_nm);
+  if (force_ == Force::no_number && random_.once_in(8)) command.wrench.torque_nm.x() = nasty();
+  command.sample_time_ns = step_.sample.time_ns;
+  if (random_.once_in(10)) command.sample_time_ns -= static_cast<std::int64_t>(random_.below(25'000'000));
+  if (random_.once_in(200)) command.sample_time_ns = static_cast<std::int64_t>(random_.bits());
+  step_.wanted = command;
 }
 
 const HostileStep& HostileProgram::turn(const Wrench& out) noexcept {
@@ -240,7 +240,7 @@ const HostileStep& HostileProgram::turn(const Wrench& out) noexcept {
   pass_time();
   move(out);
   choose_state();
-  ask();
+  choose_command();
   return step_;
 }
 

@@ -40,11 +40,11 @@ struct HostileStep {
   std::int64_t now_ns = 0;
 };
 
-// A device, a hand and a haptics node that mean harm, from one seed: a device of random limits, and spells of a few dozen turns of every
-// kind of force (springs, square waves at Nyquist, numbers that are none, energy out of nothing, old ones said again, silence), motion (a
-// hand that gives way, one that follows the force, leaps, positions that are none), time (250 Hz to 10 kHz, jitter, leaps, backwards) and
-// state (away, let go, hot, failed). Many programs have peaceful parts, or every one of them would end in a latched fault at once.
-// RT: no heap. Threads: one each.
+// A hostile device, hand and haptics node, from one seed: a device of random limits, and periods of a few dozen turns of every kind
+// of force (springs, square waves at Nyquist, NaN, active forces, repeated old ones, none), motion (a yielding hand, one that
+// follows the force, jumps, invalid poses), time (250 Hz to 10 kHz, jitter, jumps, backwards) and state (away, released, hot,
+// failed). Many programs have peaceful parts, because otherwise each would soon end in a latched fault. RT: no heap. Threads: one
+// each.
 class HostileProgram {
  public:
   static constexpr double kTurnRadPerS = 5.0;  // a physical device turns no faster
@@ -52,20 +52,20 @@ class HostileProgram {
   explicit HostileProgram(std::uint64_t seed) noexcept;
 
   const DeviceLimits& device() const noexcept { return device_; }
-  // Button that the governor has to ask for; below 0: none.
+  // Button that the governor must require; below 0: none.
   int button() const noexcept { return button_; }
   // How many turns it is meant for.
   int turns() const noexcept { return turns_; }
-  // Time never leaps in it, and the device moves as matter does: its heat and energy can be judged by absolute bounds.
+  // Time never jumps, and the device moves physically: its heat and energy can be checked against absolute bounds.
   bool is_physical() const noexcept { return is_physical_; }
 
-  // out: what the governor put on the motors last.
+  // out: the governor's last output to the motors.
   const HostileStep& turn(const Wrench& out) noexcept;
 
  private:
   enum class Force : std::uint8_t { none, spring, active, most, sine, noise, nyquist, huge, tiny, replay, no_number, count };
-  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, leap, no_number, count };
-  enum class Time : std::uint8_t { steady, jitter, stall, leap, back, count };
+  enum class Motion : std::uint8_t { matter, still, sweep, yielding, noise, fast, jump, no_number, count };
+  enum class Time : std::uint8_t { steady, jitter, stall, jump, back, count };
 
   void choose_device() noexcept;
   void choose_spell() noexcept;
@@ -73,7 +73,7 @@ class HostileProgram {
   void move(const Wrench& out) noexcept;
   void move_as_matter(const Vec3& force_n, double passed_s) noexcept;
   void choose_state() noexcept;
-  void ask() noexcept;
+  void choose_command() noexcept;
   Vec3 wanted_n(double most) noexcept;
   double nasty() noexcept;
 
@@ -102,7 +102,7 @@ class HostileProgram {
   Vec3 turn_rad_per_s_ = Vec3::Zero();
   Vec3 axis_ = Vec3::UnitZ();
   double hertz_ = 1.0;
-  std::array<WrenchCommand, 16> told_ = {};
+  std::array<WrenchCommand, 16> sent_ = {};
 };
 
 }  // namespace hapton

@@ -23,7 +23,7 @@ nlohmann::ordered_json pair_json(double a, double b) {
   return json;
 }
 
-// Of the entries that are numbers and stand in both.
+// Of the numeric entries that both have.
 nlohmann::ordered_json compare_numbers(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b, const char* section,
                                        bool only_differing) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kEcho = "bare_echo";
 constexpr std::string_view kRoundTrip = "round_trip";
 
-// What a person looks for lies on top of the others: the round trip and what it is measured by.
+// The most important curves are on top: the round trip and its yardstick.
 std::vector<HopCounts> in_drawing_order(std::span<const HopCounts> hops) {
   std::vector<HopCounts> ordered(hops.begin(), hops.end());
   const auto height = [](const HopCounts& hop) { return hop.name == kRoundTrip ? 2 : hop.name == kEcho ? 1 : 0; };

@@ -36,7 +36,7 @@ Result<void> measure_here(const LatencyRunOptions& options) {
   }
   const std::filesystem::path own = find_own_folder();
   const std::string cpu = fmt::format("{}", options.cpu);
-  // Scheduled as the nodes are: else their ratio would tell of the scheduler.
+  // Scheduled like the nodes: otherwise the ratio would measure the scheduler.
   auto echo = LocalNode::start(options.out, "echo", own / "hapton", {"echo", "--bind", *echo_at, "--rt", options.realtime, "--cpu", cpu});
   if (!echo) {
     return tl::unexpected(echo.error());
@@ -86,7 +86,7 @@ Result<BareTimer> measure_timer(const LatencyRunOptions& options) {
                             options.rate_hz, std::min(0.25 * options.seconds, kLongestTimerSeconds));
 }
 
-// The nodes, with the bare timer of the same CPU before and after them: beside them it would be in their way.
+// The nodes, with the bare timer of the same CPU before and after them: at the same time it would disturb them.
 Result<BareTimer> measure_between_timers(const LatencyRunOptions& options) {
   auto timer = measure_timer(options);
   if (!timer) {
@@ -182,7 +182,7 @@ std::string timer_text(const Json& report, const BareTimer& timer) {
       100.0 * missed / cycles, 100.0 * timer.missed_share(), late_us(0.5), late_us(0.99), late_us(0.999));
 }
 
-// Adds the verdict, and the bare timer if one was measured, to the report's file and tells it all.
+// Adds the verdict, and the bare timer if one was measured, to the report's file, and reports it all.
 Result<LatencyRun> tell(const std::filesystem::path& file, const BareTimer* timer) {
   const bool wants_echo = timer != nullptr;
   auto json = Json::parse(read_text(file), nullptr, false);
@@ -227,7 +227,7 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   if (is_here && !std::filesystem::exists(scene)) {
     return fail("{}: there is no such scene here; name one with --scene", options.scene.string());
   }
-  // An interrupt reaches the nodes as well: they end, the hub writes what it has, and that is reported.
+  // An interrupt reaches the nodes as well: they end, the hub writes its report so far, and that is used.
   const StopSignal interrupts;
   Result<BareTimer> timer;
   if (is_here) {

@@ -16,21 +16,21 @@ struct LatencyRunOptions {
   std::string realtime = "try";  // off, try or require
   int cpu = -1;                  // all three stay on this CPU, unless realtime is off; -1: any
   std::size_t echo_bytes = 0;    // of the bare echo's datagrams; 0: as many as a device sample's
-  bool vision = false;           // a vision node takes part
+  bool vision = false;           // with a vision node
   std::string hosts;             // a hub that runs already is measured instead; empty: none
   std::string key_file;          // of that hub
 };
 
-// What a run gave.
+// The results of a run.
 struct LatencyRun {
   std::string text;    // every hop, loss and jitter, the clocks, the ratio to the bare echo, the verdict
   bool holds = false;  // the verdict at the rate it was measured at
 };
 
-// Runs io_node, haptics_node, a bare echo and, if asked for, vision_node as processes of their own on free loopback ports, each writing to
-// options.out/NAME.log; or watches a hub that runs already for so long. Leaves report.json, latency.csv, latency.png and latency.txt there.
-// RT: set-up only. Error: one line: a program that cannot be started or failed (with its last words), a hub that does not answer, no force
-// or, among processes of its own, no echo measured.
+// Runs io_node, haptics_node, a bare echo and, on request, vision_node as child processes on free loopback ports, each writing to
+// options.out/NAME.log; or watches a running hub for the given time. Leaves report.json, latency.csv, latency.png and latency.txt there.
+// RT: set-up only. Error: one line: a program that cannot be started or failed (with its last output), a hub that does not reply, no force
+// or, with child processes, no echo measured.
 Result<LatencyRun> run_latency(const LatencyRunOptions& options);
 
 }  // namespace hapton

@@ -8,14 +8,14 @@
 
 namespace hapton {
 
-// Whether a servo rate could be held by what was measured.
+// Whether the measured run could hold a servo rate.
 struct RateVerdict {
   double rate_hz = 0.0;
   bool fits = false;
-  double margin_us = 0.0;  // what is left of a period; below zero: what it lacks
+  double margin_us = 0.0;  // time left of a period; below zero: time missing
 };
 
-// What a run says about the rates that Hapton is used at.
+// Verdicts of a run on the usual rates.
 struct LatencyVerdict {
   double rate_hz = 0.0;  // measured at
   double need_us = 0.0;  // p99.9 of the wake-up and p99.9 of the round trip together
@@ -25,12 +25,12 @@ struct LatencyVerdict {
   std::string reason;              // why it does not; empty when it does
 };
 
-// The rule. A rate fits when the servo's wake-up and the force's round trip, both at p99.9, lie within one period: then the force for a
-// sample is on the device before the next sample is taken, all but twice in a thousand times. The rate measured at must besides have missed
-// no more than kMaxMissedShare of its cycles: late, lost or superseded answers, and ticks that went by.
+// The rule. A rate fits if the servo's wake-up and the force's round trip, both at p99.9, lie within one period: then the force for a
+// sample is on the device before the next sample is taken, in all but two of a thousand cycles. The measured rate must in addition have
+// missed at most kMaxMissedShare of its cycles: late, lost or superseded replies, and missed ticks.
 constexpr double kMaxMissedShare = 1e-3;
 
-// From a report.json. Error: it is none, or nothing was answered.
+// From a report.json. Error: it is not one, or it has no replies.
 Result<LatencyVerdict> judge_latency(const nlohmann::json& report);
 
 nlohmann::ordered_json to_json(const LatencyVerdict& verdict);

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kLongest = "longest_";  // no count but a maximum: it holds for the whole run
+constexpr std::string_view kLongest = "longest_";  // a maximum, not a count: it holds for the whole run
 
 double number(const Json& of, const std::string& name) {
   return of.is_object() && of.contains(name) && of[name].is_number() ? of[name].get<double>() : 0.0;

@@ -41,7 +41,7 @@ std::string touched_text(const Json& report, const std::string& what, double con
                      number(report, "counters", "samples"), note(report, "max_force_written_n"));
 }
 
-// What is not as it should be, worst first.
+// The problems, worst first.
 std::vector<std::string> find_troubles(const Json& report) {
   std::vector<std::string> troubles;
   if (const std::string reach = note(report, "reach"); !reach.empty()) troubles.push_back(reach + " (check --unit and --no-fit)");

@@ -40,7 +40,7 @@ bool HubReader::State::wait_for_hub() {
   return client.state() == JoinState::joined;
 }
 
-// Until the part has come that was asked for, or the first of a newer report; false when it is time to ask again.
+// Waits for the requested part, or the first of a newer report; false when the request must be repeated.
 bool HubReader::State::hear_part(const ReportRequest& wanted, ReportPart& part) {
   const std::int64_t end_ns = clock.now_ns() + kAskAgainNs;
   Datagram datagram;
@@ -92,7 +92,7 @@ Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const
   return std::unique_ptr<HubReader>(new HubReader(std::move(state)));
 }
 
-// A report that the hub took long for was asked for twice, and the second may have taken the first one's place between the two documents.
+// A report that took the hub long was requested twice, and the second one may have replaced the first between the two documents.
 Result<HubReport> HubReader::read() {
   std::uint32_t revision = 0;
   for (int tries = 0; tries < kMostTries; ++tries) {

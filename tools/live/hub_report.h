@@ -18,17 +18,17 @@ struct HubReport {
 // RT: no. Threads: one.
 class HubReader {
  public:
-  // hub: HOST or HOST:PORT. Error: one line: bad address or key, no hub answers.
+  // hub: HOST or HOST:PORT. Error: one line: bad address or key, no reply from the hub.
   static Result<std::unique_ptr<HubReader>> open(const std::string& hub, const std::string& key_file);
 
   ~HubReader();
   HubReader(const HubReader&) = delete;
   HubReader& operator=(const HubReader&) = delete;
 
-  // A fresh one. Error: the hub fell silent, or gives none.
+  // A fresh report. Error: the hub does not reply, or has none.
   Result<HubReport> read();
 
-  // Keeps the hub from missing us for so long; false when it has fallen silent.
+  // Keeps the connection to the hub alive for the given time; false if the hub no longer replies.
   bool idle(double seconds);
 
  private:

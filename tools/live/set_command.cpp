@@ -34,11 +34,11 @@ struct SetOptions {
 
 constexpr int kResetLooks = 5;
 constexpr std::int64_t kPatienceNs = 2 * kNanosecondsPerSecond;
-constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node tells its setup once a second
+constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node sends its setup once a second
 constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
 constexpr std::int64_t kAskAgainNs = kNanosecondsPerSecond / 2;
 
-// Listens to the hub until it holds or patience ends; hears what the haptics node tells.
+// Receives from the hub until the condition holds or the time is over, and keeps what the haptics node sends.
 template <class Condition>
 bool wait_until(HubClient& client, const Clock& clock, std::optional<HapticsSetup>& setup, std::int64_t patience_ns, Condition&& holds) {
   const std::int64_t end_ns = clock.now_ns() + patience_ns;
@@ -70,7 +70,7 @@ Result<Settings> make_settings(const SetOptions& options) {
   return settings;
 }
 
-// What the haptics node says to the method asked for. It is asked again until it answers: a datagram may get lost.
+// The haptics node's reply to the method request. The request is repeated until the reply comes, because a datagram may be lost.
 Result<std::string> confirm_method(HubClient& client, const Clock& clock, const SetOptions& options, std::uint32_t ask,
                                    std::optional<HapticsSetup>& setup) {
   if (!wait_until(client, clock, setup, kSetupPatienceNs, [&] { return setup.has_value(); })) {
@@ -99,7 +99,7 @@ Result<std::string> confirm_method(HubClient& client, const Clock& clock, const 
   return fmt::format("method {} in use", options.method);
 }
 
-// What the hub says of its faults once it has had time to hear us.
+// The hub's faults, after it has had time to process the request.
 Result<std::string> confirm_reset(const SetOptions& options) {
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());

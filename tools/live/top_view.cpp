@@ -24,7 +24,7 @@ std::string word(const Json& of, const char* name) {
   return of.is_object() && of.contains(name) && of[name].is_string() ? of[name].get<std::string>() : "";
 }
 
-// What one report less another says; the whole of it where the other is of an earlier life of the hub, or there is none.
+// The difference of two reports; the whole report if there is no earlier one or the hub has restarted.
 struct Span {
   const Json& now;
   const Json* before;
@@ -53,7 +53,7 @@ const Json* find_node(const Json* report, const Json& node) {
   return nullptr;
 }
 
-// One line; none of a hub that tells nothing of it.
+// One line; empty if the hub does not report it.
 std::string safety_text(const Json& report) {
   const Json& notes = section(report, "notes");
   const Json& ratios = section(report, "ratios");
@@ -67,7 +67,7 @@ std::string safety_text(const Json& report) {
 }
 
 std::string nodes_text(const Span& span) {
-  std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "heard/s", "sent/s", "lost",
+  std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "received/s", "sent/s", "lost",
                                  "reordered", "there for");
   for (const Json& node : section(span.now, "nodes")) {
     const Json* earlier = find_node(span.before, node);

@@ -15,7 +15,7 @@ struct TopLook {
   std::vector<HopCounts> hops;
 };
 
-// From the hub's texts. Error: they are none of a report.
+// From the hub's texts. Error: they are not a report.
 Result<TopLook> read_top_look(const std::string& json, const std::string& csv);
 
 // What `hapton top` shows: nodes with their datagrams a second, hops, counters that are not zero. Rates, hops and the second column of the

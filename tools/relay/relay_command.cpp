@@ -68,7 +68,7 @@ Result<RelaySettings> make_settings(const RelayOptions& options) {
   return settings;
 }
 
-// Tells when another phase begins.
+// Reports the beginning of each phase.
 class PhaseTeller {
  public:
   explicit PhaseTeller(const FaultSchedule& schedule) : schedule_(schedule) {}

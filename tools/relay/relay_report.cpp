@@ -23,7 +23,7 @@ constexpr std::array kCounts = {
     NamedCount{"duplicated", &RelayCounts::duplicated},
     NamedCount{"corrupted", &RelayCounts::corrupted},
     NamedCount{"overflowed", &RelayCounts::overflowed},
-    NamedCount{"refused", &RelayCounts::rejected},
+    NamedCount{"rejected", &RelayCounts::rejected},
     NamedCount{"send_failures", &RelayCounts::send_failures},
 };
 
@@ -45,7 +45,7 @@ std::string relay_text(const RelayEndpoint& relay, std::uint64_t seed) {
 }
 
 std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double seconds) {
-  const nlohmann::ordered_json json = {{"schema", "hapton.relay/1"},
+  const nlohmann::ordered_json json = {{"schema", "hapton.relay/2"},
                                        {"seed", seed},
                                        {"seconds", seconds},
                                        {"nodes_seen", relay.clients()},

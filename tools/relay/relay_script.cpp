@@ -13,7 +13,7 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 20;
-// One table of the script; the first error stays and the rest is skipped.
+// One table of the script; the first error is kept and the rest is skipped.
 class FaultTable {
  public:
   FaultTable(const toml::table& table, const std::string& file) : table_(table), file_(file) {}
@@ -79,7 +79,7 @@ class FaultTable {
     if (const auto checked = check_faults(faults); !checked) set_error(table_, checked.error().what);
   }
 
-  // The table of one way within this one; what it does not say stays.
+  // The table of one direction within this one; missing keys keep their values.
   void read_way(std::string_view key, LinkFaults& faults);
 
   void set_error(const toml::node& node, const std::string& what) {

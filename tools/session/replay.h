@@ -32,11 +32,11 @@ struct ReplaySettings {
 struct Replay {
   std::vector<ReplayRow> rows;
   std::int64_t clock_cost_ns = 0;    // taken off every step
-  std::size_t rows_that_differ = 0;  // felt otherwise in a repetition than at first; 0 for a method that forgets all on reset
+  std::size_t rows_that_differ = 0;  // rows in which a repetition differs from the first run; 0 for a method that a reset resets completely
 };
 
-// Drives the step along the trajectory, row by row, as often as asked; every repetition begins with a reset.
-// RT: set-up only. Pre: repeat >= 1.
+// Runs the step along the trajectory, row by row, `repeat` times; every repetition begins with a reset. RT: set-up only. Pre: repeat >=
+// 1.
 Replay run_replay(TouchStep& touch, std::span<const TrajectoryRow> trajectory, const ReplaySettings& settings, const Clock& clock);
 
 // How many steps, how many in contact, the largest force, and p50, p99, p99.9 and the worst step of all and of those in contact.

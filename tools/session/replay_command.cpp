@@ -51,7 +51,7 @@ Result<Scene> load(const ReplayOptions& options) {
   return load_scene(options.mesh, {.unit = unit, .sealing = sealing});
 }
 
-// What the command line says about the material holds for every object of the scene.
+// The material of the command line applies to every object of the scene.
 Result<TouchScene> make_scene(const ReplayOptions& options, const Scene& scene) {
   TouchScene touch = scene.touch_scene();
   for (TouchObject& object : touch.objects) {

@@ -38,7 +38,7 @@ Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
   return {};
 }
 
-// What broke off is the last word, and an error.
+// A truncated recording is reported last, as an error.
 Result<void> judge_end(const SessionReader& reader) {
   if (reader.problem().empty()) return {};
   return fail("{}", reader.problem());
@@ -95,7 +95,7 @@ class RecordedScenes {
     }
     auto settings = parse_method_text(setup.method.data());
     if (!settings) return tl::unexpected(settings.error());
-    // Nobody builds beside these steps: all is there from the start.
+    // No slow task runs beside these steps, so everything is built at the start.
     settings->build_on_approach = false;
     auto method = make_method(*settings, (*scene)->touch);
     if (!method) return tl::unexpected(method.error());

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Answers overtake each other by no more; ForceCommand::answered_before knows of as many.
+// Replies are reordered by at most this; ForceCommand::answered_before covers as many.
 constexpr std::uint64_t kReach = 64;
 
 bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0; }
@@ -75,7 +75,7 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   return {};
 }
 
-// Puts in place what was put in place then. A method that the recording does not name leaves what it felt unknown.
+// Makes the changes of that moment again. If the recording does not name the method, its forces are unknown.
 Result<void> SessionReplay::change_method(std::uint32_t serial) {
   while (serial_ != serial) {
     const auto named = setups_.find({sender_, ++serial_});
@@ -122,7 +122,7 @@ std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
   return felt;
 }
 
-// Samples that were answered before this one, by answers that never arrived.
+// Samples before this one that had a reply, but whose reply was lost.
 void SessionReplay::feel_lost(const ForceCommand& before) {
   const bool knows_all = before.echo_sample - last_sample_ <= kReach || last_sample_ == 0;
   if (!knows_all) is_certain_ = false;
@@ -138,11 +138,11 @@ void SessionReplay::feel_lost(const ForceCommand& before) {
 Result<void> SessionReplay::feel(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_answers;
   feel_lost(command);
-  // Which of the lost answers was the new method's first is not known.
+  // It is unknown which of the lost replies was the new method's first.
   if (command.method_serial != serial_ && counts_.lost_answers > lost_before) is_certain_ = false;
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   turn(command.view_revision);
-  // What was free then is free now: from here on nothing before is needed.
+  // A device that was free then is free now: from here on nothing earlier matters.
   if (!is_certain_ && is_method_known_ && !command.contact) {
     step_->restart();
     is_certain_ = true;

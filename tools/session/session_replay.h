@@ -15,30 +15,30 @@
 
 namespace hapton {
 
-// What a haptics node in a recording said of itself, by its sender number and the count of its methods.
+// The setups that haptics nodes sent in a recording, by sender number and the number of its method.
 using HapticsSetups = std::map<std::pair<std::uint64_t, std::uint32_t>, HapticsSetup>;
 
 // Makes the method that a setup names. Error: no such scene, another one than was recorded, an unknown method.
 using MakeTouch = std::function<Result<std::unique_ptr<TouchStep>>(const HapticsSetup& setup)>;
 
-// How a recording felt the second time.
+// The result of replaying a recording.
 struct FeltCounts {
   std::uint64_t steps = 0;
   std::uint64_t contact_steps = 0;
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
-  std::uint64_t lost_answers = 0;    // stepped again, but what was answered then is not known: the answer got lost on its way
-  std::uint64_t not_compared = 0;    // in contact before the first step in free space, when what was felt earlier is not known
-  std::uint64_t unknown_method = 0;  // felt by a method that the recording does not name: the words about it got lost
-  std::uint64_t missing_states = 0;  // answered, but the state is not in the recording
+  std::uint64_t lost_answers = 0;    // replayed, but the original reply is unknown because it was lost
+  std::uint64_t not_compared = 0;    // in contact before the first step in free space, with earlier contact unknown
+  std::uint64_t unknown_method = 0;  // computed by a method that the recording does not name: its setup was lost
+  std::uint64_t missing_states = 0;  // with a reply, but the state is not in the recording
   std::uint64_t missing_views = 0;
   double max_difference_n = 0.0;
   std::string first_difference;  // one line; empty: none
 };
 
-// Feels a recorded session again, in the order the haptics node did: give it the recording's entries one by one. It steps through exactly
-// the samples that were answered, with the view and the method that each answer names, and compares force, offset and contact to the last
-// bit. RT: no. Threads: one.
+// Replays a recorded session, in the order of the haptics node: give it the recording's entries one by one. It repeats exactly the steps of
+// the samples that had a reply, with the view and the method that each reply names, and compares force, offset and contact to the last bit.
+// RT: no. Threads: one.
 class SessionReplay {
  public:
   SessionReplay(HapticsSetups setups, MakeTouch make_touch);
@@ -46,7 +46,7 @@ class SessionReplay {
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
   Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
-  // Steps through what is still waiting for answers that overtook each other.
+  // Replays what still waits for reordered replies.
   Result<void> finish();
 
   const FeltCounts& counts() const { return counts_; }
@@ -66,13 +66,13 @@ class SessionReplay {
   MakeTouch make_touch_;
   std::map<std::uint64_t, DeviceState> states_;    // not passed yet
   std::map<std::uint32_t, ViewTransform> views_;   // forwarded, by revision
-  std::map<std::uint64_t, ForceCommand> answers_;  // not felt again yet, by sample
+  std::map<std::uint64_t, ForceCommand> answers_;  // not replayed yet, by sample
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
-  std::uint64_t last_sample_ = 0;  // felt again
+  std::uint64_t last_sample_ = 0;  // last replayed sample
   std::uint32_t serial_ = 0;
   bool is_method_known_ = false;  // of the steps now
-  bool is_certain_ = false;       // nothing before is unknown that could still be felt
+  bool is_certain_ = false;       // no unknown earlier contact matters any more
   std::int64_t first_time_ns_ = 0;
   FeltCounts counts_;
 };

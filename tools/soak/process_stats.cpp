@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// The number behind "NAME:" in a file of such lines; -1 where there is none.
+// The number after "NAME:" in a file of such lines; -1 if there is none.
 std::int64_t read_number(const std::filesystem::path& file, const std::string& name) {
   std::ifstream lines(file);
   for (std::string line; std::getline(lines, line);) {

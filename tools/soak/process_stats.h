@@ -8,14 +8,14 @@
 
 namespace hapton {
 
-// What a running process holds of the machine.
+// Resources of a running process.
 struct ProcessStats {
   std::int64_t resident_kib = 0;
   int descriptors = 0;
   int threads = 0;
 };
 
-// From /proc/PID. RT: no. Error: one line: there is no such process, or it is not ours to look at.
+// From /proc/PID. RT: no. Error: one line: there is no such process, or no permission.
 Result<ProcessStats> read_process_figures(pid_t pid);
 
 }  // namespace hapton

@@ -14,7 +14,7 @@ namespace hapton {
 std::string soak_csv_header(const std::vector<std::string>& processes);
 std::string soak_csv_row(const SoakLook& look);
 
-// The gnuplot script that draws soak.csv into a picture: memory, descriptors and threads, round trip, drift, each over time.
+// The gnuplot script that draws soak.csv: memory, descriptors and threads, round trip, drift, each over time.
 std::string make_soak_plot(const std::vector<std::string>& processes, const std::string& picture);
 
 // Draws folder/soak.png from folder/soak.csv. Error: as draw_with_gnuplot.

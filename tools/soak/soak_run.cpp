@@ -35,7 +35,7 @@ constexpr double kFirstForce_s = 30.0;
 
 // The nodes of this run.
 struct Nodes {
-  std::vector<LocalNode> nodes;  // io_node last: it is to say goodbye to nobody
+  std::vector<LocalNode> nodes;  // io_node last, so that the others can say goodbye to it
   LocalVision vision;
   bool has_vision = false;
   std::string hub_at;
@@ -93,7 +93,7 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
 
 std::int64_t counter(const Json& report, const char* name) { return report.value("counters", Json::object()).value(name, std::int64_t{0}); }
 
-// Takes looks at the nodes, each against the first and the one before.
+// Samples the nodes, each sample compared with the first and the previous one.
 class Watch {
  public:
   Watch(const SoakOptions& options, Nodes& nodes, std::unique_ptr<HubReader> reader)
@@ -190,7 +190,7 @@ void tell_progress(const SoakRun& run) {
   std::fflush(stdout);
 }
 
-// Until the time is over or something ends it, which run.ended then tells.
+// Until the time is over or something ends it, which run.ended then names.
 Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch, const StopSignal& stop, SoakRun& run) {
   const std::filesystem::path table = options.out / "soak.csv";
   std::ofstream csv(table);

@@ -11,7 +11,7 @@ struct SoakOptions {
   double seconds = 3600.0;
   double every_s = 0.0;  // between two looks; 0: a 120th of the time, at least 2 s
   double rate_hz = 1000.0;
-  bool vision = false;  // a vision node takes part
+  bool vision = false;  // with a vision node
   std::filesystem::path out = "out/soak";
   std::filesystem::path scene = "scenes/car_front.toml";
   std::string key_file;          // of the nodes; empty: the one that this user's nodes share on a machine
@@ -27,10 +27,10 @@ struct SoakEnd {
   bool flat = false;
 };
 
-// Runs io_node, haptics_node and, if asked for, vision_node as processes of their own on a free loopback port, looks at them again and
-// again and tells now and then how it goes. Leaves soak.csv (written row by row), soak.json, soak.png and the nodes' logs and reports in
-// options.out. Ctrl-C ends it early, and it is judged as not flat.
-// RT: set-up only. Error: one line: a program that cannot be started or failed before the first look, a folder that cannot be written to.
+// Runs io_node, haptics_node and, on request, vision_node as child processes on a free loopback port, samples them regularly and prints its
+// progress. Leaves soak.csv (written row by row), soak.json, soak.png and the nodes' logs and reports in options.out. Ctrl-C ends it early,
+// and the verdict is then not flat. RT: set-up only. Error: one line: a program that cannot be started or failed before the first sample, a
+// folder that cannot be written to.
 Result<SoakEnd> run_soak(const SoakOptions& options);
 
 }  // namespace hapton

@@ -13,7 +13,7 @@ namespace hapton {
 namespace {
 
 constexpr double kWarmUpShare = 0.1;
-constexpr double kWarmUpSeconds = 30.0;  // io_node's heap takes its size
+constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
 constexpr double kMostWarmUpShare = 0.5;
 constexpr double kMemoryShare = 0.01;
 constexpr double kMemoryKib = 1024.0;
@@ -53,7 +53,7 @@ double median_slope(const std::vector<double>& times, const std::vector<double>&
   return slopes.empty() ? 0.0 : median(std::move(slopes));
 }
 
-// The looks that are judged, one figure after the other.
+// The samples that count, one quantity after the other.
 class Series {
  public:
   explicit Series(const SoakRun& run) {

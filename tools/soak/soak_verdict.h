@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A look at a system under soak. Counts and drift are of the time since the first look, rates and latencies of that since the look before.
+// A sample of a system under soak. Counts and drift are since the first sample, rates and latencies since the previous one.
 struct SoakLook {
   double seconds = 0.0;
   double samples_hz = 0.0;
@@ -28,7 +28,7 @@ struct SoakLook {
   std::vector<ProcessStats> processes;
 };
 
-// What was run and how long it was meant to be.
+// The run and its intended duration.
 struct SoakRun {
   double seconds = 0.0;
   double rate_hz = 0.0;
@@ -42,14 +42,14 @@ struct SoakRun {
 // more. The first sees what creeps, the second what jumps once, neither heeds a single look. Pre: as many times as values, rising. RT: no.
 double find_rise(std::span<const double> times, std::span<const double> values);
 
-// One thing that was looked at.
+// One quantity that was checked.
 struct SoakFinding {
   std::string what;     // memory, descriptors, threads, lost, rate, drift, run
   std::string process;  // empty: the system as a whole
   double value = 0.0;
   double limit = 0.0;
   bool flat = false;
-  std::string text;  // what was found, in words
+  std::string text;  // the result, in words
 };
 
 struct SoakVerdict {
@@ -57,11 +57,11 @@ struct SoakVerdict {
   std::vector<SoakFinding> findings;
 };
 
-// The rule. Looks in the first tenth of the time, or the first 30 s where that is more (but at most half), are warm-up and count only for
-// lost forces. After them, of each process, resident memory rises by no more than 1 % and 1 MiB, descriptors and threads by none (nor
-// fall); no force is lost; the median look has 99 % of the rate in samples and forces; ticks keep to the clock within 100 ms and 100 ppm;
-// no process ends and nobody stops the run before its time. What is late or missed is told, not judged: that is the machine's as much as
-// ours (`hapton latency run` judges it).
+// The rule. Samples in the first tenth of the time, or the first 30 s if that is more (but at most half), are warm-up and count only for
+// lost forces. After them, for each process, resident memory rises by no more than 1 % and 1 MiB, descriptors and threads do not change; no
+// force is lost; the median sample has 99 % of the rate in samples and forces; ticks keep to the clock within 100 ms and 100 ppm; no
+// process ends and nobody stops the run early. Late and missed cycles are reported but do not count: they depend on the machine as much as
+// on Hapton (`hapton latency run` evaluates them).
 SoakVerdict judge_soak(const SoakRun& run);
 
 // soak.json and the closing line.

@@ -6,13 +6,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kFallShare = 0.0025;
-constexpr double kLockShare = 0.10;
-// Of the larger force. Positions a million extents from the origin are rounded by 2^-33 of an extent, 5e-8 of what is deep: twenty times
-// that.
+constexpr double kFallThroughShare = 0.0025;
+constexpr double kStuckShare = 0.10;
+// Of the larger force: twenty times the rounding of positions a million extents from the origin, 2^-33 of an extent, which is 5e-8 of
+// kFallThroughShare.
 constexpr double kJumpRounding = 0x1p-20;
 
-bool is_finite(const FeltStep& step) { return step.force_n.allFinite() && step.proxy.allFinite(); }
+bool is_finite(const ForceSample& step) { return step.force_n.allFinite() && step.proxy.allFinite(); }
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -20,7 +20,7 @@ bool starts_segment(std::size_t i, const ForceErrorSettings& settings) {
   return i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0);
 }
 
-double jump(std::span<const FeltStep> steps, std::size_t i) { return (steps[i].force_n - steps[i - 1].force_n).norm(); }
+double jump(std::span<const ForceSample> steps, std::size_t i) { return (steps[i].force_n - steps[i - 1].force_n).norm(); }
 
 }  // namespace
 
@@ -42,11 +42,11 @@ ErrorSpread spread_of(std::vector<double> values) {
   return spread;
 }
 
-ForceError compare_forces(std::span<const FeltStep> method, std::span<const FeltStep> reference, const ForceErrorSettings& settings) {
+ForceError compare_forces(std::span<const ForceSample> method, std::span<const ForceSample> reference, const ForceErrorSettings& settings) {
   ForceError error;
   error.steps = std::min(method.size(), reference.size());
   const double k = settings.stiffness_n_per_m;
-  const double deep = kFallShare * settings.extent_m;
+  const double deep = kFallThroughShare * settings.extent_m;
   std::vector<double> shares, directions;
   double worst = -1.0;
   bool in_switch = false;
@@ -57,7 +57,7 @@ ForceError compare_forces(std::span<const FeltStep> method, std::span<const Felt
       in_switch = false;
       continue;
     }
-    const double felt = method[i].force_n.norm();
+    const double actual = method[i].force_n.norm();
     const double expected = reference[i].force_n.norm();
     bool is_switched = false;
     if (expected > 0.0) {
@@ -65,7 +65,7 @@ ForceError compare_forces(std::span<const FeltStep> method, std::span<const Felt
       error.unsettled_steps += reference[i].settled ? 0 : 1;
       const double share = (method[i].force_n - reference[i].force_n).norm() / expected;
       shares.push_back(share);
-      if (felt > 0.0) directions.push_back(angle_between(method[i].force_n, reference[i].force_n));
+      if (actual > 0.0) directions.push_back(angle_between(method[i].force_n, reference[i].force_n));
       is_switched = share > ForceError::kBranchShare;
       if (share > worst) {
         worst = share;
@@ -77,9 +77,9 @@ ForceError compare_forces(std::span<const FeltStep> method, std::span<const Felt
     in_switch = is_switched;
     const double depth = (reference[i].proxy - reference[i].device).norm();
     const double extension = (method[i].proxy - method[i].device).norm();
-    if (felt == 0.0 && depth > deep) ++error.falls;
-    if (expected == 0.0 && felt > 0.0 && extension > deep) ++error.ghosts;
-    if (extension > depth + kLockShare * settings.extent_m) ++error.locks;
+    if (actual == 0.0 && depth > deep) ++error.fall_throughs;
+    if (expected == 0.0 && actual > 0.0 && extension > deep) ++error.false_contacts;
+    if (extension > depth + kStuckShare * settings.extent_m) ++error.stuck_steps;
     if (starts_segment(i, settings) || !is_finite(method[i - 1])) continue;
     double own = 0.0;
     for (std::size_t j = i - 1; j <= i + 1 && j < error.steps; ++j) {
@@ -87,9 +87,9 @@ ForceError compare_forces(std::span<const FeltStep> method, std::span<const Felt
     }
     const double allowed = 2.0 * k * (method[i].device - method[i - 1].device).norm() + own;
     const double above = jump(method, i) - allowed;
-    if (above > kJumpRounding * std::max(felt, k * deep)) {
-      ++error.pops;
-      error.worst_pop_n = std::max(error.worst_pop_n, above);
+    if (above > kJumpRounding * std::max(actual, k * deep)) {
+      ++error.discontinuities;
+      error.worst_discontinuity_n = std::max(error.worst_discontinuity_n, above);
     }
   }
   error.error = spread_of(std::move(shares));

@@ -29,15 +29,14 @@ StressBody dirty(TriangleMesh touched, TriangleMesh solid) {
   return {.name = {}, .touched = std::move(touched), .solid = std::move(solid)};
 }
 
-// Chosen triangles get a vertex inside, next to a corner by as little as 1e-7 of their size: two of the three parts are needles. Still
-// closed.
+// Some triangles get a vertex inside, as near to a corner as 1e-7 of their size: two of the three parts are needles. Still closed.
 TriangleMesh with_needles(TriangleMesh mesh, std::uint64_t seed) {
   Random random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::vector<Triangle> added;
   for (Triangle& triangle : mesh.triangles) {
     if (uniform(random) < 0.5) continue;
-    // A new vertex near corner 0, exactly inside: three triangles instead of one, two of them needles.
+    // A new vertex near corner 0, strictly inside: three triangles instead of one, two of them needles.
     const double share = std::pow(10.0, -1.0 - 6.0 * uniform(random));
     const Vec3 &a = mesh.vertices[triangle[0]], &b = mesh.vertices[triangle[1]], &c = mesh.vertices[triangle[2]];
     const Vec3 inner = a + share * (0.6 * (b - a) + 0.3 * (c - a));
@@ -52,7 +51,7 @@ TriangleMesh with_needles(TriangleMesh mesh, std::uint64_t seed) {
   return mesh;
 }
 
-// Nine in ten triangles get company without area: a repeated corner, three corners in a line, one point.
+// Adds degenerate triangles beside nine in ten triangles: a repeated corner, three corners in a line, one point.
 TriangleMesh with_zero_area(TriangleMesh mesh) {
   const std::size_t n = mesh.triangles.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -83,7 +82,7 @@ TriangleMesh doubled(const TriangleMesh& mesh, bool turned) {
   return both;
 }
 
-// Each triangle has vertices of its own, drawn towards its middle by a share of the extent.
+// Each triangle has its own vertices, moved towards its middle by a share of the extent.
 TriangleMesh cracked(const TriangleMesh& mesh, double share) {
   TriangleMesh torn;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -98,7 +97,8 @@ TriangleMesh cracked(const TriangleMesh& mesh, double share) {
   return torn;
 }
 
-// Every second triangle is split at the middle of an edge its neighbour keeps whole; the middle is moved by up to a share of the extent.
+// Every second triangle is split at the middle of an edge that its neighbour keeps whole; the middle is moved by up to a share of the
+// extent.
 TriangleMesh with_t_junctions(const TriangleMesh& mesh, double share) {
   Random random(5);
   TriangleMesh split{.vertices = mesh.vertices, .triangles = {}};
@@ -134,7 +134,7 @@ TriangleMesh askew(TriangleMesh mesh) {
 TriangleMesh ball() { return make_icosphere(0.5 * kExtent, 3); }
 TriangleMesh bumps() { return make_bumpy_sphere(0.45 * kExtent, 0.25, 5000, 1); }
 
-// Five spikes, thin and long, out of a small core: sharp corners and deep concave folds.
+// Five long thin spikes from a small core: sharp vertices and deep concave edges.
 TriangleMesh star() {
   std::vector<Eigen::Vector2d> outline;
   for (int i = 0; i < 10; ++i) {

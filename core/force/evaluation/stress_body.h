@@ -12,19 +12,19 @@ namespace hapton {
 // A body of the stress test.
 struct StressBody {
   std::string name;
-  TriangleMesh touched;  // what the method gets: may have needles, duplicates, cracks, flipped faces
-  TriangleMesh solid;    // the same place, clean and closed: tells inside from outside. Empty: not closed, falls cannot be told by inside
-  bool room = false;     // free space is the inside, and convex: the proxy is a projection onto a convex set, so never jumps
+  TriangleMesh touched;  // what the method gets; may have needles, duplicates, cracks, flipped faces
+  TriangleMesh solid;    // the same shape, clean and closed, to tell inside from outside. Empty: not closed, so inside tests do not apply
+  bool room = false;     // the free space is the inside, and convex: the proxy is a projection onto a convex set and never jumps
   double probe_share = 0.0;  // radius of the probe as a share of the longest side
 };
 
-// The names of all bodies made by rule, longest side about 0.1 m, about the origin.
+// The names of all generated bodies; longest side about 0.1 m, centred at the origin.
 std::span<const std::string_view> stress_body_names();
 
-// Pre: a name of that list.
+// Pre: a name from that list.
 StressBody make_stress_body(std::string_view name);
 
-// A body around a mesh from elsewhere: its own judge where its edges close, else without one.
+// A body from another mesh. If its edges close, it is its own solid.
 StressBody make_stress_body(std::string name, TriangleMesh mesh);
 
 // Scaled about the origin, then moved.

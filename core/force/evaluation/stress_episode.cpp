@@ -39,41 +39,41 @@ StressEpisode::StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double
   if (is_long_) motion_ = StressMotion::walk;
 }
 
-void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& places) {
-  places.clear();
+void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& positions) {
+  positions.clear();
   for (int i = 0; i < 32; ++i) {
-    choose_place();
+    choose_position();
     start_ = at_ + 0.05 * extent_ * up_;
     if (is_free(start_)) break;
   }
-  places.push_back(start_);
-  if (is_long_) return travel(places);
+  positions.push_back(start_);
+  if (is_long_) return travel(positions);
   switch (motion_) {
     case StressMotion::slide:
-      slide(places);
+      slide(positions);
       break;
     case StressMotion::tap_face:
     case StressMotion::tap_vertex:
     case StressMotion::tap_edge:
-      tap(places);
+      tap(positions);
       break;
     case StressMotion::coincident:
-      coincide(places);
+      coincide(positions);
       break;
     case StressMotion::near_parallel:
-      graze(places);
+      graze(positions);
       break;
     case StressMotion::fast:
-      jump(places);
+      jump(positions);
       break;
     case StressMotion::tiny:
-      creep(places);
+      creep(positions);
       break;
     default:
-      wander(places);
+      wander(positions);
       break;
   }
-  if (places.size() > kLongestEpisode) places.resize(kLongestEpisode);
+  if (positions.size() > kLongestEpisode) positions.resize(kLongestEpisode);
 }
 
 Vec3 StressEpisode::direction() {
@@ -81,7 +81,7 @@ Vec3 StressEpisode::direction() {
   return v.norm() > 0.0 ? Vec3(v.normalized()) : Vec3(Vec3::UnitX());
 }
 
-void StressEpisode::choose_place() {
+void StressEpisode::choose_position() {
   for (int i = 0; i < 64; ++i) {
     triangle_ = static_cast<std::uint32_t>(random_() % mesh_.triangles.size());
     if (walk_.has_area(triangle_)) break;
@@ -99,29 +99,29 @@ void StressEpisode::choose_place() {
                                             : Vec3(a + u * (b - a) + v * (c - a));
 }
 
-void StressEpisode::go_to(std::vector<Vec3>& places, const Vec3& to, double step) {
-  const Vec3 from = places.back();
+void StressEpisode::go_to(std::vector<Vec3>& positions, const Vec3& to, double step) {
+  const Vec3 from = positions.back();
   const auto n = static_cast<std::size_t>(std::clamp(std::ceil((to - from).norm() / step), 1.0, 200.0));
   for (std::size_t i = 1; i <= n; ++i)
-    places.push_back(i == n ? to : Vec3(from + (static_cast<double>(i) / static_cast<double>(n)) * (to - from)));
+    positions.push_back(i == n ? to : Vec3(from + (static_cast<double>(i) / static_cast<double>(n)) * (to - from)));
 }
 
-void StressEpisode::slide(std::vector<Vec3>& places) {
+void StressEpisode::slide(std::vector<Vec3>& positions) {
   walk_.start(triangle_, uniform(-std::numbers::pi, std::numbers::pi));
   const double step = extent_ * power(-5.0, -1.5);
   const double depth = extent_ * power(-4.0, -1.5);
   const double bend = 0.3 * normal();
-  go_to(places, walk_.point() - depth * side_ * walk_.normal(), extent_ * 0.01);
+  go_to(positions, walk_.point() - depth * side_ * walk_.normal(), extent_ * 0.01);
   Vec3 up = side_ * walk_.normal();
   for (int i = 0; i < 300; ++i) {
     walk_.turn(bend * normal());
     walk_.advance(step);
     up = (up + 0.2 * (side_ * walk_.normal() - up));
-    places.push_back(walk_.point() - depth * (1.0 + 0.7 * std::sin(0.1 * i)) * up);
+    positions.push_back(walk_.point() - depth * (1.0 + 0.7 * std::sin(0.1 * i)) * up);
   }
 }
 
-void StressEpisode::tap(std::vector<Vec3>& places) {
+void StressEpisode::tap(std::vector<Vec3>& positions) {
   const double step = extent_ * power(-3.5, -1.0);
   // Straight down the normal, or from any direction on the near side.
   Vec3 from = up_;
@@ -130,17 +130,17 @@ void StressEpisode::tap(std::vector<Vec3>& places) {
     if (from.dot(up_) < 0.0) from = -from;
   }
   const Vec3 above = at_ + 0.02 * extent_ * from;
-  go_to(places, above, 0.01 * extent_);
+  go_to(positions, above, 0.01 * extent_);
   const double depth = extent_ * power(-4.0, -1.5);
   for (int i = 0; i < 3; ++i) {
-    go_to(places, at_, step);
-    go_to(places, at_ - depth * from, step);
-    for (int k = 0; k < 5; ++k) places.push_back(places.back());
-    go_to(places, above, step);
+    go_to(positions, at_, step);
+    go_to(positions, at_ - depth * from, step);
+    for (int k = 0; k < 5; ++k) positions.push_back(positions.back());
+    go_to(positions, above, step);
   }
 }
 
-void StressEpisode::coincide(std::vector<Vec3>& places) {
+void StressEpisode::coincide(std::vector<Vec3>& positions) {
   const Vec3 &a = mesh_.corner(triangle_, 0), &b = mesh_.corner(triangle_, 1), &c = mesh_.corner(triangle_, 2);
   auto on_lattice = [&] {
     const auto u = static_cast<double>(static_cast<int>(random_() % 7) - 2) / 2.0;
@@ -149,63 +149,63 @@ void StressEpisode::coincide(std::vector<Vec3>& places) {
     return Vec3(a + u * (b - a) + v * (c - a) + lift * up_);
   };
   const double size = std::max((b - a).norm(), (c - a).norm());
-  for (int i = 0; i < 12; ++i) go_to(places, on_lattice(), std::max(size * power(-2.0, 0.5), 1e-3 * extent_));
-  go_to(places, at_ - extent_ * power(-6.0, -1.5) * up_, 0.003 * extent_);
-  for (int i = 0; i < 6; ++i) go_to(places, on_lattice() - extent_ * power(-6.0, -2.0) * up_, std::max(0.3 * size, 2e-3 * extent_));
+  for (int i = 0; i < 12; ++i) go_to(positions, on_lattice(), std::max(size * power(-2.0, 0.5), 1e-3 * extent_));
+  go_to(positions, at_ - extent_ * power(-6.0, -1.5) * up_, 0.003 * extent_);
+  for (int i = 0; i < 6; ++i) go_to(positions, on_lattice() - extent_ * power(-6.0, -2.0) * up_, std::max(0.3 * size, 2e-3 * extent_));
 }
 
-void StressEpisode::graze(std::vector<Vec3>& places) {
+void StressEpisode::graze(std::vector<Vec3>& positions) {
   Vec3 along = direction();
   along = (along - along.dot(up_) * up_).normalized();
   const double reach = extent_ * power(-3.0, -0.3);
   const double tilt = power(-15.0, -1.0);
   const Vec3 from = at_ - reach * along + reach * tilt * up_;
-  go_to(places, from, 0.02 * extent_);
+  go_to(positions, from, 0.02 * extent_);
   for (int i = 0; i < 4; ++i) {
-    go_to(places, at_ + reach * along - reach * tilt * up_, reach * power(-1.5, 0.5));
-    go_to(places, from, reach * power(-1.5, 0.5));
+    go_to(positions, at_ + reach * along - reach * tilt * up_, reach * power(-1.5, 0.5));
+    go_to(positions, from, reach * power(-1.5, 0.5));
   }
 }
 
-void StressEpisode::jump(std::vector<Vec3>& places) {
+void StressEpisode::jump(std::vector<Vec3>& positions) {
   const Vec3 middle = start_;
   for (int i = 0; i < 200; ++i) {
-    places.push_back(random_() % 8 == 0 ? at_ - extent_ * power(-4.0, -0.5) * up_
-                                        : Vec3(middle + extent_ * power(-2.0, 0.3) * direction()));
+    positions.push_back(random_() % 8 == 0 ? at_ - extent_ * power(-4.0, -0.5) * up_
+                                           : Vec3(middle + extent_ * power(-2.0, 0.3) * direction()));
   }
 }
 
-void StressEpisode::creep(std::vector<Vec3>& places) {
+void StressEpisode::creep(std::vector<Vec3>& positions) {
   const double step = extent_ * power(-12.0, -6.0);
-  places.push_back(at_ + 2.0 * step * up_);
+  positions.push_back(at_ + 2.0 * step * up_);
   Vec3 drift = direction();
   for (int i = 0; i < 150; ++i) {
     if (i % 50 == 0) drift = direction();
-    places.push_back(places.back() + step * (0.5 * drift + 0.5 * direction() - 0.2 * up_));
+    positions.push_back(positions.back() + step * (0.5 * drift + 0.5 * direction() - 0.2 * up_));
   }
   const double deep = extent_ * power(-9.0, -2.0);
-  places.push_back(at_ - deep * up_);
-  for (int i = 0; i < 100; ++i) places.push_back(places.back() + step * direction());
+  positions.push_back(at_ - deep * up_);
+  for (int i = 0; i < 100; ++i) positions.push_back(positions.back() + step * direction());
 }
 
-void StressEpisode::wander(std::vector<Vec3>& places) { walk_round(places, kWalkSteps); }
+void StressEpisode::wander(std::vector<Vec3>& positions) { walk_round(positions, kWalkSteps); }
 
-void StressEpisode::travel(std::vector<Vec3>& places) {
+void StressEpisode::travel(std::vector<Vec3>& positions) {
   for (int leg = 0; leg < kLongWalkLegs; ++leg) {
-    walk_round(places, kLongWalkLegSteps);
-    choose_place();
+    walk_round(positions, kLongWalkLegSteps);
+    choose_position();
   }
 }
 
-void StressEpisode::walk_round(std::vector<Vec3>& places, int steps) {
+void StressEpisode::walk_round(std::vector<Vec3>& positions, int steps) {
   Vec3 velocity = Vec3::Zero();
   const double speed = extent_ * power(-4.0, -2.0);
   const double memory = uniform(0.02, 0.3);
-  Vec3 at = places.back();
+  Vec3 at = positions.back();
   for (int i = 0; i < steps; ++i) {
     velocity += -memory * velocity + speed * std::sqrt(2.0 * memory) * Vec3(normal(), normal(), normal()) - 0.02 * memory * (at - at_);
     at += velocity;
-    places.push_back(motion_ == StressMotion::hostile && random_() % 16 == 0 ? hostile(at) : at);
+    positions.push_back(motion_ == StressMotion::hostile && random_() % 16 == 0 ? hostile(at) : at);
   }
 }
 

@@ -12,56 +12,56 @@
 
 namespace hapton {
 
-// Ways to move the device, each meant to break something.
+// Motions of the device, each meant to break something.
 enum class StressMotion : std::uint8_t {
   slide,          // over the surface, 1e-5 to 3e-2 of the extent a step, up to 3 % deep
   tap_face,       // straight in and out, 10 m/s and slower
   tap_vertex,     // exactly at vertices
   tap_edge,       // exactly at points of edges
-  coincident,     // in the very plane of a triangle, over its corners and edges, then in
+  coincident,     // exactly in the plane of a triangle, over its corners and edges, then in
   near_parallel,  // through a face at an angle of 1e-1 down to 1e-15
   fast,           // jumps of up to the whole extent
   tiny,           // steps of 1e-12 to 1e-6 of the extent at and in the surface
-  walk,           // a smooth random walk, in and out as it comes
-  hostile,        // a walk with NaN, infinite and absurdly far samples in it
+  walk,           // a smooth random walk, in and out at random
+  hostile,        // a walk with NaN, infinite and very distant samples
   count
 };
 
 std::string_view name_of(StressMotion motion);
 
-// Episodes from this number on are long random walks: 20,000 steps from place to place over the whole body.
+// Episodes from this number on are long random walks: 20,000 steps over the whole body.
 constexpr std::uint64_t kFirstLongWalk = 1ULL << 32;
 
-// The device positions of one episode. It depends on nothing but what it is made from. RT: set-up only.
+// The device positions of one episode; a function of the constructor's arguments alone. RT: set-up only.
 class StressEpisode {
  public:
-  // `inwards`: the free side is the inside. Pre: the mesh and the walk over it outlive it.
+  // inwards: the free side is the inside. Pre: mesh and walk outlive this object.
   StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool inwards, std::uint64_t seed, std::string_view body,
                 std::uint64_t number);
 
   StressMotion motion() const { return motion_; }
 
-  // The places of the episode; the first is where the method is reset. `is_free` says whether a place is on the free side.
-  void draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& places);
+  // The positions of the episode; the method is reset at the first one. `is_free`: whether a position is on the free side.
+  void draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& positions);
 
  private:
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   double power(double low, double high) { return std::pow(10.0, uniform(low, high)); }
   double normal() { return normal_(random_); }
   Vec3 direction();
-  void choose_place();
-  void go_to(std::vector<Vec3>& places, const Vec3& to, double step);
-  void slide(std::vector<Vec3>& places);
-  void tap(std::vector<Vec3>& places);
-  void coincide(std::vector<Vec3>& places);
-  void graze(std::vector<Vec3>& places);
-  void jump(std::vector<Vec3>& places);
-  void creep(std::vector<Vec3>& places);
-  void wander(std::vector<Vec3>& places);
-  // A long walk: from one place of the body to the next, at another pace each time.
-  void travel(std::vector<Vec3>& places);
-  // At a pace of its own, drawn gently to `at_`, which is on the surface.
-  void walk_round(std::vector<Vec3>& places, int steps);
+  void choose_position();
+  void go_to(std::vector<Vec3>& positions, const Vec3& to, double step);
+  void slide(std::vector<Vec3>& positions);
+  void tap(std::vector<Vec3>& positions);
+  void coincide(std::vector<Vec3>& positions);
+  void graze(std::vector<Vec3>& positions);
+  void jump(std::vector<Vec3>& positions);
+  void creep(std::vector<Vec3>& positions);
+  void wander(std::vector<Vec3>& positions);
+  // A long walk from one part of the body to the next, each time at another speed.
+  void travel(std::vector<Vec3>& positions);
+  // At a random speed, attracted gently to `at_`, which is on the surface.
+  void walk_round(std::vector<Vec3>& positions, int steps);
   Vec3 hostile(Vec3 at);
 
   const TriangleMesh& mesh_;

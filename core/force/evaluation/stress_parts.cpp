@@ -38,14 +38,14 @@ struct Block {
 
 TriangleMesh moved(const TriangleMesh& mesh, const Vec3& by) { return scaled_and_moved(mesh, 1.0, by); }
 
-TriangleMesh posed(TriangleMesh mesh, const Mat3& rotation, const Vec3& place) {
-  for (Vec3& vertex : mesh.vertices) vertex = rotation * vertex + place;
+TriangleMesh posed(TriangleMesh mesh, const Mat3& rotation, const Vec3& offset) {
+  for (Vec3& vertex : mesh.vertices) vertex = rotation * vertex + offset;
   return mesh;
 }
 
 void append(TriangleMesh& all, const TriangleMesh& part) { all = joined(all, part); }
 
-// What is cut out of the block: slots from above across all of y, undercuts from the sides, pockets from above. Widths of 0.1 % to 3 %.
+// What is cut out of the block: slots from above along all of y, undercuts from the sides, pockets from above. Widths of 0.1 % to 3 %.
 std::vector<Block> draw_cuts(const Block& block, Random& random) {
   const Vec3 size = block.high - block.low;
   const Vec3 beyond = 0.1 * size;
@@ -75,7 +75,7 @@ std::vector<Block> draw_cuts(const Block& block, Random& random) {
   return cuts;
 }
 
-// The grid lines that all faces lie on, and some between them.
+// The grid lines that contain all faces, and some between them.
 std::vector<double> lines_of(const std::vector<Block>& blocks, const Block& block, int axis, int divisions) {
   std::vector<double> lines;
   for (const Block& each : blocks) {
@@ -91,8 +91,8 @@ std::vector<double> lines_of(const std::vector<Block>& blocks, const Block& bloc
   return lines;
 }
 
-// The skin of the front over u, v in 0..1: a hood that falls off to the sides, with a crease.
-Vec3 front_skin(double u, double v, double offset) {
+// The outer surface of the front over u, v in 0..1: a hood that slopes to the sides, with a crease.
+Vec3 front_surface(double u, double v, double offset) {
   const double across = 2.0 * u - 1.0;
   const double along = 2.0 * v - 1.0;
   const double crease = 0.002 * std::fabs(along - 0.2 * across);
@@ -105,19 +105,19 @@ struct Panel {
   std::array<double, 2> v;
 };
 
-// Some of its triangles turned over, none or all.
-TriangleMesh make_panel(const Panel& panel, int cells, double offset, double turned_share, Random& random) {
+// flipped_share: probability that a triangle is flipped.
+TriangleMesh make_panel(const Panel& panel, int cells, double offset, double flipped_share, Random& random) {
   TriangleMesh mesh;
   for (int i = 0; i <= cells; ++i) {
     for (int j = 0; j <= cells; ++j) {
       const double u = panel.u[0] + (panel.u[1] - panel.u[0]) * i / cells;
       const double v = panel.v[0] + (panel.v[1] - panel.v[0]) * j / cells;
-      mesh.vertices.push_back(front_skin(u, v, offset));
+      mesh.vertices.push_back(front_surface(u, v, offset));
     }
   }
   const auto add = [&](int a, int b, int c) {
     Triangle t = {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)};
-    if (random.uniform(0.0, 1.0) < turned_share) std::swap(t[1], t[2]);
+    if (random.uniform(0.0, 1.0) < flipped_share) std::swap(t[1], t[2]);
     mesh.triangles.push_back(t);
   };
   for (int i = 0; i < cells; ++i) {
@@ -213,26 +213,26 @@ TriangleMesh make_open_front(std::uint64_t seed) {
       const double gap = random.power(-3.5, -2.0);
       const Panel panel{{(i + gap) / kAcross, (i + 1 - gap) / kAcross}, {(j + gap) / kAlong, (j + 1 - gap) / kAlong}};
       const int kind = i == 0 && j == 0 ? 1 : random.below(4);
-      const double turned_share = kind == 0 ? 1.0 : kind == 1 ? 0.2 : 0.0;
-      const TriangleMesh skin = make_panel(panel, 3 + random.below(6), 0.0, turned_share, random);
-      append(all, skin);
+      const double flipped_share = kind == 0 ? 1.0 : kind == 1 ? 0.2 : 0.0;
+      const TriangleMesh panel_mesh = make_panel(panel, 3 + random.below(6), 0.0, flipped_share, random);
+      append(all, panel_mesh);
       if (random.below(2) == 0) append(all, make_panel(panel, 1 + random.below(3), -kExtent * random.power(-3.5, -2.0), 0.0, random));
-      if (i == 1 && j == 1) append(all, flipped(skin));
+      if (i == 1 && j == 1) append(all, flipped(panel_mesh));
     }
   }
-  for (int i = 0; i < 3; ++i) {  // ribs: open sheets that stand in the skin
+  for (int i = 0; i < 3; ++i) {  // ribs: open sheets through the outer surface
     const double u = random.uniform(0.1, 0.9);
-    const Vec3 from = front_skin(u, 0.1, random.uniform(-0.001, 0.001));
-    const Vec3 to = front_skin(u + random.uniform(-0.1, 0.1), 0.9, random.uniform(-0.001, 0.001));
+    const Vec3 from = front_surface(u, 0.1, random.uniform(-0.001, 0.001));
+    const Vec3 to = front_surface(u + random.uniform(-0.1, 0.1), 0.9, random.uniform(-0.001, 0.001));
     const Vec3 down(0.0, 0.0, -0.02);
     append(all, {.vertices = {from, to, to + down, from + down}, .triangles = {{0, 1, 2}, {0, 2, 3}}});
   }
-  for (const double u : {0.15, 0.85}) append(all, moved(make_icosphere(0.006, 2), front_skin(u, 0.2, random.uniform(-0.006, 0.002))));
+  for (const double u : {0.15, 0.85}) append(all, moved(make_icosphere(0.006, 2), front_surface(u, 0.2, random.uniform(-0.006, 0.002))));
   return all;
 }
 
 TriangleMesh make_touching_parts() {
-  constexpr double kSide = 0x1p-5;  // m: sums of it are exact
+  constexpr double kSide = 0x1p-5;  // m: a power of two, so sums of it are exact
   TriangleMesh all;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 2; ++j) {
@@ -240,11 +240,11 @@ TriangleMesh make_touching_parts() {
     }
   }
   append(all, moved(make_cylinder(0.4 * kSide, kSide, 24, 2), Vec3(-kSide, 0.0, 0.75 * kSide)));
-  // Hollow: its floor lies on the bricks.
-  const Vec3 place(kSide, 0.0, 0.75 * kSide);
-  append(all, moved(make_box(Vec3(kSide, kSide, kSide), 2), place));
-  append(all, moved(flipped(make_box(Vec3::Constant(0.75 * kSide), 3)), place));
-  append(all, moved(make_box(Vec3(0.0625 * kSide, 0.75 * kSide, 0.5 * kSide), 1), place + Vec3((0.375 - 0.03125) * kSide, 0.0, 0.0)));
+  // Hollow; its floor lies on the bricks.
+  const Vec3 offset(kSide, 0.0, 0.75 * kSide);
+  append(all, moved(make_box(Vec3(kSide, kSide, kSide), 2), offset));
+  append(all, moved(flipped(make_box(Vec3::Constant(0.75 * kSide), 3)), offset));
+  append(all, moved(make_box(Vec3(0.0625 * kSide, 0.75 * kSide, 0.5 * kSide), 1), offset + Vec3((0.375 - 0.03125) * kSide, 0.0, 0.0)));
   return all;
 }
 
@@ -265,8 +265,8 @@ TriangleMesh make_overlapping_parts(std::uint64_t seed) {
           return make_torus(0.4 * size, 0.12 * size, 20, 10);
       }
     };
-    const Vec3 place(random.uniform(-0.03, 0.03), random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02));
-    const TriangleMesh part = posed(make(), random.rotation(), place);
+    const Vec3 offset(random.uniform(-0.03, 0.03), random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02));
+    const TriangleMesh part = posed(make(), random.rotation(), offset);
     append(all, part);
     if (i == 0) append(all, part);
     if (i == 1) append(all, moved(part, Vec3(1.0, 1.0, -1.0) * kExtent * random.power(-10.0, -5.0)));

@@ -15,40 +15,41 @@
 
 namespace hapton {
 
-// What went wrong, in steps. All must be zero. Not every fault can be told everywhere: see StressCount::looked_for.
+// Faults that are counted, in steps. All must be zero. Which ones can be tested depends on the body and material: see StressCount::covered.
 enum class StressFault : std::uint8_t {
-  fall,     // no force with the device more than 0.25 % of the extent on the wrong side
-  inside,   // the proxy itself on the wrong side of the surface
-  through,  // open meshes: from one free place to another straight through a face, away from any border, where the reference does not come
-  lock,     // proxy more than 10 % of the extent farther from the device than the surface is, and not at a minimum
-  lag,      // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
-  pop,      // convex room: the force changed by more than stiffness times the device's motion
-  not_finite,  // NaN or infinite output
-  broken,      // force, proxy and contact contradict each other, or a sample that is not finite is felt
+  fall_through,  // no force with the device more than 0.25 % of the extent on the wrong side
+  inside,        // the proxy itself on the wrong side of the surface
+  through,  // open meshes: straight through a face from one free position to another, away from any boundary, where the reference does not
+            // get
+  stuck,    // proxy more than 10 % of the extent farther from the device than the surface, and not at a minimum
+  unconverged,    // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
+  discontinuity,  // convex room: the force changed by more than stiffness times the device's motion
+  not_finite,     // NaN or infinite output
+  broken,         // force, proxy and contact contradict each other, or a sample that is not finite gives a force
   count
 };
 
 std::string_view name_of(StressFault fault);
-// What it means and where it is looked for: half a line for people.
+// What it means and where it is tested: half a line for people.
 std::string_view meaning_of(StressFault fault);
 
-// The first fault of a kind, to be found again: body, scale, place, seed, episode and step tell it all.
+// The first fault of a kind. Body, scale, offset, seed, episode and step reproduce it.
 struct StressFinding {
-  StressFault fault = StressFault::fall;
+  StressFault fault = StressFault::fall_through;
   StressMotion motion = StressMotion::slide;
   std::uint64_t episode = 0;
   std::size_t step = 0;
-  double size = 0.0;  // what was too large, as a share of the extent
+  double size = 0.0;  // size of the error as a share of the extent
 };
 
 struct StressCount {
   std::uint64_t steps = 0;
   std::uint64_t contact_steps = 0;
   std::uint64_t episodes = 0;
-  std::uint64_t judged_rests = 0;  // steps the reference was asked about
+  std::uint64_t compared_steps = 0;  // steps compared with the reference
   std::array<std::uint64_t, static_cast<std::size_t>(StressFault::count)> faults{};
-  std::array<bool, static_cast<std::size_t>(StressFault::count)> looked_for{};  // false: a zero says nothing
-  std::vector<StressFinding> findings;                                          // the first few of each fault
+  std::array<bool, static_cast<std::size_t>(StressFault::count)> covered{};  // false: not tested, so a zero says nothing
+  std::vector<StressFinding> findings;                                       // the first few of each fault
 
   std::uint64_t total_faults() const;
   void add(const StressCount& other);
@@ -56,23 +57,23 @@ struct StressCount {
 
 struct StressSettings {
   std::uint64_t seed = 1;
-  double scale = 1.0;           // the body is scaled by this
-  double offset_extents = 0.0;  // and moved by so many of its extents along (1, -1, 1)
+  double scale = 1.0;           // scale of the body
+  double offset_extents = 0.0;  // offset of the body in extents along (1, -1, 1)
   Material material = {};
-  std::size_t rest_every = 64;  // in every how many steps the reference is asked whether the proxy is at rest; 0: only on suspicion
+  std::size_t compare_every = 64;  // compares every n-th step with the reference; 0: only suspicious ones
 };
 
-// One body in one place, and a method that touches it. An episode begins with a reset on the free side and runs one motion of up to 400
-// steps, or a long walk; it depends on nothing but body, settings and its number, so any can be run again alone.
+// One body at one position, and the method under test. An episode begins with a reset on the free side and runs one motion of up to 400
+// steps, or a long walk. It depends only on body, settings and its number, so each can be repeated alone.
 class StressRun {
  public:
   using MethodMaker = std::function<Result<std::unique_ptr<ForceMethod>>(const MethodSettings&, const TouchScene&)>;
 
-  // Error: what the method refuses.
+  // Error: the method's own, and a body without triangles.
   static Result<StressRun> make(const StressBody& body, const StressSettings& settings, const MethodSettings& method,
                                 const MethodMaker& maker = &make_method);
 
-  // Runs an episode to its end and counts. Returns its steps.
+  // Runs one episode and counts its faults. Returns the number of steps.
   std::size_t run_episode(std::uint64_t episode, StressCount& count);
 
   ~StressRun();
@@ -80,9 +81,9 @@ class StressRun {
   StressRun& operator=(StressRun&&) noexcept;
 
  private:
-  struct Inside;
-  explicit StressRun(std::unique_ptr<Inside> inside);
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  explicit StressRun(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace hapton

@@ -1,4 +1,4 @@
-// What the proxy says of itself, for people.
+// The proxy's lines for people.
 #include <algorithm>
 #include <cmath>
 
@@ -7,14 +7,15 @@
 namespace hapton {
 
 std::string ProxyMethod::describe() const {
-  const std::string what = fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, hover {:g} m\n",
-                                       geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
-                                       static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - hover_) * geometry_.unit_m(),
-                                       hover_ * geometry_.unit_m()) +
-                           fmt::format(
-                               "proxy: a step has {} events, {:g} more for each edge that a way as long crosses on the average, {} at "
-                               "most; the rest is carried over\n",
-                               SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
+  const std::string what =
+      fmt::format("proxy: {} of {} objects built, {} triangles, {:.1f} MB in all; probe radius {:g} m, contact offset {:g} m\n",
+                  geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
+                  static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.rest - contact_offset_) * geometry_.unit_m(),
+                  contact_offset_ * geometry_.unit_m()) +
+      fmt::format(
+          "proxy: a step has {} events, {:g} more for each edge that a path as long crosses on average, {} at "
+          "most; the rest is carried into the next step\n",
+          SurfaceFollower::kLeastEvents, SurfaceFollower::kEventsPerEdge, SurfaceFollower::kMostEvents);
   return counters_.steps == 0 ? what : what + describe_steps();
 }
 
@@ -22,19 +23,18 @@ std::string ProxyMethod::describe_steps() const {
   const auto n = static_cast<double>(counters_.steps);
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
   std::string text = fmt::format(
-      "proxy: {} steps, {:.1f} % settled by the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, "
-      "{:.3f} "
-      "refills a step, {:.0f} % of them foreseen; {} done again in parts, {} in {}, {} escapes of {} tried, {} unconverged; {} events, {} "
-      "in one step at most, {} flights, {} steps by sweeps, {} out of events\n",
+      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact with {:.2f} motions, {:.2f} sweeps, {:.1f} triangle tests, {:.3f} cache "
+      "rebuilds a step, {:.0f} % of them prefetched; {} steps repeated in sub-steps, {} of them in {}, {} escapes of {} attempts, {} "
+      "unconverged; {} events, at most {} in one step, {} flights, {} steps by sweeps, {} out of events\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps,
       static_cast<double>(counters_.iterations) / c, static_cast<double>(counters_.sweeps) / c, static_cast<double>(counters_.tests) / c,
-      static_cast<double>(counters_.refills) / c,
-      100.0 * static_cast<double>(counters_.foreseen) / static_cast<double>(std::max<std::uint64_t>(counters_.refills, 1)),
-      counters_.redone, counters_.divided, kParts, counters_.escapes, counters_.attempts, counters_.unconverged, surface_.events(),
-      counters_.most_events, counters_.flights, counters_.careful, counters_.exhausted);
+      static_cast<double>(counters_.rebuilds) / c,
+      100.0 * static_cast<double>(counters_.prefetched) / static_cast<double>(std::max<std::uint64_t>(counters_.rebuilds, 1)),
+      counters_.substepped, counters_.substepped_finely, kSubsteps, counters_.escapes, counters_.attempts, counters_.unconverged,
+      surface_.events(), counters_.most_events, counters_.flights, counters_.swept, counters_.exhausted);
   if (sphere_ != nullptr) {
     text += fmt::format(
-        "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} triangles looked at; at most {} a "
+        "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} triangles examined; at most {} a "
         "step\n",
         static_cast<double>(sphere_->events()) / c, sphere_->slips(), sphere_->flights(), static_cast<double>(sphere_->gathered()) / c,
         static_cast<double>(sphere_->looked_at()) / c, SphereFollower::kMostWork);

@@ -1,4 +1,4 @@
-// Continuous motion of the proxy: until what blocks it, and what it touches there.
+// Continuous collision of the proxy with triangles.
 #include <algorithm>
 #include <cmath>
 
@@ -6,37 +6,37 @@
 
 namespace hapton {
 
-// Moves the proxy along `motion` until something blocks it; true when blocked. Afterwards touching_ holds what it touches.
+// Moves the proxy along `motion` until something blocks it; returns true if blocked. contacts_ then has what it touches.
 bool ProxyMethod::advance(const Vec3& motion) noexcept {
   const double t = sweep(proxy_, motion);
   const bool blocked = t <= 1.0;
   proxy_ += (blocked ? t : 1.0) * motion;
-  keep_touching(blocked ? Vec3((1.0 - t) * motion) : Vec3::Zero());
+  update_contacts(blocked ? Vec3((1.0 - t) * motion) : Vec3::Zero());
   return blocked;
 }
 
-// The first time a moving proxy must stop, > 1 for never. A long way is searched piece by piece, because what blocks is mostly
-// near the start: first through the neighbourhood, then through the tree in pieces that grow.
+// The first time at which the moving proxy must stop; above 1: never. A long path is searched in pieces, because a blocker is mostly near
+// the start: first in the triangle cache, then in the tree with growing pieces.
 double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   ++counters_.sweeps;
   --sweeps_left_;
   blocker_count_ = 0;
   const double length = motion.norm();
-  double far_piece = std::max(2.0 * (stride_ + near_reach_), 0x1p-6 * length);
+  double far_piece = std::max(2.0 * (displacement_ + cache_radius_), 0x1p-6 * length);
   double done = 0.0;
   for (int piece = 0; done < 1.0; ++piece) {
     const Vec3 start = from + done * motion;
-    const bool is_near = piece < kNearPieces && stay_near(start, (1.0 - done) * motion, clearance_.rest, 0.0);
+    const bool is_near = piece < kNearPieces && keep_cached(start, (1.0 - done) * motion, clearance_.rest, 0.0);
     double end = 1.0;
     if (is_near) {
-      end = done + near().time_inside(start, motion, clearance_.rest);
+      end = done + cache().time_inside(start, motion, clearance_.rest);
     } else if (length > 0.0) {
       end = done + far_piece / length;
       far_piece *= 4.0;
     }
     if (!(end < 1.0)) end = 1.0;
     const Vec3 part = (end - done) * motion;
-    const Box way = Box::around(start, start + part).inflated(clearance_.rest);
+    const Box path = Box::around(start, start + part).inflated(clearance_.rest);
     double first = kNever;
     const auto test = [&](const auto& shape, std::uint32_t triangle) {
       ++counters_.tests;
@@ -47,13 +47,13 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
       note_blocker(triangle, t);
     };
     if (is_near) {
-      const int count = near().find_meetings(start, part, clearance_.rest, way, meetings_);
+      const int count = cache().find_candidates(start, part, clearance_.rest, path, candidates_);
       for (int i = 0; i < count; ++i) {
-        if (done + static_cast<double>(meetings_[i].earliest) * (end - done) <= first)
-          test(near().shape(meetings_[i].place), meetings_[i].triangle);
+        if (done + static_cast<double>(candidates_[i].earliest) * (end - done) <= first)
+          test(cache().shape(candidates_[i].slot), candidates_[i].triangle);
       }
     } else {
-      geometry_.for_each_overlapping(way, [&](std::uint32_t triangle) { test(TriangleView{geometry_, triangle}, triangle); });
+      geometry_.for_each_overlapping(path, [&](std::uint32_t triangle) { test(TriangleView{geometry_, triangle}, triangle); });
     }
     if (first <= end) return first;
     blocker_count_ = 0;
@@ -62,18 +62,18 @@ double ProxyMethod::sweep(const Vec3& from, const Vec3& motion) noexcept {
   return kNever;
 }
 
-// A sphere at rest on a face touches what lies in one plane with it, though that never blocks its way.
+// A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
 void ProxyMethod::note_grazed(const Separation& at, std::uint32_t triangle) noexcept {
-  if (at.distance > clearance_.rest + 2.0 * clearance_.tolerance || touching_count_ == kMaxTouching) return;
-  for (int i = 0; i < touching_count_; ++i) {
-    if (touching_[i].triangle == triangle) return;
+  if (at.distance > clearance_.rest + 2.0 * clearance_.tolerance || contact_count_ == kMaxContacts) return;
+  for (int i = 0; i < contact_count_; ++i) {
+    if (contacts_[i].triangle == triangle) return;
   }
-  touching_[touching_count_++] = {.triangle = triangle, .shape = shape_of(triangle), .separation = at};
+  contacts_[contact_count_++] = {.triangle = triangle, .shape = shape_of(triangle), .separation = at};
 }
 
 void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
   int at = blocker_count_;
-  if (at == kMaxTouching) {  // full: the latest gives way
+  if (at == kMaxContacts) {  // full: replace the latest
     const auto latest =
         std::max_element(blockers_.begin(), blockers_.end(), [](const Blocker& a, const Blocker& b) { return a.time < b.time; });
     if (t >= latest->time) return;
@@ -84,28 +84,28 @@ void ProxyMethod::note_blocker(std::uint32_t triangle, double t) noexcept {
   blockers_[at] = {triangle, t};
 }
 
-// After a motion: keeps what is still touched, adds what stopped it.
-void ProxyMethod::keep_touching(const Vec3& blocked_motion) noexcept {
-  const double reach = clearance_.rest + 2.0 * clearance_.tolerance;
+// After a motion: keeps the contacts that still touch and adds the blockers.
+void ProxyMethod::update_contacts(const Vec3& blocked_motion) noexcept {
+  const double bound = clearance_.rest + 2.0 * clearance_.tolerance;
   const auto blockers_end = blockers_.begin() + blocker_count_;
   int kept = 0;
-  for (int i = 0; i < touching_count_; ++i) {
-    Touch& touch = touching_[i];
-    if (std::any_of(blockers_.begin(), blockers_end, [&](const Blocker& b) { return b.triangle == touch.triangle; })) continue;
-    touch.separation = touch.shape.separation(proxy_);
-    if (touch.separation.distance > reach) continue;
-    if (kept != i) touching_[kept] = touch;
+  for (int i = 0; i < contact_count_; ++i) {
+    Contact& contact = contacts_[i];
+    if (std::any_of(blockers_.begin(), blockers_end, [&](const Blocker& b) { return b.triangle == contact.triangle; })) continue;
+    contact.separation = contact.shape.separation(proxy_);
+    if (contact.separation.distance > bound) continue;
+    if (kept != i) contacts_[kept] = contact;
     ++kept;
   }
-  for (int b = 0; b < blocker_count_ && kept < kMaxTouching; ++b) {
+  for (int b = 0; b < blocker_count_ && kept < kMaxContacts; ++b) {
     const std::uint32_t triangle = blockers_[b].triangle;
-    Touch& touch = touching_[kept];
-    touch.triangle = triangle;
-    touch.shape = shape_of(triangle);
-    touch.separation = blocking_separation(touch.shape, proxy_, blocked_motion, clearance_);
-    if (touch.separation.distance <= reach) ++kept;
+    Contact& contact = contacts_[kept];
+    contact.triangle = triangle;
+    contact.shape = shape_of(triangle);
+    contact.separation = blocking_separation(contact.shape, proxy_, blocked_motion, clearance_);
+    if (contact.separation.distance <= bound) ++kept;
   }
-  touching_count_ = kept;
+  contact_count_ = kept;
 }
 
 }  // namespace hapton

@@ -27,12 +27,12 @@ bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, con
   return true;
 }
 
-int SurfaceFollower::most_events(double way, const Vec3& device) const noexcept {
-  const double crossed = at_.edges_per_length() * (way + 2.0 * (device - at_.point()).norm());
+int SurfaceFollower::most_events(double path_length, const Vec3& device) const noexcept {
+  const double crossed = at_.edges_per_length() * (path_length + 2.0 * (device - at_.point()).norm());
   return static_cast<int>(std::min<double>(kMostEvents, kLeastEvents + kEventsPerEdge * crossed));
 }
 
-// A vertex costs by its facets.
+// A vertex costs more with more facets.
 void SurfaceFollower::spend() noexcept {
   budget_ -= 1;
   if (at_.on() == On::vertex) budget_ -= static_cast<int>(at_.fan().size()) / kFacetsPerEvent;
@@ -67,7 +67,7 @@ SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& t
     const Next next = next_event(from, to, time);
     if (next == Next::again) continue;
     if (next != Next::descend) return outcome_of(next);
-    const Outcome outcome = descend(on_way(from, to, time));
+    const Outcome outcome = descend(on_path(from, to, time));
     if (outcome != Outcome::settled) return outcome;
   }
   return Outcome::exhausted;
@@ -85,7 +85,7 @@ SurfaceFollower::Next SurfaceFollower::next_event(const Vec3& from, const Vec3& 
                                 : follow_at_vertex(from, to, time);
 }
 
-// Straight to the projection of the device, or over the edge that is met first.
+// To the projection of the device, or to the first edge on the path there.
 SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexcept {
   const double height = at_.a().height(device);
   if (height > kClear) return Next::airborne;
@@ -95,12 +95,12 @@ SurfaceFollower::Next SurfaceFollower::descend_on_face(const Vec3& device) noexc
   return again_if(at_.reach_edge(exit.edge, at_.point() + exit.time * (goal - at_.point())));
 }
 
-// At rest on a face, unless it balances on a convex edge and the device is beyond: over the face there, or free.
+// Settles on a face, unless the point balances on a convex edge with the device beyond it: then it goes over to that face, or is free.
 SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3& device) noexcept {
   at_.move_on_face(p);
   for (int k = 0; k < 3; ++k) {
     if (!(SurfacePoint::inside_by(kBalance, at_.a(), k, p) < 0.0)) continue;
-    if (!at_.look_across(k) || !at_.is_convex()) continue;
+    if (!at_.load_adjacent(k) || !at_.is_convex()) continue;
     const bool is_free = at_.b().height(device) > kClear;
     if (!is_free && !(SurfacePoint::inside_by(4.0 * kBalance, at_.b(), at_.other_edge(), device) > 0.0)) continue;
     at_.move_on_edge(std::clamp(at_.a().shape.along(k, p), 0.0, 1.0));
@@ -111,7 +111,7 @@ SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3&
   return Next::settled;
 }
 
-// Onto the face that leads nearer to the device; else along the edge, which is concave.
+// Onto the face that leads nearer to the device; if neither does, the edge is concave and the point moves along it.
 SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexcept {
   if (at_.is_free_over_edge(device)) return Next::airborne;
   const double in_a = at_.has_left_a() ? 0.0 : SurfacePoint::inside_by(kOnEdge, at_.a(), at_.edge(), device);
@@ -136,12 +136,12 @@ SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexc
   return Next::settled;
 }
 
-// The steepest way: to the projection of the device on one of the faces or edges round the vertex, whichever is nearest to it.
+// In the steepest direction: over the face or edge of the vertex whose point nearest to the device is the nearest of all.
 SurfaceFollower::Next SurfaceFollower::descend_at_vertex(const Vec3& device) noexcept {
   const Vec3 to_device = device - at_.point();
-  const SurfacePoint::Way way = at_.find_steepest(to_device, at_.least_slope(device));
-  if (way.facet == nullptr) return at_.is_free_at_vertex(to_device) ? Next::airborne : Next::settled;
-  return at_.take(way, device);
+  const SurfacePoint::Descent descent = at_.find_steepest(to_device, at_.least_slope(device));
+  if (descent.facet == nullptr) return at_.is_free_at_vertex(to_device) ? Next::airborne : Next::settled;
+  return at_.descend_along(descent, device);
 }
 
 SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Vec3& to, double& time) noexcept {
@@ -161,7 +161,7 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
     const double t = time_of_zero(std::min(at_.a().height(from) - kClear, 0.0), height - kClear, time);
     if (t <= soonest) {
       time = t;
-      return at_.release(on_way(from, to, t), to);
+      return at_.release(on_path(from, to, t), to);
     }
   }
   if (exit < 0) {
@@ -169,10 +169,11 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
     const Next next = settle_on_face(to - height * at_.a().normal(), to);
     return next == Next::again ? Next::descend : next;
   }
-  // Back over the edge that it has just come by, to where the other face says the same: both are rounding, the edge holds it.
-  const bool turns_back = exit == at_.came_by() && soonest <= time;
+  // It returns over the edge that it just entered by, because the other face sent it back. Both decisions are rounding, so the edge holds
+  // it.
+  const bool turns_back = exit == at_.entry_edge() && soonest <= time;
   time = soonest;
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   if (!at_.reach_edge(exit, device - at_.a().height(device) * at_.a().normal())) return Next::unwalkable;
   if (!turns_back || at_.on() != On::edge) return Next::descend;
   at_.balance_on_edge();
@@ -206,8 +207,8 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
   if (event == Event::begin || event == Event::end) {
     return at_.reach_vertex(event == Event::begin ? edge : (edge + 1) % 3) ? Next::descend : Next::unwalkable;
   }
-  at_.move_on_edge(std::clamp(face.along(edge, on_way(from, to, time)), 0.0, 1.0));
-  // Only by rounding, near the vertex it came from, can it have taken an edge that the device is on the free side of.
+  at_.move_on_edge(std::clamp(face.along(edge, on_path(from, to, time)), 0.0, 1.0));
+  // Only rounding near a vertex can have put the point on an edge while the device is on the free side.
   if (event == Event::none) return at_.is_free_over_edge(to) ? Next::airborne : Next::settled;
   if (event == Event::to_b) {
     at_.cross_edge();
@@ -218,7 +219,7 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
 }
 
 SurfaceFollower::Next SurfaceFollower::follow_at_vertex(const Vec3& from, const Vec3& to, double& time) noexcept {
-  // Twice what a way must have to be taken: what is found here is taken.
+  // Twice the least descent, so that the descent accepts what is found here.
   const double least = 2.0 * std::max(at_.least_slope(from), at_.least_slope(to));
   double soonest = 2.0;
   for (const SurfacePoint::FanFacet& facet : at_.fan()) {

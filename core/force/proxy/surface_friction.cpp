@@ -11,9 +11,9 @@ namespace hapton {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// A pull that leaves this much of a cone free or exceeds it by as much is on it: 4,096 times the rounding of a pull.
+// A pull within this share of the cone's radius is on the cone: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
-constexpr double kLeast = SurfacePoint::kLeastWay;  // a way that is not all rounding
+constexpr double kLeast = SurfacePoint::kLeastPull;  // a shorter pull is mostly rounding
 constexpr int kMostHalvings = 96;
 
 constexpr auto kOnEdge = SurfacePoint::kOnEdge;
@@ -24,19 +24,19 @@ using On = SurfacePoint::On;
 SurfaceNext again_if(bool walkable) { return walkable ? SurfaceNext::again : SurfaceNext::unwalkable; }
 SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend : SurfaceNext::unwalkable; }
 
-// a t^2 + 2 b t + c, t from 0 on.
+// a t^2 + 2 b t + c for t >= 0.
 struct Quadratic {
   double a = 0.0, b = 0.0, c = 0.0;
 
   double time_of_rise() const { return hapton::time_of_rise(a, b, c); }
 };
 
-// The pull of a device that goes straight, as seen from a point that stays: `start` + t `motion`.
+// The pull of a device that moves straight, on a point at rest: start + t motion.
 struct MovingPull {
   Vec3 start, motion;
 
   Vec3 at(double t) const { return start + t * motion; }
-  // |pull|^2 times `of_square` plus (normal . pull)^2 times `of_height`, less `bound`.
+  // of_square |pull|^2 + of_height (normal . pull)^2 - bound, as a polynomial in t.
   Quadratic square(double of_square, const Vec3& normal, double of_height, double bound = 0.0) const {
     const double height = normal.dot(start);
     const double climb = normal.dot(motion);
@@ -45,8 +45,8 @@ struct MovingPull {
   }
 };
 
-// The zero of a function that falls from >= 0 at `low` to <= 0 at `high`, to the last digit that it tells apart. `value` also gives its
-// slope, or 0.
+// The zero of a function that falls from >= 0 at `low` to <= 0 at `high`, to the last digit that it resolves. `value` also returns the
+// slope, or 0. Newton's method, with bisection where it leaves the interval.
 template <class Value>
 double find_fall(double low, double high, Value&& value) {
   double t = low;
@@ -76,26 +76,26 @@ void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
   slips_ = false;
 }
 
-// Whether a pull moves the point: if it is out of the cone, or if that is the event.
-bool SurfaceFriction::moves(double way, double depth) const noexcept {
+// Whether a pull moves the point: it exceeds the cone, or leaving the cone is the current event.
+bool SurfaceFriction::moves(double pull_length, double depth) const noexcept {
   if (slips_) return true;
-  const double held = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
-  return way * way > held * held + kLeast * kLeast;
+  const double cone = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
+  return pull_length * pull_length > cone * cone + kLeast * kLeast;
 }
 
-// Held where it is, by a pull inside the cone. On the cone the device drags it on as soon as it moves.
-SurfaceNext SurfaceFriction::hold(double way, double depth) noexcept {
-  drags_ = slides_ && way >= dynamic_ * (1.0 - kOnCone) * depth - kLeast;
-  slides_ = slides_ && way >= FrictionMotion::kRest * dynamic_ * depth;
+// The pull is within the cone and the point stays. If the pull is on the cone, a moving device drags the point.
+SurfaceNext SurfaceFriction::hold(double pull_length, double depth) noexcept {
+  drags_ = slides_ && pull_length >= dynamic_ * (1.0 - kOnCone) * depth - kLeast;
+  slides_ = slides_ && pull_length >= FrictionMotion::kRestick * dynamic_ * depth;
   return SurfaceNext::settled;
 }
 
-// How much of the way to the nearest point friction leaves.
-double SurfaceFriction::share_of_way(double way, double depth) noexcept {
+// The share of the pull that the point moves until it is on the dynamic cone.
+double SurfaceFriction::share_of_pull(double pull_length, double depth) noexcept {
   slides_ = true;
   drags_ = true;
   slips_ = false;
-  return way > 0.0 ? std::clamp(1.0 - dynamic_ * depth / way, 0.0, 1.0) : 0.0;
+  return pull_length > 0.0 ? std::clamp(1.0 - dynamic_ * depth / pull_length, 0.0, 1.0) : 0.0;
 }
 
 SurfaceNext SurfaceFriction::descend(SurfacePoint& at, const Vec3& device) noexcept {
@@ -110,10 +110,10 @@ SurfaceNext SurfaceFriction::descend_on_face(SurfacePoint& at, const Vec3& devic
   const double height = at.a().height(device);
   if (height > kClear) return SurfaceNext::airborne;
   const Vec3 pull = device - height * at.a().normal() - at.point();
-  const double way = pull.norm();
+  const double pull_length = pull.norm();
   const double depth = std::max(0.0, -height);
-  if (!moves(way, depth)) return hold(way, depth);
-  const Vec3 goal = at.point() + share_of_way(way, depth) * pull;
+  if (!moves(pull_length, depth)) return hold(pull_length, depth);
+  const Vec3 goal = at.point() + share_of_pull(pull_length, depth) * pull;
   const SurfacePoint::Exit exit = at.find_exit(goal);
   if (exit.edge >= 0) return again_if(at.reach_edge(exit.edge, at.point() + exit.time * (goal - at.point())));
   at.move_on_face(goal);
@@ -130,12 +130,12 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
   if (to_a || to_b) {
     const bool over_b = to_b && !(to_a && in_a > in_b);
     const double height = (over_b ? at.b() : at.a()).height(device);
-    const double way = std::sqrt(std::max(0.0, pull.squaredNorm() - height * height));
+    const double pull_length = std::sqrt(std::max(0.0, pull.squaredNorm() - height * height));
     const double depth = std::max(0.0, -height);
-    if (!moves(way, depth)) {
+    if (!moves(pull_length, depth)) {
       at.balance_on_edge();
-      hold(way, depth);
-      drags_ = false;  // along the edge, that is
+      hold(pull_length, depth);
+      drags_ = false;  // not along the edge
       return SurfaceNext::settled;
     }
     if (over_b) {
@@ -148,15 +148,15 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
   const ContactTriangle& face = at.a().shape;
   const int edge = at.edge();
   const double length = face.length(edge);
-  const double way = face.edge(edge).dot(pull) / length;
-  const double depth = (pull - (way / length) * face.edge(edge)).norm();
-  if (!moves(std::fabs(way), depth)) {
+  const double pull_along = face.edge(edge).dot(pull) / length;
+  const double depth = (pull - (pull_along / length) * face.edge(edge)).norm();
+  if (!moves(std::fabs(pull_along), depth)) {
     at.balance_on_edge();
-    return hold(std::fabs(way), depth);
+    return hold(std::fabs(pull_along), depth);
   }
-  const double goal = face.along(edge, at.point()) + share_of_way(std::fabs(way), depth) * way / length;
-  if (way < 0.0 && goal * length <= kSnap) return again_if(at.reach_vertex(edge));
-  if (way > 0.0 && (1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
+  const double goal = face.along(edge, at.point()) + share_of_pull(std::fabs(pull_along), depth) * pull_along / length;
+  if (pull_along < 0.0 && goal * length <= kSnap) return again_if(at.reach_vertex(edge));
+  if (pull_along > 0.0 && (1.0 - goal) * length <= kSnap) return again_if(at.reach_vertex((edge + 1) % 3));
   at.move_on_edge(std::clamp(goal, 0.0, 1.0));
   at.balance_on_edge();
   return SurfaceNext::settled;
@@ -164,16 +164,16 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
 
 SurfaceNext SurfaceFriction::descend_at_vertex(SurfacePoint& at, const Vec3& device) noexcept {
   const Vec3 pull = device - at.point();
-  const SurfacePoint::Way way = at.find_steepest(pull, at.least_slope(device));
-  if (way.facet == nullptr && at.is_free_at_vertex(pull)) return SurfaceNext::airborne;
-  const double depth = std::sqrt(std::max(0.0, pull.squaredNorm() - way.length * way.length));
-  if (way.facet == nullptr || !moves(way.length, depth)) {
-    hold(way.facet == nullptr ? 0.0 : way.length, depth);
+  const SurfacePoint::Descent descent = at.find_steepest(pull, at.least_slope(device));
+  if (descent.facet == nullptr && at.is_free_at_vertex(pull)) return SurfaceNext::airborne;
+  const double depth = std::sqrt(std::max(0.0, pull.squaredNorm() - descent.length * descent.length));
+  if (descent.facet == nullptr || !moves(descent.length, depth)) {
+    hold(descent.facet == nullptr ? 0.0 : descent.length, depth);
     drags_ = false;
     return SurfaceNext::settled;
   }
   slides_ = true;
-  return at.take(way, device);
+  return at.descend_along(descent, device);
 }
 
 SurfaceNext SurfaceFriction::follow(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
@@ -181,12 +181,12 @@ SurfaceNext SurfaceFriction::follow(SurfacePoint& at, const Vec3& from, const Ve
   return at.on() == On::face ? slide_on_face(at, from, to, time) : slide_on_edge(at, from, to, time);
 }
 
-// Until the pull leaves the cone on some face or edge that it can follow.
+// The point stays until the pull exceeds the cone on some face or edge.
 SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
   drags_ = false;
-  const MovingPull pull{on_way(from, to, time) - at.point(), (1.0 - time) * (to - from)};
+  const MovingPull pull{on_path(from, to, time) - at.point(), (1.0 - time) * (to - from)};
   const double held = slides_ ? dynamic_ : static_;
-  // At a vertex, twice what a way must have to be taken: what is found here is taken.
+  // At a vertex, twice the least descent, so that the descent accepts what is found here.
   const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kLeast;
   const double bound = least * least;
   double soonest = kNever;
@@ -201,7 +201,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
   if (at.on() == On::face) {
     consider_face(at.a().normal(), [](const Vec3&) { return true; });
     if (slides_) {
-      const double rest = FrictionMotion::kRest * dynamic_;
+      const double rest = FrictionMotion::kRestick * dynamic_;
       const double t = pull.square(-1.0, at.a().normal(), 1.0 + rest * rest).time_of_rise();
       if (t < soonest && t < 1.0) {
         slides_ = false;
@@ -209,7 +209,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
         return SurfaceNext::again;
       }
     }
-    // To its front, where it comes through the very point.
+    // The device may also come to the front of the face, exactly through the point.
     const double height = at.a().normal().dot(pull.start) - kClear;
     const double there = at.a().normal().dot(pull.at(1.0)) - kClear;
     if (there > 0.0) soonest = std::min(soonest, time_of_zero(std::min(height, 0.0), there, 0.0));
@@ -231,7 +231,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
   if (soonest > 1.0) {
     time = 1.0;
     if (at.on() == On::face) return SurfaceNext::settled;
-    const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // it may be free there
+    const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // the point may be free there
     return next == SurfaceNext::again ? SurfaceNext::descend : next;
   }
   time = std::min(1.0, time + soonest * (1.0 - time));
@@ -241,38 +241,38 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
 }
 
 SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
-  const Vec3 here = on_way(from, to, time);
+  const Vec3 here = on_path(from, to, time);
   const Vec3 normal = at.a().normal();
   const double start_height = std::min(at.a().height(here), 0.0);
   const double end_height = at.a().height(to);
-  const auto foot = [&](double t) {  // t: share of the rest of the step, as in all that follows
+  const auto projection = [&](double t) {  // t: share of the remaining step, here and below
     const Vec3 device = t < 1.0 ? Vec3(here + t * (to - here)) : to;
     return Vec3(device - at.a().height(device) * normal);
   };
   const auto in_plane = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
-  const Vec3 motion = in_plane(foot(1.0) - foot(0.0));
-  const Vec3 lag = in_plane(foot(0.0) - at.point());
+  const Vec3 motion = in_plane(projection(1.0) - projection(0.0));
+  const Vec3 pull = in_plane(projection(0.0) - at.point());
   const double radius = -dynamic_ * start_height;
   const double growth = -dynamic_ * (end_height - start_height);
-  const bool has_lag = radius > 0.0 && lag.norm() > kLeast;  // a shorter one has no direction
-  // At rest it sticks. So it does where the cone grows faster than the device draws it on.
-  if (has_lag ? !(lag.dot(motion) > lag.norm() * growth) : motion.isZero(0.0)) {
+  const bool has_pull = radius > 0.0 && pull.norm() > kLeast;  // a shorter pull has no direction
+  // A device at rest, or a cone that grows faster than the pull, stops the point.
+  if (has_pull ? !(pull.dot(motion) > pull.norm() * growth) : motion.isZero(0.0)) {
     drags_ = false;
     return SurfaceNext::again;
   }
-  const SlidingLag sliding(has_lag ? lag : motion, motion, has_lag ? radius : std::numeric_limits<double>::min(), growth);
-  const auto point = [&](double t) { return Vec3(foot(t) - sliding.at(t)); };
+  const SlidingPull sliding(has_pull ? pull : motion, motion, has_pull ? radius : std::numeric_limits<double>::min(), growth);
+  const auto point = [&](double t) { return Vec3(projection(t) - sliding.at(t)); };
   const double leave = end_height > kClear ? time_of_zero(start_height - kClear, end_height - kClear, 0.0) : 1.0;
   double soonest = kNever;
   int exit = -1;
   for (int k = 0; k < 3; ++k) {
     const ContactTriangle& face = at.a().shape;
     const Vec3 inward = normal.cross(face.edge(k)) * at.a().side;
-    // Over the edge it goes at most once: what leads it out changes at most once, with the sign of inward . lag.
+    // The point crosses an edge at most once: its speed across changes sign at most once, with inward . pull.
     const double turn = std::min(leave, sliding.time_across(inward));
-    const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
-    double low = falls ? 0.0 : turn;
-    const double high = falls ? turn : leave;
+    const bool fall_throughs = inward.dot(sliding.at(0.5 * turn)) < 0.0;
+    double low = fall_throughs ? 0.0 : turn;
+    const double high = fall_throughs ? turn : leave;
     const auto inside = [&](double t) { return SurfacePoint::inside_by(-kOnEdge, at.a(), k, point(t)); };
     if (!(inside(high) <= 0.0)) continue;
     if (inside(low) > 0.0) {
@@ -290,16 +290,16 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   }
   if (exit < 0 || soonest > leave) {
     time = std::min(1.0, time + leave * (1.0 - time));
-    if (end_height > kClear) return at.release(on_way(from, to, time), to);
+    if (end_height > kClear) return at.release(on_path(from, to, time), to);
     at.move_on_face(point(1.0));
     return SurfaceNext::settled;
   }
-  const bool turns_back = exit == at.came_by() && soonest <= 0.0;
+  const bool turns_back = exit == at.entry_edge() && soonest <= 0.0;
   const Vec3 p = point(soonest);
   time = std::min(1.0, time + soonest * (1.0 - time));
   if (!at.reach_edge(exit, p)) return SurfaceNext::unwalkable;
   if (turns_back && at.on() == On::edge) {
-    // To where the other face says the same: both are rounding.
+    // The adjacent face sent it back: both decisions are rounding.
     at.balance_on_edge();
     drags_ = false;
     return SurfaceNext::again;
@@ -307,24 +307,24 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   return SurfaceNext::descend;
 }
 
-// Along an edge, at x = device's - sign mu_d depth, until the device draws it onto a face, it stops or the edge ends.
+// Along an edge, at x = device - sign mu_d depth, until the device leads onto a face, the point stops, or the edge ends.
 SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
   const ContactTriangle& face = at.a().shape;
   const int edge = at.edge();
   const double length = face.length(edge);
   const Vec3 direction = face.edge(edge) / length;
-  const Vec3 here = on_way(from, to, time) - face.corner(edge);
+  const Vec3 here = on_path(from, to, time) - face.corner(edge);
   const Vec3 motion = (1.0 - time) * (to - from);
   const double pull = direction.dot(here - (at.point() - face.corner(edge)));
   const double sign = (std::fabs(pull) > kLeast ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
-  const Vec3 across = here - direction.dot(here) * direction;
-  const Vec3 across_motion = motion - direction.dot(motion) * direction;
+  const Vec3 sideways = here - direction.dot(here) * direction;
+  const Vec3 sideways_motion = motion - direction.dot(motion) * direction;
   const double drawn = sign * direction.dot(motion);
-  const auto depth = [&](double t) { return (across + t * across_motion).norm(); };
-  // How fast it goes on; it falls with time, the depth being convex.
+  const auto depth = [&](double t) { return (sideways + t * sideways_motion).norm(); };
+  // Speed along the edge. It falls with time because the depth is convex.
   const auto speed = [&](double t) {
     const double d = depth(t);
-    return drawn - dynamic_ * (d > 0.0 ? (across + t * across_motion).dot(across_motion) / d : 0.0);
+    return drawn - dynamic_ * (d > 0.0 ? (sideways + t * sideways_motion).dot(sideways_motion) / d : 0.0);
   };
   if (!(speed(0.0) > 0.0)) {
     drags_ = false;
@@ -336,9 +336,9 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
   });
   const bool stops = !(speed(1.0) > 0.0);
   const auto x = [&](double t) { return direction.dot(here) + t * direction.dot(motion) - sign * dynamic_ * depth(t); };
-  // Onto a face: its multiplier has reached zero.
+  // Onto a face when its multiplier has reached zero.
   enum class Event : std::uint8_t { none, to_a, to_b, end } event = Event::none;
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   const auto consider_face = [&](const SurfacePoint::Facet& facet, int k, Event which) {
     const double there = SurfacePoint::inside_by(kOnEdge, facet, k, to);
     if (!(there > 0.0)) return;

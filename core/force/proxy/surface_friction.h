@@ -4,35 +4,35 @@
 
 namespace hapton {
 
-// Coulomb friction for a point of a surface that follows the device, from event to event. With the pull w, the part of device - point that
-// the surface leaves free, and the depth |device - point - w|:
+// Coulomb friction of a surface point that follows the device from event to event. The pull w is the part of device - point that the
+// surface leaves free; the depth is |device - point - w|. The point is in one of three states:
 //
-//   it sticks   while |w| <= mu_s depth; the event is that it exceeds it. Then it moves along w, the device held, until |w| = mu_d depth,
-//   it slides   with |w| = mu_d depth from there on: over a face on a tractrix (SlidingLag), along a concave edge on a straight line,
-//   it stays    where the cone grows faster than the device draws it on, at a concave edge, at a vertex. It slides on when |w| is at
-//               mu_d depth again, and sticks once |w| has fallen to half of that (FrictionMotion::kRest).
+//   stick   while |w| <= mu_s depth. When the pull exceeds that, the point moves along w, with the device held, until |w| = mu_d depth.
+//   slide   keeps |w| = mu_d depth: on a face along a tractrix (SlidingPull), on a concave edge along a straight line.
+//   stop    where the cone grows faster than the pull, at a concave edge, or at a vertex. It slides on when |w| reaches mu_d depth
+//           again, and sticks when |w| has fallen to FrictionMotion::kRestick of that.
 //
-// That is the limit of ever smaller sub-steps of return mapping, the device moving straight. Source: Moreau (1977), the sweeping process;
-// Hayward & Armstrong (2000) for the two coefficients.
+// This is the limit of ever smaller sub-steps of return mapping for a device that moves straight. Source: Moreau (1977), the sweeping
+// process; Hayward & Armstrong (2000) for the two coefficients.
 //
 // Frame: TouchGeometry's local one. RT: yes.
 class SurfaceFriction {
  public:
-  // The point has come to a surface of this material.
+  // Call when the point comes onto a surface of this material.
   void begin(const Material& material, bool slides) noexcept;
 
   bool acts() const { return static_ > 0.0; }
-  bool slides() const { return slides_; }  // the dynamic coefficient is in force
+  bool slides() const { return slides_; }  // the dynamic coefficient applies
 
-  // One event of the descent with the device held; `again`: there is more to come.
+  // One event of the descent with the device held; returns `again` while there is more to do.
   SurfaceNext descend(SurfacePoint& at, const Vec3& device) noexcept;
-  // The next event while the device goes from `from` to `to`; it happens at `time`, not before its old value. Pre: the point has settled.
+  // The next event while the device moves from `from` to `to`. Sets `time` to it, which is not before its old value. Pre: settled.
   SurfaceNext follow(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept;
 
  private:
-  bool moves(double way, double depth) const noexcept;
-  SurfaceNext hold(double way, double depth) noexcept;
-  double share_of_way(double way, double depth) noexcept;
+  bool moves(double pull_length, double depth) const noexcept;
+  SurfaceNext hold(double pull_length, double depth) noexcept;
+  double share_of_pull(double pull_length, double depth) noexcept;
   SurfaceNext descend_on_face(SurfacePoint& at, const Vec3& device) noexcept;
   SurfaceNext descend_on_edge(SurfacePoint& at, const Vec3& device) noexcept;
   SurfaceNext descend_at_vertex(SurfacePoint& at, const Vec3& device) noexcept;
@@ -42,9 +42,9 @@ class SurfaceFriction {
 
   double static_ = 0.0;
   double dynamic_ = 0.0;
-  bool slides_ = false;  // the dynamic coefficient is in force
+  bool slides_ = false;  // the dynamic coefficient applies
   bool slips_ = false;   // the pull has just left the cone
-  bool drags_ = false;   // and the point on its cone, where a moving device draws it on
+  bool drags_ = false;   // the point is on its cone and follows a moving device
 };
 
 }  // namespace hapton

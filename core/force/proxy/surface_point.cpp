@@ -20,28 +20,28 @@ void SurfacePoint::load(std::uint32_t id, bool back, Facet& facet) const noexcep
   facet.shape = ContactTriangle(corners.a, corners.b, corners.c);
 }
 
-bool SurfacePoint::look_across(int k) noexcept {
+bool SurfacePoint::load_adjacent(int k) noexcept {
   edge_ = k;
-  const TouchGeometry::Across across = geometry_.across(a().id, k);
-  const bool back = a().is_back() != across.flips;
-  if (!across.exists || !holds(across.id, back)) return false;
-  load(across.id, back, facets_[1 - first_]);
-  other_edge_ = across.edge;
+  const TouchGeometry::Adjacent adjacent = geometry_.adjacent(a().id, k);
+  const bool back = a().is_back() != adjacent.flips;
+  if (!adjacent.exists || !holds(adjacent.id, back)) return false;
+  load(adjacent.id, back, facets_[1 - first_]);
+  other_edge_ = adjacent.edge;
   return true;
 }
 
 bool SurfacePoint::land(std::uint32_t triangle, bool back, const Vec3& p) noexcept {
   if (!holds(triangle, back)) return false;
   load(triangle, back, face_a());
-  stands_ = true;
+  is_on_surface_ = true;
   move_on_face(p);
   return true;
 }
 
 bool SurfacePoint::land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept {
-  const TouchGeometry::Across across = geometry_.across(triangle, k);
-  if (!across.exists || !holds(across.id, back != across.flips) || !land(triangle, back, p)) return false;
-  look_across(k);
+  const TouchGeometry::Adjacent adjacent = geometry_.adjacent(triangle, k);
+  if (!adjacent.exists || !holds(adjacent.id, back != adjacent.flips) || !land(triangle, back, p)) return false;
+  load_adjacent(k);
   on_ = On::edge;
   has_left_a_ = false;
   return true;
@@ -50,7 +50,7 @@ bool SurfacePoint::land_on_edge(std::uint32_t triangle, bool back, int k, const 
 void SurfacePoint::move_on_face(const Vec3& p) noexcept {
   on_ = On::face;
   corner_ = -1;
-  came_by_ = -1;
+  entry_edge_ = -1;
   p_ = p;
 }
 
@@ -61,7 +61,7 @@ bool SurfacePoint::reach_edge(int k, const Vec3& p) noexcept {
   if (along * along * length_squared <= kSnap * kSnap) return reach_vertex(k);
   if ((1.0 - along) * (1.0 - along) * length_squared <= kSnap * kSnap) return reach_vertex((k + 1) % 3);
   move_on_face(face.corner(k) + along * face.edge(k));
-  if (!look_across(k)) return false;
+  if (!load_adjacent(k)) return false;
   on_ = On::edge;
   has_left_a_ = true;
   return true;
@@ -86,12 +86,12 @@ void SurfacePoint::move_on_edge(double along) noexcept {
 void SurfacePoint::cross_edge() noexcept {
   first_ = 1 - first_;
   move_on_face(p_);
-  came_by_ = other_edge_;
+  entry_edge_ = other_edge_;
 }
 
 void SurfacePoint::return_from_edge() noexcept {
   move_on_face(p_);
-  came_by_ = edge_;
+  entry_edge_ = edge_;
 }
 
 void SurfacePoint::turn_to(const FanFacet& facet) noexcept {
@@ -101,7 +101,7 @@ void SurfacePoint::turn_to(const FanFacet& facet) noexcept {
 
 bool SurfacePoint::enter_edge(const FanFacet& facet) noexcept {
   turn_to(facet);
-  if (!look_across(facet.next)) return false;
+  if (!load_adjacent(facet.next)) return false;
   on_ = On::edge;
   has_left_a_ = false;
   corner_ = -1;
@@ -120,7 +120,7 @@ bool SurfacePoint::is_free_over_edge(const Vec3& device) const noexcept {
   return before_a && before_b ? true : before_a || before_b ? is_convex() : false;
 }
 
-// All triangle sides round the vertex, in order. False unless each can be walked.
+// All triangle sides at the vertex, in order. False unless all are walkable.
 bool SurfacePoint::collect_fan() noexcept {
   fan_count_ = 0;
   std::uint32_t id = a().id;
@@ -143,24 +143,24 @@ bool SurfacePoint::collect_fan() noexcept {
              .normal = back ? Vec3(-normal) : normal,
              .inward = {normal.cross(out), normal.cross(in)},
              .direction = next == corner ? Vec3(out.normalized()) : Vec3(-in.normalized())};
-    const TouchGeometry::Across across = geometry_.across(id, next);
-    if (!across.exists) return false;
+    const TouchGeometry::Adjacent adjacent = geometry_.adjacent(id, next);
+    if (!adjacent.exists) return false;
     const std::uint32_t number = corners.vertices[corner];
-    id = across.id;
-    back = back != across.flips;
+    id = adjacent.id;
+    back = back != adjacent.flips;
     const Triangle& vertices = geometry_.corners(id).vertices;
-    if (vertices[across.edge] == number) {
-      corner = across.edge;
-      next = (across.edge + 2) % 3;
+    if (vertices[adjacent.edge] == number) {
+      corner = adjacent.edge;
+      next = (adjacent.edge + 2) % 3;
     } else {
-      corner = (across.edge + 1) % 3;
+      corner = (adjacent.edge + 1) % 3;
       next = corner;
     }
   } while (id != a().id || back != a().is_back());
   return true;
 }
 
-// Each face's weighted by its angle (Baerentzen & Aanaes 2005): it tells the side of a point that is nearest to the vertex itself.
+// Face normals weighted by angle (Baerentzen & Aanaes 2005): tells the side of a point whose closest point is the vertex.
 Vec3 SurfacePoint::vertex_normal() const noexcept {
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < fan_count_; ++i) {
@@ -171,15 +171,15 @@ Vec3 SurfacePoint::vertex_normal() const noexcept {
   return sum;
 }
 
-// Pre: the vertex is the point of its faces nearest to there.
+// Pre: the vertex is the point of its faces closest to the device.
 bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
-  if (!(to_device.norm() > kLeastWay)) return false;  // too near to tell
-  if (is_at_border()) return true;                    // both sides of the sheet meet there: nothing is behind it
+  if (!(to_device.norm() > kLeastPull)) return false;  // too near to tell
+  if (is_at_boundary()) return true;                   // the fan has both sides of the sheet: nothing lies behind it
   if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
   return vertex_normal().dot(to_device) > 0.0;
 }
 
-bool SurfacePoint::is_at_border() const noexcept {
+bool SurfacePoint::is_at_boundary() const noexcept {
   for (int i = 0; i < fan_count_; ++i) {
     if (fan_[i].id == fan_[(i + 1) % fan_count_].id) return true;
   }
@@ -191,14 +191,14 @@ bool SurfacePoint::is_before(const FanFacet& facet, const Vec3& p) const noexcep
   return (side_sign(at.a, at.b, at.c, p) > 0.0) != facet.back;
 }
 
-// What is nearest decides: a face of the fan, an edge between two, or the vertex by its normal. Which it is may be rounding where two are
-// alike; the signs are exact.
+// The closest feature of the fan decides: a face, an edge between two faces, or the vertex by its normal. Between two equally close
+// features the choice may be rounding; the signs are exact.
 bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
-  if (is_at_border()) return true;
+  if (is_at_boundary()) return true;
   const Vec3 off = p == p_ ? kShift : Vec3(p - p_);
   double nearest = off.squaredNorm();
   const FanFacet* face = nullptr;
-  const FanFacet* beyond = nullptr;  // over the edge
+  const FanFacet* beyond = nullptr;  // the face beyond the edge
   for (int i = 0; i < fan_count_; ++i) {
     const FanFacet& facet = fan_[i];
     const double height = facet.normal.dot(off);
@@ -226,7 +226,7 @@ bool SurfacePoint::is_before_fan(const Vec3& p) const noexcept {
 SurfacePoint::Exit SurfacePoint::find_exit(const Vec3& goal) const noexcept {
   Exit exit;
   for (int k = 0; k < 3; ++k) {
-    if (corner_ >= 0 && k != (corner_ + 1) % 3) continue;  // the others meet where it came from
+    if (corner_ >= 0 && k != (corner_ + 1) % 3) continue;  // the other two edges meet at the start
     if (inside_by(-kOnEdge, a(), k, goal) > 0.0) continue;
     const double here = a().shape.inside(k, p_);
     const double t = here > 0.0 ? std::clamp(here / (here - a().shape.inside(k, goal)), 0.0, 1.0) : 0.0;
@@ -235,8 +235,8 @@ SurfacePoint::Exit SurfacePoint::find_exit(const Vec3& goal) const noexcept {
   return exit;
 }
 
-SurfacePoint::Way SurfacePoint::find_steepest(const Vec3& to_device, double least) const noexcept {
-  Way best{nullptr, false, least};
+SurfacePoint::Descent SurfacePoint::find_steepest(const Vec3& to_device, double least) const noexcept {
+  Descent best{nullptr, false, least};
   for (const FanFacet& facet : fan()) {
     const double slope = facet.direction.dot(to_device);
     if (slope > best.length) best = {&facet, false, slope};
@@ -248,11 +248,11 @@ SurfacePoint::Way SurfacePoint::find_steepest(const Vec3& to_device, double leas
   return best;
 }
 
-SurfaceNext SurfacePoint::take(const Way& way, const Vec3& device) noexcept {
-  const FanFacet facet = *way.facet;
-  if (way.over_face) {
+SurfaceNext SurfacePoint::descend_along(const Descent& descent, const Vec3& device) noexcept {
+  const FanFacet facet = *descent.facet;
+  if (descent.over_face) {
     turn_to(facet);
-    if (a().height(device) > kClear) return SurfaceNext::airborne;  // it leaves from the vertex, through the air
+    if (a().height(device) > kClear) return SurfaceNext::airborne;  // it leaves the surface at the vertex
     move_on_face(p_);
     corner_ = facet.corner;
     return SurfaceNext::again;
@@ -261,7 +261,7 @@ SurfaceNext SurfacePoint::take(const Way& way, const Vec3& device) noexcept {
   return is_free_over_edge(device) ? SurfaceNext::airborne : SurfaceNext::again;
 }
 
-// By an edge, the device may go on behind the face beyond.
+// Near an edge, the device may continue behind the adjacent face.
 SurfaceNext SurfacePoint::release(const Vec3& device, const Vec3& to) noexcept {
   const ContactTriangle& face = a().shape;
   move_on_face(device - a().height(device) * a().normal());
@@ -292,7 +292,7 @@ Vec3 SurfacePoint::lifted(double height) const noexcept {
   return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
 }
 
-// Near an edge or vertex that it does not stand on.
+// Near an edge or vertex other than the one the point is on.
 bool SurfacePoint::is_near_edges(double within) const noexcept {
   for (int k = 0; k < 3; ++k) {
     const bool stands_on = on_ == On::edge && k == edge_;
@@ -302,7 +302,7 @@ bool SurfacePoint::is_near_edges(double within) const noexcept {
   return false;
 }
 
-// Apart from lifted(), which is for every step: only to set up so many planes takes longer than all else in it.
+// A function of its own, because lifted() runs in every step and setting up these planes costs more than the rest of it.
 Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   std::array<ContactPlane, kMostPlanes> planes;
   Vec3 sum = Vec3::Zero();
@@ -327,8 +327,8 @@ Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
   return p_ + height * (sum.norm() > 0.5 ? Vec3(sum.normalized()) : a().normal());
 }
 
-// The border of a sheet, or an edge as sharp, has no way up that both of its faces share: there it is the one out of the face. From over
-// the face a way round the border goes through it within rounding.
+// At the boundary of a sheet, or at an edge as sharp, no direction leads away from both faces. The start is then moved outwards in the
+// face's plane: from above the face, a path round the boundary would pass through it within rounding.
 Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexcept {
   if (on_ == On::vertex) {
     const Vec3 to_device = device - p_;
@@ -345,18 +345,18 @@ Vec3 SurfacePoint::lifted_towards(const Vec3& device, double height) const noexc
 
 const Vec3& SurfacePoint::edge_before(int i) const noexcept { return fan_[(i + fan_count_ - 1) % fan_count_].direction; }
 
-// At a vertex: from p, as seen from there, to face i of the fan, which has no end.
+// At a vertex: distance of p, relative to the vertex, from face i of the fan, extended to infinity.
 double SurfacePoint::distance_from_facet(int i, const Vec3& p) const noexcept {
   if (fan_[i].inward[0].dot(p) > 0.0 && fan_[i].inward[1].dot(p) > 0.0) return std::fabs(fan_[i].normal.dot(p));
   const auto to_ray = [&](const Vec3& ray) { return (p - std::max(0.0, ray.dot(p)) * ray).norm(); };
   return std::min(to_ray(edge_before(i)), to_ray(fan_[i].direction));
 }
 
-// At a vertex where no way leads off all faces at once: over the middle of the face from which the others are farthest. A ball about that
-// middle which none of them enters is cut by the face alone, so half of it is on the free side.
+// At a vertex where no direction leads away from all faces: over the middle of the face that is farthest from the others. A ball about that
+// middle which no other face enters is cut by this face alone, so half of it is free.
 Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
   double widest = 1.0 / kSteepest;
-  Vec3 way = 0.5 * widest * a().normal();
+  Vec3 up = 0.5 * widest * a().normal();
   for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
     const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
     double clear = 1.0;
@@ -365,12 +365,12 @@ Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
     }
     if (clear <= widest) continue;
     widest = clear;
-    way = middle + 0.5 * clear * fan_[i].normal;
+    up = middle + 0.5 * clear * fan_[i].normal;
   }
-  return (2.0 * height / widest) * way;
+  return (2.0 * height / widest) * up;
 }
 
-// At a vertex of more facets than are worth the least way: along the mean normal.
+// At a vertex with too many facets for an exact lift: along the mean normal.
 Vec3 SurfacePoint::lifted_over_fan(double height) const noexcept {
   const Vec3 up = vertex_normal().normalized();
   double least = 1.0;
@@ -378,7 +378,7 @@ Vec3 SurfacePoint::lifted_over_fan(double height) const noexcept {
   return least * kSteepest > 1.0 ? Vec3(p_ + (height / least) * up) : Vec3(p_ + over_widest_face(height));
 }
 
-// The least way to `height` over two planes through zero.
+// The shortest vector of height `height` above two planes through zero.
 Vec3 SurfacePoint::between(const Vec3& normal_a, const Vec3& normal_b, double height) noexcept {
   const Vec3 sum = normal_a + normal_b;
   const double squared = sum.squaredNorm();
@@ -393,8 +393,8 @@ bool SurfacePoint::is_near_edge(const Facet& facet, int k, double within) const 
   return (p_ - facet.shape.corner(k) - along * facet.shape.edge(k)).squaredNorm() <= within * within;
 }
 
-// Faces that the point does not stand on, near enough to be in the way: from where it stands over edges near it, concave or all but flat.
-// By a vertex that may be several.
+// Adds the planes of nearby faces that a lift must clear: those beyond the edges near the point that are concave or nearly flat, and from
+// there on likewise; near a vertex these may be several.
 template <class Add>
 void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
   std::array<std::pair<std::uint32_t, bool>, kMostNear> faces;
@@ -409,9 +409,9 @@ void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
     for (int k = 0; k < 3; ++k) {
       if (on_ == On::edge && is_own && k == (i == 0 ? edge_ : other_edge_)) continue;
       if (!is_near_edge(at, k, kSteepest * height)) continue;
-      const TouchGeometry::Across across = geometry_.across(at.id, k);
-      if (!across.exists || across.id == at.id) continue;
-      const std::pair<std::uint32_t, bool> next{across.id, at.is_back() != across.flips};
+      const TouchGeometry::Adjacent adjacent = geometry_.adjacent(at.id, k);
+      if (!adjacent.exists || adjacent.id == at.id) continue;
+      const std::pair<std::uint32_t, bool> next{adjacent.id, at.is_back() != adjacent.flips};
       if (std::find(faces.begin(), faces.begin() + count, next) != faces.begin() + count) continue;
       Facet beyond;
       load(next.first, next.second, beyond);
@@ -454,7 +454,7 @@ int SurfacePoint::find_contacts(const Vec3& device, std::array<Contact, 3>& cont
       constrain_motion(to_device, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));
   for (int i = 0; i < held.active_count; ++i) {
     const FanFacet& facet = fan_[held.active[i]];
-    contacts[i] = {facet.id, facet.normal, held.push[i]};
+    contacts[i] = {facet.id, facet.normal, held.multipliers[i]};
   }
   return held.active_count;
 }

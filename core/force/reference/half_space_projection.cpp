@@ -16,7 +16,7 @@ struct Basis {
 
 Wide normal_of(const HalfSpace& half_space) { return half_space.normal.cast<long double>(); }
 
-// The nearest point to goal on one, two or three planes at once. False when the planes have no such point: parallel, or a zero normal.
+// The point nearest to `goal` on all of one, two or three planes. False if there is none: parallel planes or a zero normal.
 bool meet_planes(const Wide& goal, std::span<const HalfSpace> all, Basis& basis) {
   const HalfSpace& first = all[basis.planes[0]];
   const Wide n1 = normal_of(first);
@@ -34,9 +34,9 @@ bool meet_planes(const Wide& goal, std::span<const HalfSpace> all, Basis& basis)
     const long double along2 = along.squaredNorm();
     if (!(along2 > 0.0L)) return false;
     basis.point = (along.dot(goal) * along + first.gap * n2.cross(along) + second.gap * along.cross(n1)) / along2;
-    const Wide push = basis.point - goal;
-    basis.multiplier[0] = push.cross(n2).dot(along) / along2;
-    basis.multiplier[1] = n1.cross(push).dot(along) / along2;
+    const Wide correction = basis.point - goal;
+    basis.multiplier[0] = correction.cross(n2).dot(along) / along2;
+    basis.multiplier[1] = n1.cross(correction).dot(along) / along2;
     return true;
   }
   const HalfSpace& third = all[basis.planes[2]];
@@ -46,8 +46,8 @@ bool meet_planes(const Wide& goal, std::span<const HalfSpace> all, Basis& basis)
   const long double volume = along.dot(n3);
   if (volume == 0.0L) return false;
   basis.point = (first.gap * c1 + second.gap * c2 + third.gap * along) / volume;
-  const Wide push = basis.point - goal;
-  basis.multiplier = {push.dot(c1) / volume, push.dot(c2) / volume, push.dot(along) / volume};
+  const Wide correction = basis.point - goal;
+  basis.multiplier = {correction.dot(c1) / volume, correction.dot(c2) / volume, correction.dot(along) / volume};
   return true;
 }
 
@@ -61,7 +61,7 @@ bool holds(const Basis& basis, std::span<const HalfSpace> all, const std::array<
   return true;
 }
 
-// The best basis among the old one's planes and the newcomer, which is in it because the old optimum violates it.
+// The best basis from the old one's planes and the newcomer. The newcomer is always in it, because the old optimum violates it.
 bool exchange(const Wide& goal, std::span<const HalfSpace> all, std::size_t newcomer, long double tolerance, Basis& basis) {
   std::array<std::size_t, 4> among{};
   const int old = basis.count;
@@ -100,7 +100,7 @@ HalfSpaceProjection project_onto_half_spaces(const Vec3& goal, std::span<const H
   Basis basis;
   basis.point = target;
   HalfSpaceProjection result;
-  // Each exchange grows the distance; the bound only guards against rounding that makes two bases trade places.
+  // Each exchange increases the distance; the limit guards against rounding that makes two bases alternate.
   const std::size_t most_rounds = 16 + 8 * half_spaces.size();
   for (std::size_t round = 0; round < most_rounds; ++round) {
     long double worst = -static_cast<long double>(tolerance);

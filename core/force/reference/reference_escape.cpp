@@ -1,4 +1,4 @@
-// How a point gets away from where only the probe's radius, or the choice of a sphere at a vertex, would keep it.
+// Frees a point proxy from local minima that exist only because it is a small sphere.
 #include <algorithm>
 #include <cmath>
 
@@ -7,64 +7,65 @@
 namespace hapton {
 namespace {
 
-constexpr double kEscapeGain = 4.0;  // contact offsets: the height of a step a point would not feel
-constexpr double kOpenFace = 16.0;   // rest distances from its border a point on a face has nothing else to be held by
+constexpr double kEscapeGain = 4.0;  // contact offsets: height of a step that a point would not feel
+constexpr double kOpenFace = 16.0;   // rest offsets: farther than this from its boundary, a face alone holds a point
 constexpr std::size_t kMostNear = 48;
 constexpr std::size_t kMostDirections = 1536;
-constexpr double kAtVertex = 32.0;              // rest distances: as near to a vertex a point is there
-constexpr double kLeastSlope = 0x1p-30;         // of the distance to the device: less does not lead from a vertex
-const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
-const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
+constexpr double kAtVertex = 32.0;              // rest offsets: this near to a vertex, a point is at the vertex
+constexpr double kLeastSlope = 0x1p-30;         // of the distance to the device: a smaller slope does not lead away from a vertex
+const double kStill = std::ldexp(1.0, -46);     // shorter motions count as zero
+const double kFeasible = std::ldexp(1.0, -44);  // tolerance of the projection onto half-spaces
 constexpr double kLeastRoll = 1e-10;            // rad
-constexpr double kFarthestHeld = 64.0;          // rest distances: as far off the surface another method may hold a point
-constexpr double kSameHeight = 0x1p-10;         // of a height: two such are one
+constexpr double kFarthestHeld = 64.0;          // rest offsets: farthest that another method's proxy may be off the surface
+constexpr double kSameHeight = 0x1p-10;         // relative: closer heights are equal
 
 }  // namespace
 
-// A point probe is a sphere only for the sake of safety, and where a fold narrows at a corner the sphere may rest against a step no higher
-// than its own radius that is no obstacle to a point. So at rest the proxy is lifted by a few radii and sent along every direction the
-// corner offers: the pull, its projections onto the faces near, and the edges and folds that lead towards the device. It stays where that
-// ends nearer to the device by more than such a step; else it is put back.
+// A point probe is a small sphere, for robustness. Where a concave edge narrows at a vertex, that sphere may stop at a step no higher than
+// its radius, which does not stop a point. So a proxy at a minimum is lifted by a few radii and sent in every direction that the vertex
+// offers: the pull, its projections onto the nearby faces, and the edges and concave edges that lead towards the device. The result is kept
+// if it is nearer to the device by more than such a step; otherwise the proxy is restored.
 bool ReferenceProxy::escape(const Vec3& device) noexcept {
-  if (rest_ != kPointRadius || has_friction() || state_.contacts.empty() || state_.place == device || is_on_open_face()) return false;
-  const Vec3 start = state_.place;
+  if (rest_offset_ != kPointRadius || has_friction() || state_.contacts.empty() || state_.position == device || is_on_open_face())
+    return false;
+  const Vec3 start = state_.position;
   const Vec3 pull = device - start;
-  const double least_gain = kEscapeGain * rest_;
+  const double least_gain = kEscapeGain * rest_offset_;
   contacts_before_ = state_.contacts;
-  const auto has_gained = [&] { return (device - state_.place).norm() < pull.norm() - least_gain; };
+  const auto has_gained = [&] { return (device - state_.position).norm() < pull.norm() - least_gain; };
   update_contacts();
   if (leave_vertex(device, project_pull(pull))) {
     descend(device);
     if (has_gained()) return true;
-    state_.place = start;
+    state_.position = start;
   }
-  for (const double height : {8.0 * rest_, 256.0 * rest_}) {
-    if (keeps_to_surface() && height > 8.0 * rest_) continue;
+  for (const double height : {8.0 * rest_offset_, 256.0 * rest_offset_}) {
+    if (keeps_to_surface() && height > 8.0 * rest_offset_) continue;
     collect_near(start, 2.0 * height);
     if (!lift(start, height)) continue;
-    const Vec3 lifted = state_.place;
+    const Vec3 lifted = state_.position;
     for (const Vec3& direction : directions_out(start, pull, 2.0 * height)) {
-      state_.place = lifted;
+      state_.position = lifted;
       state_.contacts.clear();
       advance(direction);
-      if ((state_.place - start).norm() < 8.0 * height) continue;
+      if ((state_.position - start).norm() < 8.0 * height) continue;
       descend(device);
       if (has_gained()) return true;
     }
-    state_.place = start;
+    state_.position = start;
   }
-  state_.place = start;
+  state_.position = start;
   state_.contacts = contacts_before_;
   update_contacts();
   return false;
 }
 
-// On one face alone and not at its border: there a rest is one for a point as well.
+// On one face only and not at its boundary: such a minimum is also one for a point.
 bool ReferenceProxy::is_on_open_face() const noexcept {
   if (state_.contacts.size() != 1 || state_.contacts[0].near.feature != TriangleFeature::face) return false;
   const PreparedTriangle& shape = state_.contacts[0].face.shape;
   for (int k = 0; k < 3; ++k) {
-    if (shape.inward[k].dot(state_.place - shape.corner[k]) <= kOpenFace * rest_ * shape.edge[k].norm()) return false;
+    if (shape.inward[k].dot(state_.position - shape.corner[k]) <= kOpenFace * rest_offset_ * shape.edge[k].norm()) return false;
   }
   return true;
 }
@@ -72,7 +73,7 @@ bool ReferenceProxy::is_on_open_face() const noexcept {
 void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
   near_.clear();
   list_local_faces();
-  const bool local = is_local(p, local_reach_ - within);
+  const bool local = is_local(p, local_half_side_ - within);
   const std::size_t count = local ? local_.size() : faces_.size();
   for (std::size_t k = 0; k < count && near_.size() < kMostNear; ++k) {
     const std::size_t i = local ? local_[k] : k;
@@ -83,35 +84,35 @@ void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
   }
 }
 
-// Moves the proxy by the shortest way to where it is `height` above the planes of all that is near. False when there is no such place.
+// Moves the proxy by the shortest vector that puts it `height` above the planes of all nearby faces. False if there is none.
 bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
   half_spaces_.clear();
   for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
-  const HalfSpaceProjection way = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
-  if (!way.feasible || way.point.norm() > 64.0 * height) return false;
-  state_.place = start;
-  advance(way.point);
+  const HalfSpaceProjection up = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  if (!up.feasible || up.point.norm() > 64.0 * height) return false;
+  state_.position = start;
+  advance(up.point);
   return true;
 }
 
-// In contact with all that p is as near to as it is to the nearest: what it stands on. It goes on as if it had come there itself: from a
-// place beside an edge, however near, friction would let it go another way.
+// The proxy is put into contact with everything as near to p as the nearest face: what p is on. It then continues as if it had come there
+// itself. From a position only slightly beside an edge, friction would release it differently.
 bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
-  if (rest_ != kPointRadius || frictionless_) return false;
+  if (rest_offset_ != kPointRadius || frictionless_) return false;
   place_held(p, sliding);
-  collect_near(p, kFarthestHeld * rest_);
-  double least = kFarthestHeld * rest_;
+  collect_near(p, kFarthestHeld * rest_offset_);
+  double least = kFarthestHeld * rest_offset_;
   for (const Contact& contact : near_) least = std::min(least, contact.near.distance);
   Vec3 sum = Vec3::Zero();
   for (const Contact& contact : near_) {
     if (contact.near.distance <= least * (1.0 + kSameHeight)) sum += contact.near.direction;
   }
-  if (!(least > 0.5 * rest_) || !(sum.norm() > 0.5)) return false;
+  if (!(least > 0.5 * rest_offset_) || !(sum.norm() > 0.5)) return false;
   half_spaces_.clear();
-  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, rest_ - contact.near.distance});
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, rest_offset_ - contact.near.distance});
   const HalfSpaceProjection down = project_onto_half_spaces(-4.0 * least * sum.normalized(), half_spaces_, kFeasible);
-  if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_) return false;
-  state_.place = p + down.point;
+  if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_offset_) return false;
+  state_.position = p + down.point;
   for (const Contact& contact : near_) meet(contact.face);
   update_contacts();
   return !state_.contacts.empty();
@@ -132,11 +133,11 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
       if ((start - shape.corner[k] - along * shape.edge[k]).norm() <= within) add_line(shape.edge[k]);
     }
   }
-  // Folds between faces that do not share an edge.
+  // Lines where faces meet that do not share an edge.
   for (std::size_t i = 0; i < near_.size(); ++i) {
     for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMostDirections; ++j) {
-      const Vec3 fold = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
-      if (fold.squaredNorm() > 1e-12) add_line(fold);
+      const Vec3 line = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
+      if (line.squaredNorm() > 1e-12) add_line(line);
     }
   }
   return directions_;
@@ -144,39 +145,39 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
 
 // The vertex that a point in contact is at; nullptr: none.
 const Vec3* ReferenceProxy::find_vertex(const Pull& pull) const noexcept {
-  if (rest_ != kPointRadius || pull.strongest == nullptr) return nullptr;
+  if (rest_offset_ != kPointRadius || pull.strongest == nullptr) return nullptr;
   const Vec3* found = nullptr;
   for (const Vec3& corner : pull.strongest->face.shape.corner) {
-    if ((corner - state_.place).norm() <= kAtVertex * rest_) found = &corner;
+    if ((corner - state_.position).norm() <= kAtVertex * rest_offset_) found = &corner;
   }
   return found;
 }
 
-// A point leaves a vertex the steepest way, of all faces and edges round it. A sphere would roll on to what it happens to meet first.
+// A point leaves a vertex along the steepest of its faces and edges. A sphere would roll on over whichever it touches first.
 bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept {
   if (has_friction() || !rules_.keeps_to_surface) return false;
   const Vec3* vertex = find_vertex(pull);
   if (vertex == nullptr) return false;
-  const Vec3 way = find_steepest(*vertex, device - *vertex);
-  const double slope = way.norm();
+  const Vec3 descent = find_steepest(*vertex, device - *vertex);
+  const double slope = descent.norm();
   const double length = pull.motion.point.norm();
-  if (length > kStill && way.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
-  return leave_along(Vec3(*vertex), way, device);
+  if (length > kStill && descent.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
+  return leave_along(Vec3(*vertex), descent, device);
 }
 
-// The nearest point of a concave edge that a point in contact is at, where two faces form it. Friction holds a point there by the faces
-// that lead on from the edge; its sphere may have come a little way up the face beyond, and would slip from that one sooner.
+// The point of a concave edge, formed by two faces, that a point proxy is at. Friction acts through the faces that lead away from the edge.
+// The proxy's sphere may have moved slightly up the face beyond and would slip from that face too early.
 bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::array<Side, 2>& sides) noexcept {
-  if (rest_ != kPointRadius || pull.strongest == nullptr) return false;
+  if (rest_offset_ != kPointRadius || pull.strongest == nullptr) return false;
   const PreparedTriangle& shape = pull.strongest->face.shape;
   if (!shape.has_face) return false;
-  const double reach = kAtVertex * rest_;
+  const double bound = kAtVertex * rest_offset_;
   int at = -1;
   for (int k = 0; k < 3; ++k) {
-    const double along = std::clamp(shape.edge[k].dot(state_.place - shape.corner[k]) / shape.edge[k].squaredNorm(), 0.0, 1.0);
+    const double along = std::clamp(shape.edge[k].dot(state_.position - shape.corner[k]) / shape.edge[k].squaredNorm(), 0.0, 1.0);
     const Vec3 nearest = shape.corner[k] + along * shape.edge[k];
-    if ((state_.place - nearest).norm() > reach) continue;
-    if (at >= 0 || !(along > 0.0 && along < 1.0)) return false;  // by a vertex another edge would have a say
+    if ((state_.position - nearest).norm() > bound) continue;
+    if (at >= 0 || !(along > 0.0 && along < 1.0)) return false;  // at a vertex, other edges matter as well
     at = k;
     on_edge = nearest;
   }
@@ -198,7 +199,7 @@ bool ReferenceProxy::find_concave_edge(const Pull& pull, Vec3& on_edge, std::arr
     }
   }
   if (count != 2 || opposite == nullptr) return false;
-  const double side = shape.normal.dot(state_.place - begin) > 0.0 ? 1.0 : -1.0;
+  const double side = shape.normal.dot(state_.position - begin) > 0.0 ? 1.0 : -1.0;
   return side * shape.normal.dot(*opposite - begin) > 0.0;
 }
 
@@ -209,59 +210,59 @@ bool ReferenceProxy::is_held_at_edge(const Vec3& device, const Pull& pull) noexc
   if (!has_friction() || !find_concave_edge(pull, on_edge, sides)) return false;
   const Vec3 to_device = device - on_edge;
   const Vec3 along = sides[0].normal.cross(sides[0].inward).normalized();
-  Vec3 way = along.dot(to_device) * along;
+  Vec3 descent = along.dot(to_device) * along;
   for (const Side& side : sides) {
     const Vec3 over = to_device - side.normal.dot(to_device) * side.normal;
-    if (side.inward.dot(to_device) > 0.0 && over.squaredNorm() > way.squaredNorm()) way = over;
+    if (side.inward.dot(to_device) > 0.0 && over.squaredNorm() > descent.squaredNorm()) descent = over;
   }
-  return !exceeds_friction(way.norm(), (to_device - way).norm(), material_of(pull));
+  return !exceeds_friction(descent.norm(), (to_device - descent).norm(), material_of(pull));
 }
 
-// Friction holds a point at a vertex, or lets it go, by the steepest way as well. A sphere leans on some of the faces only, and has a cone
+// At a vertex, friction too is decided along the steepest descent. The sphere touches only some of the faces, so its friction cone would be
 // about the normals of those.
 ReferenceProxy::AtVertex ReferenceProxy::slip_from_vertex(const Vec3& device, const Pull& pull) noexcept {
   const Vec3* vertex = has_friction() ? find_vertex(pull) : nullptr;
   if (vertex == nullptr) return AtVertex::elsewhere;
   const Vec3 to_device = device - *vertex;
-  const Vec3 way = find_steepest(*vertex, to_device);
+  const Vec3 descent = find_steepest(*vertex, to_device);
   const Material material = material_of(pull);
-  if (!exceeds_friction(way.norm(), (to_device - way).norm(), material)) return AtVertex::held;
-  return leave_along(Vec3(*vertex), way, device) ? AtVertex::left : AtVertex::elsewhere;
+  if (!exceeds_friction(descent.norm(), (to_device - descent).norm(), material)) return AtVertex::held;
+  return leave_along(Vec3(*vertex), descent, device) ? AtVertex::left : AtVertex::elsewhere;
 }
 
-bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& way, const Vec3& device) noexcept {
-  const Vec3 start = state_.place;
-  const double slope = way.norm();
+bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& descent, const Vec3& device) noexcept {
+  const Vec3 start = state_.position;
+  const double slope = descent.norm();
   const double distance = (device - vertex).norm();
   if (!(slope > kLeastSlope * distance)) return false;
   vertex_contacts_ = state_.contacts;
-  // In a groove that bends at the vertex a lift may be blocked, by what is beyond or what is behind.
-  for (const double height : {8.0 * rest_, 24.0 * rest_}) {
-    // As far as it takes to come nearer in spite of the lift.
+  // In a groove that bends at the vertex a lift may be blocked, from ahead or from behind.
+  for (const double height : {8.0 * rest_offset_, 24.0 * rest_offset_}) {
+    // Far enough to come nearer in spite of the lift.
     const double share = std::max(8.0, 4.0 * distance / slope) * height / slope;
-    collect_near(start, 2.0 * kAtVertex * rest_);
+    collect_near(start, 2.0 * kAtVertex * rest_offset_);
     for (const bool goes_to_vertex : {true, false}) {
       if (share >= 1.0 || !lift(start, height)) continue;
       state_.contacts.clear();
       if (goes_to_vertex) advance(vertex - start);
-      advance(share * way);
-      if ((device - state_.place).norm() < (device - start).norm()) {
+      advance(share * descent);
+      if ((device - state_.position).norm() < (device - start).norm()) {
         update_contacts();
         return true;
       }
     }
   }
-  state_.place = start;
+  state_.position = start;
   state_.contacts = vertex_contacts_;
   update_contacts();
   return false;
 }
 
-// Along the face or edge at the vertex on which a point nearest to the device lies farthest away: to there. Zero: none.
+// The vector to the point nearest to the device on the face or edge of the vertex where that point is farthest away. Zero: none.
 Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) noexcept {
   Vec3 best = Vec3::Zero();
-  const auto offer = [&](const Vec3& way) {
-    if (way.squaredNorm() > best.squaredNorm()) best = way;
+  const auto offer = [&](const Vec3& descent) {
+    if (descent.squaredNorm() > best.squaredNorm()) best = descent;
   };
   for (const Face& face : faces_) {
     const PreparedTriangle& shape = face.shape;
@@ -274,8 +275,8 @@ Vec3 ReferenceProxy::find_steepest(const Vec3& vertex, const Vec3& to_device) no
         if (along > 0.0) offer((along / edge->squaredNorm()) * *edge);
       }
       if (!shape.has_face) continue;
-      const Vec3 way = to_device - shape.normal.dot(to_device) * shape.normal;
-      if (shape.inward[k].dot(way) > 0.0 && shape.inward[(k + 2) % 3].dot(way) > 0.0) offer(way);
+      const Vec3 descent = to_device - shape.normal.dot(to_device) * shape.normal;
+      if (shape.inward[k].dot(descent) > 0.0 && shape.inward[(k + 2) % 3].dot(descent) > 0.0) offer(descent);
     }
   }
   return best;

@@ -6,8 +6,10 @@
 
 namespace hapton {
 
-// The surface itself is a point's radius nearer to the device.
-double ReferenceProxy::pressure_of(double push) const noexcept { return rest_ == kPointRadius ? std::max(0.0, push - rest_) : push; }
+// The surface is nearer to the device by a point's radius.
+double ReferenceProxy::pressure_of(double depth) const noexcept {
+  return rest_offset_ == kPointRadius ? std::max(0.0, depth - rest_offset_) : depth;
+}
 
 Material ReferenceProxy::material_of(const Pull& pull) const noexcept {
   ContactMaterial material;
@@ -17,17 +19,18 @@ Material ReferenceProxy::material_of(const Pull& pull) const noexcept {
   return material.mean();
 }
 
-// Coulomb friction: the part of the frictionless motion that the cone leaves.
+// Coulomb friction: the part of the frictionless motion outside the cone.
 Vec3 ReferenceProxy::limit_by_friction(const Pull& pull) noexcept {
   const Vec3& motion = pull.motion.point;
   if (!has_friction() || pull.strongest == nullptr) return motion;
-  Vec3 push = Vec3::Zero();
-  for (int i = 0; i < pull.motion.count; ++i) push += pull.motion.multiplier[i] * state_.contacts[pull.motion.active[i]].near.direction;
+  Vec3 normal_pull = Vec3::Zero();
+  for (int i = 0; i < pull.motion.count; ++i)
+    normal_pull += pull.motion.multiplier[i] * state_.contacts[pull.motion.active[i]].near.direction;
   const Material material = material_of(pull);
-  const double way = motion.norm();
-  const double pressure = pressure_of(push.norm());
-  if (!exceeds_friction(way, pressure, material)) return Vec3::Zero();
-  return motion * ((way - material.friction_dynamic * pressure) / way);
+  const double length = motion.norm();
+  const double pressure = pressure_of(normal_pull.norm());
+  if (!exceeds_friction(length, pressure, material)) return Vec3::Zero();
+  return motion * ((length - material.friction_dynamic * pressure) / length);
 }
 
 }  // namespace hapton

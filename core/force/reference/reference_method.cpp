@@ -8,12 +8,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarthest = 1e12;  // a device farther out is taken to be there: its square must stay finite
+constexpr double kFarthest = 1e12;  // local units: a device farther out is clamped to this, so that its square stays finite
 constexpr int kMostSubsteps = 1 << 20;
-constexpr double kJump = 8.0;           // of the device's motion: no slide is as fast for long
-constexpr double kLeastPart = 0x1p-38;  // local units: a sub-step is not halved to less; a thousand times what decides a contact
+constexpr double kJump = 8.0;           // of the device's motion: a longer motion of the proxy is a jump, as no slide is that fast for long
+constexpr double kLeastPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
 constexpr std::size_t kLevels = 48;
-constexpr int kMostHalvings = 1024;  // in a step done once
+constexpr int kMostHalvings = 1024;  // in one pass over a step
 
 float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
 float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
@@ -93,13 +93,13 @@ ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScen
       high_[axis].push_back(float_above(most));
     }
   }
-  in_reach_.resize(triangles_.size());
+  in_range_.resize(triangles_.size());
   proxy_ = std::make_unique<ReferenceProxy>(settings.probe_radius_m / unit_m_, std::move(materials), triangles_.size());
   start_ = proxy_->make_state();
   for (std::size_t i = 0; i < kLevels; ++i) levels_.push_back(proxy_->make_state());
 }
 
-// Far away the direction is kept and the distance cut, before anything can overflow.
+// A distant device keeps its direction; its distance is clamped before anything can overflow.
 Vec3 ReferenceMethod::device_to_local(const Vec3& p_S) const noexcept {
   const Vec3 p = p_S - centre_;
   const double most = p.cwiseAbs().maxCoeff();
@@ -112,13 +112,13 @@ PreparedTriangle ReferenceMethod::prepare_triangle(std::uint32_t triangle) const
   return {vertices_[a], vertices_[b], vertices_[c]};
 }
 
-// All triangles whose boxes come within reach of the device point; every one without the prefilter.
-void ReferenceMethod::gather(const Vec3& device, double reach) noexcept {
+// Gathers the triangles whose boxes are within `bound` of the device point; all triangles without the prefilter.
+void ReferenceMethod::gather(const Vec3& device, double bound) noexcept {
   proxy_->clear_faces();
   const float centre[3] = {static_cast<float>(device.x()), static_cast<float>(device.y()), static_cast<float>(device.z())};
-  // What single precision may lose: the rounding of the centre and of three differences, squares and a sum.
-  const double loss = 1e-6 * (1.0 + device.norm() + reach);
-  const float limit = float_above((reach + loss) * (reach + loss) * (1.0 + 1e-6));
+  // Rounding in single precision: of the centre, three differences, their squares and the sum.
+  const double loss = 1e-6 * (1.0 + device.norm() + bound);
+  const float limit = float_above((bound + loss) * (bound + loss) * (1.0 + 1e-6));
   const std::size_t n = triangles_.size();
   for (std::size_t i = 0; i < n; ++i) {
     float distance2 = 0.0F;
@@ -128,10 +128,10 @@ void ReferenceMethod::gather(const Vec3& device, double reach) noexcept {
       const float out = std::max(std::max(below, above), 0.0F);
       distance2 += out * out;
     }
-    in_reach_[i] = distance2 <= limit;
+    in_range_[i] = distance2 <= limit;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    if (prefilter_ && !in_reach_[i]) continue;
+    if (prefilter_ && !in_range_[i]) continue;
     const auto triangle = static_cast<std::uint32_t>(i);
     proxy_->add_face({prepare_triangle(triangle), triangle, object_of_[i]});
   }
@@ -140,14 +140,14 @@ void ReferenceMethod::gather(const Vec3& device, double reach) noexcept {
 
 MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite()) {
-    return {.force_n = Vec3::Zero(), .p_SP = placed_ ? to_scene(proxy_->state().place) : Vec3(Vec3::Zero()), .contact = false};
+    return {.force_n = Vec3::Zero(), .p_SP = has_sample_ ? to_scene(proxy_->state().position) : Vec3(Vec3::Zero()), .contact = false};
   }
-  if (!placed_) reset(input.p_SD);
+  if (!has_sample_) reset(input.p_SD);
   ++counters_.steps;
   const Vec3 from = device_;
   const Vec3 to = device_to_local(input.p_SD);
   const Vec3 path = to - from;
-  gather(to, (proxy_->state().place - from).norm() + path.norm() + 4.0 * proxy_->rest());
+  gather(to, (proxy_->state().position - from).norm() + path.norm() + 4.0 * proxy_->rest_offset());
   last_ = {};
   if (proxy_->faces() == 0 && proxy_->state().free) {
     proxy_->place_free(to);
@@ -159,8 +159,8 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
   if (last_.settled) counters_.most_substeps = std::max<std::uint64_t>(counters_.most_substeps, last_.substeps);
   counters_.proxy = proxy_->counters();
   const Vec3 velocity = input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3(path * (unit_m_ / input.dt_s)) : Vec3(Vec3::Zero());
-  MethodOutput output = compute_output(input.p_SD, proxy_->surface_place(to), velocity);
-  if (output.contact) output.p_SP = to_scene(proxy_->state().place);
+  MethodOutput output = compute_output(input.p_SD, proxy_->surface_position(to), velocity);
+  if (output.contact) output.p_SP = to_scene(proxy_->state().position);
   return output;
 }
 
@@ -174,16 +174,15 @@ void ReferenceMethod::follow(const Vec3& from, const Vec3& to, int substeps) noe
   }
 }
 
-// Where a proxy under friction jumps, what comes of it depends on where the device was just then: the sub-step is halved until that is
-// known. Sub-steps of equal length would find it only to their length, and half of the time find the same wrong time when there are twice
-// as many.
+// Where a proxy under friction jumps, the result depends on where the device is at that moment, so the sub-step is halved until the moment
+// is known. Sub-steps of equal length would find it only to their length, and with twice as many would often find the same wrong moment.
 void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size_t level) noexcept {
   if (!proxy_->has_memory()) return proxy_->follow(from, to, {});
   ReferenceProxy::State& before = levels_[level];
   proxy_->save(before);
   proxy_->follow(from, to, {});
   const double part = (to - from).norm();
-  const bool jumps = part > kLeastPart && (proxy_->state().place - before.place).norm() > kJump * part;
+  const bool jumps = part > kLeastPart && (proxy_->state().position - before.position).norm() > kJump * part;
   if (!jumps || level + 1 == levels_.size() || halvings_left_ == 0) return;
   --halvings_left_;
   proxy_->restore(before);
@@ -198,13 +197,13 @@ void ReferenceMethod::follow_to_the_limit(const Vec3& from, const Vec3& to) noex
   last_.substeps = substeps_;
   follow(from, to, substeps_);
   for (last_.settled = false; !last_.settled && last_.substeps <= substep_limit_ / 2;) {
-    const Vec3 coarse = proxy_->surface_place(to) - to;
+    const Vec3 coarse = proxy_->surface_position(to) - to;
     const double coarse_stiffness = proxy_->state().material.stiffness_n_per_m;
     const bool coarse_sliding = proxy_->state().sliding;
     proxy_->restore(start_);
     last_.substeps *= 2;
     follow(from, to, last_.substeps);
-    const Vec3 fine = proxy_->surface_place(to) - to;
+    const Vec3 fine = proxy_->surface_position(to) - to;
     const double length = std::max(coarse.norm(), fine.norm());
     const double change = (fine - coarse).norm();
     last_.change = length > 0.0 ? change / length : 0.0;
@@ -217,39 +216,39 @@ void ReferenceMethod::reset(const Vec3& p_SD) noexcept {
   counters_ = {};
   proxy_->clear_counters();
   last_ = {};
-  placed_ = p_SD.allFinite();
-  if (placed_) device_ = device_to_local(p_SD);
+  has_sample_ = p_SD.allFinite();
+  if (has_sample_) device_ = device_to_local(p_SD);
   proxy_->place_free(device_);
 }
 
 MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD) noexcept {
-  const Vec3 place = to_local(p_SP);
+  const Vec3 position = to_local(p_SP);
   device_ = device_to_local(p_SD);
-  placed_ = true;
-  proxy_->place_held(place, false);
-  gather(device_, (place - device_).norm() + 4.0 * proxy_->rest());
-  proxy_->follow(device_, device_, {.friction = false, .tips_borders = false, .keeps_to_surface = false});
-  return compute_output(p_SD, proxy_->state().place, Vec3::Zero());
+  has_sample_ = true;
+  proxy_->place_held(position, false);
+  gather(device_, (position - device_).norm() + 4.0 * proxy_->rest_offset());
+  proxy_->follow(device_, device_, {.friction = false, .tips_at_boundaries = false, .keeps_to_surface = false});
+  return compute_output(p_SD, proxy_->state().position, Vec3::Zero());
 }
 
 void ReferenceMethod::resume(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept {
   device_ = device_to_local(p_SD);
-  placed_ = true;
+  has_sample_ = true;
   const Vec3 penetration = to_local(p_SP) - device_;
   const double length = penetration.norm();
   if (!(length > 0.0)) return proxy_->place_free(device_);
   proxy_->place_free(device_);
-  gather(device_, length + 128.0 * proxy_->rest());
+  gather(device_, length + 128.0 * proxy_->rest_offset());
   if (proxy_->place_on_surface(device_ + penetration, sliding)) return;
   proxy_->place_held(device_ + (1.0 + 2.0 * ReferenceProxy::kPointRadius / length) * penetration, sliding);
   proxy_->follow(device_, device_, {});
   if (!proxy_->state().free) proxy_->set_sliding(sliding);
 }
 
-MethodOutput ReferenceMethod::compute_output(const Vec3& p_SD, const Vec3& place, const Vec3& velocity_m_per_s) const noexcept {
+MethodOutput ReferenceMethod::compute_output(const Vec3& p_SD, const Vec3& position, const Vec3& velocity_m_per_s) const noexcept {
   MethodOutput output;
-  output.p_SP = place == device_ ? p_SD : to_scene(place);
-  const Vec3 extension = (place - device_) * unit_m_;
+  output.p_SP = position == device_ ? p_SD : to_scene(position);
+  const Vec3 extension = (position - device_) * unit_m_;
   const double length = extension.norm();
   if (!(length > 0.0)) return output;
   const Material& material = proxy_->state().material;

@@ -12,25 +12,25 @@
 namespace hapton {
 namespace {
 
-// All of these are in local units, where the scene's diagonal lies in (1/2, 1].
-const double kSkin = std::ldexp(1.0, -38);      // contact offset / 64: far above rounding, far below contact offset
-const double kRounding = std::ldexp(1.0, -48);  // bound on the error of a distance between points within the scene
-const double kErosion = std::ldexp(1.0, -47);   // what one motion may take off a distance that is already at its least
-const double kStill = std::ldexp(1.0, -46);     // a motion shorter than this is none
-const double kIdleGain = std::ldexp(1.0, -50);  // coming nearer to the device by less than this is none
-const double kFeasible = std::ldexp(1.0, -44);  // play of half-spaces in the projection
-constexpr double kLongestMotion = 4.0;          // a device far away must not cost the digits of what is near
-constexpr double kLeastRoll = 1e-10;            // rad
+// In local units: the scene's diagonal lies in (1/2, 1].
+const double kTolerance = std::ldexp(1.0, -38);  // a 64th of the contact offset, far above rounding
+const double kRounding = std::ldexp(1.0, -48);   // bound on the error of a distance between points within the scene
+const double kErosion = std::ldexp(1.0, -47);    // largest loss of one motion from a distance that is already minimal
+const double kStill = std::ldexp(1.0, -46);      // shorter motions count as zero
+const double kIdleGain = std::ldexp(1.0, -50);   // coming nearer to the device by less does not count
+const double kFeasible = std::ldexp(1.0, -44);   // tolerance of the projection onto half-spaces
+constexpr double kLongestMotion = 4.0;           // so that a distant device does not cost significant digits
+constexpr double kLeastRoll = 1e-10;             // rad
 constexpr double kLongestRoll = std::numbers::pi / 3.0;
 constexpr double kLongestTip = std::numbers::pi / 6.0;
-constexpr double kBorder = 1e-3;  // of the rest distance: a face's contact this near to its border may stand on the edge
+constexpr double kNearBoundary = 1e-3;  // rest offsets: a face contact this near to the boundary may be at the edge
 constexpr int kIdleMotions = 8;
 constexpr int kMostMotions = 16000;
 constexpr int kMostEscapes = 64;
-constexpr double kLocal = 0x1p-7;  // half the side of the cube whose faces are listed: some hundred of a million
+constexpr double kLocal = 0x1p-7;  // half side of the cube whose faces are listed: a few hundred of a million
 constexpr std::size_t kMostContacts = 256;
-constexpr double kSamePlane = 1e-14;  // normals of one plane differ by less in their cosine
-constexpr double kSteepest = 4.0;     // rest distances: farther off the surface, in a wedge of 29 degrees and less, it stays
+constexpr double kSamePlane = 1e-14;  // coplanar normals differ by less in their cosine
+constexpr double kSteepest = 4.0;     // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 constexpr std::size_t kMostNear = 48;
 constexpr std::size_t kMostDirections = 1536;
 
@@ -41,8 +41,8 @@ bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const 
 }  // namespace
 
 ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces)
-    : rest_(std::max(probe_radius, kPointRadius)),
-      local_reach_(kLocal + 2.0 * rest_),
+    : rest_offset_(std::max(probe_radius, kPointRadius)),
+      local_half_side_(kLocal + 2.0 * rest_offset_),
       materials_(std::move(materials)),
       state_(make_state()) {
   for (const Material& material : materials_) frictionless_ = frictionless_ && !(material.friction_static > 0.0);
@@ -77,7 +77,7 @@ void ReferenceProxy::add_face(const Face& face) noexcept {
 }
 
 void ReferenceProxy::place_free(const Vec3& p) noexcept {
-  state_.place = p;
+  state_.position = p;
   state_.contacts.clear();
   state_.free = true;
   state_.sliding = false;
@@ -96,26 +96,26 @@ void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, cons
   drag(device_from, device_to);
   descend(device_to);
   for (int i = 0; i < kMostEscapes && escape(device_to); ++i) ++counters_.escapes;
-  state_.free = state_.place == device_to && state_.contacts.empty();
+  state_.free = state_.position == device_to && state_.contacts.empty();
   if (state_.free) state_.sliding = false;
 }
 
-// Friction on one plane in closed form: return mapping alone is right only to the square of the sub-step, each time.
+// Friction on one plane, in closed form. Return mapping has an error of the square of the sub-step in every sub-step.
 void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexcept {
   if (!has_friction() || device_from == device_to) return;
   update_contacts();
-  const Pull before = project_pull(device_from - state_.place);
+  const Pull before = project_pull(device_from - state_.position);
   if (before.motion.count != 1 || before.strongest->near.feature != TriangleFeature::face) return;
   Vec3 on_edge;
   std::array<Side, 2> sides;
   if (find_vertex(before) != nullptr || find_concave_edge(before, on_edge, sides)) return;
   const Vec3 normal = before.strongest->near.direction;
-  const Pull after = project_pull(device_to - state_.place);
+  const Pull after = project_pull(device_to - state_.position);
   if (after.motion.count != 1 || after.strongest->near.direction.dot(normal) < 1.0 - kSamePlane) return;
   const auto in_plane = [&](const Vec3& v) { return Vec3(v - v.dot(normal) * normal); };
   const Material material = material_of(after);
   FrictionMotion input;
-  input.lag = in_plane(device_from - state_.place);
+  input.pull = in_plane(device_from - state_.position);
   input.motion = in_plane(device_to - device_from);
   input.pressure_start = pressure_of(before.motion.multiplier[0]);
   input.pressure_end = pressure_of(after.motion.multiplier[0]);
@@ -124,19 +124,19 @@ void ReferenceProxy::drag(const Vec3& device_from, const Vec3& device_to) noexce
   input.sliding = state_.sliding;
   if (!(input.pressure_start > 0.0 && input.pressure_end > 0.0)) return;
   const FrictionDrag dragged = drag_by_friction(input);
-  const Vec3 motion = cut_at_border(after, input.lag + input.motion - dragged.lag);
+  const Vec3 motion = cut_at_boundary(after, input.pull + input.motion - dragged.pull);
   state_.sliding = dragged.sliding;
   if (motion.norm() > kStill && motion.norm() <= kLongestMotion) advance(motion);
 }
 
-Vec3 ReferenceProxy::surface_place(const Vec3& device) noexcept {
-  const Vec3 place = state_.place;
-  if (rest_ != kPointRadius || place == device) return place;
+Vec3 ReferenceProxy::surface_position(const Vec3& device) noexcept {
+  const Vec3 position = state_.position;
+  if (rest_offset_ != kPointRadius || position == device) return position;
   update_contacts();
-  const Pull held = project_pull(device - place);
+  const Pull held = project_pull(device - position);
   const int n = held.motion.count;
-  if (n == 0 || !held.motion.feasible) return place;
-  // The least motion that brings the proxy to distance zero of all that hold it: N (N^T N)^-1 (-distances).
+  if (n == 0 || !held.motion.feasible) return position;
+  // The shortest motion that brings the proxy to zero distance from all active contacts: N (N^T N)^-1 (-distances).
   Mat3 normals = Mat3::Zero();
   Vec3 distances = Vec3::Zero();
   for (int i = 0; i < n; ++i) {
@@ -147,12 +147,13 @@ Vec3 ReferenceProxy::surface_place(const Vec3& device) noexcept {
   Mat3 gram = normals.transpose() * normals;
   for (int i = n; i < 3; ++i) gram(i, i) = 1.0;
   const Vec3 down = -normals * gram.fullPivLu().solve(distances);
-  const bool is_sound = down.allFinite() && (normals.transpose() * down + distances).norm() <= kSkin && down.norm() <= kSteepest * rest_;
-  const Vec3 onto = is_sound ? Vec3(place + down) : place;
-  return (onto - device).dot(place - device) > 0.0 ? onto : device;
+  const bool is_sound =
+      down.allFinite() && (normals.transpose() * down + distances).norm() <= kTolerance && down.norm() <= kSteepest * rest_offset_;
+  const Vec3 onto = is_sound ? Vec3(position + down) : position;
+  return (onto - device).dot(position - device) > 0.0 ? onto : device;
 }
 
-// From where the proxy is to where no straight motion brings it nearer to the device.
+// Moves the proxy until no straight motion brings it nearer to the device.
 void ReferenceProxy::descend(const Vec3& device) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
@@ -160,15 +161,15 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
   for (; motions < kMostMotions && idle < kIdleMotions; ++motions) {
     update_contacts();
     if (state_.contacts.empty() && cross_free_space(device)) break;
-    const double distance = (device - state_.place).norm();
+    const double distance = (device - state_.position).norm();
     idle = distance < nearest - kIdleGain ? 0 : idle + 1;
     nearest = std::min(nearest, distance);
-    const Pull pull = project_pull(device - state_.place);
+    const Pull pull = project_pull(device - state_.position);
     if (pull.strongest != nullptr) state_.material = material_of(pull);
     if (pull.motion.count == 0) {
-      const bool arrives = (device - state_.place).norm() <= kLongestMotion;
+      const bool arrives = (device - state_.position).norm() <= kLongestMotion;
       if (advance(pull.motion.point) && arrives) {
-        state_.place = device;
+        state_.position = device;
         break;
       }
       continue;
@@ -177,7 +178,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
     if (at_vertex == AtVertex::held) break;
     if (at_vertex == AtVertex::left) continue;
     if (at_vertex == AtVertex::elsewhere && is_held_at_edge(device, pull)) break;
-    const Vec3 motion = cut_at_border(pull, limit_by_friction(pull));
+    const Vec3 motion = cut_at_boundary(pull, limit_by_friction(pull));
     if (!(motion.norm() > kStill)) {
       if (tip_over(device, pull)) continue;
       break;
@@ -191,39 +192,40 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
   if (motions == kMostMotions) ++counters_.unconverged;
 }
 
-// Far outside the scene there is nothing to meet: the proxy goes straight to the device, or to where its way enters the surroundings of the
-// scene. True when it has arrived.
+// Outside the scene there are no contacts: the proxy goes straight to the device, or to where its path enters the scene's surroundings.
+// True if it has arrived.
 bool ReferenceProxy::cross_free_space(const Vec3& device) noexcept {
-  const double surroundings = 1.0 + 2.0 * rest_;
-  if (state_.place.norm() < 1.01 * surroundings) return false;
-  const Vec3 way = device - state_.place;
-  const double length = way.norm();
-  const double foot = length > 0.0 ? -state_.place.dot(way) / length : 0.0;
-  const double miss = length > 0.0 ? (state_.place + (foot / length) * way).norm() : surroundings;
-  const double entry = foot - std::sqrt(std::max(0.0, (surroundings - miss) * (surroundings + miss)));
+  const double surroundings = 1.0 + 2.0 * rest_offset_;
+  if (state_.position.norm() < 1.01 * surroundings) return false;
+  const Vec3 path = device - state_.position;
+  const double length = path.norm();
+  const double closest_at = length > 0.0 ? -state_.position.dot(path) / length : 0.0;
+  const double miss = length > 0.0 ? (state_.position + (closest_at / length) * path).norm() : surroundings;
+  const double entry = closest_at - std::sqrt(std::max(0.0, (surroundings - miss) * (surroundings + miss)));
   if (miss >= surroundings || entry <= 0.0 || entry >= length) {
-    state_.place = device;
+    state_.position = device;
     return true;
   }
-  state_.place += (entry / length) * way;
+  state_.position += (entry / length) * path;
   return false;
 }
 
-// Where the touched triangles are nearest now; those left behind are dropped.
+// Recomputes the closest points of all contacts and drops those left behind.
 void ReferenceProxy::update_contacts() noexcept {
   for (Contact& contact : state_.contacts) {
-    contact.near = closest_point(contact.face.shape, state_.place);
+    contact.near = closest_point(contact.face.shape, state_.position);
     if (contact.near.distance == 0.0 && contact.near.feature != TriangleFeature::face) contact.near.direction = contact.face.shape.normal;
   }
-  std::erase_if(state_.contacts,
-                [&](const Contact& contact) { return contact.near.distance > rest_ + kSkin || contact.near.direction.isZero(0.0); });
-  forget_borders_of_faces();
+  std::erase_if(state_.contacts, [&](const Contact& contact) {
+    return contact.near.distance > rest_offset_ + kTolerance || contact.near.direction.isZero(0.0);
+  });
+  forget_boundaries_of_faces();
 }
 
-// A border that a face in contact has, too, is nothing of its own: it is only in the skin, just ahead, and leans against the motion. By the
-// edge between two triangles of one plane it would hold a proxy whose device draws it along the plane by less than its normal leans; and
-// friction would stop there.
-void ReferenceProxy::forget_borders_of_faces() noexcept {
+// Drops edge and vertex contacts that belong to a face in contact. Such a contact is within tolerance, just ahead, and its normal leans
+// against the motion. At the edge between two coplanar triangles it would hold a proxy whose pull along the plane is smaller than that
+// lean, and friction would stop there.
+void ReferenceProxy::forget_boundaries_of_faces() noexcept {
   meet_face_below();
   const auto is_of_face = [&](const Contact& contact) {
     if (contact.near.feature == TriangleFeature::face) return false;
@@ -236,27 +238,28 @@ void ReferenceProxy::forget_borders_of_faces() noexcept {
   }
 }
 
-// The face that a point is over, by no more than its radius, is in contact. Where the proxy has come over it without a motion that it
-// stopped, as over a row of slivers in one plane, only the border of what follows has been met.
+// Adds the face that a point is over, within its radius. If no motion was stopped by it, as over a row of coplanar slivers, only the
+// boundary of the next face is in contact.
 void ReferenceProxy::meet_face_below() noexcept {
-  const auto is_border = [](const Contact& contact) { return contact.near.feature != TriangleFeature::face; };
-  if (rest_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_border)) return;
+  const auto is_boundary = [](const Contact& contact) { return contact.near.feature != TriangleFeature::face; };
+  if (rest_offset_ != kPointRadius || std::none_of(state_.contacts.begin(), state_.contacts.end(), is_boundary)) return;
   list_local_faces();
   for (const std::uint32_t i : local_) {
     const Box& box = boxes_[i];
-    const double reach = rest_ + kSkin;
-    if (((state_.place - box.high).cwiseMax(box.low - state_.place).array() > reach).any() || !can_meet(faces_[i])) continue;
-    const ClosestPoint near = closest_point(faces_[i].shape, state_.place);
-    if (near.feature == TriangleFeature::face && near.distance <= reach && !near.direction.isZero(0.0)) meet(faces_[i]);
+    const double bound = rest_offset_ + kTolerance;
+    if (((state_.position - box.high).cwiseMax(box.low - state_.position).array() > bound).any() || !can_meet(faces_[i])) continue;
+    const ClosestPoint near = closest_point(faces_[i].shape, state_.position);
+    if (near.feature == TriangleFeature::face && near.distance <= bound && !near.direction.isZero(0.0)) meet(faces_[i]);
   }
 }
 
 ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   half_spaces_.clear();
   for (const Contact& contact : state_.contacts) {
-    // A proxy a little too near is led back to rest; one that starts overlapping (a reset in the surface) only may not go deeper.
-    const double gap = rest_ - contact.near.distance;
-    half_spaces_.push_back({contact.near.direction, gap <= 2.0 * kSkin ? gap : 0.0});
+    // A proxy slightly too near is moved back to the rest offset. One that starts with an overlap (a reset in the surface) only may not go
+    // deeper.
+    const double gap = rest_offset_ - contact.near.distance;
+    half_spaces_.push_back({contact.near.direction, gap <= 2.0 * kTolerance ? gap : 0.0});
   }
   Pull result;
   result.motion = project_onto_half_spaces(pull, half_spaces_, kFeasible);
@@ -280,24 +283,24 @@ ReferenceProxy::Pull ReferenceProxy::project_pull(const Vec3& pull) noexcept {
   return result;
 }
 
-// Whether a pull along the surface is out of the cone: then the proxy slides.
-bool ReferenceProxy::exceeds_friction(double way, double depth, const Material& material) noexcept {
+// Whether a pull along the surface exceeds the cone, so that the proxy slides.
+bool ReferenceProxy::exceeds_friction(double pull, double depth, const Material& material) noexcept {
   const double held = (state_.sliding ? material.friction_dynamic : material.friction_static) * depth;
-  const bool exceeds = way > held + kStill;
-  state_.sliding = exceeds || (state_.sliding && way >= FrictionMotion::kRest * material.friction_dynamic * depth);
+  const bool exceeds = pull > held + kStill;
+  state_.sliding = exceeds || (state_.sliding && pull >= FrictionMotion::kRestick * material.friction_dynamic * depth);
   return exceeds;
 }
 
-// Where the proxy jumps, the way counts, not only where it ends: it must not lead off the surface beyond what holds the proxy.
-Vec3 ReferenceProxy::cut_at_border(const Pull& pull, const Vec3& motion) noexcept {
+// Where the proxy jumps, its path matters, not only its end: it must not leave the surface beyond what holds the proxy.
+Vec3 ReferenceProxy::cut_at_boundary(const Pull& pull, const Vec3& motion) noexcept {
   const double length = motion.norm();
-  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > rest_)) return motion;
+  if (!keeps_to_surface() || pull.strongest == nullptr || !(length > rest_offset_)) return motion;
   double until = 1.0;
   for (int i = 0; i < pull.motion.count; ++i) until = std::min(until, share_on_feature(state_.contacts[pull.motion.active[i]], motion));
-  return std::min(1.0, until + rest_ / length) * motion;
+  return std::min(1.0, until + rest_offset_ / length) * motion;
 }
 
-// The share of a motion that stays by what the contact touches.
+// The share of a motion that stays on the feature in contact.
 double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& motion) noexcept {
   const PreparedTriangle& shape = contact.face.shape;
   if (contact.near.feature == TriangleFeature::face) return share_on_plane(contact, motion);
@@ -306,16 +309,16 @@ double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& moti
   const double along = direction.dot(motion);
   const double sideways = (motion - along * direction).norm();
   const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0) + (along > 0.0)) % 3];
-  const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.place) / along) : 1.0;
-  return sideways * until > rest_ ? rest_ / sideways : until;
+  const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.position) / along) : 1.0;
+  return sideways * until > rest_offset_ ? rest_offset_ / sideways : until;
 }
 
-// The share of a motion over the faces near of one plane.
+// The share of a motion over coplanar nearby faces.
 double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion) noexcept {
   const auto stay_over = [&](const PreparedTriangle& shape) {
     Stay stay{0.0, 1.0};
     for (int k = 0; k < 3; ++k) {
-      const double inside = shape.inward[k].dot(state_.place - shape.corner[k]);
+      const double inside = shape.inward[k].dot(state_.position - shape.corner[k]);
       const double rate = shape.inward[k].dot(motion);
       if (rate < 0.0) stay.until = std::min(stay.until, std::max(inside, 0.0) / -rate);
       if (inside < 0.0) stay.from = rate > 0.0 ? std::max(stay.from, -inside / rate) : 2.0;
@@ -327,13 +330,13 @@ double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion
   for (const std::uint32_t i : local_) {
     const PreparedTriangle& shape = faces_[i].shape;
     if (!shape.has_face || std::abs(shape.normal.dot(contact.near.direction)) < 1.0 - kSamePlane) continue;
-    if (std::abs(std::abs(shape.normal.dot(state_.place - shape.corner[shape.base])) - contact.near.distance) > kSkin) continue;
+    if (std::abs(std::abs(shape.normal.dot(state_.position - shape.corner[shape.base])) - contact.near.distance) > kTolerance) continue;
     const Stay stay = stay_over(shape);
     if (stay.from < stay.until) stays_.push_back(stay);
   }
   std::sort(stays_.begin(), stays_.end(), [](const Stay& a, const Stay& b) { return a.from < b.from; });
   double until = stay_over(contact.face.shape).until;
-  const double gap = rest_ / motion.norm();
+  const double gap = rest_offset_ / motion.norm();
   for (const Stay& stay : stays_) {
     if (stay.from > until + gap) break;
     until = std::max(until, stay.until);
@@ -341,32 +344,33 @@ double ReferenceProxy::share_on_plane(const Contact& contact, const Vec3& motion
   return until;
 }
 
-// A sphere over a single edge or corner goes round it to the point nearest to the device, or sixty degrees on.
+// A sphere over a single edge or vertex moves round it to the point nearest to the device, at most sixty degrees.
 bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
-  if (pull.motion.count != 1 || rest_ <= 16.0 * kPointRadius || has_friction()) return false;
+  if (pull.motion.count != 1 || rest_offset_ <= 16.0 * kPointRadius || has_friction()) return false;
   const Contact& contact = *pull.strongest;
-  if (contact.near.feature == TriangleFeature::face || contact.near.distance < rest_ - 2.0 * kSkin) return false;
-  const Vec3 aim = across_feature(contact, device - pivot_of(contact));
+  if (contact.near.feature == TriangleFeature::face || contact.near.distance < rest_offset_ - 2.0 * kTolerance) return false;
+  const Vec3 aim = perpendicular_to_feature(contact, device - pivot_of(contact));
   const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
   const double side = sideways.norm();
   const double angle = std::min(std::atan2(side, aim.dot(contact.near.direction)), kLongestRoll);
   return side > 0.0 && angle > kLeastRoll && go_round(contact, sideways / side, angle);
 }
 
-// At rest, yet not at a minimum: on an edge or a corner with the device beyond it the proxy stands like a ball on a ridge. It goes round to
-// either side if that is free and nearer to the device. The very border of a face is an edge, too. Friction would hold it there.
+// The proxy has stopped but not at a minimum: on an edge or vertex with the device beyond it, it balances like a ball on a crest. It moves
+// round to either side if that is free and nearer to the device. The very boundary of a face counts as an edge. Friction would hold it
+// there.
 bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
   if (has_friction()) return false;
   for (int i = 0; i < pull.motion.count; ++i) {
     Contact contact = state_.contacts[pull.motion.active[i]];
-    if (contact.near.distance < rest_ - 2.0 * kSkin) continue;
+    if (contact.near.distance < rest_offset_ - 2.0 * kTolerance) continue;
     if (contact.near.feature != TriangleFeature::face) {
       if (tip_over(device, contact)) return true;
       continue;
     }
-    for (int k = 0; k < 3 && rules_.tips_borders; ++k) {
+    for (int k = 0; k < 3 && rules_.tips_at_boundaries; ++k) {
       const PreparedTriangle& shape = contact.face.shape;
-      if (shape.inward[k].dot(state_.place - shape.corner[k]) > kBorder * rest_ * shape.edge[k].norm()) continue;
+      if (shape.inward[k].dot(state_.position - shape.corner[k]) > kNearBoundary * rest_offset_ * shape.edge[k].norm()) continue;
       contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + k);
       if (tip_over(device, contact)) return true;
     }
@@ -377,96 +381,96 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
 bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexcept {
   const Vec3& normal = contact.near.direction;
   if ((device - pivot_of(contact)).dot(normal) >= 0.0) return false;
-  // Along an edge as well: it may end right here.
+  // Along an edge as well, because the edge may end here.
   const Vec3 first = is_edge(contact.near.feature) ? Vec3(normal.cross(edge_of(contact)).normalized()) : normal.unitOrthogonal();
   const Vec3 second = normal.cross(first);
-  const Vec3 start = state_.place;
-  const double tip =
-      std::min(kLongestTip, std::sqrt(kPointRadius / rest_));  // climbs half a contact offset: over no ridge that holds a sphere
+  const Vec3 start = state_.position;
+  const double tip = std::min(
+      kLongestTip, std::sqrt(kPointRadius / rest_offset_));  // climbs half a contact offset: over no convex edge that holds a sphere
   for (const Vec3& tangent : {first, Vec3(-first), second, Vec3(-second)}) {
     if (!go_round(contact, tangent, tip)) continue;
-    if ((device - state_.place).squaredNorm() < (device - start).squaredNorm()) return true;
-    state_.place = start;
+    if ((device - state_.position).squaredNorm() < (device - start).squaredNorm()) return true;
+    state_.position = start;
   }
   return false;
 }
 
 // The point the sphere touches.
 Vec3 ReferenceProxy::pivot_of(const Contact& contact) const noexcept {
-  return state_.place - contact.near.distance * contact.near.direction;
+  return state_.position - contact.near.distance * contact.near.direction;
 }
 
 Vec3 ReferenceProxy::edge_of(const Contact& contact) noexcept {
   return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0)];
 }
 
-Vec3 ReferenceProxy::across_feature(const Contact& contact, const Vec3& v) noexcept {
+Vec3 ReferenceProxy::perpendicular_to_feature(const Contact& contact, const Vec3& v) noexcept {
   if (!is_edge(contact.near.feature)) return v;
   const Vec3 edge = edge_of(contact);
   return v - (v.dot(edge) / edge.squaredNorm()) * edge;
 }
 
-// Round the touched edge or corner by an angle, on the two tangents at the ends of the arc. False, and nothing moved, when something is in
-// the way.
+// Moves round the touched edge or vertex by an angle, along the tangents at the ends of the arc. Returns false, and moves nothing, if
+// something is in the path.
 bool ReferenceProxy::go_round(const Contact& contact, const Vec3& tangent, double angle) noexcept {
-  const Vec3 start = state_.place;
+  const Vec3 start = state_.position;
   const Vec3 pivot = pivot_of(contact);
   const Vec3 normal = contact.near.direction;
-  const Vec3 corner = pivot + rest_ * (normal + std::tan(0.5 * angle) * tangent);
-  const Vec3 end = pivot + rest_ * (std::cos(angle) * normal + std::sin(angle) * tangent);
+  const Vec3 corner = pivot + rest_offset_ * (normal + std::tan(0.5 * angle) * tangent);
+  const Vec3 end = pivot + rest_offset_ * (std::cos(angle) * normal + std::sin(angle) * tangent);
   if (advance(corner - start) && advance(end - corner)) return true;
-  state_.place = start;
+  state_.position = start;
   return false;
 }
 
-// Lists the faces that lie in a cube about the proxy, in the order of all faces, so that short motions need not look at all. The list is
-// kept until the proxy has left the middle of the cube.
+// Lists the faces in a cube about the proxy, in the order of all faces, so that short motions test only those. The list is valid until the
+// proxy has left the middle of the cube.
 void ReferenceProxy::list_local_faces() noexcept {
-  if (is_local(state_.place, 0.5 * local_reach_)) return;
+  if (is_local(state_.position, 0.5 * local_half_side_)) return;
   local_.clear();
-  local_centre_ = state_.place;
-  const Vec3 low = local_centre_.array() - local_reach_;
-  const Vec3 high = local_centre_.array() + local_reach_;
+  local_centre_ = state_.position;
+  const Vec3 low = local_centre_.array() - local_half_side_;
+  const Vec3 high = local_centre_.array() + local_half_side_;
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     if (boxes_meet(boxes_[i].low, boxes_[i].high, low, high)) local_.push_back(static_cast<std::uint32_t>(i));
   }
   has_local_ = true;
 }
 
-bool ReferenceProxy::is_local(const Vec3& p, double reach) const noexcept {
-  return has_local_ && ((p - local_centre_).cwiseAbs().array() <= reach).all();
+bool ReferenceProxy::is_local(const Vec3& p, double bound) const noexcept {
+  return has_local_ && ((p - local_centre_).cwiseAbs().array() <= bound).all();
 }
 
-// The first of `count` faces met on the way, and when.
+// The first of `count` faces on the path, and its time.
 template <class FaceAt>
-ReferenceProxy::FirstMet ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
-  const Vec3 end = state_.place + motion;
-  const Vec3 low = state_.place.cwiseMin(end).array() - (rest_ + 2.0 * kSkin);
-  const Vec3 high = state_.place.cwiseMax(end).array() + (rest_ + 2.0 * kSkin);
-  FirstMet first;
+ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
+  const Vec3 end = state_.position + motion;
+  const Vec3 low = state_.position.cwiseMin(end).array() - (rest_offset_ + 2.0 * kTolerance);
+  const Vec3 high = state_.position.cwiseMax(end).array() + (rest_offset_ + 2.0 * kTolerance);
+  FirstHit first;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = face_at(k);
     const Face& face = faces_[i];
     if (!boxes_meet(boxes_[i].low, boxes_[i].high, low, high) || !can_meet(face)) continue;
-    const double distance = closest_point(face.shape, state_.place).distance;
-    // At rest less the skin the motion ends. Where that is already used up a motion may take one erosion more, but
-    // never below half, so the sum over any number of motions stays on the proxy's side.
-    double limit = std::min(rest_ - kSkin, distance - kErosion);
-    if (distance < 0.5 * rest_) limit = distance;
-    const SweepHit found = sweep_point(face.shape, state_.place, motion, first.until, limit, 0.5 * kErosion, kRounding);
+    const double distance = closest_point(face.shape, state_.position).distance;
+    // A motion ends at the rest offset less the tolerance. Where the distance is already smaller, a motion may reduce it by one kErosion
+    // more, but never below half, so any number of motions stays on the proxy's side.
+    double limit = std::min(rest_offset_ - kTolerance, distance - kErosion);
+    if (distance < 0.5 * rest_offset_) limit = distance;
+    const SweepHit found = sweep_point(face.shape, state_.position, motion, first.until, limit, 0.5 * kErosion, kRounding);
     if (found.hit) first = {found.t, &face};
   }
   return first;
 }
 
-// Moves the proxy along the motion until it meets a triangle, which is then touched. True when it met none. What is met near by, before the
-// motion leaves the cube, is the first of all.
+// Moves the proxy along the motion until it hits a triangle, which becomes a contact. True if it hit none. A hit before the motion leaves
+// the cube is the first of all.
 bool ReferenceProxy::advance(const Vec3& motion) noexcept {
   list_local_faces();
-  FirstMet first = find_first(motion, local_.size(), [&](std::size_t k) { return std::size_t{local_[k]}; });
-  const double inner = local_reach_ - (rest_ + 2.0 * kSkin);
-  if (!is_local(state_.place + first.until * motion, inner)) first = find_first(motion, faces_.size(), [](std::size_t k) { return k; });
-  state_.place += first.face == nullptr ? motion : Vec3(first.until * motion);
+  FirstHit first = find_first(motion, local_.size(), [&](std::size_t k) { return std::size_t{local_[k]}; });
+  const double inner = local_half_side_ - (rest_offset_ + 2.0 * kTolerance);
+  if (!is_local(state_.position + first.until * motion, inner)) first = find_first(motion, faces_.size(), [](std::size_t k) { return k; });
+  state_.position += first.face == nullptr ? motion : Vec3(first.until * motion);
   if (first.face != nullptr) meet(*first.face);
   return first.face == nullptr;
 }
@@ -476,13 +480,13 @@ void ReferenceProxy::meet(const Face& face) noexcept {
     if (known.face.triangle == face.triangle) return;
   }
   if (state_.contacts.size() == kMostContacts) state_.contacts.erase(state_.contacts.begin());
-  state_.contacts.push_back({face, closest_point(face.shape, state_.place)});
+  state_.contacts.push_back({face, closest_point(face.shape, state_.position)});
 }
 
-// A one-sided surface is met only from the side its normal points to.
+// One-sided surfaces block only from the side that their normals point to.
 bool ReferenceProxy::can_meet(const Face& face) const noexcept {
   if (materials_[face.object].two_sided) return true;
-  return face.shape.has_face && face.shape.normal.dot(state_.place - face.shape.corner[face.shape.base]) > 0.0;
+  return face.shape.has_face && face.shape.normal.dot(state_.position - face.shape.corner[face.shape.base]) > 0.0;
 }
 
 }  // namespace hapton

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-// A triangle as seen from one of its sides.
+// A triangle as seen from one side.
 struct Sided {
   std::array<Vec3, 3> corner;
   std::array<Vec3, 3> normal;
@@ -26,14 +26,14 @@ struct EdgePlane {
   double d;
 };
 
-// false: edge and normal span no plane, or two equal normals no fan.
+// False if edge and normal span no plane, or if the two normals of a fan are equal.
 bool make_edge_plane(const Vec3& a, const Vec3& b, const Vec3& na, const Vec3& nb, const Vec3& P, EdgePlane& plane) {
   const Vec3 e = b - a;
   Vec3 B;
   Vec3 m;
   if (e.isZero(0.0)) {
-    // A fake triangle's edge of a single point: R is the plane in which the normal turns from na to nb. B's part is played by the
-    // direction in it that points to P, so that both triangles at this R find the same normal.
+    // A degenerate triangle's edge of length zero: R is the plane in which the normal turns from na to nb. The direction in it that points
+    // to P takes the part of B, so both triangles at this R find the same normal.
     m = na.cross(nb);
     const double mm = m.squaredNorm();
     if (!(mm > 0.0)) return false;
@@ -58,7 +58,7 @@ bool make_edge_plane(const Vec3& a, const Vec3& b, const Vec3& na, const Vec3& n
   return true;
 }
 
-// n0 / d0 + n1 / d1 + n2 / d2, made free of division: on an edge its own normal decides alone, in a corner both edges' (equal) ones.
+// n0 / d0 + n1 / d1 + n2 / d2 without division: on an edge that edge's normal decides, at a vertex those of both edges, which are equal.
 Vec3 blend(const std::array<EdgePlane, 3>& plane) {
   const double d0 = std::fabs(plane[0].d);
   const double d1 = std::fabs(plane[1].d);
@@ -120,7 +120,7 @@ bool find_fan_vcp(const Sided& t, SurfaceKind kind, const Vec3& P, double radius
   if (kind == SurfaceKind::corner_fan) {
     vcp.D = t.corner[0];
   } else {
-    // The triangle's plane has shrunk to a line: D is where the line through P along n comes nearest to it.
+    // The triangle's plane has shrunk to a line: D is the point on it closest to the line through P along n.
     const Vec3& a = t.corner[0];
     const Vec3 e = (t.corner[1] == a ? t.corner[2] : t.corner[1]) - a;
     const Vec3 r = P - a;
@@ -157,7 +157,7 @@ bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothV
 Vec3 smooth_normal_at(const SetTriangle& face, const Vec3& X) noexcept {
   std::array<EdgePlane, 3> plane;
   if (!make_planes(from_front(face), X, plane)) return face.face;
-  // Rounding may leave X a hair outside a plane it lies on.
+  // Rounding may put X slightly outside a plane that it lies on.
   for (EdgePlane& one : plane) one.d = std::fmax(0.0, one.d);
   const Vec3 n = blend(plane);
   return n.allFinite() && n.dot(face.face) > 0.0 ? n : face.face;
@@ -181,7 +181,7 @@ void SmoothForceSum::add(const SetTriangle& triangle) noexcept {
   if (!find_vcp(triangle, P_, radius_, vcp)) return;
   std::size_t at = count_;
   if (count_ == kCapacity) {
-    ++crowded_out_;
+    ++over_capacity_;
     const auto farthest =
         std::max_element(kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.vcp.distance < b.vcp.distance; });
     if (farthest->vcp.distance <= vcp.distance) return;
@@ -192,8 +192,8 @@ void SmoothForceSum::add(const SetTriangle& triangle) noexcept {
   kept_[at] = {vcp, triangle.corner};
 }
 
-// Fig. 3: the line from the VCP to P passes through another triangle that has a VCP itself. Where it starts, on an edge that both share,
-// does not count.
+// Fig. 3: the line from the VCP to P passes through another triangle that has a VCP itself. The start of the line, on an edge that both
+// share, does not count.
 bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
   constexpr double kClear = 1e-6;  // of |DP|
   const StraightLine line(kept_[i].vcp.D, P_);
@@ -208,7 +208,7 @@ bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
 SmoothForce SmoothForceSum::combine(double layer) noexcept {
   SmoothForce result;
   result.vcps = static_cast<std::uint32_t>(count_);
-  result.crowded_out = crowded_out_;
+  result.over_capacity = over_capacity_;
   std::sort(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_), [](const Kept& a, const Kept& b) {
     return a.vcp.object != b.vcp.object ? a.vcp.object < b.vcp.object : a.vcp.triangle < b.vcp.triangle;
   });
@@ -232,7 +232,7 @@ SmoothForce SmoothForceSum::combine(double layer) noexcept {
     }
   }
   const double length = force.norm();
-  // Pushed alike from all sides there is no direction.
+  // Forces that cancel have no direction.
   if (length > 1e-12 * max_force) result.force_n = force * (max_force / length);
   return result;
 }

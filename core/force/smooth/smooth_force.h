@@ -8,48 +8,49 @@
 
 namespace hapton {
 
-// The share of RADIUS (MethodSettings::smooth_layer) at which f fills all of it: Algorithm 1 as the paper prints it, where every triangle
-// with d in 0..RADIUS exerts a force outside the surface. `--method smooth --layer 1` is that preset.
+// The share of RADIUS (MethodSettings::smooth_layer) at which f covers all of it: Algorithm 1 as printed in the paper, where every triangle
+// with d in 0..RADIUS exerts a force outside the surface. `--method smooth --layer 1` selects it.
 constexpr double kFdhPaperLayer = 1.0;
 
-// Algorithm 1 of fdh-rendering.txt: the force that a set of triangles exerts on a probe near it, with smooth normals. In the paper's
-// symbols: P the probe, T a triangle, B the nearest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i
-// the distance from it, D the virtual contact point (VCP), f the force law. Decisions where the paper leaves a choice:
-// docs/decisions/0003-fdh-smooth.md. Frame S, metres, newtons. RT: all of it.
+// Algorithm 1 of fdh-rendering.txt: the force of a set of triangles on a nearby probe, with smooth normals. In the paper's symbols: P the
+// probe, T a triangle, B the closest point on an edge, n_i the normal interpolated there, R_i the plane of edge and n_i, d_i the distance
+// from it, D the virtual contact point (VCP), f the force law. The paper's "fake triangles" are the degenerate triangles that fill the fan
+// of normals at an edge or vertex. Where the paper leaves a choice: docs/decisions/0003-fdh-smooth.md. Frame S, metres, newtons. RT: all of
+// it.
 
-// Where a triangle pushes from.
-// Not initialized: hundreds of them live on the fast task's stack.
+// The virtual contact point of one triangle.
+// Not initialized: hundreds of them are on the fast task's stack.
 struct SmoothVcp {
-  Vec3 D;           // on the triangle's plane (face), on its edge or its point (fake triangles)
+  Vec3 D;           // on the face's plane; on the edge or at the vertex of a degenerate triangle
   Vec3 away;        // unit, from D to P
   double distance;  // |DP|
-  int sign;         // -1: a fake triangle turned over at a concave edge; it takes away what the two faces count twice
+  int sign;         // -1: a degenerate triangle at a concave edge; it subtracts what both faces contribute
   std::uint32_t object;
   std::uint32_t triangle;
   double stiffness_n_per_m;
   bool is_face;
 };
 
-// The triangle's VCP for P, if P lies over it: on a side that can be touched, nearer than radius, within the three planes R_i, and |DP| <
-// radius.
+// Computes the triangle's VCP for P. True if there is one: P is on a side that can be touched, nearer than radius, within the three planes
+// R_i, and |DP| < radius.
 bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothVcp& vcp) noexcept;
 
-// The smooth normal at a point X on (or over) a face: the three n_i weighted by 1 / d_i. Unit, on the face's own side.
+// The smooth normal at a point X on (or above) a face: the three n_i weighted by 1 / d_i. Unit, on the face's own side.
 Vec3 smooth_normal_at(const SetTriangle& face, const Vec3& X) noexcept;
 
-// f: what a VCP at distance |DP| exerts, newtons: a spring that begins at `layer` and is strongest on the surface itself.
+// f: the force of a VCP at distance |DP|, newtons: a spring that begins at `layer` and is strongest on the surface.
 inline double smooth_f(double stiffness_n_per_m, double layer, double distance) {
   return distance < layer ? stiffness_n_per_m * (layer - distance) : 0.0;
 }
 
-// What Algorithm 1 gives.
+// The result of Algorithm 1.
 struct SmoothForce {
   Vec3 force_n = Vec3::Zero();
-  Vec3 D = Vec3::Zero();     // the VCP that pushes most
-  Vec3 away = Vec3::Zero();  // unit, from it to P; zero when no triangle has a VCP
+  Vec3 D = Vec3::Zero();     // the VCP with the largest force
+  Vec3 away = Vec3::Zero();  // unit, from D to P; zero if no triangle has a VCP
   std::uint32_t vcps = 0;
-  std::uint32_t hidden = 0;       // removed, fig. 3
-  std::uint32_t crowded_out = 0;  // beyond capacity: the farthest
+  std::uint32_t hidden = 0;         // VCPs removed as hidden, fig. 3
+  std::uint32_t over_capacity = 0;  // VCPs beyond the capacity: the farthest are dropped
 };
 
 // Collects VCPs and combines them.
@@ -61,7 +62,7 @@ class SmoothForceSum {
 
   void add(const SetTriangle& triangle) noexcept;
 
-  // Removes the VCPs hidden under another triangle with a VCP and adds up the rest: force / |force| * maxforce.
+  // Removes the VCPs hidden by another triangle that has a VCP, and sums the rest: force / |force| * maxforce.
   SmoothForce combine(double layer) noexcept;
 
  private:
@@ -74,24 +75,25 @@ class SmoothForceSum {
   Vec3 P_;
   double radius_;
   std::size_t count_ = 0;
-  std::uint32_t crowded_out_ = 0;
-  std::array<Kept, kCapacity> kept_;  // the first count_ are meant
+  std::uint32_t over_capacity_ = 0;
+  std::array<Kept, kCapacity> kept_;  // the first count_ are valid
 };
 
-// A straight line, and where it meets triangles. Corners, edges and insides count, and for triangles that share corners, no line slips
-// through between them: each edge's test depends on its two corners alone, and rounding can only make it zero, never turn its sign
-// (Woop, Benthin & Wald 2013).
+// A straight line and its intersection with triangles. Vertices, edges and interiors all count, and no line passes between triangles that
+// share vertices: each edge's test depends on its two vertices alone, and rounding can make it zero but never change its sign (Woop,
+// Benthin & Wald 2013).
 class StraightLine {
  public:
   StraightLine(const Vec3& from, const Vec3& to) noexcept;
 
-  // The position along the line, from = 0, to = 1, unbounded. false: it misses, runs in the plane of the triangle, or is no line.
+  // The position along the line, 0 at from, 1 at to, unbounded. False: no intersection, a line in the triangle's plane, or from equal to
+  // to.
   bool meets(const std::array<Vec3, 3>& corner, double& at) const noexcept {
     if (!(along_ != 0.0)) return false;
     std::array<double, 3> px;
     std::array<double, 3> py;
     std::array<double, 3> pz;
-    // Sheared so that the line is the z axis; the same for every triangle.
+    // Sheared so that the line becomes the z axis, in the same way for every triangle.
     for (int k = 0; k < 3; ++k) {
       pz[k] = corner[k][z_] - from_[z_];
       px[k] = (corner[k][x_] - from_[x_]) - shear_x_ * pz[k];

@@ -10,26 +10,26 @@
 namespace hapton {
 namespace {
 
-// Times the VCP is projected anew within a step, the paper's once included; it stops as soon as it stands still.
+// Projections of the VCP per step, including the paper's one; stops as soon as the VCP no longer moves.
 constexpr int kProjections = 6;
-// Of the skin: the VCP shown and felt stays that much outside the surface, so that rounding does not put it inside.
+// Share of the tolerance by which the VCP stays outside the surface, so that rounding does not put it inside.
 constexpr double kContactOffset = 0.01;
-// Skins that a point steps back from where the probe meets an edge, to see which side it comes from.
+// Tolerances by which a point steps back from where the probe reaches an edge, to see which side it comes from.
 constexpr double kStepBack = 100.0;
-// Of the scene's diagonal: a probe farther out is taken to be there, or the way from it would have no digits left near the surface.
+// Of the scene's diagonal: a probe farther out is clamped to this, so that its path keeps enough digits near the surface.
 constexpr double kFarthest = 1e7;
 // Faces that the VCP may cross in a step.
 constexpr int kLongestWalk = 256;
-// Of RADIUS: moving less is standing still.
+// Of RADIUS: shorter motions count as zero.
 constexpr double kStill = 1e-6;
 
-// Closer than reach to p. The plane turns most away before the triangle itself is looked at.
-bool is_within(const SetTriangle& face, const Vec3& p, double reach) {
-  if (std::fabs(face.face.dot(p - face.corner[0])) > reach * (1.0 + 1e-9)) return false;
-  return triangle_distance_squared(p, face.corner[0], face.corner[1], face.corner[2]) <= reach * reach;
+// Whether the face is within `radius` of p. The plane rejects most before the triangle is tested.
+bool is_within(const SetTriangle& face, const Vec3& p, double radius) {
+  if (std::fabs(face.face.dot(p - face.corner[0])) > radius * (1.0 + 1e-9)) return false;
+  return triangle_distance_squared(p, face.corner[0], face.corner[1], face.corner[2]) <= radius * radius;
 }
 
-// X, on the triangle's plane, lies farther than margin from all its edges.
+// X, on the triangle's plane, is farther than margin from all its edges.
 bool is_inside_edges(const SetTriangle& t, const Vec3& X, double margin) {
   for (int k = 0; k < 3; ++k) {
     const Vec3 e = t.corner[(k + 1) % 3] - t.corner[k];
@@ -38,9 +38,9 @@ bool is_inside_edges(const SetTriangle& t, const Vec3& X, double margin) {
   return true;
 }
 
-// Where between two points the way comes nearest to a face, from 0 to 1; of a stretch that is equally near, its beginning. The distance to
-// a triangle is convex along a line, so halving on its slope finds it.
-double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
+// The position, 0 to 1, at which the path between two points is closest to a face; the first one if there are several. The distance to a
+// triangle is convex along a line, so interval search finds it.
+double nearest_on_path(const Vec3& from, const Vec3& to, const SetTriangle& t) {
   const auto distance = [&](double at) {
     return triangle_distance_squared(from + at * (to - from), t.corner[0], t.corner[1], t.corner[2]);
   };
@@ -60,13 +60,13 @@ double nearest_on_way(const Vec3& from, const Vec3& to, const SetTriangle& t) {
 }  // namespace
 
 template <class Visit>
-void SmoothMethod::look_near(const Vec3& centre, double radius, Visit&& visit) noexcept {
+void SmoothMethod::visit_near(const Vec3& centre, double radius, Visit&& visit) noexcept {
   if (all_triangles_) {
     for (const SetTriangle& t : all_) visit(t);
     return;
   }
-  if (!is_fresh() || (set_.reach_at(centre) <= radius && would_help(centre, radius))) select_at(centre);
-  if (set_.reach_at(centre) > radius) {
+  if (!is_fresh() || (set_.radius_at(centre) <= radius && would_help(centre, radius))) select_at(centre);
+  if (set_.radius_at(centre) > radius) {
     for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
     return;
   }
@@ -75,48 +75,49 @@ void SmoothMethod::look_near(const Vec3& centre, double radius, Visit&& visit) n
 }
 
 template <class Visit>
-void SmoothMethod::look_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept {
+void SmoothMethod::visit_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept {
   if (all_triangles_) {
     for (const SetTriangle& t : all_) visit(t);
     return;
   }
-  const double skin = 2.0 * scene_->skin();
-  const auto is_covered = [&] { return set_.reach_at(from) > skin && set_.reach_at(to) > skin; };
+  const double tolerance = 2.0 * scene_->tolerance();
+  const auto is_covered = [&] { return set_.radius_at(from) > tolerance && set_.radius_at(to) > tolerance; };
   if (!is_fresh() || !is_covered()) select_at(to);
-  if (is_covered()) {  // a set's reach is convex: both ends, then all between
+  if (is_covered()) {  // a set's radius is concave along a line: if it covers both ends, it covers all between
     for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
     return;
   }
   ++counters_.overflows;
-  scene_->for_each_along(from, to, skin, visit);
+  scene_->for_each_along(from, to, tolerance, visit);
 }
 
-// The first face on the way of a free probe: one that it passes through, or one that it comes within a skin of at an edge or a corner,
-// where it ends, where it runs within a face, or where faces do not quite meet.
+// The first face on the path of a free probe: one that it passes through, or one that it comes within the tolerance of at an edge or
+// vertex, at its end, within a face, or where faces do not quite meet.
 SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noexcept {
   Hit passed;
   Hit grazed;
-  const double skin = scene_->skin();
+  const double tolerance = scene_->tolerance();
   const auto p = of3(from);
   const auto q = of3(to);
   const StraightLine line(from, to);
-  look_along(from, to, [&](const SetTriangle& t) {
+  visit_along(from, to, [&](const SetTriangle& t) {
     if (!is_face(t)) return;
     const double start = t.face.dot(from - t.corner[0]);
     const double end = t.face.dot(to - t.corner[0]);
-    if (std::min(std::fabs(start), std::fabs(end)) > skin && (start > 0.0) == (end > 0.0)) return;
-    if (!(segment_triangle_distance_squared<double>(p, q, of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])) <= skin * skin)) return;
+    if (std::min(std::fabs(start), std::fabs(end)) > tolerance && (start > 0.0) == (end > 0.0)) return;
+    if (!(segment_triangle_distance_squared<double>(p, q, of3(t.corner[0]), of3(t.corner[1]), of3(t.corner[2])) <= tolerance * tolerance))
+      return;
     const double side = start < 0.0 ? -1.0 : 1.0;
     double at = 0.0;
-    if (std::fabs(start) > skin && side * end < -skin && line.meets(t.corner, at)) {
+    if (std::fabs(start) > tolerance && side * end < -tolerance && line.meets(t.corner, at)) {
       at = std::clamp(at, 0.0, 1.0);
       const Vec3 X = from + at * (to - from);
-      if (is_inside_edges(t, X, skin)) {
+      if (is_inside_edges(t, X, tolerance)) {
         if ((side > 0.0 || t.two_sided) && passed.is_worse_than(at, t)) passed = {t, X, at, side, true};
         return;
       }
     }
-    at = nearest_on_way(from, to, t);
+    at = nearest_on_path(from, to, t);
     if (grazed.is_worse_than(at, t)) grazed = {t, from + at * (to - from), at, side, true};
   });
   if (!grazed.found || (passed.found && passed.measure <= grazed.measure)) return passed;
@@ -124,21 +125,22 @@ SmoothMethod::Hit SmoothMethod::find_entry(const Vec3& from, const Vec3& to) noe
   return seen.found ? seen : passed;
 }
 
-// On an edge or a corner the heights over single faces do not tell which side the probe comes from. A point a little back on its way does:
-// of the faces nearest to it the one that it stands most upright over (of equally near ones, as Baerentzen & Aanaes 2005 need not average).
+// At an edge or vertex, the heights above single faces do not tell which side the probe comes from. A point slightly back on its path does:
+// of the faces closest to it, the one whose normal is best aligned with the direction to it. This needs no averaging as in Baerentzen &
+// Aanaes 2005.
 SmoothMethod::Hit SmoothMethod::seen_from(const Vec3& from, const Hit& grazed) noexcept {
-  const double skin = scene_->skin();
+  const double tolerance = scene_->tolerance();
   const Vec3 back = from - grazed.X;
   const double length = back.norm();
-  const double step = std::min(length, kStepBack * skin);
+  const double step = std::min(length, kStepBack * tolerance);
   if (!(step > 0.0)) return grazed;
   const Vec3 Q = grazed.X + (step / length) * back;
-  double least = step + 2.0 * skin;
-  look_near(Q, least, [&](const SetTriangle& t) {
+  double least = step + 2.0 * tolerance;
+  visit_near(Q, least, [&](const SetTriangle& t) {
     if (is_face(t) && is_within(t, Q, least)) least = std::sqrt(triangle_distance_squared(Q, t.corner[0], t.corner[1], t.corner[2]));
   });
   Hit nearest;
-  look_near(Q, step + 2.0 * skin, [&](const SetTriangle& t) {
+  visit_near(Q, step + 2.0 * tolerance, [&](const SetTriangle& t) {
     if (!is_face(t) || !is_within(t, Q, least + 1e-6 * step)) return;
     const double height = t.face.dot(Q - t.corner[0]);
     if (!nearest.is_worse_than(-std::fabs(height), t)) return;
@@ -150,8 +152,8 @@ SmoothMethod::Hit SmoothMethod::seen_from(const Vec3& from, const Hit& grazed) n
   return nearest;
 }
 
-// The first face between a VCP (lifted off the surface) and the probe. It mostly stands near the VCP, where the set is complete; only when
-// nothing stands there the tree is asked for the rest of the way.
+// The first face between a VCP (lifted off the surface) and the probe. It is mostly near the VCP, where the set is complete; only if there
+// is none does the tree search the rest of the path.
 SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noexcept {
   Hit best;
   const double length = (to - from).norm();
@@ -168,47 +170,47 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
     if (at <= last && best.is_worse_than(at, t)) best = {t, from + at * (to - from), at, side_, true};
   };
   if (!all_triangles_) {
-    const double wanted = std::min(length, radius_) + scene_->skin();
-    if (!is_fresh() || (set_.reach_at(from) <= wanted && would_help(from, wanted))) select_at(from);
-    const double reach = set_.reach_at(from) - scene_->skin();
-    if (reach > 0.0) {
-      last = length > reach ? reach / length : 1.0;
+    const double wanted = std::min(length, radius_) + scene_->tolerance();
+    if (!is_fresh() || (set_.radius_at(from) <= wanted && would_help(from, wanted))) select_at(from);
+    const double radius = set_.radius_at(from) - scene_->tolerance();
+    if (radius > 0.0) {
+      last = length > radius ? radius / length : 1.0;
       for (std::uint32_t i = 0; i < set_.count; ++i) test(set_.triangles[i]);
       if (best.found || last >= 1.0) return best;
       last = 1.0;
     }
     ++counters_.overflows;
-    scene_->for_each_along(from, to, scene_->skin(), test);
+    scene_->for_each_along(from, to, scene_->tolerance(), test);
     return best;
   }
   for (const SetTriangle& t : all_) test(t);
   return best;
 }
 
-// Fig. 4: of the points where the line from P outward leaves the inside, the one nearest to `near`. Only where a mesh is wound against
-// itself and no such point is found, a two-sided face counts that is wound the other way.
-SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double reach) noexcept {
+// Fig. 4: of the points where the line from P outward leaves the inside, the one nearest to `near`. If there is none and the mesh is
+// inconsistently oriented, flipped two-sided faces count as well.
+SmoothMethod::Hit SmoothMethod::find_on_line(const Vec3& P, const Vec3& outward, const Vec3& near, double radius) noexcept {
   Hit best;
-  Hit against;
+  Hit flipped;
   const StraightLine line(P, P + outward);
-  look_near(near, reach, [&](const SetTriangle& t) {
+  visit_near(near, radius, [&](const SetTriangle& t) {
     if (!is_face(t)) return;
     const double facing = side_ * outward.dot(t.face);
-    if (!(facing > 0.0) && (t.one_winding || !t.two_sided || facing == 0.0)) return;
+    if (!(facing > 0.0) && (t.consistently_oriented || !t.two_sided || facing == 0.0)) return;
     double at = 0.0;
     if (!line.meets(t.corner, at)) return;
     const Vec3 X = P + at * outward;
     const double distance = (X - near).norm();
-    Hit& hit = facing > 0.0 ? best : against;
-    if (distance <= reach && hit.is_worse_than(distance, t)) hit = {t, X, distance, facing > 0.0 ? side_ : -side_, true};
+    Hit& hit = facing > 0.0 ? best : flipped;
+    if (distance <= radius && hit.is_worse_than(distance, t)) hit = {t, X, distance, facing > 0.0 ? side_ : -side_, true};
   });
-  return best.found ? best : against;
+  return best.found ? best : flipped;
 }
 
-SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) noexcept {
+SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double radius) noexcept {
   Hit best;
-  look_near(p, reach, [&](const SetTriangle& t) {
-    if (!is_face(t) || !is_within(t, p, reach)) return;
+  visit_near(p, radius, [&](const SetTriangle& t) {
+    if (!is_face(t) || !is_within(t, p, radius)) return;
     const double distance = std::sqrt(triangle_distance_squared(p, t.corner[0], t.corner[1], t.corner[2]));
     if (!best.is_worse_than(distance, t)) return;
     best = {t, closest_point(t.corner[0], t.corner[1], t.corner[2], p).point, distance, side_, true};
@@ -217,28 +219,28 @@ SmoothMethod::Hit SmoothMethod::find_nearest_face(const Vec3& p, double reach) n
 }
 
 bool SmoothMethod::is_behind_all(const Vec3& P) noexcept {
-  const double skin = scene_->skin();
-  bool behind = side_ * T_.face.dot(P - V_) < -skin;
+  const double tolerance = scene_->tolerance();
+  bool behind = side_ * T_.face.dot(P - V_) < -tolerance;
   if (!behind) return false;
-  look_near(V_, skin, [&](const SetTriangle& t) {
-    if (is_face(t) && is_within(t, V_, 0.5 * skin)) behind = behind && side_ * t.face.dot(P - V_) < -skin;
+  visit_near(V_, tolerance, [&](const SetTriangle& t) {
+    if (is_face(t) && is_within(t, V_, 0.5 * tolerance)) behind = behind && side_ * t.face.dot(P - V_) < -tolerance;
   });
   return behind;
 }
 
-// Away from every face that p lies on.
+// Direction away from every face that p lies on.
 Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
   struct Face {
     std::uint32_t object;
     std::uint32_t triangle;
     Vec3 normal;
   };
-  constexpr std::size_t kMost = 64;  // of a corner with more, these say enough
+  constexpr std::size_t kMost = 64;  // enough for a vertex with more
   std::array<Face, kMost> faces;
   std::size_t count = 0;
-  const double reach = 0.5 * scene_->skin();
-  look_near(p, reach, [&](const SetTriangle& t) {
-    if (!is_face(t) || count == kMost || !is_within(t, p, reach)) return;
+  const double radius = 0.5 * scene_->tolerance();
+  visit_near(p, radius, [&](const SetTriangle& t) {
+    if (!is_face(t) || count == kMost || !is_within(t, p, radius)) return;
     std::size_t at = count++;
     for (; at > 0 && (faces[at - 1].object != t.object ? faces[at - 1].object > t.object : faces[at - 1].triangle > t.triangle); --at) {
       faces[at] = faces[at - 1];
@@ -260,16 +262,16 @@ void SmoothMethod::enter(const Hit& hit) noexcept {
   side_ = hit.side;
 }
 
-// What stands between the VCP and another place on the surface, both seen from outside.
+// What lies between the VCP and another point on the surface, both seen from outside.
 SmoothMethod::Hit SmoothMethod::find_obstacle(const SetTriangle& face, const Vec3& X) noexcept {
-  const double lift = 2.0 * scene_->skin();
+  const double lift = 2.0 * scene_->tolerance();
   return find_block(V_ + lift * outward_at(V_), X + (lift * side_) * face.face);
 }
 
-// Walks V over the surface to where it is nearest to P, from face to touching face, each step strictly nearer. true: it ends within a face.
-// Where more than two faces meet, it must see where it goes: pieces that merely touch or cross are no way through each other.
+// Moves V over the surface to the point nearest to P, from face to touching face, each step strictly nearer. True: it ends within a face.
+// Where more than two faces meet, it must see its target: parts that merely touch or intersect are not connected.
 bool SmoothMethod::descend(const Vec3& P) noexcept {
-  const double touching = 0.5 * scene_->skin();
+  const double touching = 0.5 * scene_->tolerance();
   for (int i = 0; i < kLongestWalk; ++i) {
     const ClosestPoint on_face = closest_point(T_.corner[0], T_.corner[1], T_.corner[2], P);
     V_ = on_face.point;
@@ -279,7 +281,7 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
     Hit best;
     best.measure = distance - 1e-9 * distance - 1e-3 * touching;
     int others = 0;
-    look_near(here, touching, [&](const SetTriangle& t) {
+    visit_near(here, touching, [&](const SetTriangle& t) {
       if (!is_face(t) || (t.object == T_.object && t.triangle == T_.triangle)) return;
       if (!is_within(t, here, touching)) return;
       ++others;
@@ -302,14 +304,14 @@ bool SmoothMethod::descend(const Vec3& P) noexcept {
 }
 
 // V1: D, where the line through P along the smooth normal at the VCP meets the surface, repeated until normal and VCP agree.
-Vec3 SmoothMethod::project_smoothly(const Vec3& P, double reach, Vec3& normal) noexcept {
+Vec3 SmoothMethod::project_smoothly(const Vec3& P, double radius, Vec3& normal) noexcept {
   Vec3 V = V_;
   SetTriangle T = T_;
   normal = side_ * smooth_normal_at(T, V);
-  double last = reach;
+  double last = radius;
   for (int i = 0; i < kProjections; ++i) {
-    const Hit hit = find_on_line(P, normal, V, reach);
-    // Moving farther than the time before would not settle: deeper than the surface is curved, V has no near projection.
+    const Hit hit = find_on_line(P, normal, V, radius);
+    // A longer motion than the last would not converge: P is deeper than the surface's radius of curvature.
     if (!hit.found || hit.measure > last) break;
     V = hit.X;
     T = hit.triangle;
@@ -320,18 +322,18 @@ Vec3 SmoothMethod::project_smoothly(const Vec3& P, double reach, Vec3& normal) n
   return V;
 }
 
-// Fig. 4: takes V from the last sample to this one. false: the probe is outside again.
+// Fig. 4: moves V from the last sample to this one. False: the probe is outside again.
 bool SmoothMethod::track(const Vec3& P) noexcept {
   const Vec3 move = P - P_;
   const Vec3 W = V_ + move;
-  const double reach = std::max(radius_, 2.0 * move.norm());
-  const double skin = scene_->skin();
+  const double radius = std::max(radius_, 2.0 * move.norm());
+  const double tolerance = scene_->tolerance();
   Vec3 outward = V_ - P_;
   const double depth = outward.norm();
-  // Too short to be a direction, or the surface has moved under the probe: the normal stands in.
-  const bool points_out = depth > 4.0 * skin && side_ * T_.face.dot(outward) > 0.0;
+  // If the line is too short to give a direction, or the surface has moved past the probe, the normal is used.
+  const bool points_out = depth > 4.0 * tolerance && side_ * T_.face.dot(outward) > 0.0;
   outward = points_out ? Vec3(outward / depth) : Vec3(side_ * smooth_normal_at(T_, V_));
-  const Hit on_line = find_on_line(P, outward, W, reach);
+  const Hit on_line = find_on_line(P, outward, W, radius);
   const bool stays = on_line.found && on_line.triangle.object == T_.object && on_line.triangle.triangle == T_.triangle;
   if (stays || (on_line.found && !find_obstacle(on_line.triangle, on_line.X).found)) {
     V_ = on_line.X;
@@ -342,22 +344,22 @@ bool SmoothMethod::track(const Vec3& P) noexcept {
   return settle(P);
 }
 
-// Ends V's way where it is nearest to P. false: the probe is outside.
+// Moves V to where it is nearest to P. False: the probe is outside.
 bool SmoothMethod::settle(const Vec3& P) noexcept {
-  const double skin = scene_->skin();
-  if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
+  const double tolerance = scene_->tolerance();
+  if (descend(P) && side_ * T_.face.dot(P - V_) <= tolerance) return true;
 
-  // Outside, unless it is behind every face that the VCP lies on, or something stands between them.
+  // Outside, unless P is behind every face that the VCP lies on, or something lies between them.
   if (is_behind_all(P)) return true;
   for (int i = 0; i < 4; ++i) {
-    const Hit block = find_block(V_ + 2.0 * skin * outward_at(V_), P);
+    const Hit block = find_block(V_ + 2.0 * tolerance * outward_at(V_), P);
     if (!block.found) break;
     V_ = block.X;
     T_ = block.triangle;
-    if (descend(P) && side_ * T_.face.dot(P - V_) <= skin) return true;
+    if (descend(P) && side_ * T_.face.dot(P - V_) <= tolerance) return true;
     if (i == 3) return true;
   }
-  const Hit touched = find_nearest_face(P, skin);
+  const Hit touched = find_nearest_face(P, tolerance);
   if (touched.found) {
     V_ = touched.X;
     T_ = touched.triangle;
@@ -366,19 +368,19 @@ bool SmoothMethod::settle(const Vec3& P) noexcept {
   return false;
 }
 
-// ---- feeling ---------------------------------------------------------------------------------------------------------
+// ---- force -----------------------------------------------------------------------------------------------------------
 
 Vec3 SmoothMethod::outside_force(const Vec3& p) noexcept {
   if (!(layer_ > 0.0)) return Vec3::Zero();
   SmoothForceSum sum(p, radius_);
-  look_near(p, radius_, [&sum](const SetTriangle& t) { sum.add(t); });
-  const SmoothForce felt = sum.combine(layer_);
-  counters_.hidden += felt.hidden;
-  counters_.crowded_out += felt.crowded_out;
-  return felt.force_n;
+  visit_near(p, radius_, [&sum](const SetTriangle& t) { sum.add(t); });
+  const SmoothForce sum_force = sum.combine(layer_);
+  counters_.hidden += sum_force.hidden;
+  counters_.over_capacity += sum_force.over_capacity;
+  return sum_force.force_n;
 }
 
-MethodOutput SmoothMethod::feel_outside(const Vec3& P) noexcept {
+MethodOutput SmoothMethod::compute_outside(const Vec3& P) noexcept {
   MethodOutput output;
   output.p_SP = P;
   output.force_n = outside_force(P);
@@ -386,21 +388,21 @@ MethodOutput SmoothMethod::feel_outside(const Vec3& P) noexcept {
   return output;
 }
 
-MethodOutput SmoothMethod::feel_inside(const Vec3& P) noexcept {
+MethodOutput SmoothMethod::compute_inside(const Vec3& P) noexcept {
   MethodOutput output;
   Vec3 n;
   Vec3 V = project_smoothly(P, radius_, n);
-  V += kContactOffset * scene_->skin() * n;
+  V += kContactOffset * scene_->tolerance() * n;
   const Vec3 pull = V - P;
-  output.force_n = outside_force(V + 2.0 * scene_->skin() * n);
-  // Within the skin the probe may still be on the outer side.
+  output.force_n = outside_force(V + 2.0 * scene_->tolerance() * n);
+  // Within the tolerance the probe may still be on the outer side.
   if (pull.dot(n) > 0.0) output.force_n += T_.stiffness_n_per_m * pull;
   output.contact = !output.force_n.isZero(0.0);
   output.p_SP = output.contact ? V : P;
   return output;
 }
 
-Vec3 SmoothMethod::held_near(const Vec3& p) const noexcept {
+Vec3 SmoothMethod::within_limits(const Vec3& p) const noexcept {
   const double farthest = kFarthest * scene_->diagonal();
   const Vec3 out = p - scene_->centre();
   const double most = out.cwiseAbs().maxCoeff();
@@ -414,7 +416,7 @@ MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
     return nothing;
   }
   if (!started_) reset(input.p_SD);
-  MethodOutput output = step_at(held_near(input.p_SD), input.dt_s);
+  MethodOutput output = step_at(within_limits(input.p_SD), input.dt_s);
   if (!output.contact) output.p_SP = input.p_SD;
   return output;
 }
@@ -428,15 +430,15 @@ MethodOutput SmoothMethod::step_at(const Vec3& P, double dt_s) noexcept {
     inside_ = false;
     ++counters_.releases;
     P_ = P;
-    ask_ahead();
-    return feel_outside(P);
+    request_ahead();
+    return compute_outside(P);
   }
   if (!inside_) {
-    const double clear = std::max(layer_ > 0.0 ? radius_ : 0.0, 2.0 * scene_->skin());
+    const double clear = std::max(layer_ > 0.0 ? radius_ : 0.0, 2.0 * scene_->tolerance());
     if (!all_triangles_ && is_fresh() && set_.clearance_at(P_) > clear && set_.clearance_at(P) > clear) {
       ++counters_.skipped;
       P_ = P;
-      ask_ahead();
+      request_ahead();
       MethodOutput nothing;
       nothing.p_SP = P;
       return nothing;
@@ -449,15 +451,15 @@ MethodOutput SmoothMethod::step_at(const Vec3& P, double dt_s) noexcept {
     }
   }
   P_ = P;
-  ask_ahead();
-  return inside_ ? feel_inside(P) : feel_outside(P);
+  request_ahead();
+  return inside_ ? compute_inside(P) : compute_outside(P);
 }
 
 void SmoothMethod::reset(const Vec3& p_SD) noexcept {
   inside_ = false;
   velocity_.setZero();
   started_ = p_SD.allFinite();
-  if (started_) P_ = held_near(p_SD);
+  if (started_) P_ = within_limits(p_SD);
 }
 
 }  // namespace hapton

@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-// Of the scene's diagonal. Positions are good to 1e-15 of it (and 1e-16 of their distance from the origin).
-constexpr double kSkin = 1e-7;
+// Of the scene's diagonal. Positions are accurate to 1e-15 of it (and 1e-16 of their distance from the origin).
+constexpr double kTolerance = 1e-7;
 
 }  // namespace
 
@@ -61,14 +61,14 @@ void SmoothScene::measure(Object& object) {
   for (const Vec3& v : object.surface.mesh.vertices) object.bounds.grow(v);
 }
 
-// From the objects' bounds: one that moved costs its own vertices, not all of the scene's.
+// From the objects' bounds, so that a moved object costs its own vertices only.
 void SmoothScene::measure_all() {
   Box all;
   for (const Object& object : objects_) all.grow(object.bounds);
   diagonal_ = all.diagonal();
   centre_ = 0.5 * all.low + 0.5 * all.high;
   // Far from the origin the coordinates themselves are coarse.
-  skin_ = std::max(kSkin * diagonal_, 1e-12 * std::max(all.low.cwiseAbs().maxCoeff(), all.high.cwiseAbs().maxCoeff()));
+  tolerance_ = std::max(kTolerance * diagonal_, 1e-12 * std::max(all.low.cwiseAbs().maxCoeff(), all.high.cwiseAbs().maxCoeff()));
 }
 
 SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept {
@@ -83,7 +83,7 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   out.triangle = triangle;
   out.kind = from.surface.kind(triangle);
   out.two_sided = from.material.two_sided;
-  out.one_winding = from.report.repair.unorientable_pieces == 0;
+  out.consistently_oriented = from.report.repair.unorientable_pieces == 0;
   out.stiffness_n_per_m = from.material.stiffness_n_per_m;
   if (out.kind == SurfaceKind::face) {
     const Vec3 ab = out.corner[1] - out.corner[0];
@@ -95,8 +95,8 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
   return out;
 }
 
-// No farther than the farthest of an earlier set of that size need be looked for. What rounding might cost is some of the size, never the
-// completeness.
+// An upper bound on the search radius: the farthest triangle of an earlier set of that size. Rounding may cost some of the set's size,
+// never its completeness.
 double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept {
   using Three = detail::Of3<Lanes4>;
   constexpr double kRoom = 1.0 + 0x1p-20;
@@ -116,7 +116,7 @@ double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_
     farthest = detail::lane_max(farthest, triangle_distance_squared<Lanes4>(p, corner(0), corner(1), corner(2)));
   }
   const double most = std::max(std::max(farthest[0], farthest[1]), std::max(farthest[2], farthest[3]));
-  return std::sqrt(most) * kRoom + skin_;
+  return std::sqrt(most) * kRoom + tolerance_;
 }
 
 FdhVisits SmoothScene::select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept {
@@ -125,7 +125,7 @@ FdhVisits SmoothScene::select(const LocalSetRequest& request, std::uint32_t coun
     return std::visit([&](const auto& tree) { return tree.collect_nearest(request.from, request.to, nearest); }, tree_);
   };
   FdhVisits visits = search();
-  if (nearest.count() < count && std::isfinite(nearest.bound_squared())) {  // the set was another scene's
+  if (nearest.count() < count && std::isfinite(nearest.bound_squared())) {  // the old set belonged to another scene
     nearest = FdhNearest(count, std::numeric_limits<double>::infinity());
     visits = search();
   }
@@ -140,7 +140,7 @@ FdhVisits SmoothScene::select(const LocalSetRequest& request, std::uint32_t coun
     least = std::min(least, near.distance_squared);
     set.triangles[set.count++] = triangle_at(near.object, near.triangle);
   }
-  set.nearest = std::sqrt(least) * (1.0 - 1e-12) - skin_;
+  set.nearest = std::sqrt(least) * (1.0 - 1e-12) - tolerance_;
   return visits;
 }
 
@@ -148,7 +148,7 @@ Result<void> SmoothScene::move_vertices(std::uint32_t object, std::span<const Ve
   if (object >= objects_.size()) return fail("there is no object {}; the scene has {}", object, objects_.size());
   Object& moved = objects_[object];
   if (vertices.size() != moved.vertex_count) {
-    return fail("object {} has {} vertices, not {}; build the scene anew when a mesh itself changes", object, moved.vertex_count,
+    return fail("object {} has {} vertices, not {}; build the scene again when a mesh itself changes", object, moved.vertex_count,
                 vertices.size());
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -166,8 +166,8 @@ FdhStats SmoothScene::tree_stats() const {
   return std::visit([](const auto& tree) { return tree.stats(); }, tree_);
 }
 
-double SmoothScene::compute_typical_reach(std::uint32_t count) const {
-  std::vector<double> reaches;
+double SmoothScene::compute_typical_radius(std::uint32_t count) const {
+  std::vector<double> radii;
   std::size_t faces = 0;
   for (const Object& object : objects_) faces += object.surface.face_count;
   const std::size_t stride = std::max<std::size_t>(1, faces / 256);
@@ -178,12 +178,12 @@ double SmoothScene::compute_typical_reach(std::uint32_t count) const {
       FdhNearest nearest(count, std::numeric_limits<double>::infinity());
       std::visit([&](const auto& tree) { tree.collect_nearest(middle, middle, nearest); }, tree_);
       nearest.finish();
-      reaches.push_back(nearest.complete_radius());
+      radii.push_back(nearest.complete_radius());
     }
   }
-  if (reaches.empty()) return 0.0;
-  const auto low = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 50);
-  std::nth_element(reaches.begin(), low, reaches.end());
+  if (radii.empty()) return 0.0;
+  const auto low = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 50);
+  std::nth_element(radii.begin(), low, radii.end());
   return *low;
 }
 
@@ -196,11 +196,11 @@ std::string SmoothScene::describe() const {
   }
   const FdhStats stats = tree_stats();
   text += fmt::format(
-      "tree: hulls of {} directions, {} triangles ({} fake), {} nodes, depth {}, {:.1f} MB\n", directions_, stats.triangles,
+      "tree: hulls of {} directions, {} triangles ({} degenerate), {} nodes, depth {}, {:.1f} MB\n", directions_, stats.triangles,
       [this] {
-        std::size_t fakes = 0;
-        for (const Object& object : objects_) fakes += object.surface.mesh.triangles.size() - object.surface.face_count;
-        return fakes;
+        std::size_t degenerate = 0;
+        for (const Object& object : objects_) degenerate += object.surface.mesh.triangles.size() - object.surface.face_count;
+        return degenerate;
       }(),
       stats.nodes, stats.depth, static_cast<double>(stats.bytes) * 1e-6);
   return text;

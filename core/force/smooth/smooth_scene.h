@@ -19,12 +19,11 @@ struct SmoothSceneSettings {
   int directions = 14;  // of the Fixed Direction Hulls: 6, 14, 18 or 26
 };
 
-// Everything that can be touched, prepared for the paper's two tasks: smooth surfaces under two levels of Fixed Direction Hulls.
-// Frame S, metres.
+// The scene prepared for the paper's two tasks: smooth surfaces under two levels of Fixed Direction Hulls. Frame S, metres.
 // Threads: const calls from any number, none while move_vertices runs. RT: const queries yes; the rest set-up only.
 class SmoothScene {
  public:
-  // Error: as make_smooth_surface and FdhScene::build; directions that are not 6, 14, 18 or 26.
+  // Error: see make_smooth_surface and FdhScene::build; directions other than 6, 14, 18 or 26.
   static Result<SmoothScene> build(const TouchScene& scene, const SmoothSceneSettings& settings);
 
   SmoothScene(const SmoothScene&) = delete;
@@ -32,11 +31,11 @@ class SmoothScene {
   SmoothScene(SmoothScene&&) = default;
   SmoothScene& operator=(SmoothScene&&) = default;
 
-  // The slow task: the `count` triangles nearest to the way from request.from to request.to. What `set` holds from before bounds the
-  // search, never what is found: on from place to place is sooner done. Pre: 1 <= count <= LocalSet::kCapacity.
+  // The slow task: the `count` triangles nearest to the path from request.from to request.to. The old content of `set` bounds the search
+  // and makes it faster; it never changes the result. Pre: 1 <= count <= LocalSet::kCapacity.
   FdhVisits select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept;
 
-  // Calls visit(SetTriangle) for every triangle at most `radius` from the centre; others may come too.
+  // Calls visit(SetTriangle) for every triangle within `radius` of the centre, and perhaps for others.
   template <class Visit>
   void for_each_near(const Vec3& centre, double radius, Visit&& visit) const noexcept {
     std::visit(
@@ -46,7 +45,7 @@ class SmoothScene {
         },
         tree_);
   }
-  // Calls visit(SetTriangle) for every triangle at most `radius` from the segment.
+  // Calls visit(SetTriangle) for every triangle within `radius` of the segment.
   template <class Visit>
   void for_each_along(const Vec3& from, const Vec3& to, double radius, Visit&& visit) const noexcept {
     std::visit(
@@ -56,7 +55,7 @@ class SmoothScene {
         },
         tree_);
   }
-  // Calls visit(SetTriangle) for every triangle of the scene, fake ones too: the brute-force twin of the queries.
+  // Calls visit(SetTriangle) for every triangle of the scene, degenerate ones included: the brute-force twin of the queries.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (std::uint32_t o = 0; o < objects_.size(); ++o) {
@@ -66,22 +65,22 @@ class SmoothScene {
 
   SetTriangle triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept;
 
-  // One object's vertices, in the order of its mesh, have moved: surface, normals and hulls follow; every local set is worthless then.
-  // Error: another number of vertices; coordinates that are not finite.
+  // Moves one object's vertices, in the order of its mesh, and updates surface, normals and hulls. All local sets become invalid. Error:
+  // another number of vertices; coordinates that are not finite.
   Result<void> move_vertices(std::uint32_t object, std::span<const Vec3> vertices);
 
   std::uint64_t version() const { return version_; }
   double diagonal() const { return diagonal_; }
   const Vec3& centre() const { return centre_; }
-  // Far above any rounding of positions here, far below anything that is felt.
-  double skin() const { return skin_; }
+  // Far above the rounding of positions in this scene, far below what can be felt.
+  double tolerance() const { return tolerance_; }
   std::size_t object_count() const { return objects_.size(); }
   const SmoothSurface& surface(std::size_t object) const { return objects_[object].surface; }
   FdhStats tree_stats() const;
 
-  // The distance that holds about `count` triangles round most places of the surface: the second percentile, over some 256 faces taken
-  // evenly, of the distance to the count-th triangle nearest to a face's middle. RT: set-up only.
-  double compute_typical_reach(std::uint32_t count) const;
+  // The distance that has about `count` triangles round most points of the surface: the second percentile, over some 256 evenly chosen
+  // faces, of the distance from a face's middle to the count-th nearest triangle. RT: set-up only.
+  double compute_typical_radius(std::uint32_t count) const;
 
   std::string describe() const;
 
@@ -92,7 +91,7 @@ class SmoothScene {
     SmoothSurface surface;
     SmoothSurfaceReport report;
     Material material;
-    std::size_t vertex_count = 0;  // of the mesh as it came
+    std::size_t vertex_count = 0;  // of the original mesh
     Box bounds;
   };
 
@@ -106,7 +105,7 @@ class SmoothScene {
   std::uint64_t version_ = 1;
   double diagonal_ = 0.0;
   Vec3 centre_ = Vec3::Zero();
-  double skin_ = 0.0;
+  double tolerance_ = 0.0;
 };
 
 }  // namespace hapton

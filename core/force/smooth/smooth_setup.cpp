@@ -1,4 +1,4 @@
-// Set-up of method smooth, its exchange of sets with the slow task, and vertices that move.
+// Set-up of method smooth, its exchange of sets with the slow task, and moving vertices.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,15 +10,15 @@
 namespace hapton {
 namespace {
 
-// How far ahead the predicted way looks: the slow task's period, 10 ms in haptics_node, with room to spare.
-constexpr double kLookAheadSeconds = 0.015;
-// Of RADIUS: with less than that to spare at the end of the way, a new set is asked for.
-constexpr double kSpare = 0.5;
-// Of the scene's diagonal: RADIUS is never larger when it comes from the data.
+// Prediction time of the path: the slow task's period, 10 ms in haptics_node, with a margin.
+constexpr double kPredictionSeconds = 0.015;
+// Of RADIUS: if less than this is left at the end of the path, a new set is requested.
+constexpr double kMargin = 0.5;
+// Of the scene's diagonal: largest RADIUS derived from the data.
 constexpr double kLargestRadius = 0.01;
-// A distance within which a set of this size is complete nearly everywhere, with half of it to spare for moving about.
+// A distance within which a set of this size is complete nearly everywhere, with half of the set left as a margin for motion.
 double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
-  return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_reach(std::max(1U, set_size / 2)));
+  return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_radius(std::max(1U, set_size / 2)));
 }
 
 }  // namespace
@@ -68,16 +68,16 @@ Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& se
   return method;
 }
 
-// ---- looking ---------------------------------------------------------------------------------------------------------
+// ---- sets ------------------------------------------------------------------------------------------------------------
 
 LocalSetRequest SmoothMethod::request() const noexcept {
   const Vec3& from = inside_ ? V_ : P_;
-  Vec3 way = kLookAheadSeconds * velocity_;
-  // A way longer than a set reaches spends the set on its length.
-  const double length = way.norm();
+  Vec3 path = kPredictionSeconds * velocity_;
+  // A path longer than the set's radius would use up the set on its length.
+  const double length = path.norm();
   const double most = 0.5 * std::max(set_.radius, 0.0);
-  if (length > most) way = most > 0.0 ? Vec3(way * (most / length)) : Vec3(Vec3::Zero());
-  return {from, from + way};
+  if (length > most) path = most > 0.0 ? Vec3(path * (most / length)) : Vec3(Vec3::Zero());
+  return {from, from + path};
 }
 
 bool SmoothMethod::prepare() {
@@ -87,25 +87,27 @@ bool SmoothMethod::prepare() {
   return true;
 }
 
-// Asks the slow task for a set before this one's reach is used up.
-void SmoothMethod::ask_ahead() noexcept {
+// Requests a set from the slow task before the current one is used up.
+void SmoothMethod::request_ahead() noexcept {
   const LocalSetRequest ahead = request();
-  const double reach = (1.0 + kSpare) * radius_;
-  const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > reach && set_.clearance_at(ahead.to) > reach;
-  if (is_fresh() && (is_clear || (set_.reach_at(ahead.from) > reach && set_.reach_at(ahead.to) > reach))) return;
+  const double radius = (1.0 + kMargin) * radius_;
+  const bool is_clear = !inside_ && set_.clearance_at(ahead.from) > radius && set_.clearance_at(ahead.to) > radius;
+  if (is_fresh() && (is_clear || (set_.radius_at(ahead.from) > radius && set_.radius_at(ahead.to) > radius))) return;
   requests_.publish(ahead);
 }
 
 void SmoothMethod::offer(const LocalSet& set) noexcept {
   has_slow_task_ = true;
   const Vec3& at = inside_ ? V_ : P_;
-  if (set.version != scene_->version() || (is_fresh() && set.reach_at(at) <= set_.reach_at(at))) return;
+  if (set.version != scene_->version() || (is_fresh() && set.radius_at(at) <= set_.radius_at(at))) return;
   set_ = set;
   ++counters_.offered;
 }
 
-// A set about p would hardly reach farther than the one at hand, taken nearby, does at its best.
-bool SmoothMethod::would_help(const Vec3& p, double radius) const { return set_.radius > radius || set_.distance_to_way(p) > 0.5 * radius; }
+// Whether a set about p could cover much more than the current one, taken nearby, does at best.
+bool SmoothMethod::would_help(const Vec3& p, double radius) const {
+  return set_.radius > radius || set_.distance_to_path(p) > 0.5 * radius;
+}
 
 void SmoothMethod::select_at(const Vec3& p) noexcept {
   ++counters_.selections;
@@ -130,7 +132,7 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
     T_ = scene_->triangle_at(object, T_.triangle);
     V_ = weights[0] * T_.corner[0] + weights[1] * T_.corner[1] + weights[2] * T_.corner[2];
   }
-  // Seen from a triangle that has moved, a free probe has moved the other way, by what its nearest point on the triangle did.
+  // In the frame of a triangle that has moved, a free probe has moved the opposite way, by the motion of its closest point on the triangle.
   Hit best;
   for (std::uint32_t t = 0; t < before.size(); ++t) {
     const SetTriangle now = scene_->triangle_at(object, t);
@@ -142,9 +144,9 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
     const double side = old_normal.dot(P_ - before[t][0]) < 0.0 ? -1.0 : 1.0;
     if (side < 0.0 && !now.two_sided) continue;
     if (side * now.face.dot(P_ - now.corner[0]) > 0.0) continue;
-    const double skin = scene_->skin();
+    const double tolerance = scene_->tolerance();
     if (!(segment_triangle_distance_squared<double>(of3(from), of3(P_), of3(now.corner[0]), of3(now.corner[1]), of3(now.corner[2])) <=
-          skin * skin)) {
+          tolerance * tolerance)) {
       continue;
     }
     const ClosestPoint at = closest_point(now.corner[0], now.corner[1], now.corner[2], P_);

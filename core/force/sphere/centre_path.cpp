@@ -12,7 +12,7 @@ constexpr double kLeastStep = 0x1p-50;  // of a path's time
 // rounding does: along the edge it adds nothing.
 double rate_error(const ContactTriangle& triangle, const Separation& at, const Vec3& way) {
   if (at.feature != Feature::edge) return normal_error(at) * way.norm();
-  const int k = triangle.border(at.nearest).edge;
+  const int k = triangle.boundary(at.nearest).edge;
   const Vec3 along = triangle.edge(k) / triangle.length(k);
   constexpr double kDirectionError = 0x1p-51;
   return normal_error(at) * (way - along.dot(way) * along).norm() + kDirectionError * way.norm();

@@ -291,7 +291,7 @@ bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const
   const Vec3 lag = in_plane(from - c);
   const double mu = friction_[0].sliding;
   const bool has_lag = mu * start > 0.0 && lag.norm() > kLeastLag;
-  const SlidingLag sliding(has_lag ? lag : motion, motion, has_lag ? mu * start : std::numeric_limits<double>::min(), mu * (end - start));
+  const SlidingPull sliding(has_lag ? lag : motion, motion, has_lag ? mu * start : std::numeric_limits<double>::min(), mu * (end - start));
   const Vec3 behind = mu * end > 0.0 ? sliding.at(1.0) : Vec3(Vec3::Zero());
   c = to + (offset_ - contact.stand(to).distance) * normal - behind;
   c += (offset_ - contact.stand(c).distance) * normal;

@@ -20,7 +20,7 @@ struct FrictionCoefficients {
 //
 //   (e + mu n) . v / (1 - (1 + mu^2) K)     along e.
 //
-// On a plane that is the tractrix, in closed form (SlidingLag). Round an edge or a vertex the differential equation is integrated by the
+// On a plane that is the tractrix, in closed form (SlidingPull). Round an edge or a vertex the differential equation is integrated by the
 // method of Dormand & Prince (1980), its error held below 2^-42. Along a curve |w| = mu d is one equation of one unknown: Newton's method.
 //
 // Frame: that of the contacts. RT: yes. Pre: one or two contacts, which outlive it.

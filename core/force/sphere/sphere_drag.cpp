@@ -45,7 +45,7 @@ OffsetDrag SphereFollower::make_drag() noexcept {
 SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept {
   const double cone = pull.friction.sliding * pull.depth;
   rub_.drags = rub_.slides && count_ < 3 && pull.length >= (1.0 - kOnCone) * cone - kLeast;
-  rub_.slides = rub_.slides && pull.length >= FrictionMotion::kRest * cone;
+  rub_.slides = rub_.slides && pull.length >= FrictionMotion::kRestick * cone;
   rub_.slips = false;
   is_descending_ = false;
   return Next::again;
@@ -117,7 +117,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   Event event;
   if (!find_event(leg.path, event)) return Next::unclear;
   const Vec3 before = centre_;
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   const double was = time;
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
@@ -136,7 +136,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
       return;
     }
     Vec3 c = before;
-    if (drag.follow(device, on_way(from, to, time), c, work_)) {
+    if (drag.follow(device, on_path(from, to, time), c, work_)) {
       centre_ = c;
     } else {
       is_restored = restore(centre_);
@@ -144,8 +144,8 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   });
   if (!is_restored) return Next::unclear;
   note_move(before);
-  if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
-  if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
+  if ((time - was) * (to - from).norm() > kStill) note_gain(on_path(from, to, time), true);
+  if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.stops) rub_.drags = false;
   if (leg.leaps) {
     rub_.slips = true;
@@ -165,7 +165,7 @@ SphereFollower::Held SphereFollower::find_held(const Vec3& pull) const noexcept 
   if (!held.solved) return now;
   ContactMaterial material;
   for (int i = 0; i < held.active_count; ++i) {
-    material.add(materials_[geometry_.mesh_of(contacts_[held.active[i]].triangle)], held.push[i]);
+    material.add(materials_[geometry_.mesh_of(contacts_[held.active[i]].triangle)], held.multipliers[i]);
   }
   now.is_free = held.active_count == 0;
   now.friction = {material.mean().friction_static, std::min(material.mean().friction_static, material.mean().friction_dynamic)};
@@ -178,7 +178,7 @@ SphereFollower::Held SphereFollower::find_held(const Vec3& pull) const noexcept 
 // Until the pull leaves the cone of what holds the centre. For each contact, and each two, that is a quadratic in time; it is the event if
 // they hold the centre then.
 SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& to, double& time) noexcept {
-  const Vec3 start = on_way(from, to, time) - centre_;
+  const Vec3 start = on_path(from, to, time) - centre_;
   const Vec3 motion = (1.0 - time) * (to - from);
   const auto excess_at = [&](double t) {
     const Vec3 pull = t < 1.0 ? Vec3(start + t * motion) : Vec3(to - centre_);
@@ -189,7 +189,7 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
   };
   const auto lag_at = [&](double t) {
     const Held now = find_held(start + t * motion);
-    return now.is_known && !now.is_free ? FrictionMotion::kRest * now.friction.sliding * now.depth - now.way : -1.0;
+    return now.is_known && !now.is_free ? FrictionMotion::kRestick * now.friction.sliding * now.depth - now.way : -1.0;
   };
   double soonest = kNever;
   double rest = kNever;
@@ -216,7 +216,7 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
   };
   const auto consider_cone = [&](const Vec3& normal, const FrictionCoefficients& friction) {
     const double held = rub_.slides ? friction.sliding : friction.at_rest;
-    const double least = FrictionMotion::kRest * friction.sliding;
+    const double least = FrictionMotion::kRestick * friction.sliding;
     consider(rise(1.0, normal, -(1.0 + held * held), kLeast * kLeast));
     if (rub_.slides) consider_rest(rise(-1.0, normal, 1.0 + least * least, 0.0));
   };
@@ -236,7 +236,7 @@ SphereFollower::Next SphereFollower::stay_rubbing(const Vec3& from, const Vec3& 
       const FrictionCoefficients other = coefficients(contacts_[j]);
       for (const FrictionCoefficients& f : {friction, other}) {
         const double held = rub_.slides ? f.sliding : f.at_rest;
-        const double least = FrictionMotion::kRest * f.sliding;
+        const double least = FrictionMotion::kRestick * f.sliding;
         consider(rise(-held * held, along, 1.0 + held * held, kLeast * kLeast));
         if (rub_.slides) consider_rest(rise(least * least, along, -(1.0 + least * least), 0.0));
       }

@@ -119,7 +119,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   constexpr int kTries = 3;
   constexpr double kLeastTime = 0x1p-44;
   constexpr double kNoDrive = 0x1p-46;  // of the motion
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   const Vec3 motion = to - from;
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return Dragged::leaps;
@@ -141,7 +141,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
   // Where the device comes out, the centre is there as well.
   const auto place_at = [&](double then, Vec3& c) {
     c = centre_;
-    return drag.follow(device, on_way(from, to, then), c, work_);
+    return drag.follow(device, on_path(from, to, then), c, work_);
   };
   Vec3 end;
   Vec3 middle;
@@ -153,8 +153,8 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
     const bool is_out = release < 1.0 && span >= release_span;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     leg.released = is_out ? 0 : -1;
-    const Vec3 half = on_way(from, to, time + 0.5 * (leg.time - time));
-    const Vec3 then = on_way(from, to, leg.time);
+    const Vec3 half = on_path(from, to, time + 0.5 * (leg.time - time));
+    const Vec3 then = on_path(from, to, leg.time);
     middle = centre_;
     if (drag.follow(device, half, middle, work_)) {
       end = middle;
@@ -182,7 +182,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
     leg.time = find_zero(time, at_start, leg.time, at_end, kNearZero, [&](double then) {
       OffsetDrag::Pull at;
       Vec3 c;
-      return place_at(then, c) && drag.find_pull(c, on_way(from, to, then), at) ? value(at) : -1.0;
+      return place_at(then, c) && drag.find_pull(c, on_path(from, to, then), at) ? value(at) : -1.0;
     });
     end = centre_;
     return leg.time <= time || place_at(leg.time, end);
@@ -194,7 +194,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&](const OffsetDrag::Pull& at) { return at.multiplier[k]; })) {
       return Dragged::leaps;
     }
-    if (!drag.find_pull(end, on_way(from, to, leg.time), there)) return Dragged::leaps;
+    if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return Dragged::leaps;
   }
   const bool may_stop = (!is_flat || count_ == 2) && !(count_ == 1 && leg.released >= 0);
   if (may_stop && drag.find_drive(there, motion) < -kNoDrive * motion.norm()) {
@@ -211,7 +211,7 @@ SphereFollower::Dragged SphereFollower::make_drag_leg(const OffsetDrag& drag, co
     leg.path = CentrePath::straight(centre_, end);
     return Dragged::on;
   }
-  if (!drag.find_pull(end, on_way(from, to, leg.time), there)) return Dragged::leaps;
+  if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return Dragged::leaps;
   leg.path = CentrePath::curved(centre_, end, part * rate, part * drag.find_rate(there, motion));
   if (count_ == 2) guide(leg.path);  // over a face the cubic stays in its plane
   return Dragged::on;
@@ -225,7 +225,7 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   constexpr double kNoDrive = 0x1p-46;  // of the motion
   const Vec3 motion = to - from;
   const double speed = motion.norm();
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return Dragged::leaps;
   const double drive = drag.find_drive(pull, motion);
@@ -243,7 +243,7 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   constexpr double kSlight = 0x1p-9;    // of the offset
   constexpr double kShortWay = 0x1p-5;  // of the offset
   if (comes_out && pull.length + pull.depth <= kSlight * keep_.offset && (target - time) * speed <= kShortWay * keep_.offset) {
-    return make_last_leg(on_way(from, to, target), target, pull.normal, leg);
+    return make_last_leg(on_path(from, to, target), target, pull.normal, leg);
   }
   const Vec3 slope = drag.find_slope(pull, motion);
   const double turn = kTurn / std::max(find_turn(slope), 0x1p-100);
@@ -336,7 +336,7 @@ SphereFollower::Dragged SphereFollower::make_flow_leg(const OffsetDrag& drag, co
   leg.time = is_at_target ? target : std::min(end.time, target);
   if (is_at_target && comes_out) {
     leg.released = 0;
-    end.centre = on_way(from, to, target);
+    end.centre = on_path(from, to, target);
     if (!drag.restore(end.centre)) return Dragged::leaps;
   }
   leg.flow = length;

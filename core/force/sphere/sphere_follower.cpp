@@ -106,10 +106,10 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   if (!from.allFinite() || !to.allFinite()) return Outcome::unclear;
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
-  bool is_with_device = touching_ == 0 && centre_ == on_way(from, to, time);
+  bool is_with_device = touching_ == 0 && centre_ == on_path(from, to, time);
   if (span.begin <= span.end && time <= span.end) {
-    const Vec3 first = on_way(from, to, span.begin);
-    const Vec3 last = on_way(from, to, span.end);
+    const Vec3 first = on_path(from, to, span.begin);
+    const Vec3 last = on_path(from, to, span.end);
     const double length = span.end - span.begin;
     double part = length > 0.0 ? std::max(0.0, (time - span.begin) / length) : 0.0;
     if (span.begin > time) {
@@ -154,11 +154,11 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     if (touching_ == 0) {
       next = fly(from, to, time);
     } else if (has_friction_ && rubs()) {
-      next = is_descending_ ? descend_rubbing(on_way(from, to, time), to - from)
+      next = is_descending_ ? descend_rubbing(on_path(from, to, time), to - from)
              : rub_.drags   ? drag(from, to, time)
                             : stay_rubbing(from, to, time);
     } else {
-      next = is_descending_ ? descend(on_way(from, to, time), to - from) : slide(from, to, time);
+      next = is_descending_ ? descend(on_path(from, to, time), to - from) : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::settled && !(has_friction_ && rubs()) && leave_rest(to, to - from)) next = Next::again;
@@ -201,7 +201,7 @@ int SphereFollower::most_work(const Vec3& from, const Vec3& to) const noexcept {
 // To the device, straight, and on with it.
 SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
   ++flights_;
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   double until = 1.0;
   if (centre_ != device) {
     const Next next = fly_to(device, until);
@@ -382,7 +382,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   if (!make_leg(from, to, time, leg)) {  // the minimum vanishes here
     has_lost_minimum_ = true;
     is_descending_ = true;
-    hint_ = find_rate(centre_, on_way(from, to, time), to - from);
+    hint_ = find_rate(centre_, on_path(from, to, time), to - from);
     if (!hint_.allFinite() || hint_.isZero(0.0)) hint_ = to - from;
     ++idle_;
     return Next::again;
@@ -396,14 +396,14 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
   place_at_event(leg.path, event, [&](double share) {
     time = share >= 1.0 ? leg.time : was + share * (leg.time - was);
     centre_ = leg.path.at(share);
-    if (leg.path.is_straight() || solve(on_way(from, to, time), centre_)) return;
+    if (leg.path.is_straight() || solve(on_path(from, to, time), centre_)) return;
     centre_ = leg.path.at(share);
     is_restored = restore(centre_);
   });
   if (!is_restored) return Next::unclear;
   note_move(before);
-  if ((time - was) * (to - from).norm() > kStill) note_gain(on_way(from, to, time), true);
-  if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_way(from, to, time))) return *next;
+  if ((time - was) * (to - from).norm() > kStill) note_gain(on_path(from, to, time), true);
+  if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   return time >= 1.0 ? Next::settled : Next::again;
 }
 

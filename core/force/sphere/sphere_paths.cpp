@@ -145,7 +145,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   constexpr int kMostGrowing = 8;
   constexpr double kUneven = 0x1p-20;       // of the offset,
   constexpr double kUnevenShare = 0x1p-24;  // and of the way
-  const Vec3 device = on_way(from, to, time);
+  const Vec3 device = on_path(from, to, time);
   const Vec3 motion = to - from;
   if (is_on_axis(device)) {
     leg.time = time_off_axis(from, to, time);
@@ -166,13 +166,13 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
   const auto is_even = [&](const Vec3& c, double then) {
     if (find_turn(c - centre_) > 2.0 * kTurn) return false;
     const double part = then - time;
-    const Vec3 rate_there = find_rate(c, on_way(from, to, then), motion);
+    const Vec3 rate_there = find_rate(c, on_path(from, to, then), motion);
     const double slow = rate.norm();
     const double fast = rate_there.norm();
     if (std::max(slow, fast) <= 2.0 * std::min(slow, fast)) return true;
     Vec3 middle = 0.5 * (centre_ + c) + 0.125 * part * (rate - rate_there);
     const Vec3 guess = middle;
-    return solve(on_way(from, to, time + 0.5 * part), middle) &&
+    return solve(on_path(from, to, time + 0.5 * part), middle) &&
            (middle - guess).norm() <= kUneven * keep_.offset + kUnevenShare * (c - centre_).norm();
   };
   double span = 1.0 - time;
@@ -182,17 +182,17 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     if (i == kMostHalvings || !(span > kLeastTime || span >= 1.0 - time)) return false;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
-    if (solve(on_way(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
+    if (solve(on_path(from, to, leg.time), end) && (is_straight || is_even(end, leg.time))) break;
     span *= 0.5;
   }
   // The first multiplier to reach zero ends it there.
   leg.released = -1;
   for (int i = 0; i < count_; ++i) {
-    const double at_end = multiplier(end, on_way(from, to, leg.time), i);
+    const double at_end = multiplier(end, on_path(from, to, leg.time), i);
     if (!(at_end < -kLeastWay)) continue;
     const auto multiplier_then = [&](double then) {
       Vec3 c = end;
-      return solve(on_way(from, to, then), c) ? multiplier(c, on_way(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
+      return solve(on_path(from, to, then), c) ? multiplier(c, on_path(from, to, then), i) : std::numeric_limits<double>::quiet_NaN();
     };
     double begin = time;
     double at_start = std::max(0.0, multiplier(centre_, device, i));
@@ -208,7 +208,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     leg.released = i;
     leg.time = zero;
     end = centre_;
-    if (zero > time && !solve(on_way(from, to, zero), end)) return false;
+    if (zero > time && !solve(on_path(from, to, zero), end)) return false;
   }
   if (is_straight) {
     leg.path = CentrePath::straight(centre_, end);
@@ -219,7 +219,7 @@ bool SphereFollower::make_leg(const Vec3& from, const Vec3& to, double time, Leg
     leg.path = CentrePath::straight(centre_, end);
     return true;
   }
-  const Vec3 rate_end = find_rate(end, on_way(from, to, leg.time), motion);
+  const Vec3 rate_end = find_rate(end, on_path(from, to, leg.time), motion);
   leg.path = CentrePath::curved(centre_, end, part * rate, part * rate_end);
   guide(leg.path);
   return true;

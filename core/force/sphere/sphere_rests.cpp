@@ -54,7 +54,7 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
   const OffsetContact& contact = contacts_[0];
   const Vec3 axis = contact.part == Part::edge ? contact.axis() : Vec3(Vec3::Zero());
   const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
-  const Vec3 off = across(on_way(from, to, time) - contact.origin());
+  const Vec3 off = across(on_path(from, to, time) - contact.origin());
   const Vec3 motion = across(to - from);
   // |off + s motion| = 4 kAtAxis
   const double a = motion.squaredNorm();
@@ -68,7 +68,7 @@ double SphereFollower::time_off_axis(const Vec3& from, const Vec3& to, double ti
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
   if (!find_frame(centre_, frame)) return Next::unclear;
-  const Vec3 now = centre_ - on_way(from, to, time);
+  const Vec3 now = centre_ - on_path(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;
   double soonest = 1.0;
@@ -86,7 +86,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     time = opens;
     // Else it is not tried again in this step.
     ++corner_tries_;
-    leave_rest(on_way(from, to, time), to - from);
+    leave_rest(on_path(from, to, time), to - from);
     return Next::again;
   }
   if (released < 0) {

@@ -11,7 +11,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-// The scene as the method wants it: every triangle that has a plane, and whose it is.
+// The scene's triangles that have a plane, with their objects.
 struct Triangles {
   std::vector<Corners> corners;
   std::vector<TrianglePlane> planes;
@@ -40,7 +40,7 @@ Triangles gather(const TouchScene& scene) {
   return all;
 }
 
-// The offset must lift the line's start off the plane by much more than coordinates round.
+// The offset must be much larger than the rounding of coordinates.
 Result<void> check_offset(double offset_m, const UniformGrid& grid) {
   const double coordinate = std::max(grid.low().cwiseAbs().maxCoeff(), grid.high().cwiseAbs().maxCoeff());
   const double least = 64.0 * std::numeric_limits<double>::epsilon() * coordinate;
@@ -100,9 +100,9 @@ SweepMethod::SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, st
       offset_m_(offset_m),
       stamps_(planes_.size()) {}
 
-// A device farther out than a billion scenes is taken to be there, in its direction: its products must stay finite.
+// Clamps a device farther out than a billion scene sizes to that distance, so that products stay finite.
 Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
-  constexpr double kHuge = 1e300;  // what would overflow on the way is as good as this
+  constexpr double kHuge = 1e300;  // replaces a coordinate that would overflow
   const Vec3 centre = 0.5 * (grid_.low() + grid_.high());
   const double farthest = 0x1p30 * (grid_.high() - grid_.low()).maxCoeff();
   const Vec3 out = p_SD.cwiseMax(-kHuge).cwiseMin(kHuge) - centre;
@@ -133,8 +133,8 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
     return output;
   }
 
-  // The probe is buried. The memo's figure 4: the offset vector takes it to the collision point and a little beyond, to the side it
-  // came from, so that the next line crosses the surface again for as long as the probe stays below it.
+  // The probe is below the surface. The memo's figure 4: the offset vector puts the start of the next line slightly above the collision
+  // point, on the side that the probe came from, so that the next line crosses the surface again as long as the probe stays below.
   const SweepCollision& hit = deepest.collision;
   p_last_ = hit.point + offset_m_ * hit.normal;
   output.force_n = materials_[object_of_[deepest.triangle]].stiffness_n_per_m * hit.depth * hit.normal;
@@ -193,8 +193,8 @@ void SweepMethod::handle_triangle(const SweepLine& line, std::uint32_t triangle,
     return;
   }
   ++step_.collisions;
-  // Greatest depth of the probe beyond the collision point along the line, which is the first collision in the interval. Triangles that
-  // share the point (an edge, a vertex) are told apart by depth along the normal, then by number: the order of the cells has no say.
+  // The greatest depth beyond the collision point along the line is the first collision on it. Triangles that share the point (an edge, a
+  // vertex) are ordered by depth along the normal, then by number, so the order of the cells does not matter.
   const auto rank = [](const SweepCollision& c, std::uint32_t id) { return std::tuple(c.t, -c.depth, id); };
   if (!deepest.found || rank(collision, triangle) < rank(deepest.collision, deepest.triangle)) {
     deepest = {.collision = collision, .triangle = triangle, .found = true};

@@ -11,29 +11,29 @@
 
 namespace hapton {
 
-// What one step, or all of them together, had to do; the early ends are those of the memo's steps 1 to 5.
+// Counters of one step or of all steps; the early exits are those of the memo's steps 1 to 5.
 struct SweepCounters {
   std::uint64_t cells_visited = 0;
   std::uint64_t empty_cells = 0;         // ended at step 1
-  std::uint64_t repeated_triangles = 0;  // listed in several of the cells and handled before
+  std::uint64_t repeated_triangles = 0;  // in several cells, already tested
   std::uint64_t triangles_tested = 0;    // reached step 2
   std::uint64_t parallel = 0;            // ended at step 2
   std::uint64_t out_of_length = 0;       // ended at step 3
   std::uint64_t out_of_triangle = 0;     // ended at step 4
-  std::uint64_t from_behind = 0;         // collisions left out: with the back of a one-sided triangle
+  std::uint64_t from_behind = 0;         // collisions rejected: with the back of a one-sided triangle
   std::uint64_t collisions = 0;          // stored at step 5: the memo's M
 
   SweepCounters& operator+=(const SweepCounters& other) noexcept;
 };
 
-// The memo's method, whole: the line swept between two samples against the triangles in the grid's cells around it; the collision of
-// greatest penetration depth gives a Hooke force along the triangle's normal, towards the side the probe came from.
-// Where the memo leaves a choice: docs/decisions/0001-memo-sweep.md. Damping, friction and a probe radius are not part of it.
+// The memo's method, complete: sweeps a line between two samples against the triangles in the grid cells around it. The collision with the
+// greatest penetration depth gives a Hooke force along the triangle's normal, towards the side that the probe came from.
+// Where the memo leaves a choice: docs/decisions/0001-memo-sweep.md. It has no damping, friction or probe radius.
 // Source: memo 4.2.2.
 // RT: step, reset and counters yes; make and describe set-up only. Threads: one.
 class SweepMethod final : public ForceMethod {
  public:
-  // Error: an impossible grid division or offset, a probe with a radius, a scene without a triangle that has a plane.
+  // Error: an impossible grid division or offset, a probe with a radius, a scene in which no triangle has a plane.
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;

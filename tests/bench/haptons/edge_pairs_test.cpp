@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(EdgePairs, CollideOnEdgeAsDeepAsAsked) {
+TEST(EdgePairs, CollideOnEdgeAsDeepAsRequested) {
   const EdgePairSettings settings{.seed = 3, .count = 2000};
   double shallowest = 1.0;
   double deepest = 0.0;

@@ -42,7 +42,7 @@ TEST(MeasureHaptons, ARunThatMissesIsNoRun) {
   EXPECT_TRUE(run.holds()) << "a peer's accuracy is shown, not asked for";
 }
 
-// A collider that is judged must be judged by where it puts the contact: before it has run, it has found nothing.
+// A collider is evaluated by the position of its contact: before it has run, it has found nothing.
 TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
   const auto pairs = make_edge_pairs({.seed = 2, .count = 64});
   for (const auto& collider : make_pair_colliders(pairs)) {

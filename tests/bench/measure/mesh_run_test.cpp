@@ -32,7 +32,7 @@ TEST(MeshRun, MeasuresEachProbeWithAndWithoutFriction) {
     EXPECT_GT(f.ns_per_facet, 0.0);
     EXPECT_EQ(f.error.steps, 2u * 2u * 30u);
     EXPECT_GT(f.error.contact_steps, 100u);
-    EXPECT_EQ(f.error.falls, 0u);
+    EXPECT_EQ(f.error.fall_throughs, 0u);
     if (!f.friction) {
       EXPECT_LT(f.error.error.p50, 1e-6) << f.probe_radius_m;
     }

@@ -42,12 +42,12 @@ TEST(NumbersReport, CountsWhatWasMeasuredAndMet) {
   EXPECT_THAT(text, HasSubstr("NOT MET"));
 }
 
-// The whole measurement, small: every row of the table is there, and what cannot depend on the machine holds.
+// The whole measurement, small: every row of the table exists, and everything that does not depend on the machine holds.
 TEST(Numbers, MeasureEveryRow) {
   NumbersSettings settings;
   settings.ladder = {300, 1000};
   settings.steps = 400;
-  settings.judged_steps = 300;
+  settings.compared_steps = 300;
   settings.scale_exponents = {-6, 0, 6};
   settings.budget = {.repetitions = 1, .seconds = 0.05};
   settings.rough_triangles = 1000;

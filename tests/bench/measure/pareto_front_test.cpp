@@ -16,7 +16,7 @@ TEST(ParetoFront, KeepsWhatNoOtherBeats) { EXPECT_EQ(find_pareto_front({{3, 1}, 
 
 TEST(ParetoFront, EqualTimesKeepTheSmallerError) { EXPECT_EQ(find_pareto_front({{1, 2}, {1, 1}, {2, 1}}), (Places{1})); }
 
-TEST(ParetoFront, OfEqualPointsTheFirstStands) { EXPECT_EQ(find_pareto_front({{1, 1}, {1, 1}}), (Places{0})); }
+TEST(ParetoFront, OfEqualPointsTheFirstStays) { EXPECT_EQ(find_pareto_front({{1, 1}, {1, 1}}), (Places{0})); }
 
 TEST(ParetoFront, LeavesOutWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -42,7 +42,7 @@ TEST(TakeHeads, OfAllRowsIsTheWhole) {
 }
 
 TEST(MakeQueries, LeadFromProxyToDeviceAndNotAcrossAReset) {
-  std::vector<FeltStep> felt(6);
+  std::vector<ForceSample> felt(6);
   for (std::size_t i = 0; i < felt.size(); ++i) {
     felt[i].device = Vec3::Constant(static_cast<double>(i));
     felt[i].proxy = Vec3::Constant(static_cast<double>(i) + 100.0);
@@ -58,7 +58,7 @@ TEST(MakeQueries, LeadFromProxyToDeviceAndNotAcrossAReset) {
 TEST(Pareto, MeasuresEveryMethodAndStructure) {
   ParetoSettings settings;
   settings.steps = 400;
-  settings.judged_steps = 300;
+  settings.compared_steps = 300;
   settings.budget = {.repetitions = 1, .seconds = 0.02};
   TriangleMesh sphere = make_bumpy_sphere(0.045, 0.2, 1000, 1);
   ParetoReport report;
@@ -82,7 +82,7 @@ TEST(Pareto, MeasuresEveryMethodAndStructure) {
     EXPECT_GE(row.timing.contact.worst_ns, row.timing.contact.p50_ns) << row.family;
     EXPECT_GT(row.error.contact_steps, 0U) << row.family;
     if (row.family.starts_with("proxy")) {
-      EXPECT_EQ(row.error.falls, 0U) << row.family;
+      EXPECT_EQ(row.error.fall_throughs, 0U) << row.family;
       EXPECT_LT(row.error.error.p99, 1e-3) << row.family;
     }
   }

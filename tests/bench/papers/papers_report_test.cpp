@@ -15,7 +15,7 @@ PapersReport filled() {
   return report;
 }
 
-// The figures as the papers print them: whoever changes one here must change it against the paper.
+// The numbers as printed in the papers: a change here must be checked against the paper.
 TEST(PapersReport, HoldsBothPapersFigures) {
   PapersReport report = make_papers_report();
   const std::pair<const char*, double> figures[] = {

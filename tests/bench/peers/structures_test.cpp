@@ -44,7 +44,7 @@ class Structures : public testing::TestWithParam<std::size_t> {
     structure_ = std::move(*made);
   }
 
-  // A place on the surface, moved off it by up to `off`.
+  // A point on the surface, moved off it by up to `off`.
   Vec3 draw_near(double off) {
     std::uniform_int_distribution<std::size_t> triangle(0, mesh_.triangles.size() - 1);
     std::uniform_real_distribution<double> weight(0.05, 1.0);

@@ -43,7 +43,7 @@ TEST(MailboxTest, TheReadersValueStaysWhileTheWriterGoesOn) {
   EXPECT_EQ(mailbox.value(), 9);
 }
 
-// Values that show at once when they are torn or run backwards.
+// Torn or older values are detected at once.
 TEST(MailboxTest, TwoThreadsNeverSeeHalfAValueNorAnOlderOne) {
   using Large = std::array<std::uint64_t, 64>;
   constexpr std::uint64_t kLast = 1'000'000;

@@ -36,7 +36,7 @@ TEST(FdhHierarchy, EmptyVisitsNothing) {
   EXPECT_EQ(visits.nodes, 0U);
 }
 
-// The first planes are the box's: widening the others must not let in what the box keeps out, and the other way round.
+// The first planes are the box's: a query rejected by the box stays rejected when the other planes are widened, and vice versa.
 TEST(FdhHierarchy, EveryAxisCanTurnAway) {
   FdhTopology topology;
   FdhTopology::Children only;

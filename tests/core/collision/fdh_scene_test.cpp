@@ -140,7 +140,7 @@ TEST(FdhScene, NamesTheObjectItCannotHold) {
   EXPECT_NE(scene.error().what.find("object 1"), std::string::npos);
 }
 
-TEST(FdhScene, SkipsObjectsOutOfReach) {
+TEST(FdhScene, SkipsDistantObjects) {
   Objects objects(40);
   const auto scene = objects.build<14>();
   const FdhVisits far = scene->for_each_overlapping(FdhBall{Vec3(50, 0, 0), 0.1}, [](std::uint32_t, std::uint32_t) {});

@@ -82,7 +82,7 @@ struct Directions {
 using AllDirections = testing::Types<Directions<6>, Directions<14>, Directions<18>, Directions<26>>;
 TYPED_TEST_SUITE(FdhTreeOf, AllDirections);
 
-// Everything wanted is visited, once, and nothing beyond what is allowed.
+// Checks that everything wanted is visited, once, and nothing beyond what is allowed.
 template <class Tree, class Query, class Wanted, class Allowed>
 void expect_twin(const Tree& tree, const TriangleMesh& mesh, const Query& query, const std::string& what, Wanted&& wanted,
                  Allowed&& allowed) {
@@ -107,10 +107,10 @@ TYPED_TEST(FdhTreeOf, BallFindsWhatBruteForceFinds) {
     for (int i = 0; i < 60; ++i) {
       const Vec3 p = points.make(i);
       const double radius = points.size * (i % 5) * 0.04;
-      const double slack = 1e-12 * (points.size + p.norm());
+      const double tolerance = 1e-12 * (points.size + p.norm());
       expect_twin(
           *tree, mesh, FdhBall{p, radius}, name, [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius; },
-          [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius + slack; });
+          [&](std::uint32_t t) { return std::sqrt(distance_squared(mesh, t, p)) <= radius + tolerance; });
     }
   }
 }
@@ -126,14 +126,14 @@ TYPED_TEST(FdhTreeOf, SweptBallFindsWhatBruteForceFinds) {
       if (i % 5 == 1) q = points.make(i + 2);
       if (i % 11 == 2) q = Vec3(p.x(), p.y(), p.z() + 0.2 * points.size);  // along an axis: two directions are zero
       const double radius = i % 3 == 0 ? 0.0 : points.size * 0.02 * (i % 3);
-      const double slack = 1e-12 * (points.size + p.norm());
+      const double tolerance = 1e-12 * (points.size + p.norm());
       const auto distance = [&](std::uint32_t t) {
         return std::sqrt(segment_triangle_distance_squared<double>(of3(p), of3(q), of3(mesh.corner(t, 0)), of3(mesh.corner(t, 1)),
                                                                    of3(mesh.corner(t, 2))));
       };
       expect_twin(
           *tree, mesh, FdhSweep{p, q, radius}, name, [&](std::uint32_t t) { return distance(t) <= radius; },
-          [&](std::uint32_t t) { return radius == 0.0 || distance(t) <= radius + slack; });
+          [&](std::uint32_t t) { return radius == 0.0 || distance(t) <= radius + tolerance; });
     }
   }
 }
@@ -166,9 +166,9 @@ TYPED_TEST(FdhTreeOf, BoxAndHullFindWhatBruteForceFinds) {
           return own.overlaps(grown);
         };
       };
-      const double slack = 1e-12 * (points.size + p.norm());
-      expect_twin(*tree, mesh, FdhBox{p - half, p + half}, name + " box", overlaps(box, 0.0), overlaps(box, slack));
-      expect_twin(*tree, mesh, hull, name + " hull", overlaps(hull, 0.0), overlaps(hull, slack));
+      const double tolerance = 1e-12 * (points.size + p.norm());
+      expect_twin(*tree, mesh, FdhBox{p - half, p + half}, name + " box", overlaps(box, 0.0), overlaps(box, tolerance));
+      expect_twin(*tree, mesh, hull, name + " hull", overlaps(hull, 0.0), overlaps(hull, tolerance));
     }
   }
 }
@@ -290,7 +290,7 @@ TYPED_TEST(FdhTreeOf, QueriesWithoutBoundsFindEverythingOnce) {
   EXPECT_TRUE(std::isfinite(tree->find_nearest(Vec3(1e100, 0, 0)).distance_squared));
 }
 
-TEST(FdhTree, RefusesWhatSinglePrecisionCannotHold) {
+TEST(FdhTree, RejectsWhatSinglePrecisionCannotHold) {
   const TriangleMesh huge = scaled_and_moved(made::sphere(1.0, 8), 1e20, Vec3::Zero());
   const auto tree = FdhTree<14>::build(huge.vertices, huge.triangles);
   ASSERT_FALSE(tree);

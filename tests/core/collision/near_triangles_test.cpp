@@ -20,7 +20,7 @@ std::vector<std::uint32_t> all_triangles(const TouchGeometry& geometry) {
   return all;
 }
 
-// The distance along the segment is convex: a ternary search finds its least.
+// The distance along the segment is convex: ternary search finds its minimum.
 double distance_to_segment(const ContactTriangle& shape, const Vec3& p, const Vec3& q) {
   const auto at = [&](double time) { return shape.separation(p + time * (q - p)).distance; };
   double low = 0.0;
@@ -105,7 +105,7 @@ TEST_P(NearTrianglesTest, NothingNearIsMissed) {
 INSTANTIATE_TEST_SUITE_P(Meshes, NearTrianglesTest, testing::Range(0, 4));
 
 // There the nearest point may count as one of the edge where it is one of the face: the direction to it leans, by more the nearer it is.
-TEST(NearTriangles, BoundsHoldFromCloseAboveABorder) {
+TEST(NearTriangles, BoundsHoldFromCloseAboveABoundary) {
   constexpr std::uint64_t kSeed = 7;
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);

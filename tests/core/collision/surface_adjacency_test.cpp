@@ -30,13 +30,13 @@ SurfaceAdjacency adjacency_of(const TriangleMesh& mesh) {
   return adjacency;
 }
 
-// Whoever crosses an edge and crosses it back is where they were, on the side they were.
+// Crossing an edge and crossing it back leads to the same side of the same triangle.
 void expect_mutual(const TriangleMesh& mesh, const SurfaceAdjacency& adjacency) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const SurfaceAdjacency::Across there = adjacency.across(t, k);
+      const SurfaceAdjacency::Adjacent there = adjacency.adjacent(t, k);
       if (!there.exists) continue;
-      const SurfaceAdjacency::Across back = adjacency.across(there.triangle, there.edge);
+      const SurfaceAdjacency::Adjacent back = adjacency.adjacent(there.triangle, there.edge);
       EXPECT_TRUE(back.exists);
       EXPECT_EQ(back.triangle, t);
       EXPECT_EQ(back.edge, k);
@@ -53,9 +53,9 @@ TEST(SurfaceAdjacency, AClosedSurfaceIsWalkableAndKeepsItsSide) {
     expect_mutual(mesh, adjacency);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
-        EXPECT_TRUE(adjacency.across(t, k).exists);
-        EXPECT_FALSE(adjacency.across(t, k).flips);
-        EXPECT_NE(adjacency.across(t, k).triangle, t);
+        EXPECT_TRUE(adjacency.adjacent(t, k).exists);
+        EXPECT_FALSE(adjacency.adjacent(t, k).flips);
+        EXPECT_NE(adjacency.adjacent(t, k).triangle, t);
       }
     }
   }
@@ -69,23 +69,23 @@ TEST(SurfaceAdjacency, ABoundaryEdgeLeadsToTheBackOfItsOwnTriangle) {
   int boundary = 0;
   for (std::uint32_t t = 0; t < sheet.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const SurfaceAdjacency::Across across = adjacency.across(t, k);
-      if (across.triangle != t) continue;
-      EXPECT_TRUE(across.flips);
-      EXPECT_EQ(across.edge, k);
+      const SurfaceAdjacency::Adjacent adjacent = adjacency.adjacent(t, k);
+      if (adjacent.triangle != t) continue;
+      EXPECT_TRUE(adjacent.flips);
+      EXPECT_EQ(adjacent.edge, k);
       ++boundary;
     }
   }
   EXPECT_EQ(boundary, 16);
 }
 
-TEST(SurfaceAdjacency, ATriangleOrientedTheOtherWayIsReachedOnItsBack) {
+TEST(SurfaceAdjacency, AFlippedTriangleIsReachedOnItsBack) {
   TriangleMesh ball = make_icosphere(0.5, 2);
   std::swap(ball.triangles[7][1], ball.triangles[7][2]);
   const SurfaceAdjacency adjacency = adjacency_of(ball);
   EXPECT_EQ(adjacency.walkable_count(), ball.triangles.size());
   expect_mutual(ball, adjacency);
-  for (int k = 0; k < 3; ++k) EXPECT_TRUE(adjacency.across(7, k).flips);
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(adjacency.adjacent(7, k).flips);
 }
 
 TEST(SurfaceAdjacency, AnEdgeOfThreeTrianglesHasNoNeighbours) {
@@ -94,7 +94,7 @@ TEST(SurfaceAdjacency, AnEdgeOfThreeTrianglesHasNoNeighbours) {
   mesh.vertices.emplace_back(1.0, 1.0, 1.0);
   mesh.triangles.push_back({first[0], first[1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
   const SurfaceAdjacency adjacency = adjacency_of(mesh);
-  EXPECT_FALSE(adjacency.across(0, 0).exists);
+  EXPECT_FALSE(adjacency.adjacent(0, 0).exists);
   EXPECT_FALSE(adjacency.is_walkable(0));
   EXPECT_LT(adjacency.walkable_count(), mesh.triangles.size());
 }
@@ -120,13 +120,13 @@ TEST(SurfaceAdjacency, TwoConesThatShareTheirTipAreNotWalkableThere) {
   for (std::uint32_t t = 0; t < both.triangles.size(); ++t) EXPECT_EQ(adjacency.is_walkable(t), t % 4 == 3) << t;
 }
 
-// Each of the two fans is gone round in as many steps, on both sides, as there are triangles.
+// A circuit of each fan takes as many steps, on both sides, as it has triangles.
 TEST(SurfaceAdjacency, TwoOpenFansThatShareAVertexAreNotWalkable) {
   const TriangleMesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, .triangles = {{0, 1, 2}, {0, 3, 4}}};
   EXPECT_EQ(adjacency_of(mesh).walkable_count(), 0U);
 }
 
-// Of triangles that share no vertex those are walkable that are apart, every pair asked.
+// Of triangles that share no vertex, those that are apart are walkable; every pair is tested.
 TEST(SurfaceAdjacency, WhereSurfacesMeetNothingIsWalkable) {
   const TriangleMesh mesh = joined(make_icosphere(0.3, 3), scaled_and_moved(make_icosphere(0.3, 3), 1.0, Vec3(0.31, 0.07, 0.02)));
   const SurfaceAdjacency adjacency = adjacency_of(mesh);
@@ -160,12 +160,12 @@ TEST(SurfaceAdjacency, AVertexOfTooManyTrianglesIsNotWalkable) {
   EXPECT_LT(adjacency_of(wheel).walkable_count(), wheel.triangles.size());
 }
 
-// --- Every triangle against every other, without tree and without what is known of even fans ------------------------------------------
+// --- Every triangle against every other, without the tree and without even fans -----------------------------------------------------
 
 bool has(const Triangle& t, std::uint32_t v) { return std::find(t.begin(), t.end(), v) != t.end(); }
 bool repeats(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The triangles round a vertex hang together over edges of at most two triangles.
+// Whether the triangles at a vertex are connected over edges of at most two triangles.
 bool is_one_fan(const TriangleMesh& mesh, std::uint32_t vertex) {
   std::vector<std::uint32_t> round;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -211,7 +211,7 @@ void expect_as_brute_force(const TriangleMesh& mesh, const char* name) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) ASSERT_EQ(adjacency.is_walkable(t), walkable[t]) << name << ": triangle " << t;
 }
 
-// A fan about a vertex that goes round so often, with every `flipped_every`-th triangle turned over.
+// A fan that goes round its vertex `turns` times, with every `flipped_every`-th triangle flipped.
 TriangleMesh fan(int triangles, int turns, double lift, int flipped_every) {
   TriangleMesh mesh{.vertices = {Vec3::Zero()}, .triangles = {}};
   for (int i = 0; i < triangles; ++i) {
@@ -224,7 +224,7 @@ TriangleMesh fan(int triangles, int turns, double lift, int flipped_every) {
   return mesh;
 }
 
-TEST(SurfaceAdjacency, IsWalkableAsEveryPairAskedSays) {
+TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
   const TriangleMesh ball = make_icosphere(0.3, 2);
   const TriangleMesh box = make_box(Vec3(0.3, 0.2, 0.1), 2);
   expect_as_brute_force(ball, "sphere");
@@ -247,8 +247,8 @@ TEST(SurfaceAdjacency, IsWalkableAsEveryPairAskedSays) {
   expect_as_brute_force(repeated, "triangles of two corners");
 }
 
-// Triangles over few vertices at random: edges of many triangles, folds, copies, pairs of every kind.
-TEST(SurfaceAdjacency, IsWalkableAsEveryPairAskedSaysInASoup) {
+// Random triangles over few vertices: edges of many triangles, folded pairs, copies, pairs of every kind.
+TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInASoup) {
   std::mt19937_64 random(77);
   std::uniform_real_distribution<double> place(-0.5, 0.5);
   for (int round = 0; round < 60; ++round) {
@@ -285,7 +285,7 @@ TEST(AreApart, SaysYesOnlyWhereTheDistanceIsAboveTheMargin) {
     if (says) {
       EXPECT_GT(least, margin) << i;
     } else {
-      EXPECT_LT(least, margin + 0.1) << i;  // the samples are no farther apart than that
+      EXPECT_LT(least, margin + 0.1) << i;  // distance between samples
     }
     apart += says ? 1 : 0;
   }

@@ -57,7 +57,7 @@ TEST(SweepLine, TwoLinesThatMeetOnThePlaneCollideOnce) {
   }
 }
 
-// Lines aimed exactly at edges and vertices of a closed mesh, from outside to its middle: none may slip through, at any scale and place.
+// Lines aimed exactly at edges and vertices of a closed mesh, from outside to its middle: none may slip through, at any scale and position.
 TEST(SweepLine, NoLineSlipsBetweenNeighbours) {
   constexpr std::uint64_t kSeed = 5;
   RecordProperty("seed", std::to_string(kSeed));
@@ -94,7 +94,7 @@ TEST(SweepLine, NoLineSlipsBetweenNeighbours) {
   EXPECT_GT(touching_two, 1000);  // the lines did meet edges
 }
 
-// Against signed volumes in wide arithmetic, which know neither plane nor shadow.
+// Against signed volumes in extended precision, which use neither plane nor projection.
 TEST(SweepLine, AgreesWithSignedVolumes) {
   constexpr std::uint64_t kSeed = 17;
   RecordProperty("seed", std::to_string(kSeed));

@@ -9,7 +9,7 @@ namespace {
 
 TriangleMesh one_triangle(const Vec3& a, const Vec3& b, const Vec3& c) { return {{a, b, c}, {{0, 1, 2}}}; }
 
-// The least distance and the first time at or below `level`, by walking the motion in many small steps.
+// The smallest distance, and the first time at or below `level`, from many small steps of the motion.
 struct Walked {
   double first = kNever;
   double least = std::numeric_limits<double>::infinity();
@@ -88,8 +88,8 @@ TEST(SweptSpherePoint, MovingAlongOrAwayIsNeverBlocked) {
   EXPECT_LE(time_to_block(TriangleView{geometry, 0}, resting, Vec3(0.1, 0, -0.2), 1.0, clearance), 1e-6);
 }
 
-TEST(SweptSpherePoint, AShallowFoldBlocksByItsFace) {
-  // Standing on the first face, moving over the shared edge onto a second one that rises by 0.1 degree.
+TEST(SweptSpherePoint, AShallowConcaveEdgeBlocksByItsFace) {
+  // On the first face, moving over the shared edge onto a second one that rises by 0.1 degree.
   const double rise = 0.5 * 0.00175;
   const TriangleMesh second = one_triangle({0, -0.5, 0}, {0.5, 0, rise}, {0, 0.5, 0});
   const TouchGeometry geometry({&second});

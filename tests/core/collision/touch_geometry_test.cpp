@@ -44,7 +44,7 @@ TEST(TouchGeometry, EdgesAreExact) {
   }
 }
 
-TEST(TouchGeometry, KeepsEveryTriangleAndWhoseItIs) {
+TEST(TouchGeometry, KeepsEveryTriangleAndItsObject) {
   const TriangleMesh ball = make_icosphere(0.05, 2);
   const TriangleMesh box = scaled_and_moved(make_box({0.02, 0.02, 0.02}), 1.0, Vec3(0.2, 0, 0));
   const TouchGeometry geometry(std::vector<const TriangleMesh*>{&ball, &box});
@@ -77,20 +77,20 @@ TEST(TouchGeometry, BuildsOnApproachAndLetsNoObjectCloseRoundTheProbe) {
   };
   EXPECT_EQ(geometry.built_count(), 0U);
   EXPECT_FALSE(geometry.build_wanted()) << "nothing was asked for";
-  EXPECT_GT(geometry.look_ahead(geometry.to_local({0, 1.5, 0}), 0.0), 0.0);
+  EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 1.5, 0}), 0.0), 0.0);
   EXPECT_FALSE(geometry.build_wanted());
-  EXPECT_EQ(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
+  EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), 0);
   EXPECT_TRUE(geometry.build_wanted());
   EXPECT_FALSE(geometry.build_wanted()) << "the far one was built, too";
-  EXPECT_EQ(geometry.look_ahead(geometry.to_local({0, 0, 0}), 0.0), 0.0);
+  EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), 0) << "it closed round the probe";
-  EXPECT_GT(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
+  EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), static_cast<int>(near->triangles.size()));
   EXPECT_EQ(geometry.built_count(), 1U);
 }
 
-// 125 balls side by side, some of them touching.
+// 125 spheres side by side, some of them touching.
 std::vector<std::shared_ptr<const TriangleMesh>> many_balls(int level) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   const TriangleMesh ball = make_icosphere(0.05, level);
@@ -145,7 +145,7 @@ TEST(TouchGeometry, AVisitEndsTheSearchOverAllObjects) {
   EXPECT_EQ(visits, 25) << "20 triangles an object: the search went on in others";
 }
 
-// The rule itself, object by object: who must be requested at p, and how far p may go before another must.
+// The rule applied to each object: which must be requested at p, and how far p may move before the next must be.
 TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -163,11 +163,11 @@ TEST(TouchGeometry, LookAheadRequestsWhatALoopOverAllObjectsWould) {
   for (int step = 0; step < 4000; ++step) {
     velocity = 0.98 * velocity + 0.0005 * Vec3(any(random), any(random), any(random)) - 0.0001 * p;
     p += velocity;
-    const double reach = 20.0 * velocity.norm();
-    const double may_go = geometry.look_ahead(p, reach);
+    const double range = 20.0 * velocity.norm();
+    const double may_go = geometry.request_ahead(p, range);
     double brute = std::numeric_limits<double>::infinity();
     for (std::size_t o = 0; o < bounds.size(); ++o) {
-      const double beyond = std::sqrt(bounds[o].distance_squared(p)) - std::max(reach, bounds[o].diagonal());
+      const double beyond = std::sqrt(bounds[o].distance_squared(p)) - std::max(range, bounds[o].diagonal());
       if (beyond <= -1e-12) requested[o] = true;
       if (!requested[o]) brute = std::min(brute, std::max(0.0, beyond));
     }
@@ -184,9 +184,9 @@ TEST(TouchGeometry, AnObjectWithoutTrianglesIsNotWaitedFor) {
   const auto ball = std::make_shared<TriangleMesh>(make_icosphere(0.05, 1));
   TouchGeometry geometry({std::make_shared<TriangleMesh>(), ball}, BuildPolicy::on_approach);
   EXPECT_EQ(geometry.waiting_count(), 1U);
-  geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
+  geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0);
   EXPECT_TRUE(geometry.build_wanted());
-  EXPECT_EQ(geometry.look_ahead(geometry.to_local({0, 0.1, 0}), 0.0), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), std::numeric_limits<double>::infinity());
   const TouchGeometry at_once({std::make_shared<TriangleMesh>(), ball});
   EXPECT_EQ(at_once.triangle_count(), ball->triangles.size());
 }
@@ -247,7 +247,7 @@ TEST(TouchGeometry, ASegmentMeetsFirstWhatABruteForceSearchFinds) {
   EXPECT_GT(met, 50);
 }
 
-// From vertex to vertex, along edges and in the planes of faces: whatever it touches, a closed way goes in as often as it comes out.
+// From vertex to vertex, along edges and in the planes of faces: a closed path enters as often as it leaves.
 TEST(TouchGeometry, AClosedWayOverALatticeGoesThroughAClosedSurfaceAnEvenNumberOfTimes) {
   const TriangleMesh box = make_box(Vec3::Constant(0.5), 2);
   const TouchGeometry geometry({&box});

@@ -119,7 +119,7 @@ TEST(IntersectTriangles, LocatesTheSegment) {
   EXPECT_NEAR((right - Vec3(1, 1, 0)).norm(), 0.0, 1e-15);
 }
 
-// Every kind of touch there is on a coarse grid: shared corners, edges in planes, coplanar pairs, needles.
+// Every kind of contact on a coarse grid: shared corners, edges in planes, coplanar pairs, needles.
 TEST(IntersectTriangles, DecidesAsRationalsDoOnAGrid) {
   Random random(11);
   int met = 0;
@@ -149,7 +149,7 @@ TEST(IntersectTriangles, DecidesAsRationalsDoOnAGrid) {
   EXPECT_GT(touching, 100);
 }
 
-// Near misses and near touches far from the origin, where plain doubles would guess.
+// Near misses and near contacts far from the origin, where plain doubles would guess.
 TEST(IntersectTriangles, DecidesAsRationalsDoNearTheLimit) {
   Random random(12);
   for (int i = 0; i < 1500; ++i) {
@@ -183,7 +183,7 @@ TEST(IntersectTriangles, IsTheSameInEveryOrder) {
   }
 }
 
-// At every scale, every place, and down to planes that are parallel but for 1e-12.
+// At every scale and position, and down to planes that are parallel but for 1e-12.
 TEST(IntersectTriangles, LocatesWithinItsBound) {
   Random random(14);
   int compared = 0;
@@ -224,7 +224,7 @@ struct Tally {
 };
 
 // Certain lanes must agree with exact arithmetic, and stated errors must hold against extended precision.
-Tally judge(const std::vector<TrianglePair>& pairs) {
+Tally count_decisions(const std::vector<TrianglePair>& pairs) {
   Tally tally;
   for (std::size_t first = 0; first + 8 <= pairs.size(); first += 8) {
     TrianglePairs8 packed;
@@ -259,7 +259,7 @@ TEST(Intersect8, IsRightWhereItIsCertain) {
   Random random(21);
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 80000; ++i) pairs.push_back(random_pair(random, 1.0, Vec3::Zero()));
-  const Tally tally = judge(pairs);
+  const Tally tally = count_decisions(pairs);
   EXPECT_GT(tally.met, 10000);
   EXPECT_GT(tally.apart, 30000);
   EXPECT_LT(tally.unclear, 2000);  // random pairs are seldom near a limit
@@ -272,7 +272,7 @@ TEST(Intersect8, IsRightAtEveryScaleAndPlace) {
     const double scale = std::ldexp(1.0, random.whole(-20, 20));
     pairs.push_back(random_pair(random, scale, random.point(1e6 * scale)));
   }
-  EXPECT_LT(judge(pairs).unclear, 1000);
+  EXPECT_LT(count_decisions(pairs).unclear, 1000);
 }
 
 TEST(Intersect8, IsRightForUnlikePartners) {
@@ -286,12 +286,12 @@ TEST(Intersect8, IsRightForUnlikePartners) {
     if (i % 2 != 0) std::swap(pair.a, pair.b);
     pairs.push_back(pair);
   }
-  const Tally tally = judge(pairs);
+  const Tally tally = count_decisions(pairs);
   EXPECT_GT(tally.met, 2000);
 }
 
-// Shallow angles, shallow depths, needles: where single precision must know that it does not know.
-TEST(Intersect8, KnowsWhatItCannotTell) {
+// Shallow angles, shallow depths, needles: cases that single precision must report as undecided.
+TEST(Intersect8, KnowsWhatItCannotDecide) {
   Random random(24);
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 80000; ++i) {
@@ -310,7 +310,7 @@ TEST(Intersect8, KnowsWhatItCannotTell) {
     }
     pairs.push_back(pair);
   }
-  const Tally tally = judge(pairs);
+  const Tally tally = count_decisions(pairs);
   EXPECT_GT(tally.met, 5000);
   EXPECT_GT(tally.unclear, 5000);
 }
@@ -335,9 +335,9 @@ TEST(IntersectPairs, DecidesAsOneByOne) {
     pairs.push_back(pair);
   }
   std::vector<TriangleContact> contacts(pairs.size());
-  const std::size_t asked = intersect_pairs(pairs, contacts);
-  EXPECT_GE(asked, pairs.size() / 5);
-  EXPECT_LT(asked, pairs.size() / 4);
+  const std::size_t fallbacks = intersect_pairs(pairs, contacts);
+  EXPECT_GE(fallbacks, pairs.size() / 5);
+  EXPECT_LT(fallbacks, pairs.size() / 4);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const TriangleContact one = intersect_triangles(pairs[i]);
     ASSERT_EQ(contacts[i].meets, one.meets) << i;

@@ -132,7 +132,7 @@ TEST(UniformGrid, CoversExactlyTheCellsOfABox) {
   EXPECT_EQ(none.begin, none.end);
 }
 
-TEST(UniformGrid, RefusesWhatItCannotDo) {
+TEST(UniformGrid, RejectsWhatItCannotDo) {
   const auto triangles = corners_of(made::box(Vec3::Zero(), Vec3::Ones()));
   EXPECT_FALSE(UniformGrid::make(triangles, {0, 32, 32}));
   EXPECT_FALSE(UniformGrid::make(triangles, {32, 1025, 32}));

@@ -30,7 +30,7 @@ std::vector<std::uint32_t> found_by(const WideBvh& tree, const Box& query) {
   return found;
 }
 
-// Everything that overlaps is found, once; what is found besides overlaps the query grown by single precision's rounding.
+// Everything that overlaps is found, once; anything else found overlaps the query grown by single precision's rounding.
 void expect_same_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, const Box& query) {
   const std::vector<std::uint32_t> found = found_by(tree, query);
   EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";

@@ -1,4 +1,4 @@
-// Force shading with the normals that a mesh's author gave it.
+// Force shading with authored normals.
 #include <gtest/gtest.h>
 
 #include <memory>

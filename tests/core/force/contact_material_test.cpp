@@ -52,7 +52,7 @@ TEST(ContactMaterial, AConstraintWithoutMultiplierHasNoWeight) {
   EXPECT_EQ(mix.mean().stiffness_n_per_m, kSoft.stiffness_n_per_m);
 }
 
-// A soft wall stands in a hard floor: they meet in a concave edge along z, at x = 0, y = 0, and the probe is in x > 0, y > 0.
+// A soft wall on a hard floor: they form a concave edge along z, at x = 0, y = 0; the probe is in x > 0, y > 0.
 TouchScene corner_scene(double friction) {
   const auto block = [](const Vec3& middle) {
     return std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.1, 0.1, 0.1}, 5), 1.0, middle));
@@ -81,11 +81,11 @@ class TwoMaterials : public testing::TestWithParam<const char*> {
 Vec3 device_at(int step, int steps) {
   const double t = static_cast<double>(step) / steps;
   const double down = std::min(1.0, 4.0 * t);
-  const double across = t < 0.25 ? 0.0 : (t < 0.6 ? (t - 0.25) / 0.35 : (1.0 - t) / 0.4);
-  return {0.002 - 0.004 * across, 0.002 - 0.004 * down, 0.0003};
+  const double position = t < 0.25 ? 0.0 : (t < 0.6 ? (t - 0.25) / 0.35 : (1.0 - t) / 0.4);
+  return {0.002 - 0.004 * position, 0.002 - 0.004 * down, 0.0003};
 }
 
-// In the edge the penetration vector's parts along both normals are the multipliers themselves: the faces are at right angles.
+// At the edge the components of the penetration vector along both normals are the multipliers, because the faces are at right angles.
 TEST_P(TwoMaterials, MeetInOneConcaveEdgeByTheRuleWithoutAForceDiscontinuity) {
   const auto method = make(GetParam(), corner_scene(0.0));
   constexpr int kSteps = 1200;

@@ -51,19 +51,19 @@ TEST(ContactQp, AgreesWithEnumerationOfAllActiveSets) {
     const Vec3 goal(normal(random), normal(random), normal(random));
     std::vector<ContactPlane> planes(1 + random() % 7);
     for (ContactPlane& plane : planes) {
-      // Half-spaces that hold zero, as planes at the proxy do, leaning against the goal.
+      // Half-spaces that contain zero, as planes at the proxy do, with normals leaning against the goal.
       plane.normal = (Vec3(normal(random), normal(random), normal(random)) - 0.7 * goal).normalized();
       plane.height = -0.05 * std::abs(normal(random));
     }
     const ConstrainedMotion found = constrain_motion(goal, planes);
     ASSERT_TRUE(found.solved) << "case " << i;
     EXPECT_LE((found.motion - by_enumeration(goal, planes, 1e-12)).norm(), 1e-9) << "case " << i;
-    Vec3 pushed = Vec3::Zero();
+    Vec3 correction = Vec3::Zero();
     for (int k = 0; k < found.active_count; ++k) {
-      EXPECT_GE(found.push[k], 0.0);
-      pushed += found.push[k] * planes[found.active[k]].normal;
+      EXPECT_GE(found.multipliers[k], 0.0);
+      correction += found.multipliers[k] * planes[found.active[k]].normal;
     }
-    EXPECT_LE((found.motion - goal - pushed).norm(), 1e-9);
+    EXPECT_LE((found.motion - goal - correction).norm(), 1e-9);
     three_active += found.active_count == 3 ? 1 : 0;
   }
   EXPECT_GT(three_active, 100);
@@ -92,7 +92,7 @@ TEST(ContactQp, NearlyParallelPlanesLeaveTheirCommonDirectionExact) {
   }
 }
 
-TEST(ContactQp, NothingInTheWayLeavesTheGoal) {
+TEST(ContactQp, WithoutPlanesTheGoalIsReached) {
   const Vec3 goal(0.1, -0.2, 0.3);
   EXPECT_EQ(constrain_motion(goal, {}).motion, goal);
   const std::vector<ContactPlane> behind = {{Vec3(0, 0, 1), 0.0}};

@@ -17,7 +17,7 @@ TEST(MakeMethod, BuildsTheSweep) {
   EXPECT_NE((*method)->describe().find("sweep"), std::string::npos);
 }
 
-TEST(MakeMethod, AMeshWithoutTrianglesIsRefused) {
+TEST(MakeMethod, AMeshWithoutTrianglesIsRejected) {
   TriangleMesh points;
   points.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0)};
   for (const char* name : {"proxy", "smooth", "sweep", "reference"}) {
@@ -29,7 +29,7 @@ TEST(MakeMethod, AMeshWithoutTrianglesIsRefused) {
   }
 }
 
-TEST(MakeMethod, AnUnknownNameIsToldTheKnownOnes) {
+TEST(MakeMethod, AnUnknownNameGetsTheKnownOnes) {
   const auto method = make_method({.name = "sweeep"}, {.objects = {{made::shared(made::sphere(0.1, 8)), {}}}});
   ASSERT_FALSE(method);
   EXPECT_NE(method.error().what.find("'sweeep'"), std::string::npos);
@@ -37,7 +37,7 @@ TEST(MakeMethod, AnUnknownNameIsToldTheKnownOnes) {
   EXPECT_NE(method.error().what.find("sweep"), std::string::npos);
 }
 
-TEST(MakeMethod, AnImpossibleSettingIsRefusedInOneLineThatSaysWhatToGive) {
+TEST(MakeMethod, AnImpossibleSettingIsRejectedInOneLineThatSaysWhatToGive) {
   const TouchScene ball{.objects = {{made::shared(made::sphere(0.1, 8)), {}}}};
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::pair<MethodSettings, const char*>> cases = {
@@ -58,18 +58,18 @@ TEST(MakeMethod, AnImpossibleSettingIsRefusedInOneLineThatSaysWhatToGive) {
   }
 }
 
-TEST(MakeMethod, SmoothIsToldItsCreaseAngleAndHowMuchToSimplify) {
+TEST(MakeMethod, SmoothGetsItsCreaseAngleAndHowMuchToSimplify) {
   const TouchScene ball{.objects = {{made::shared(make_icosphere(0.05, 4)), {}}}};
   const auto plain = make_method({.name = "smooth"}, ball);
-  const auto told = make_method({.name = "smooth", .crease_deg = 63.0, .simplify_m = 2e-4}, ball);
-  ASSERT_TRUE(plain && told);
+  const auto configured = make_method({.name = "smooth", .crease_deg = 63.0, .simplify_m = 2e-4}, ball);
+  ASSERT_TRUE(plain && configured);
   EXPECT_NE((*plain)->describe().find("5120 triangles, not asked for"), std::string::npos) << (*plain)->describe();
   EXPECT_NE((*plain)->describe().find("more than 40 degrees"), std::string::npos);
-  EXPECT_NE((*told)->describe().find("5120 triangles made "), std::string::npos) << (*told)->describe();
-  EXPECT_NE((*told)->describe().find("more than 63 degrees"), std::string::npos);
+  EXPECT_NE((*configured)->describe().find("5120 triangles made "), std::string::npos) << (*configured)->describe();
+  EXPECT_NE((*configured)->describe().find("more than 63 degrees"), std::string::npos);
 }
 
-TEST(MakeMethod, EmptySceneIsRefused) {
+TEST(MakeMethod, EmptySceneIsRejected) {
   EXPECT_FALSE(make_method({}, {}));
   EXPECT_FALSE(make_method({}, {.objects = {{nullptr, {}}}}));
 }

@@ -33,7 +33,7 @@ TEST(TouchStep, FreeSpaceHasNoForceAndNoOffset) {
   EXPECT_EQ(felt.visual_offset_m, Vec3::Zero());
 }
 
-TEST(TouchStep, TurningTheSceneIntoARestingProbeIsFelt) {
+TEST(TouchStep, TurningTheSceneIntoAStationaryProbeExertsAForce) {
   TouchStep touch = make_step();
   const Vec3 p_WD(0.05, 0.001, 0.002);
   touch.reset({.p_WD = p_WD});

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kRounding = std::numeric_limits<double>::epsilon();
 
-// The judge computes in 113-bit mantissa: needles cost long double all its extra digits.
+// The comparison uses a 113-bit mantissa: needles cost long double all its extra digits.
 __extension__ typedef __float128 Quad;
 
 struct Wide {
@@ -33,7 +33,7 @@ Quad squared_to_segment(const Wide& a, const Wide& b, const Wide& p) {
   return dot(off, off);
 }
 
-double judged_distance(const Wide& a, const Wide& b, const Wide& c, const Wide& p) {
+double reference_distance(const Wide& a, const Wide& b, const Wide& c, const Wide& p) {
   const Wide n = cross(b - a, c - a);
   const Quad n2 = dot(n, n);
   if (n2 > 0 && dot(cross(n, b - a), p - a) >= 0 && dot(cross(n, c - b), p - b) >= 0 && dot(cross(n, a - c), p - c) >= 0) {
@@ -57,16 +57,16 @@ TEST_P(ClosestPointOnShape, AgreesWithQuadPrecision) {
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
   const double size = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
   for (int i = 0; i < 20000; ++i) {
-    const double reach = size * std::pow(10.0, 6.0 * symmetric(random) - 5.5);
+    const double spread = size * std::pow(10.0, 6.0 * symmetric(random) - 5.5);
     double u = std::abs(symmetric(random));
     double v = std::abs(symmetric(random));
     if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-    const Vec3 p = a + u * (b - a) + v * (c - a) + reach * Vec3(symmetric(random), symmetric(random), symmetric(random));
+    const Vec3 p = a + u * (b - a) + v * (c - a) + spread * Vec3(symmetric(random), symmetric(random), symmetric(random));
     const ClosestPoint found = closest_point(a, b, c, p);
-    const double judged = judged_distance(Wide(a), Wide(b), Wide(c), Wide(p));
+    const double expected = reference_distance(Wide(a), Wide(b), Wide(c), Wide(p));
     const double scale = std::max({size, (p - a).norm(), a.cwiseAbs().maxCoeff()});
-    ASSERT_NEAR(found.distance, judged, 16.0 * kRounding * scale) << name << " at " << p.transpose();
-    ASSERT_NEAR((p - found.point).norm(), judged, 32.0 * kRounding * scale);
+    ASSERT_NEAR(found.distance, expected, 16.0 * kRounding * scale) << name << " at " << p.transpose();
+    ASSERT_NEAR((p - found.point).norm(), expected, 32.0 * kRounding * scale);
     ASSERT_NEAR(found.barycentric.sum(), 1.0, 1e-12);
     ASSERT_GE(found.barycentric.minCoeff(), 0.0);
     if (found.distance > 1e-6 * scale) {

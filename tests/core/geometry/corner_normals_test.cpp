@@ -47,7 +47,7 @@ TEST(CornerNormals, OfABoxAreItsFaces) {
   EXPECT_EQ(smooth.normals, mesh.vertices.size());
 }
 
-// A box whose author rounded it: the normal at each corner points from the middle.
+// A box with rounded authored normals: the normal at each corner points from the middle.
 TriangleMesh rounded_box() {
   TriangleMesh mesh = make_box(Vec3(1, 1, 1), 1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -98,7 +98,7 @@ TEST(CornerNormals, AMeshWithoutAuthoredOnesKeepsTheComputedOnes) {
   EXPECT_EQ(count_authored_normals(mesh).describe(), "none");
 }
 
-TEST(CornerNormals, AuthoredOnesOfAFlippedMeshPointTheOtherWay) {
+TEST(CornerNormals, AuthoredOnesOfAFlippedMeshPointTheOppositeWay) {
   const TriangleMesh turned = flipped(rounded_box());
   EXPECT_EQ(count_authored_normals(turned).used, 36U);
   const TriangleMesh both = joined(make_box(Vec3(3, 3, 3), 1), rounded_box());

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// The farthest that a boundary vertex lies from all triangles but its own patch's, which are those of its neighbours: of any other vertex.
+// The largest distance of a boundary vertex from all triangles but its own patch's, which are those that contain its neighbours.
 double widest_gap(const TriangleMesh& mesh) {
   TriangleMesh copy = mesh;
   const SeamMesh seam(copy, find_boundary_vertices(mesh), 1.0);
@@ -32,7 +32,7 @@ double widest_gap(const TriangleMesh& mesh) {
   return widest;
 }
 
-TEST(CrackedShapes, GapeAsWideAsTheyAreAsked) {
+TEST(CrackedShapes, GapeAsWideAsRequested) {
   for (const double width : {1e-5, 0.9e-4}) {
     for (const TriangleMesh& mesh : {make_torn(make_icosphere(0.5, 2), width), make_shaken(make_icosphere(0.5, 2), width, 1),
                                      make_patched_box(Vec3(1.0, 0.8, 0.6), width, 1), make_patched_sphere(0.5, 0.0, width, 1),
@@ -40,7 +40,7 @@ TEST(CrackedShapes, GapeAsWideAsTheyAreAsked) {
       EXPECT_LE(widest_gap(mesh), width);
       EXPECT_GT(widest_gap(mesh), 0.3 * width);
       EXPECT_GT(compute_volume(mesh), 0.0);
-      EXPECT_GT(count_edges(mesh).border, 10U);
+      EXPECT_GT(count_edges(mesh).boundary, 10U);
     }
   }
 }

@@ -32,15 +32,15 @@ void expect(const TriangleMesh& mesh, std::size_t count, std::size_t inside_out)
   }
 }
 
-TEST(InsideOut, TellsAClosedBodyFromOneTurnedRound) {
+TEST(InsideOut, DistinguishesAClosedBodyFromAFlippedOne) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
   expect(ball, 1, 0);
   expect(turned(ball), 1, 1);
 }
 
-TEST(InsideOut, LooksAtEachBodyByItself) {
+TEST(InsideOut, ExaminesEachBodySeparately) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
-  // The large one outweighs the small one that is turned round.
+  // The large one outweighs the small flipped one.
   expect(put_beside(moved(ball, 10.0, Vec3(20, 0, 0)), turned(ball)), 2, 1);
   expect(put_beside(turned(ball), moved(turned(ball), 2.0, Vec3(0, 9, 0))), 2, 2);
 }

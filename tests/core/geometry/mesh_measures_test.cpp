@@ -8,11 +8,11 @@
 namespace hapton {
 namespace {
 
-TEST(MeshMeasures, CountsBordersAndInconsistency) {
+TEST(MeshMeasures, CountsBoundariesAndInconsistency) {
   TriangleMesh box = make_box(Vec3::Ones());
   EXPECT_EQ(count_edges(box).edges, 18u);
   box.triangles.pop_back();
-  EXPECT_EQ(count_edges(box).border, 3u);
+  EXPECT_EQ(count_edges(box).boundary, 3u);
   TriangleMesh turned = make_box(Vec3::Ones());
   std::swap(turned.triangles[0][0], turned.triangles[0][1]);
   EXPECT_EQ(count_edges(turned).inconsistent, 3u);

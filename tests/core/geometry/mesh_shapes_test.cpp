@@ -13,7 +13,7 @@ constexpr double kPi = std::numbers::pi;
 
 void expect_closed_with_volume(const TriangleMesh& mesh, double volume, double relative) {
   const EdgeCensus census = count_edges(mesh);
-  EXPECT_TRUE(census.closed()) << census.border << " border, " << census.non_manifold << " non-manifold, " << census.inconsistent
+  EXPECT_TRUE(census.closed()) << census.boundary << " boundary, " << census.non_manifold << " non-manifold, " << census.inconsistent
                                << " inconsistent";
   EXPECT_NEAR(compute_volume(mesh), volume, relative * volume);
 }
@@ -44,7 +44,7 @@ TEST(MeshShapes, TorusIsClosed) { expect_closed_with_volume(make_torus(1.0, 0.3,
 
 TEST(MeshShapes, PlaneGridIsOpenAndFacesUp) {
   const TriangleMesh mesh = make_plane_grid(2.0, 4);
-  EXPECT_EQ(count_edges(mesh).border, 16u);
+  EXPECT_EQ(count_edges(mesh).boundary, 16u);
   EXPECT_EQ(count_edges(mesh).inconsistent, 0u);
   EXPECT_NEAR(compute_area(mesh), 4.0, 1e-14);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -113,7 +113,7 @@ TEST(MeshTopology, CountsDuplicatesWhateverTheirOrder) {
   EXPECT_EQ(compute_mesh_topology(mesh).duplicate_triangles, 2U);
 }
 
-// Against sets and maps, on triangles drawn at random over few vertices, so that everything occurs.
+// Against sets and maps, on random triangles over few vertices, so that everything occurs.
 TEST(MeshTopology, AgreesWithItsBruteForceTwin) {
   const unsigned seed = 20260807;
   RecordProperty("seed", static_cast<int>(seed));

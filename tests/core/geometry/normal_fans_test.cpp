@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// A box has three normals in a corner: two fakes along each edge piece, one in each corner.
+// A box has three normals in a corner: two degenerate triangles along each edge piece, one in each corner.
 TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
   SmoothSurfaceReport report;
   const auto surface = make_smooth_surface(make_box(Vec3(1, 1, 1)), {.longest_edge = 0.0}, report);
@@ -27,7 +27,7 @@ TEST(NormalFans, ABoxGetsFansAlongEdgesAndInCorners) {
   }
 }
 
-// The fans close the surface of normals: at every side of every triangle, fake or not, another one runs the other way with the same
+// The fans close the surface of normals: at every side of every triangle, degenerate or not, another one runs the other way with the same
 // normals, so no direction is left out and none is covered twice.
 TEST(NormalFans, FansLeaveNoGapBetweenNormals) {
   for (const TriangleMesh& mesh : {make_box(Vec3(1, 2, 3), 2), make_cylinder(1.0, 2.0, 12),

@@ -51,7 +51,7 @@ TEST(PointInMesh, InvertedAndFarAway) {
   EXPECT_FALSE(shell.is_inside(move * 1e-3 + Vec3(0.0011, 0, 0)));
 }
 
-TEST(PointInMesh, DistanceAsksEveryTriangle) {
+TEST(PointInMesh, DistanceTestsEveryTriangle) {
   const PointInMesh box(make_box(Vec3::Ones(), 3));
   EXPECT_NEAR(box.compute_distance(Vec3(0.1, 0.2, 0.4)), 0.1, 1e-15);
   EXPECT_NEAR(box.compute_distance(Vec3(1.5, 1.5, 1.5)), std::sqrt(3.0), 1e-15);

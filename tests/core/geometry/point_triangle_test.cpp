@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Distance by minimising over the triangle's own parameters, densely and then locally: slow and plain.
+// Distance by minimising over the triangle's own parameters, densely and then locally: slow and simple.
 double distance_by_search(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   double best = std::numeric_limits<double>::infinity();
   double best_u = 0.0;

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// As STL has it: three vertices of its own for each triangle.
+// As in STL: three vertices of its own for each triangle.
 TriangleMesh unwelded(const TriangleMesh& mesh) {
   TriangleMesh loose;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -28,7 +28,7 @@ TEST(RepairMesh, LeavesACleanMeshAsItIs) {
   const TriangleMesh repaired = repair_mesh(mesh, report, &source);
   EXPECT_EQ(repaired.triangles, mesh.triangles);
   EXPECT_EQ(repaired.vertices.size(), mesh.vertices.size());
-  EXPECT_EQ(report.welded_vertices + report.dropped_empty + report.dropped_duplicates + report.turned + report.border_edges +
+  EXPECT_EQ(report.welded_vertices + report.dropped_empty + report.dropped_duplicates + report.turned + report.boundary_edges +
                 report.nonmanifold_edges + report.unorientable_pieces + report.double_faces,
             0U);
   EXPECT_EQ(report.pieces, 1U);
@@ -58,7 +58,7 @@ TEST(RepairMesh, DropsEmptyAndDuplicateTrianglesAndKeepsTwoSidedSheets) {
   const std::size_t clean = mesh.triangles.size();
   const Triangle t = mesh.triangles[3];
   mesh.triangles.insert(mesh.triangles.begin() + 1, Triangle{t[0], t[0], t[1]});
-  mesh.triangles.push_back({t[1], t[2], t[0]});  // the same, begun elsewhere
+  mesh.triangles.push_back({t[1], t[2], t[0]});  // the same, starting at another vertex
   mesh.triangles.push_back({t[0], t[2], t[1]});  // the other side
   RepairReport report;
   std::vector<std::uint32_t> source;
@@ -115,7 +115,7 @@ TEST(RepairMesh, LeavesAMoebiusStripAlone) {
   EXPECT_EQ(repaired.triangles, mesh.triangles);
 }
 
-TEST(RepairMesh, CountsWhatItCannotMend) {
+TEST(RepairMesh, CountsWhatItCannotRepair) {
   TriangleMesh mesh = make_plane_grid(1.0, 2);
   mesh.vertices.emplace_back(2, 0, 0);
   mesh.vertices.emplace_back(3, 0, 0);
@@ -128,7 +128,7 @@ TEST(RepairMesh, CountsWhatItCannotMend) {
   repair_mesh(mesh, report);
   EXPECT_EQ(report.empty_area, 1U);
   EXPECT_EQ(report.needles, 1U);
-  EXPECT_EQ(report.border_edges, 8U + 4U);
+  EXPECT_EQ(report.boundary_edges, 8U + 4U);
   EXPECT_EQ(report.pieces, 2U);
   EXPECT_NE(report.describe().find("1 needles"), std::string::npos);
 }

@@ -100,7 +100,7 @@ TEST(SealCracks, SheetsCloseTogetherKeepTheirInsides) {
   const TriangleMesh sheets =
       joined(make_plane_grid(1.0, 8), scaled_and_moved(flipped(make_plane_grid(1.0, 8)), 1.0, Vec3(0.0, 0.0, 5e-5)));
   const made::Sealed sealed = seal_checked(sheets, "two sheets");
-  // Rims may be joined; each inner vertex is there yet, twice.
+  // Rims may be joined; each inner vertex still exists, twice.
   std::size_t inner = 0;
   for (const Vec3& vertex : sealed.mesh.vertices) inner += vertex.head<2>().cwiseAbs().maxCoeff() < 0.49 ? 1 : 0;
   EXPECT_EQ(inner, 2U * 7U * 7U);
@@ -129,7 +129,7 @@ TEST(SealCracks, ANarrowStripStays) {
   EXPECT_FALSE(seal_checked(wide, "ribbon with a middle").report.has_sealed());
 }
 
-// A square cut from its left side to its middle, the cut so wide at the rim.
+// A square cut from its left side to its middle, `width` wide at the rim.
 TriangleMesh notched(double width, int cells_above, int cells_below) {
   TriangleMesh sheet;
   const auto half = [&](double side, int cells) {
@@ -178,7 +178,7 @@ TEST(SealCracks, FlippedPatchesAreJoinedAndStayFlipped) {
   for (std::size_t t = 0; t < 2U * 3U * 3U; ++t) std::swap(box.triangles[t][1], box.triangles[t][2]);
   const made::Sealed sealed = seal_checked(box, "flipped face");
   const EdgeCensus edges = count_edges(sealed.mesh);
-  EXPECT_EQ(edges.border, 0U);
+  EXPECT_EQ(edges.boundary, 0U);
   EXPECT_EQ(edges.non_manifold, 0U);
   EXPECT_GT(edges.inconsistent, 0U);
 }
@@ -199,7 +199,7 @@ TEST(SealCracks, AuthoredNormalsGoWithTheirCorners) {
 }
 
 TEST(SealCracks, ThousandsOfVerticesInOneSpotTakeTheirShareOfTime) {
-  // A fan of slivers, each apart from the next: the tip of all of them is one spot.
+  // A fan of slivers, each separate from the next, with their tips in one place.
   for (const double width : {1e-9, 1e-5, 0.9e-4})
     expect_closed(make_shaken(make_cylinder(0.5, 0.02, 3000), width, 1), fmt::format("{:g}", width));
 }
@@ -212,7 +212,7 @@ TEST(SealCracks, SaysInOneLineWhatItDid) {
   EXPECT_EQ(line.find('\n'), std::string::npos);
 }
 
-// Soups in which anything may meet anything, of several densities: thousands of vertices and edges within one tolerance, too.
+// Random triangles of several densities: also thousands of vertices and edges within one tolerance.
 TEST(SealCracks, HoldsItsPromisesOnSoups) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     for (const double size : {0.2, 1e-2, 1e-3, 1e-4, 1e-5}) {
@@ -224,8 +224,8 @@ TEST(SealCracks, HoldsItsPromisesOnSoups) {
   }
 }
 
-// A mesh with a few vertices so far out that all the rest lies within one tolerance: what is there to seal, nobody can tell. Work is
-// bounded, and the mesh is left as it came.
+// A mesh with a few vertices so far out that all the rest lies within one tolerance: nothing can be sealed. Work is bounded, and the mesh
+// is returned unchanged.
 TEST(SealCracks, LeavesAMeshThatIsOneSpot) {
   TriangleMesh soup = made::soup(1, 20000, 1e-5, 1e-5);
   for (std::size_t i = 0; i < soup.vertices.size(); i += 500) soup.vertices[i] += Vec3(1.0, 0.0, 0.0);
@@ -238,8 +238,8 @@ TEST(SealCracks, LeavesAMeshThatIsOneSpot) {
   EXPECT_TRUE(sealed.report.has_given_up);
 }
 
-// A vertex that went astray makes the tolerance as large as the triangles are, so that joining some moves others, everywhere. What is left
-// alone for that would grow until it is all: 33 times, 5 s.
+// A stray vertex makes the tolerance as large as the triangles are, so that joining some moves others, everywhere. The excluded parts would
+// grow until they cover everything: 33 times, 5 s.
 TEST(SealCracks, GivesUpWhereACrowdIsEverywhere) {
   TriangleMesh soup = made::soup(1, 10000, 1.0, 0.01);
   soup.vertices[0].x() = 100.0;
@@ -250,7 +250,7 @@ TEST(SealCracks, GivesUpWhereACrowdIsEverywhere) {
   EXPECT_THAT(report.describe(), HasSubstr("cracks not sealed"));
 }
 
-// A sphere that was damaged at random: holes, copies, turned and torn triangles, edges of three, empty ones.
+// A sphere damaged at random: holes, copies, flipped and torn triangles, edges of three, empty ones.
 TriangleMesh damaged(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);

@@ -56,7 +56,7 @@ TEST(SeamJoiner, LeavesTheUntouchedAlone) {
 }
 
 TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
-  // A long edge from a tip, and from the same tip a row of vertices that leaves it slowly: 5 tolerances off at the end.
+  // A long edge from a tip, and from the same tip a row of vertices that diverges slowly: 5 tolerances off at the end.
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, -1, 0}, {0.5, 1, 0}};
   mesh.triangles = {{1, 0, 2}};
@@ -88,7 +88,7 @@ TEST(SeamJoiner, StopsWhereItTakesMoreWorkThanItMay) {
   EXPECT_LT(joiner.work(), 100 * joiner.boundary_edges());
 }
 
-// A trial split that was taken back is nothing that was joined.
+// A trial split that was undone does not count as joined.
 TEST(SeamJoiner, ReportsOnlyWhatStays) {
   TriangleMesh mesh = two_rows(20, 30, 0.5 * kTolerance);
   JoinedParts untouched;

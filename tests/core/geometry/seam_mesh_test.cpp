@@ -28,9 +28,9 @@ TEST(SeamMesh, FindsTheBoundaryAsCountingEdgesDoes) {
   for (const std::uint64_t seed : {1U, 2U}) {
     TriangleMesh mesh = made::soup(seed, 200, 1.0, 0.5);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.triangles[i][2] = mesh.triangles[i * 7 % 200][0];  // edges of many
-    const std::size_t border = count_edges(mesh).border;
+    const std::size_t boundary = count_edges(mesh).boundary;
     TriangleMesh copy = mesh;
-    EXPECT_EQ(seam_of(copy).boundary_edges().size(), border) << "seed " << seed;
+    EXPECT_EQ(seam_of(copy).boundary_edges().size(), boundary) << "seed " << seed;
   }
   const TriangleMesh sheet = make_plane_grid(1.0, 3);
   const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(sheet);
@@ -54,12 +54,12 @@ TEST(SeamMesh, WeldsTwoSidesOfAGapIntoOneEdge) {
   EXPECT_EQ(sources.vertices, (std::vector<std::uint32_t>{0, 1, 2, 3, 5, 6}));
 }
 
-TEST(SeamMesh, RefusesWeldsThatBreakTheSurface) {
+TEST(SeamMesh, RejectsWeldsThatBreakTheSurface) {
   TriangleMesh mesh = two_squares(1e-3);
   SeamMesh seam = seam_of(mesh, 10.0);
-  EXPECT_EQ(seam.weld(0, 1), SeamMesh::Weld::refused);  // an edge would shrink to nothing
-  EXPECT_EQ(seam.weld(4, 3), SeamMesh::Weld::refused);  // 4, 6, 7 would lose its side: 3, 6, 7 has no height
-  EXPECT_EQ(seam.weld(6, 3), SeamMesh::Weld::refused);  // 4, 3, 7 would point down
+  EXPECT_EQ(seam.weld(0, 1), SeamMesh::Weld::rejected);  // an edge would shrink to nothing
+  EXPECT_EQ(seam.weld(4, 3), SeamMesh::Weld::rejected);  // 4, 6, 7 would lose its side: 3, 6, 7 has no height
+  EXPECT_EQ(seam.weld(6, 3), SeamMesh::Weld::rejected);  // 4, 3, 7 would point down
   EXPECT_EQ(seam.boundary_edges().size(), 8U);
   SeamMesh near = seam_of(mesh, 0.5e-3);
   EXPECT_EQ(near.weld(4, 1), SeamMesh::Weld::too_far);
@@ -70,7 +70,7 @@ TEST(SeamMesh, RefusesWeldsThatBreakTheSurface) {
   SeamMesh plates = seam_of(twice);
   EXPECT_EQ(plates.weld(3, 0), SeamMesh::Weld::done);
   EXPECT_EQ(plates.weld(4, 1), SeamMesh::Weld::done);
-  EXPECT_EQ(plates.weld(5, 2), SeamMesh::Weld::refused);
+  EXPECT_EQ(plates.weld(5, 2), SeamMesh::Weld::rejected);
   EXPECT_EQ(plates.boundary_edges().size(), 4U);
 }
 
@@ -79,7 +79,7 @@ TEST(SeamMesh, AnEdgeOfThreeIsNotMade) {
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {1, 0, 1e-3}, {0, 0, 1}};
   mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 4, 5}};
   SeamMesh seam = seam_of(mesh);
-  EXPECT_EQ(seam.weld(4, 1), SeamMesh::Weld::refused);
+  EXPECT_EQ(seam.weld(4, 1), SeamMesh::Weld::rejected);
 }
 
 TEST(SeamMesh, SplitsAnEdgeAndTakesItBack) {
@@ -110,7 +110,7 @@ TEST(SeamMesh, SplitsAnEdgeAndTakesItBack) {
   EXPECT_EQ(sources.triangles, (std::vector<std::uint32_t>{0, 0, 1}));
 }
 
-TEST(SeamMesh, RefusesSplitsThatBreakTheSurface) {
+TEST(SeamMesh, RejectsSplitsThatBreakTheSurface) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 2, 0}, {0.5, -1, 0}, {0.5, -2, 0}, {0.5, -1, 1}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {4, 5, 6}};
@@ -122,7 +122,7 @@ TEST(SeamMesh, RefusesSplitsThatBreakTheSurface) {
   EXPECT_EQ(mesh.triangles.size(), 3U);
 }
 
-TEST(SeamMesh, TellsAStripFromAGap) {
+TEST(SeamMesh, DistinguishesAStripFromAGap) {
   TriangleMesh strip;
   for (int i = 0; i <= 20; ++i) strip.vertices.emplace_back(0.1 * i, i % 2 == 0 ? 0.0 : 0.005, 0.0);
   for (std::uint32_t i = 0; i + 2 <= 20; ++i) strip.triangles.push_back(i % 2 == 0 ? Triangle{i, i + 2, i + 1} : Triangle{i, i + 1, i + 2});

@@ -18,23 +18,23 @@ TEST(SharedEdges, AClosedSurfaceSharesEveryEdgeByTwo) {
   }
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const HalfEdge* other = edges.across(t, k);
+      const HalfEdge* other = edges.adjacent(t, k);
       ASSERT_NE(other, nullptr);
       EXPECT_NE(other->triangle, t);
       EXPECT_EQ(edges.edge_of(other->triangle, other->corner), edges.edge_of(t, k));
-      EXPECT_EQ(edges.across(other->triangle, other->corner)->triangle, t);
+      EXPECT_EQ(edges.adjacent(other->triangle, other->corner)->triangle, t);
     }
   }
 }
 
-TEST(SharedEdges, BordersAndFansHaveNoOneAcross) {
-  // Three triangles on one edge, and a border all round.
+TEST(SharedEdges, BoundariesAndFansHaveNoAdjacentTriangle) {
+  // Three triangles on one edge; all other edges are boundary.
   const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}};
   const SharedEdges edges(triangles);
   EXPECT_EQ(edges.size(), 7U);
   EXPECT_EQ(edges[edges.edge_of(0, 0)].size(), 3U);
   for (std::uint32_t t = 0; t < 3; ++t) {
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(edges.across(t, k), nullptr);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(edges.adjacent(t, k), nullptr);
   }
 }
 

@@ -71,7 +71,7 @@ TEST(SimplifySmall, NoVertexIsLeftFartherOffThanTheBoundAllows) {
   }
 }
 
-// A pyramid's tip weighs as little as its faces in the quadrics of a large plain; it may still not be cut off.
+// A pyramid's tip weighs as little as its faces in the quadrics of a large plane; it must not be cut off.
 TEST(SimplifySmall, WhatItSaysItKeptItKept) {
   TriangleMesh plain = make_plane_grid(0.1, 20);
   auto middle =
@@ -84,7 +84,7 @@ TEST(SimplifySmall, WhatItSaysItKeptItKept) {
   EXPECT_LE(distance_to(plain, tip), 0.00049);
 }
 
-TEST(SimplifySmall, RefusesABoundThatIsNone) {
+TEST(SimplifySmall, RejectsAnImpossibleBound) {
   TriangleMesh box = make_box(Vec3(0.1, 0.02, 0.03), 3);
   for (const double wrong : {-1e-6, 0.1, 7.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     const auto report = simplify_small(box, wrong);

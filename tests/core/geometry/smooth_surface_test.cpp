@@ -33,7 +33,7 @@ TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
     const Pose motion = Eigen::Translation3d(0.1, 0.2, 0.3) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 2) / 3.0);
     for (Vec3& v : mesh.vertices) v = motion * v;
     moved->move_vertices(mesh.vertices);
-    // The box of a turned mesh is another; the same edges are split by the same length.
+    // The box of a rotated mesh differs; the same edges are split by the same length.
     MeshBounds bounds = compute_bounds(mesh);
     const auto anew = make_smooth_surface(mesh, {.longest_edge = report.split.longest_edge / bounds.diagonal()}, report);
     ASSERT_TRUE(anew);
@@ -79,7 +79,7 @@ TEST(SmoothSurface, TheCreaseAngleDecidesWhetherABoxHasRoundedEdges) {
   EXPECT_EQ(report.normals.sharp_edges, 0U);
 }
 
-TEST(SmoothSurface, RefusesWhatItCannotUse) {
+TEST(SmoothSurface, RejectsWhatItCannotUse) {
   SmoothSurfaceReport report;
   EXPECT_FALSE(make_smooth_surface({{Vec3(1, 1, 1)}, {{0, 0, 0}}}, {}, report));
   EXPECT_FALSE(make_smooth_surface(make_box(Vec3(1, 1, 1)), {.crease_angle_rad = -1.0}, report));

@@ -21,7 +21,7 @@ TEST(SurfaceWalk, GoesStraightOverAFlatMesh) {
   EXPECT_EQ(walk.normal(), Vec3(0, 0, 1));
 }
 
-TEST(SurfaceWalk, TurnsBackAtABorder) {
+TEST(SurfaceWalk, TurnsBackAtABoundary) {
   const TriangleMesh mesh = make_plane_grid(1.0, 4);
   SurfaceWalk walk(mesh);
   walk.start(9, 0.7);

@@ -18,7 +18,7 @@ TEST(TouchResolution, ASoundMeshNeedsNothing) {
 TEST(TouchResolution, CopiesGoAndTrianglesWithoutArea) {
   TriangleMesh mesh = make_icosphere(0.1, 2);
   const auto sound = mesh.triangles.size();
-  mesh.triangles.push_back({mesh.triangles[3][1], mesh.triangles[3][2], mesh.triangles[3][0]});  // the same, from another vertex on
+  mesh.triangles.push_back({mesh.triangles[3][1], mesh.triangles[3][2], mesh.triangles[3][0]});  // the same, starting at another vertex
   mesh.triangles.push_back({5, 5, 9});
   const Vec3 between = 0.5 * (mesh.corner(7, 0) + mesh.corner(7, 1));
   mesh.vertices.push_back(between);
@@ -46,8 +46,8 @@ TEST(TouchResolution, AFillerOfATJunctionIsReplacedByASplit) {
   for (const Triangle& t : resolved->triangles) EXPECT_FALSE(t == (Triangle{0, 1, 2}));
 }
 
-// A thin triangle beside a border would leave a slit there.
-TEST(TouchResolution, AThinTriangleWhoseGapCannotBeSealedStays) {
+// Removing a thin triangle at a boundary would leave a slit there.
+TEST(TouchResolution, AThinTriangleWithAGapThatCannotBeSealedStays) {
   TriangleMesh mesh;
   mesh.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, -1e-10, 0), Vec3(0.5, 1, 0)};
   mesh.triangles = {{0, 1, 3}, {0, 2, 1}};

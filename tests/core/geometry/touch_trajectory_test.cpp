@@ -37,9 +37,9 @@ TEST(TouchTrajectory, SlideIsOfTheKindThePeersWereMeasuredWith) {
     }
     EXPECT_NEAR(shallow, 0.001, 1e-4);
     EXPECT_NEAR(deep, 0.002, 1e-4);
-    double way = 0.0;
-    for (int i = 1000; i < 3000; ++i) way += (rows[i] - rows[i - 1]).norm();
-    EXPECT_NEAR(way / 2.0, 0.1, 0.01);  // m/s
+    double path = 0.0;
+    for (int i = 1000; i < 3000; ++i) path += (rows[i] - rows[i - 1]).norm();
+    EXPECT_NEAR(path / 2.0, 0.1, 0.01);  // m/s
   }
 }
 
@@ -102,7 +102,7 @@ TEST(TouchTrajectory, RandomWalkStaysNearAndVisitsTheInside) {
   EXPECT_LT(inside, 18000u);
 }
 
-TEST(TouchTrajectory, RefusesMeshesWithoutArea) {
+TEST(TouchTrajectory, RejectsMeshesWithoutArea) {
   EXPECT_FALSE(make_slide_trajectory(TriangleMesh{}, {}).has_value());
   TriangleMesh line;
   line.vertices = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The shadow test with p given in the triangle's frame and no slack but rounding.
+// The inside test with p given in the triangle's frame and no tolerance but rounding.
 bool contains(const TrianglePlane& plane, const Vec3& p) {
   const Vec3 local = p - plane.origin;
   return plane.contains(local[plane.u_axis], local[plane.v_axis], 0.0, 0.0, 0.0);
@@ -89,7 +89,7 @@ TEST(TrianglePlane, TheOutlineBelongsToTheTriangle) {
   }
 }
 
-TEST(TrianglePlane, SlackWidensTheOutlineByThatMuch) {
+TEST(TrianglePlane, ToleranceWidensTheOutlineByThatMuch) {
   const auto plane = compute_triangle_plane({0, 0, 0}, {4, 0, 0}, {4, 2, 0});
   const Vec3 p(2, -0.1, 0);
   const double u = p[plane->u_axis];

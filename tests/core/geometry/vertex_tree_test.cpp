@@ -35,16 +35,16 @@ TEST(VertexTree, FindsTheNearestAsLookingAtAllDoes) {
     const VertexTree tree(points, items);
     std::vector<VertexTree::Found> found;
     for (std::uint32_t q = 0; q < points.size(); ++q) {
-      for (const auto& [reach, most] :
+      for (const auto& [radius, most] :
            {std::pair(0.2, std::size_t{1000}), std::pair(0.5, std::size_t{7}), std::pair(0.0, std::size_t{9})}) {
         std::vector<std::pair<double, std::uint32_t>> all;
         for (const std::uint32_t i : items) {
           const double squared = (points[i] - points[q]).squaredNorm();
-          if (i != q && squared <= reach * reach) all.emplace_back(squared, i);
+          if (i != q && squared <= radius * radius) all.emplace_back(squared, i);
         }
         std::sort(all.begin(), all.end());
         all.resize(std::min(all.size(), most));
-        tree.find_nearest(points[q], q, reach, most, found);
+        tree.find_nearest(points[q], q, radius, most, found);
         ASSERT_EQ(found.size(), all.size()) << "seed " << seed;
         for (std::size_t i = 0; i < all.size(); ++i) {
           EXPECT_EQ(found[i].vertex, all[i].second);

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(WindingNumber, IsOneInsideAndZeroOutsideAsNearAsRoundingTells) {
+TEST(WindingNumber, IsOneInsideAndZeroOutsideUpToRounding) {
   const TriangleMesh box = make_box(Vec3(1.0, 0.8, 0.6), 3);
   for (const double off : {0.1, 1e-4, 1e-8, 1e-12, 1e-14}) {
     for (const Vec3& on_wall : {Vec3(0.5, 0.1, 0.07), Vec3(0.5, 0.4, 0.07), Vec3(0.5, 0.4, 0.3)}) {  // a wall, an edge, a corner

@@ -14,14 +14,14 @@ TEST(FindZero, FindsTheZeroOfFallingFunctions) {
   EXPECT_NEAR(find_zero(0.0, 1e-3, 1.0, steep(1.0), 0x1p-51, steep), std::pow(1e-3, 0.2), 1e-12);
 }
 
-TEST(FindZero, ALineTakesOneLook) {
-  int looks = 0;
+TEST(FindZero, ALineTakesOneEvaluation) {
+  int calls = 0;
   const double zero = find_zero(0.0, 1.0, 4.0, -3.0, 0x1p-51, [&](double t) {
-    ++looks;
+    ++calls;
     return 1.0 - t;
   });
   EXPECT_EQ(zero, 1.0);
-  EXPECT_EQ(looks, 1);
+  EXPECT_EQ(calls, 1);
 }
 
 TEST(FindZero, BeginsAtOrBelowZeroIsAtTheStart) {
@@ -34,18 +34,18 @@ TEST(FindZero, BeginsAtOrBelowZeroIsAtTheStart) {
 }
 
 TEST(FindZero, EndsWhereTheFunctionIsNotKnownAndAfterItsRounds) {
-  int looks = 0;
+  int calls = 0;
   find_zero(0.0, 1.0, 1.0, -1.0, 0.0, [&](double) {
-    ++looks;
+    ++calls;
     return std::numeric_limits<double>::quiet_NaN();
   });
-  EXPECT_EQ(looks, 1);
-  looks = 0;
+  EXPECT_EQ(calls, 1);
+  calls = 0;
   find_zero(0.0, 1.0, 1.0, -1.0, 0.0, [&](double t) {
-    ++looks;
+    ++calls;
     return t < 1.0 / 3.0 ? 1.0 : -1.0;
   });
-  EXPECT_LE(looks, 40);
+  EXPECT_LE(calls, 40);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ class Patterns {
   std::mt19937_64 random_{20261121};
 };
 
-// The payload of a NaN is no result.
+// The payload of a NaN is not compared.
 std::uint32_t bits_of(float x) {
   return std::isnan(x) && std::bit_cast<std::uint32_t>(x) != 0xFFFFFFFFU ? 0x7FC00000U : std::bit_cast<std::uint32_t>(x);
 }

@@ -52,7 +52,7 @@ class Points {
   std::mt19937_64 random_;
 };
 
-TEST(Orient3d, SignTellsTheSide) {
+TEST(Orient3d, SignIsTheSide) {
   EXPECT_GT(orient3d(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)), 0.0);
   EXPECT_LT(orient3d(Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, -1)), 0.0);
   EXPECT_DOUBLE_EQ(orient3d(Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(0, 3, 0), Vec3(9, 9, 4)), 24.0);
@@ -95,8 +95,8 @@ TEST(Orient3d, SeesOneUnitInTheLastPlace) {
     d[k] = std::nextafter(d[k], points.real(1.0) > 0.0 ? 2.0 : -2.0);
     const std::array<Vec3, 4> p = {a, a + u, a + v, d};
     expect_exact(p);
-    const double plain = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]);
-    wrong_in_doubles += sign_of(plain) != sign_of(exact_determinant(p)) ? 1 : 0;
+    const double simple = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]);
+    wrong_in_doubles += sign_of(simple) != sign_of(exact_determinant(p)) ? 1 : 0;
   }
   EXPECT_GT(wrong_in_doubles, 0) << "the cases are too easy to show anything";
 }

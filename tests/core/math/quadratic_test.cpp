@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-// By small steps: the first place after which it is above zero, having been at or below it before.
+// By small steps: the first time at which it is above zero after having been at or below it.
 double scan_for_rise(double a, double b, double c) {
   const auto value = [&](double t) { return (a * t + 2.0 * b) * t + c; };
   for (int i = 1; i <= 400'000; ++i) {
@@ -43,12 +43,12 @@ TEST(Quadratic, FromAboveRisesAtOnceOrAfterItHasFallen) {
   EXPECT_EQ(time_of_rise(1.0, 0.5, 0.0), 0.0);
   EXPECT_EQ(time_of_rise(-1.0, 0.5, 2.0), 0.0);
   EXPECT_EQ(time_of_rise(1.0, -3.0, 5.0), 5.0);  // roots 1 and 5
-  EXPECT_EQ(time_of_rise(1.0, -1.0, 5.0), 2.0);  // stays above: as high again at 2
+  EXPECT_EQ(time_of_rise(1.0, -1.0, 5.0), 2.0);  // stays above zero: back at its first value at 2
   EXPECT_EQ(time_of_rise(-1.0, -1.0, 5.0), kNever);
 }
 
-// Its crest reaches 1 over zero: that is play where play is as much.
-TEST(Quadratic, ACrestWithinPlayIsNoRise) {
+// Its maximum is 1 above zero, which a play of 1 ignores.
+TEST(Quadratic, ACrestWithinThePlayIsNoRise) {
   EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0), 0.0);
   EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0, 1.0), kNever);
   EXPECT_EQ(time_of_rise(-1.0, 1.0, 0.0, 0.5), 0.0);

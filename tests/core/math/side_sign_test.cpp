@@ -22,7 +22,7 @@ TEST(SideSign, IsTheExactSignWhereThereIsOne) {
   }
 }
 
-// On a lattice nearly every point lies in some plane of others.
+// On a lattice nearly every point lies in the plane of some others.
 TEST(SideSign, IsNeverZeroAndTurnsWithTheTriangle) {
   std::mt19937_64 random(12);
   const auto draw = [&] {

@@ -8,10 +8,10 @@ namespace {
 TEST(StraightMotion, EndsExactlyAtItsEnd) {
   const Vec3 from(0.1, -0.2, 0.3);
   const Vec3 to(0.7, 1e-9, -5.0);
-  EXPECT_EQ(on_way(from, to, 0.0), from);
-  EXPECT_EQ(on_way(from, to, 1.0), to);
-  EXPECT_EQ(on_way(from, to, 2.0), to);
-  EXPECT_LT((on_way(from, to, 0.5) - 0.5 * (from + to)).norm(), 1e-15);
+  EXPECT_EQ(on_path(from, to, 0.0), from);
+  EXPECT_EQ(on_path(from, to, 1.0), to);
+  EXPECT_EQ(on_path(from, to, 2.0), to);
+  EXPECT_LT((on_path(from, to, 0.5) - 0.5 * (from + to)).norm(), 1e-15);
 }
 
 TEST(StraightMotion, PassesZeroWhereTheLineDoesAndNotBeforeNow) {

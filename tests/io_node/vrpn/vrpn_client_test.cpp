@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 
 constexpr Time kNow = {1, 2};
 
-// What a program says, with numbers of its own for what it names.
+// Messages of a client, with its own numbers for senders and types.
 struct Speaker {
   Bytes said;
 
@@ -44,7 +44,7 @@ TEST(VrpnClient, IsGreetedWithTheCookieAlone) {
   EXPECT_FALSE(client.is_connected());
 }
 
-TEST(VrpnClient, IsToldOurNamesAfterItsCookie) {
+TEST(VrpnClient, GetsOurNamesAfterItsCookie) {
   Client client("Phantom0");
   taken(client);
   ASSERT_TRUE(client.hear(Speaker().said, kNow));
@@ -127,7 +127,7 @@ TEST(VrpnClient, ThatRequestsAnImpossiblePortIsNotFollowed) {
   }
 }
 
-TEST(VrpnClient, ThatAsksForForcesIsRefusedAndCounted) {
+TEST(VrpnClient, ThatRequestsForcesIsRejectedAndCounted) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");

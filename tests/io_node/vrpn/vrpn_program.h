@@ -18,10 +18,10 @@
 
 namespace hapton::vrpn {
 
-// A program that speaks VRPN as its own client library does, by either entry. Nothing blocks: look() takes what is there.
+// A VRPN client like its own client library, connecting in either way. Nothing blocks: look() takes what is there.
 class Program {
  public:
-  // What was heard: under its name, newest last; and whether by UDP.
+  // Messages received: by name, newest last; and whether by UDP.
   struct Heard {
     std::string name;
     Bytes body;
@@ -45,7 +45,7 @@ class Program {
     if (::connect(tcp_, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) is_closed_ = true;
   }
 
-  // By a datagram that asks to be called back, as for "name@host".
+  // By a datagram that requests a call back, as for "name@host".
   void ask_to_be_called(const Address& server, const std::string& host = "127.0.0.1") {
     listening_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const std::uint16_t port = bind_to_any(listening_);
@@ -80,7 +80,7 @@ class Program {
   }
   void say(const Bytes& bytes) { to_say_.insert(to_say_.end(), bytes.begin(), bytes.end()); }
 
-  // Says what is to be said and takes what has come.
+  // Sends pending messages and takes those received.
   void look() {
     if (tcp_ < 0 && listening_ >= 0 && is_readable(listening_)) tcp_ = ::accept(listening_, nullptr, nullptr);
     if (tcp_ >= 0 && !to_say_.empty()) {

@@ -48,7 +48,7 @@ struct VrpnServer : testing::Test {
   }
   const Address& at() const { return server->local_address(); }
 
-  // Feeds a sample a millisecond until it holds, or half a minute is over.
+  // Feeds a sample a millisecond until the condition holds, or half a minute is over.
   template <class Condition>
   bool feed_until(Program& program, Condition&& holds) {
     const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
@@ -63,7 +63,7 @@ struct VrpnServer : testing::Test {
   }
 };
 
-TEST_F(VrpnServer, ShowsTheStylusToWhoComesByTcp) {
+TEST_F(VrpnServer, ShowsTheStylusToTcpClients) {
   open();
   sample.wrench.force_n = Vec3(0, 0.5, 1);
   Program program;
@@ -77,7 +77,7 @@ TEST_F(VrpnServer, ShowsTheStylusToWhoComesByTcp) {
   EXPECT_FALSE(program.last(kPosition)->by_udp);
 }
 
-TEST_F(VrpnServer, CallsWhoAsksByADatagramAndSendsPositionsByUdp) {
+TEST_F(VrpnServer, ConnectsToAUdpRequesterAndSendsPositionsByUdp) {
   open();
   Program program;
   program.ask_to_be_called(at());
@@ -89,7 +89,7 @@ TEST_F(VrpnServer, CallsWhoAsksByADatagramAndSendsPositionsByUdp) {
   EXPECT_FALSE(program.last(kButton)->by_udp) << "no change of a button may get lost";
 }
 
-TEST_F(VrpnServer, CallsOnlyWhoAskedWhateverHostIsWritten) {
+TEST_F(VrpnServer, ConnectsOnlyToTheRequesterWhateverHostIsWritten) {
   open();
   Program program;
   program.ask_to_be_called(at(), "192.0.2.1");
@@ -105,7 +105,7 @@ TEST_F(VrpnServer, SendsNoDatagramsToThirdParties) {
   EXPECT_TRUE(std::none_of(program.heard().begin(), program.heard().end(), [](const auto& heard) { return heard.by_udp; }));
 }
 
-TEST_F(VrpnServer, TellsEveryChangeOfAButtonHoweverShort) {
+TEST_F(VrpnServer, SendsEveryChangeOfAButtonHoweverShort) {
   open(50.0);
   Program program;
   program.connect(at());
@@ -126,7 +126,7 @@ TEST_F(VrpnServer, TellsEveryChangeOfAButtonHoweverShort) {
   EXPECT_THAT(changes, testing::ElementsAre(down, up, down, up));
 }
 
-TEST_F(VrpnServer, AnswersPingsAndTellsTheWorkspace) {
+TEST_F(VrpnServer, AnswersPingsAndSendsTheWorkspace) {
   open();
   Program program;
   program.connect(at());
@@ -141,7 +141,7 @@ TEST_F(VrpnServer, AnswersPingsAndTellsTheWorkspace) {
             to_hex(hex("c000000000000000 c000000000000000 c000000000000000 3ff0000000000000 3ff0000000000000 3fe0000000000000")));
 }
 
-TEST_F(VrpnServer, TellsVelocityAsTheWayOverTheTime) {
+TEST_F(VrpnServer, SendsVelocityAsDistanceOverTime) {
   open(100.0);
   Program program;
   program.connect(at());
@@ -173,7 +173,7 @@ TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, LetsGoOfWhoSpeaksSomethingElse) {
+TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
   open();
   Program babbler;
   babbler.connect(at());
@@ -187,7 +187,7 @@ TEST_F(VrpnServer, LetsGoOfWhoSpeaksSomethingElse) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, HasPlacesForSixteenAndLetsTheRestGo) {
+TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
   open();
   std::vector<std::unique_ptr<Program>> programs;
   const auto look = [&] {
@@ -196,7 +196,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndLetsTheRestGo) {
   for (int n = 0; n < 24; ++n) {
     programs.push_back(std::make_unique<Program>());
     programs.back()->connect(at());
-    // Who has said nothing yet would make room for the next.
+    // A client that has said nothing yet would make room for the next.
     if (n == 15) {
       ASSERT_TRUE(feed_until(*programs.front(), [&] {
         look();
@@ -214,8 +214,8 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndLetsTheRestGo) {
   EXPECT_EQ(count([](const Program& p) { return p.has_heard(kPosition); }), 16);
 }
 
-// Each took a place for the whole patience, and sixteen of them all places.
-TEST_F(VrpnServer, ThoseWhoSayNothingKeepNobodyOut) {
+// Each took a slot for the whole timeout, and sixteen of them all slots.
+TEST_F(VrpnServer, SilentClientsKeepNobodyOut) {
   open();
   std::vector<int> silent;
   for (int n = 0; n < 16; ++n) {
@@ -238,18 +238,18 @@ TEST_F(VrpnServer, ThoseWhoSayNothingKeepNobodyOut) {
   for (const int client : silent) ::close(client);
 }
 
-TEST_F(VrpnServer, CutsOffWhoReadsNothingAndServesTheNext) {
+TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
   open(10'000.0);
   Program lazy;
   lazy.connect(at(), 4096);
-  // Its cookie, so that it is served at all; from then on it is not looked at.
+  // Its cookie, so that it is served at all; from then on it does not read.
   lazy.look();
   testing::internal::CaptureStderr();
   std::string said;
   Program nobody;
   ASSERT_TRUE(feed_until(nobody, [&] {
     for (int n = 0; n < 10; ++n) {
-      // Every change is to be told.
+      // Every change must be sent.
       sample.device.buttons ^= 0xFFFFFFFF;
       feed.push(sample);
     }
@@ -263,7 +263,7 @@ TEST_F(VrpnServer, CutsOffWhoReadsNothingAndServesTheNext) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_heard(kPosition); }));
 }
 
-TEST_F(VrpnServer, WhatCannotBeOpenedIsTold) {
+TEST_F(VrpnServer, AnAddressThatCannotBeOpenedIsReported) {
   open();
   const Server::Options same{.address = to_string(at()), .name = "Phantom0", .limits = {}};
   EXPECT_THAT(Server::open(feed, same).error().what, HasSubstr("another program holds this port"));

@@ -31,7 +31,7 @@ TEST(VrpnWire, Cookie) {
   expect_bytes(out, {"76 72 70 6e 3a 20 76 65 72 2e 20 30 37 2e 33 38 20 20 30 00 00 00 00 00"});
 }
 
-TEST(VrpnWire, CookiesAreToldByTheirMajorVersion) {
+TEST(VrpnWire, CookiesAreDistinguishedByTheirMajorVersion) {
   const auto is_good = [](std::string_view cookie) {
     Bytes bytes(kCookieBytes);
     for (std::size_t n = 0; n < cookie.size(); ++n) bytes[n] = static_cast<std::byte>(cookie[n]);
@@ -47,7 +47,7 @@ TEST(VrpnWire, CookiesAreToldByTheirMajorVersion) {
 TEST(VrpnWire, SenderDescription) {
   Bytes out;
   append_description(out, kSenderDescription, 3, "Phantom0", {0x01020304, 7}, 1);
-  // 24 + 4 + 9 = 37 = 0x25, padded to 40. The number described stands in the sender's place.
+  // 24 + 4 + 9 = 37 = 0x25, padded to 40. The number of the described sender is in the sender field.
   expect_bytes(out, {"00000025 01020304 00000007 00000003 ffffffff 00000001 ", "00000009 5068616e746f6d30 00 000000"});
 }
 
@@ -131,7 +131,7 @@ TEST(VrpnWire, AMessageIsReadWithItsPadding) {
   EXPECT_EQ(read_message(rest, message), ReadStatus::incomplete);
 }
 
-TEST(VrpnWire, LengthsThatCannotBeAreRefused) {
+TEST(VrpnWire, ImpossibleLengthsAreRejected) {
   Message message;
   for (const char* length : {"00000000", "00000017", "ffffffff", "80000000", "00004001"}) {
     const Bytes bytes = hex(text({length, "00000000 00000000 00000000 00000000 00000000"}));

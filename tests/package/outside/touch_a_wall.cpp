@@ -1,4 +1,4 @@
-// Presses a probe 2 mm into a wall and sends the force that it feels through the wire format.
+// Presses a probe 2 mm into a wall and sends its force through the wire format.
 #include <array>
 #include <cstdio>
 #include <memory>

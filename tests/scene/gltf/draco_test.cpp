@@ -62,7 +62,7 @@ TEST(Draco, UnfoldsTheMostRegularMesh) {
   EXPECT_EQ(unfolded->corners.size(), 3 * mesh.triangles.size());
 }
 
-TEST(Draco, RefusesWhatItsBytesCannotHold) {
+TEST(Draco, RejectsWhatItsBytesCannotHold) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
     const std::string packed = sample::draco(mesh, kind);
@@ -76,7 +76,7 @@ TEST(Draco, RefusesWhatItsBytesCannotHold) {
   }
 }
 
-TEST(Draco, RefusesMoreThanIsWanted) {
+TEST(Draco, RejectsMoreThanExpected) {
   const TriangleMesh mesh = make_icosphere(1.0, 3);
   const auto refused =
       gltf::decode_draco(sample::draco(mesh, DracoKind::edgebreaker), {.position = 0, .normal = {}, .max_triangles = 100}, "here");
@@ -84,7 +84,7 @@ TEST(Draco, RefusesMoreThanIsWanted) {
   EXPECT_THAT(refused.error().what, HasSubstr("more triangles"));
 }
 
-TEST(Draco, TellsWhatIsWrong) {
+TEST(Draco, SaysWhatIsWrong) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
   const std::string packed = sample::draco(mesh, DracoKind::edgebreaker);
   const auto error_of = [](const std::string& bytes, std::uint32_t position = 0) {
@@ -98,7 +98,7 @@ TEST(Draco, TellsWhatIsWrong) {
 }
 
 // Bytes changed at random: never a crash, a hang or an unsound mesh.
-TEST(Draco, StandsDamage) {
+TEST(Draco, SurvivesDamage) {
   const unsigned seed = 20261121;
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);

@@ -10,10 +10,10 @@
 // glTF documents put together piece by piece.
 namespace hapton::sample {
 
-// Pieces of one buffer, each with a buffer view of its own.
+// Pieces of one buffer, each with its own buffer view.
 class Pieces {
  public:
-  // The number of the buffer view. members: what it has beside buffer, offset and length, with a comma before.
+  // The index of the buffer view. members: further members beside buffer, offset and length, with a comma before.
   std::size_t add(const std::string& bytes, const std::string& members = "") {
     buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');
     views_ +=
@@ -21,7 +21,7 @@ class Pieces {
     buffer_ += bytes;
     return count_++;
   }
-  // The same, compressed: the view's own range is a fallback that is nowhere.
+  // The same, compressed: the view's own range is a fallback without data.
   std::size_t add_meshopt(const std::string& bytes, std::size_t items, std::size_t stride, const std::string& mode,
                           const std::string& members = "") {
     buffer_.resize((buffer_.size() + 3) / 4 * 4, '\0');

@@ -103,7 +103,7 @@ TEST(Meshopt, TakesItemsThatAreAllEqual) {
   EXPECT_EQ(items->size(), 12 * kItems);
 }
 
-TEST(Meshopt, TellsWhatIsWrong) {
+TEST(Meshopt, SaysWhatIsWrong) {
   const auto error_of = [](const gltf::Json& json) {
     const auto layout = gltf::meshopt_layout_of(json, "here");
     return layout ? "it was taken" : layout.error().what;
@@ -123,7 +123,7 @@ TEST(Meshopt, TellsWhatIsWrong) {
 }
 
 // Bytes changed at random: never a crash or an unsound mesh.
-TEST(Meshopt, StandsDamage) {
+TEST(Meshopt, SurvivesDamage) {
   const unsigned seed = 20261121;
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);

@@ -1,4 +1,4 @@
-// What one node, one accessor and one extension add to the triangles; tests/scene/raw_mesh_test.cpp has the rest.
+// How one node, one accessor and one extension change the triangles; tests/scene/raw_mesh_test.cpp has the rest.
 #include "scene/gltf/reader.h"
 
 #include <gmock/gmock.h>
@@ -62,7 +62,7 @@ TEST(GltfInstancing, DrawsTheMeshOfANodeAtEveryInstance) {
   EXPECT_EQ(raw->parts.size(), 1U);
 }
 
-TEST(GltfInstancing, TellsWhatIsWrong) {
+TEST(GltfInstancing, SaysWhatIsWrong) {
   auto [pieces, accessors] = instanced_tetrahedron();
   EXPECT_THAT(error_of(read_glb(pieces.glb(accessors, instancing(R"("TRANSLATION":3)")), ".")), HasSubstr("not of type VEC3"));
   std::string odd = accessors;
@@ -102,7 +102,7 @@ TEST(GltfSparse, ReplacesItems) {
   EXPECT_THAT(zeros->mesh.vertices, ElementsAre(Vec3(0, 0, 0), Vec3(5, 6, 7), Vec3(0, 0, 0), Vec3(8, 9, 10)));
 }
 
-TEST(GltfSparse, TellsWhatIsWrong) {
+TEST(GltfSparse, SaysWhatIsWrong) {
   const std::string base = R"("bufferView":0,)";
   EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string("\1\4", 2)), ".")), HasSubstr("index 1 is 4, out of range"));
   EXPECT_THAT(error_of(read_glb(sparse_glb(base, std::string("\1", 1)), ".")), HasSubstr("promises 2 items but its buffer view holds 1"));

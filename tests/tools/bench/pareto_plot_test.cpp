@@ -30,7 +30,7 @@ TEST(ParetoPlot, DrawsTheFront) { EXPECT_THAT(make_pareto_plot(kMarks, "p.png"),
 
 TEST(ParetoPlot, LeavesRoomAboveTheTopMarks) { EXPECT_THAT(make_pareto_plot(kMarks, "p.png"), HasSubstr("set yrange [1e-08:1000]")); }
 
-TEST(ParetoPlot, LabelsOfMarksAtOnePlaceStandInDifferentLines) {
+TEST(ParetoPlot, LabelsOfMarksAtOnePositionAreInDifferentLines) {
   const std::vector<ParetoMark> close = {{"car", "sweep", "8", true, 2.0, 0.1}, {"car", "sweep", "16", true, 2.1, 0.1}};
   const std::string script = make_pareto_plot(close, "p.png");
   const auto height_after = [&](const std::string& row) {

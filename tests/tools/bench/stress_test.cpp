@@ -35,7 +35,7 @@ TEST(Stress, RunsEveryBodyInEveryVariantWhateverTheThreads) {
 TEST(Stress, FindingsComeWithTheCommandThatShowsThemAgain) {
   StressResult result{"box", {.scale = 1e-3}, {}};
   result.count.faults[0] = 1;
-  result.count.findings = {{.fault = StressFault::fall, .motion = StressMotion::tap_edge, .episode = 77, .step = 5, .size = 0.01}};
+  result.count.findings = {{.fault = StressFault::fall_through, .motion = StressMotion::tap_edge, .episode = 77, .step = 5, .size = 0.01}};
   const std::string text = to_text({result}, small_plan(1));
   EXPECT_THAT(text, ::testing::HasSubstr("fall in tap-edge at step 5"));
   EXPECT_THAT(text, ::testing::HasSubstr("--body box --seed 1 --scale 0.001"));
@@ -60,7 +60,7 @@ TEST(Stress, WhatWasNotLookedForIsNoZero) {
 TEST(Stress, LongWalksComeOnTopWhereAVariantGetsTenThousandSteps) {
   StressPlan plan = small_plan(1);
   plan.method.name = "proxy";
-  plan.rest_every = 0;
+  plan.compare_every = 0;
   plan.variants.resize(1);
   plan.steps = 10000;
   const auto steps_of = [&] { return sum_of(*run_stress({make_stress_body("box")}, plan, [](const StressResult&) {})).steps; };
@@ -69,7 +69,7 @@ TEST(Stress, LongWalksComeOnTopWhereAVariantGetsTenThousandSteps) {
   EXPECT_LT(steps_of(), 10400U);
 }
 
-TEST(Stress, RefusesAnUnknownMethod) {
+TEST(Stress, RejectsAnUnknownMethod) {
   StressPlan plan = small_plan(1);
   plan.method.name = "no such method";
   EXPECT_FALSE(run_stress({make_stress_body("box")}, plan, [](const StressResult&) {}).has_value());

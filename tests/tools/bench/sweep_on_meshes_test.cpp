@@ -50,7 +50,7 @@ TEST_P(SweepOnMeshes, FeelsLikeTheTwin) {
   auto& method = static_cast<SweepMethod&>(**made);
   made::BruteForceSweep twin(scene, settings.offset_m);
 
-  // Walks that start off a random triangle, press into it and slide, with a leap at the end of each.
+  // Walks that start off a random triangle, press into it and slide, with a jump at the end of each.
   std::mt19937_64 random(kSeed);
   std::normal_distribution<double> normal(0.0, 1.0);
   const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };

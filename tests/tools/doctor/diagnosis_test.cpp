@@ -19,7 +19,7 @@ using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// All that a person would be told to fix.
+// All findings that a person would have to fix.
 std::vector<Finding> complaints_of(const Diagnosis& diagnosis) {
   std::vector<Finding> complaints;
   for (const Section& section : diagnosis.sections) {
@@ -253,7 +253,7 @@ const std::vector<Fault> kFaults = {
 
 class SeededFaults : public testing::TestWithParam<Fault> {};
 
-TEST_P(SeededFaults, AreNamedAndMended) {
+TEST_P(SeededFaults, AreNamedAndFixed) {
   FakeMachine machine;
   GetParam().seed(machine);
   const Diagnosis diagnosis = diagnose(machine.look());
@@ -268,7 +268,7 @@ TEST_P(SeededFaults, AreNamedAndMended) {
 
 INSTANTIATE_TEST_SUITE_P(Doctor, SeededFaults, testing::ValuesIn(kFaults), [](const auto& fault) { return fault.param.name; });
 
-TEST(Diagnosis, FindsNothingToMendOnAHealthyMachine) {
+TEST(Diagnosis, FindsNothingToFixOnAHealthyMachine) {
   const FakeMachine machine;
   const Diagnosis diagnosis = diagnose(machine.look());
   EXPECT_THAT(complaints_of(diagnosis), IsEmpty()) << to_text(diagnosis, false);
@@ -282,7 +282,7 @@ TEST(Diagnosis, FindsNothingToMendOnAHealthyMachine) {
   }
 }
 
-TEST(Diagnosis, LooksOnlyWhereItIsAskedTo) {
+TEST(Diagnosis, ChecksOnlyWhatIsRequested) {
   const FakeMachine machine;
   const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"clock", "keys"});
   ASSERT_EQ(diagnosis.sections.size(), 2U);
@@ -313,21 +313,21 @@ TEST(Diagnosis, SaysWhatIsInTheWayOfOneKilohertz) {
   EXPECT_FALSE(diagnose(machine.look(), std::vector<std::string>{"rights"}).obstacles_to_1_khz());
 }
 
-TEST(Diagnosis, UsesColoursOnlyWhereAskedTo) {
+TEST(Diagnosis, UsesColoursOnlyOnRequest) {
   const FakeMachine machine;
   const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"clock"});
   EXPECT_THAT(to_text(diagnosis, true), HasSubstr("\x1b["));
   EXPECT_THAT(to_text(diagnosis, false), testing::Not(HasSubstr("\x1b[")));
 }
 
-TEST(Diagnosis, SurvivesAMachineThatTellsNothing) {
+TEST(Diagnosis, SurvivesAMachineWithoutInformation) {
   const ScratchFolder empty;
   const Diagnosis diagnosis = diagnose(Machine(empty.path(), {}, {}));
   EXPECT_EQ(diagnosis.sections.size(), all_checks().size());
   for (const Finding& complaint : complaints_of(diagnosis)) EXPECT_FALSE(complaint.remedy.empty()) << complaint.subject;
 }
 
-TEST(Diagnosis, FindsHaptonHidByItsUsageWhoeverMadeIt) {
+TEST(Diagnosis, FindsHaptonHidByItsUsageWhateverTheMaker) {
   FakeMachine machine;
   machine.write("/sys/devices/usb1/1-1/1-1:1.0/hidraw0/uevent", "HID_ID=0003:0000CAFE:00004001\n");
   machine.write("/sys/devices/usb1/1-1/1-1:1.0/hidraw0/report_descriptor", std::string("\x06\x48\xff\x09\x01\xa1\x01\xc0", 8));

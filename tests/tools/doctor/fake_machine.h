@@ -14,9 +14,9 @@
 
 namespace hapton::doctor {
 
-// A machine out of files in a folder, and its answers: all is well with it until a test spoils something. A WoodenHaptics (hidraw0), a
-// Touch (ttyACM0) and a SpaceMouse (hidraw1) are plugged in, io_node runs, the user is "ada".
-// Files belong to whoever runs the test, so that ada's rights on them are those of a group: its number is that person's own.
+// A machine made of files in a folder, and its answers: it is in order until a test spoils something. A WoodenHaptics (hidraw0), a Touch
+// (ttyACM0) and a SpaceMouse (hidraw1) are plugged in, io_node runs, the user is "ada". The files belong to the user who runs the test, so
+// ada's rights on them are those of a group, whose number is that user's own.
 class FakeMachine {
  public:
   FakeMachine() {

@@ -53,7 +53,7 @@ TEST(Machine, KnowsWhoAsksAndInWhichGroups) {
   EXPECT_FALSE(machine.find_group("wheel"));
 }
 
-TEST(Machine, JudgesRightsByOwnerGroupAndOthers) {
+TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
   const FakeMachine fake;
   const auto may_use = [&](mode_t mode) {
     fake.write("/dev/thing", "", mode);

@@ -105,7 +105,7 @@ TEST_F(UdevRules, HideThoseOfTheSameNameInLaterFolders) {
   EXPECT_FALSE(find());
 }
 
-TEST_F(UdevRules, WithCapitalDigitsOrTooLateAreToldFromGoodOnes) {
+TEST_F(UdevRules, WithCapitalDigitsOrTooLateAreRejected) {
   machine.write("/etc/udev/rules.d/99-a.rules", "SUBSYSTEM==\"hidraw\", ATTRS{idVendor}==\"256F\", TAG+=\"uaccess\"");
   EXPECT_TRUE(find()->has_capital_digits);
   machine.write("/etc/udev/rules.d/99-a.rules", "SUBSYSTEM==\"hidraw\", ATTRS{idVendor}==\"256f\", TAG+=\"uaccess\"");

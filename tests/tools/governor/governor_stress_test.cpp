@@ -1,4 +1,4 @@
-// Whatever is said, wherever the device is and whatever the time: millions of hostile turns, and nothing that must not be.
+// Millions of cycles of hostile commands, device motions and clocks, in which the governor breaks none of its limits.
 #include "tools/governor/governor_stress.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261120;
 
-std::string told(const GovernorStressCount& count, std::size_t breach) {
+std::string describe(const GovernorStressCount& count, std::size_t breach) {
   return std::string(to_string(static_cast<GovernorBreach>(breach))) + ": " + std::to_string(count.breaches[breach]) +
          " times, first in program " + std::to_string(count.findings[breach].program) + ", turn " +
          std::to_string(count.findings[breach].turn);
@@ -22,9 +22,9 @@ TEST(GovernorStress, HoldsAgainstHostilePrograms) {
   const GovernorStress stress(kSeed);
   GovernorStressCount count;
   for (std::uint64_t program = 0; count.turns < 3'000'000; ++program) GovernorStress::run(stress.program_seed(program), count);
-  for (std::size_t breach = 0; breach < count.breaches.size(); ++breach) EXPECT_EQ(count.breaches[breach], 0U) << told(count, breach);
+  for (std::size_t breach = 0; breach < count.breaches.size(); ++breach) EXPECT_EQ(count.breaches[breach], 0U) << describe(count, breach);
 
-  // Every stage, every latched fault and every way to come back has been there, many times.
+  // Every stage, every latched fault and every kind of recovery occurs many times.
   const GovernorCounters& g = count.governors;
   EXPECT_GT(static_cast<double>(count.forceful), 0.25 * static_cast<double>(count.turns));
   for (const std::uint64_t stage :
@@ -34,7 +34,7 @@ TEST(GovernorStress, HoldsAgainstHostilePrograms) {
   }
   for (int fault = 1; fault < kSafetyFaults; ++fault) EXPECT_GT(g.faults[static_cast<std::size_t>(fault)], 3U) << fault;
 
-  // A judge that sees nothing near a limit has looked at nothing.
+  // A check that comes near no limit has tested nothing.
   EXPECT_GT(count.worst.force, 0.999);
   EXPECT_GT(count.worst.torque, 0.999);
   EXPECT_GT(count.worst.force_slew, 0.999);

@@ -31,7 +31,7 @@ TEST(LatencyVerdict, ARateFitsWhenWakeUpAndRoundTripLieWithinItsPeriod) {
   EXPECT_EQ(to_json(*verdict)["fit_for"][2]["fits"], false);
 }
 
-TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenItsFiguresAreTooLong) {
+TEST(LatencyVerdict, TheMeasuredRateIsNotHeldWhenItsTimesAreTooLong) {
   const auto verdict = judge_latency(report(4000, 230.0, 40.0));
   ASSERT_TRUE(verdict);
   EXPECT_FALSE(verdict->holds);

@@ -21,7 +21,7 @@
 namespace hapton {
 namespace {
 
-// A hub whose every table is of one report later than what was read before, until so many have been asked for.
+// A hub whose tables each belong to a later report than the previous one, until a given number have been requested.
 class HastyHub {
  public:
   HastyHub(const LinkKey& key, std::uint32_t hasty) : key_(key), hasty_(hasty), thread_([this] { run(); }) {}

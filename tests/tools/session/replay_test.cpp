@@ -33,7 +33,7 @@ class ScriptedClock final : public Clock {
   mutable std::int64_t now_ = 0;
 };
 
-TEST(Replay, RowsTellWhatTheStepFelt) {
+TEST(Replay, RowsAreTheOutputOfTheStep) {
   TouchStep touch = make_touch();
   const auto trajectory = press({0.001, -0.001, -0.003, 0.002});
   const Replay replay = run_replay(touch, trajectory, {}, SteadyClock());
@@ -56,7 +56,7 @@ TEST(Replay, ResetEveryForgetsContactThere) {
   EXPECT_FALSE(replay.rows[4].contact);
 }
 
-TEST(Replay, RepetitionsBeginAnewAndFeelTheSame) {
+TEST(Replay, RepetitionsStartAgainAndGiveTheSameForces) {
   TouchStep touch = make_touch();
   const Replay replay = run_replay(touch, press({0.001, -0.001, -0.002}), {.repeat = 5}, SteadyClock());
   EXPECT_EQ(replay.rows_that_differ, 0U);

@@ -179,7 +179,7 @@ TEST_F(FeltAgain, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, WhatAMethodFeltThatIsNotNamedIsNotCompared) {
+TEST_F(FeltAgain, ForcesOfAnUnnamedMethodAreNotCompared) {
   slide(60);
   live.replace(make_touch("reference"));  // its setup got lost
   slide(40);
@@ -199,7 +199,7 @@ TEST_F(FeltAgain, WhatAMethodFeltThatIsNotNamedIsNotCompared) {
   SessionReplay felt = make_felt();
   feed(felt);
   EXPECT_EQ(felt.counts().unknown_method, 40U);
-  // What the unknown one felt last fades in the air.
+  // The last force of the unknown one fades in the air.
   EXPECT_NEAR(static_cast<double>(felt.counts().not_compared), 1e3 * ForceFade::kInAirS, 1.0);
   EXPECT_EQ(felt.counts().compared + felt.counts().not_compared, 160U);
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
@@ -222,7 +222,7 @@ TEST_F(FeltAgain, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, ARecordingWithoutSetupsIsRefusedInOneLine) {
+TEST_F(FeltAgain, ARecordingWithoutSetupsIsRejectedInOneLine) {
   setups.clear();
   slide(1);
   SessionReplay felt = make_felt();

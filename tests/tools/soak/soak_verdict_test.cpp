@@ -60,7 +60,7 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
   EXPECT_EQ(json["processes"][1]["name"], "io_node");
 }
 
-TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndItIsSaidWhoseAndHowMuch) {
+TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
   SoakRun run = an_hour();
   for (SoakLook& look : run.looks) look.processes[0].resident_kib += static_cast<std::int64_t>(look.seconds);
   const SoakVerdict verdict = judge_soak(run);

@@ -12,8 +12,8 @@ namespace {
 constexpr double kStiffness = 1000.0;
 
 // The device slides 0.1 mm a step, 1 mm below a plane; the proxy is above it on the plane.
-std::vector<FeltStep> slide(std::size_t n) {
-  std::vector<FeltStep> steps(n);
+std::vector<ForceSample> slide(std::size_t n) {
+  std::vector<ForceSample> steps(n);
   for (std::size_t i = 0; i < n; ++i) {
     steps[i].device = Vec3(1e-4 * static_cast<double>(i), 0.0, -1e-3);
     steps[i].proxy = Vec3(1e-4 * static_cast<double>(i), 0.0, 0.0);
@@ -22,7 +22,7 @@ std::vector<FeltStep> slide(std::size_t n) {
   return steps;
 }
 
-void put_proxy(FeltStep& step, const Vec3& proxy) {
+void put_proxy(ForceSample& step, const Vec3& proxy) {
   step.proxy = proxy;
   step.force_n = kStiffness * (proxy - step.device);
 }
@@ -33,18 +33,20 @@ TEST(ForceError, NothingToSayWhenAllAgree) {
   EXPECT_EQ(error.steps, 100u);
   EXPECT_EQ(error.contact_steps, 100u);
   EXPECT_EQ(error.error.rms, 0.0);
-  EXPECT_EQ(error.falls + error.ghosts + error.locks + error.pops + error.branch_switches + error.unsettled_steps + error.not_finite, 0u);
+  EXPECT_EQ(error.fall_throughs + error.false_contacts + error.stuck_steps + error.discontinuities + error.branch_switches +
+                error.unsettled_steps + error.not_finite,
+            0u);
 }
 
 TEST(ForceError, MeasuresSizeAndDirection) {
   const auto reference = slide(200);
   auto method = reference;
-  for (FeltStep& step : method) put_proxy(step, step.proxy + Vec3(0.0, 1e-5, 0.0));  // 1 % aside
+  for (ForceSample& step : method) put_proxy(step, step.proxy + Vec3(0.0, 1e-5, 0.0));  // 1 % aside
   const ForceError error = compare_forces(method, reference, {});
   EXPECT_NEAR(error.error.rms, 0.01, 1e-12);
   EXPECT_NEAR(error.error.p50, 0.01, 1e-12);
   EXPECT_NEAR(error.direction_rad.p99, std::atan(0.01), 1e-12);
-  EXPECT_EQ(error.pops, 0u);
+  EXPECT_EQ(error.discontinuities, 0u);
 }
 
 TEST(ForceError, EveryStepOfABranchSwitchIsAnError) {
@@ -80,35 +82,35 @@ TEST(ForceError, UnsettledStepsCountAndAreCounted) {
   EXPECT_NEAR(error.error.most, 1.0, 1e-12);
 }
 
-TEST(ForceError, FallsAndGhosts) {
+TEST(ForceError, FallThroughsAndFalseContacts) {
   const auto pressed = slide(50);
   auto free = pressed;
-  for (FeltStep& step : free) put_proxy(step, step.device);
-  EXPECT_EQ(compare_forces(free, pressed, {}).falls, 50u);
-  EXPECT_EQ(compare_forces(pressed, free, {}).ghosts, 50u);
+  for (ForceSample& step : free) put_proxy(step, step.device);
+  EXPECT_EQ(compare_forces(free, pressed, {}).fall_throughs, 50u);
+  EXPECT_EQ(compare_forces(pressed, free, {}).false_contacts, 50u);
   // Shallower than 0.25 % of the extent is neither.
-  EXPECT_EQ(compare_forces(free, pressed, {.extent_m = 1.0}).falls, 0u);
+  EXPECT_EQ(compare_forces(free, pressed, {.extent_m = 1.0}).fall_throughs, 0u);
   EXPECT_EQ(compare_forces(free, pressed, {}).contact_steps, 50u);
 }
 
-TEST(ForceError, ALockIsAProxyLeftBehind) {
+TEST(ForceError, AProxyLeftBehindIsStuck) {
   const auto reference = slide(300);
   auto method = reference;
   for (std::size_t i = 100; i < 300; ++i) put_proxy(method[i], method[100].proxy);  // 20 mm behind at the end
   const ForceError error = compare_forces(method, reference, {});
-  EXPECT_GT(error.locks, 80u);
-  EXPECT_LT(error.locks, 110u);
-  EXPECT_EQ(error.pops, 0u);
+  EXPECT_GT(error.stuck_steps, 80u);
+  EXPECT_LT(error.stuck_steps, 110u);
+  EXPECT_EQ(error.discontinuities, 0u);
 }
 
-TEST(ForceError, APopIsAJumpTheReferenceHasNot) {
+TEST(ForceError, ADiscontinuityIsAJumpThatTheReferenceDoesNotMake) {
   const auto reference = slide(100);
   auto method = reference;
   for (std::size_t i = 50; i < 100; ++i) put_proxy(method[i], method[i].proxy + Vec3(0.0, 5e-4, 0.0));
   const ForceError error = compare_forces(method, reference, {});
-  EXPECT_EQ(error.pops, 1u);
-  EXPECT_NEAR(error.worst_pop_n, 0.5 - 0.2, 1e-9);
-  EXPECT_EQ(compare_forces(method, reference, {.reset_every = 50}).pops, 0u);  // the jump falls on a reset
+  EXPECT_EQ(error.discontinuities, 1u);
+  EXPECT_NEAR(error.worst_discontinuity_n, 0.5 - 0.2, 1e-9);
+  EXPECT_EQ(compare_forces(method, reference, {.reset_every = 50}).discontinuities, 0u);  // the jump falls on a reset
 }
 
 TEST(ForceError, NotFiniteIsCountedAndLeftOut) {

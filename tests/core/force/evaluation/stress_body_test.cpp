@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-TEST(StressBody, EveryBodyButAnOpenOneHasAClosedJudgeOfPositiveVolumeOfSensibleSize) {
+TEST(StressBody, EveryBodyButAnOpenOneHasAClosedSolidOfPositiveVolumeAndSensibleSize) {
   for (const std::string_view name : stress_body_names()) {
     const StressBody body = make_stress_body(name);
     EXPECT_EQ(body.name, name);
@@ -24,7 +24,7 @@ TEST(StressBody, EveryBodyButAnOpenOneHasAClosedJudgeOfPositiveVolumeOfSensibleS
   EXPECT_TRUE(make_stress_body("no such body").touched.triangles.empty());
 }
 
-TEST(StressBody, AnOpenMeshHasNoJudge) {
+TEST(StressBody, AnOpenMeshHasNoSolid) {
   EXPECT_TRUE(make_stress_body("sheet", make_plane_grid(0.1, 4)).solid.triangles.empty());
   EXPECT_FALSE(make_stress_body("ball", make_icosphere(0.1, 1)).solid.triangles.empty());
 }

@@ -12,7 +12,7 @@ namespace {
 
 class StressEpisodes : public ::testing::Test {
  protected:
-  std::vector<Vec3> places_of(std::uint64_t number, std::uint64_t seed = 1) {
+  std::vector<Vec3> positions_of(std::uint64_t number, std::uint64_t seed = 1) {
     StressEpisode episode(mesh_, walk_, 0.1, false, seed, "ball", number);
     motion_ = episode.motion();
     std::vector<Vec3> places;
@@ -28,7 +28,7 @@ class StressEpisodes : public ::testing::Test {
 TEST_F(StressEpisodes, ComeInEveryMotionAndAreShort) {
   std::set<StressMotion> seen;
   for (std::uint64_t number = 0; number < 100; ++number) {
-    const std::vector<Vec3> places = places_of(number);
+    const std::vector<Vec3> places = positions_of(number);
     EXPECT_GT(places.size(), 1U);
     EXPECT_LE(places.size(), 400U);
     seen.insert(motion_);
@@ -37,15 +37,15 @@ TEST_F(StressEpisodes, ComeInEveryMotionAndAreShort) {
 }
 
 TEST_F(StressEpisodes, DependOnTheirNumberAndSeedAlone) {
-  const std::vector<Vec3> first = places_of(kFirstLongWalk + 7);
-  places_of(3);
-  EXPECT_EQ(places_of(kFirstLongWalk + 7), first);
-  EXPECT_NE(places_of(kFirstLongWalk + 8), first);
-  EXPECT_NE(places_of(kFirstLongWalk + 7, 2), first);
+  const std::vector<Vec3> first = positions_of(kFirstLongWalk + 7);
+  positions_of(3);
+  EXPECT_EQ(positions_of(kFirstLongWalk + 7), first);
+  EXPECT_NE(positions_of(kFirstLongWalk + 8), first);
+  EXPECT_NE(positions_of(kFirstLongWalk + 7, 2), first);
 }
 
 TEST_F(StressEpisodes, ALongWalkGoesInAndOutAllOverTheBody) {
-  const std::vector<Vec3> places = places_of(kFirstLongWalk);
+  const std::vector<Vec3> places = positions_of(kFirstLongWalk);
   EXPECT_EQ(motion_, StressMotion::walk);
   EXPECT_EQ(places.size(), 20001U);
   std::size_t crossings = 0;

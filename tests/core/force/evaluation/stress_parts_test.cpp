@@ -46,10 +46,10 @@ TEST(StressParts, ASlottedPartIsClosedAndHasNarrowGaps) {
   }
 }
 
-TEST(StressParts, AnOpenFrontHasBordersAndTurnedTriangles) {
+TEST(StressParts, AnOpenFrontHasBoundariesAndFlippedTriangles) {
   for (const std::uint64_t seed : kSeeds) {
     const EdgeCensus edges = count_edges(make_open_front(seed));
-    EXPECT_GT(edges.border, 100U) << "seed " << seed;
+    EXPECT_GT(edges.boundary, 100U) << "seed " << seed;
     EXPECT_GT(edges.inconsistent, 0U) << "seed " << seed;
   }
 }

@@ -28,24 +28,24 @@ std::unique_ptr<ForceMethod> make_proxy(const TriangleMesh& mesh) {
   return std::move(*method);
 }
 
-// From outside straight in: whether there is a force at the end.
-bool is_felt(ForceMethod& method, const Vec3& at, const Vec3& up) {
+// A tap straight in from outside: whether there is a force at the end.
+bool has_contact(ForceMethod& method, const Vec3& at, const Vec3& up) {
   method.reset(at + 1e-3 * up);
   MethodOutput felt;
   for (double height = 1e-3; height > -kDepth; height -= kStep) felt = method.step({.p_SD = at + height * up});
   return felt.contact;
 }
 
-// Places on the seams of a cracked mesh: in the middle of the gap at its vertices, and anywhere between them.
-struct Place {
+// A position on a seam of a cracked mesh: in the middle of the gap at its vertices, or anywhere between them.
+struct Position {
   Vec3 at;
   Vec3 up;
 };
 
 // The gaps of make_torn(mesh) run along the mesh's edges.
-std::vector<Place> draw_places(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
+std::vector<Position> draw_positions(const TriangleMesh& mesh, std::size_t count, std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  std::vector<Place> places;
+  std::vector<Position> places;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t t = random() % mesh.triangles.size();
     const int k = static_cast<int>(random() % 3);
@@ -56,11 +56,11 @@ std::vector<Place> draw_places(const TriangleMesh& mesh, std::size_t count, std:
   return places;
 }
 
-// The fault that sealing is for. Today's proxy falls through each crack that it is led to, at any width.
-TEST(SealedTouch, TapsFallThroughOpenCracksAndAreFeltOnSealedOnes) {
+// The fault that sealing removes: the proxy falls through each open crack that it meets, at any width.
+TEST(SealedTouch, TapsFallThroughOpenCracksButNotThroughSealedOnes) {
   constexpr std::uint64_t kSeed = 20261121;
   const TriangleMesh whole = make_icosphere(0.05, 3);
-  const std::vector<Place> places = draw_places(whole, 2000, kSeed);
+  const std::vector<Position> places = draw_positions(whole, 2000, kSeed);
   for (const double width : {1e-6, 1e-5}) {  // 1 and 10 micrometres: 1e-5 and 1e-4 of the extent
     const TriangleMesh torn = make_torn(whole, 0.9 * width);
     SealReport report;
@@ -68,21 +68,21 @@ TEST(SealedTouch, TapsFallThroughOpenCracksAndAreFeltOnSealedOnes) {
     ASSERT_TRUE(count_edges(sealed).closed()) << report.describe();
     const auto open_method = make_proxy(torn);
     const auto sealed_method = make_proxy(sealed);
-    std::size_t open_falls = 0;
-    std::size_t sealed_falls = 0;
-    for (const Place& place : places) {
-      open_falls += is_felt(*open_method, place.at, place.up) ? 0 : 1;
-      sealed_falls += is_felt(*sealed_method, place.at, place.up) ? 0 : 1;
+    std::size_t open_fall_throughs = 0;
+    std::size_t sealed_fall_throughs = 0;
+    for (const Position& place : places) {
+      open_fall_throughs += has_contact(*open_method, place.at, place.up) ? 0 : 1;
+      sealed_fall_throughs += has_contact(*sealed_method, place.at, place.up) ? 0 : 1;
     }
-    fmt::print("cracks {:g} m wide, seed {}: {} of {} taps fall through, {} when sealed\n", width, kSeed, open_falls, places.size(),
-               sealed_falls);
-    EXPECT_EQ(open_falls, places.size());
-    EXPECT_EQ(sealed_falls, 0U);
+    fmt::print("cracks {:g} m wide, seed {}: {} of {} taps fall through, {} when sealed\n", width, kSeed, open_fall_throughs, places.size(),
+               sealed_fall_throughs);
+    EXPECT_EQ(open_fall_throughs, places.size());
+    EXPECT_EQ(sealed_fall_throughs, 0U);
   }
 }
 
-// Along a seam and across it, by depths that come and go. The facets lie up to a few tenths of a millimetre below the sphere.
-TEST(SealedTouch, SlidesAcrossSealedSeamsAreFeltAllTheWay) {
+// Along a seam and across it, at varying depth. The facets are up to a few tenths of a millimetre below the sphere.
+TEST(SealedTouch, SlidesAcrossSealedSeamsStayInContact) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
@@ -102,10 +102,10 @@ TEST(SealedTouch, SlidesAcrossSealedSeamsAreFeltAllTheWay) {
         at = (at + 2e-3 * along).normalized();
         const double depth = 1e-3 * (1.0 + 0.9 * std::sin(0.1 * step));
         const Vec3 device = (0.05 - depth) * at;
-        const bool is_felt = method->step({.p_SD = device}).contact;
+        const bool has_contact = method->step({.p_SD = device}).contact;
         if (!solid.is_inside(device) || solid.compute_distance(device) < 1e-8) continue;
         ++inside;
-        unfelt += is_felt ? 0 : 1;
+        unfelt += has_contact ? 0 : 1;
       }
     }
     EXPECT_EQ(unfelt, 0U) << "seed " << seed;

@@ -10,8 +10,8 @@
 namespace hapton {
 namespace {
 
-// A step of a slide in which a fold lets go of the point on the way and would hold it again at the end: where the device jumps there at
-// once, it stays.
+// A step of a slide in which a concave edge releases the point in mid-step and would hold it again at the end: if the device jumps to the
+// end at once, the point stays.
 struct LettingGo {
   unsigned seed;
   std::size_t step;
@@ -31,7 +31,7 @@ class ProxyFollow : public testing::TestWithParam<LettingGo> {
     return make_method(settings, scene).value();
   }
 
-  // What is felt at the step, reached from the beginning of the slide's piece.
+  // The output at the step, from the beginning of the slide's segment.
   static MethodOutput felt_at(ForceMethod& method, const TouchTrajectory& slide, std::size_t step) {
     const std::size_t first = step / slide.reset_every * slide.reset_every;
     method.reset(slide.p_SD[first]);

@@ -34,7 +34,7 @@ MethodOutput press(ForceMethod& method, const Vec3& from, const Vec3& to, int st
   return felt;
 }
 
-TEST(Proxy, APlaneAnswersWithHookesLawFromEitherSide) {
+TEST(Proxy, APlaneFollowsHookesLawFromEitherSide) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 8)));
   for (const double side : {1.0, -1.0}) {
     const MethodOutput felt = press(*proxy, {0.011, 0.007, side * 0.01}, {0.013, 0.008, -side * 0.002}, 5);
@@ -44,7 +44,7 @@ TEST(Proxy, APlaneAnswersWithHookesLawFromEitherSide) {
   }
 }
 
-TEST(Proxy, ASphereProbeStandsOffByItsRadius) {
+TEST(Proxy, ASphereProbeStaysOffByItsRadius) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 8)), 0.003);
   const MethodOutput felt = press(*proxy, {0.011, 0.007, 0.01}, {0.013, 0.008, 0.001}, 5);
   EXPECT_NEAR((felt.force_n - Vec3(0, 0, 2.0)).norm(), 0.0, 1e-8);
@@ -124,11 +124,11 @@ TEST(Proxy, ScaleDoesNotMatter) {
     const auto proxy = proxy_over(scene_of(scaled_and_moved(mesh, scale, Vec3::Zero())));
     proxy->reset(scale * way[0]);
     for (std::size_t i = 0; i < way.size(); ++i) {
-      const Vec3 stretch = proxy->step({.p_SD = scale * way[i]}).force_n / (1000.0 * scale);
+      const Vec3 extension = proxy->step({.p_SD = scale * way[i]}).force_n / (1000.0 * scale);
       if (scale == 1.0) {
-        expected.push_back(stretch);
+        expected.push_back(extension);
       } else {
-        EXPECT_EQ(stretch, expected[i]) << "scale " << scale << " step " << i;  // powers of two: to the bit
+        EXPECT_EQ(extension, expected[i]) << "scale " << scale << " step " << i;  // scaling by powers of two: equal to the bit
       }
     }
   }
@@ -170,8 +170,8 @@ TEST(Proxy, FarFromTheOriginItFeelsTheSame) {
 }
 
 TEST(Proxy, FrictionlessWorkRoundAClosedPathIsZero) {
-  // On a plane and in a fold, where no ridge lets the proxy snap. Along straight pieces of the path the force is linear.
-  Pose top_to_z = Pose::Identity();  // the gutter's top faces +y; its fold lies at 0.03
+  // On a plane and at a concave edge, where no convex edge lets the proxy jump. Along straight pieces of the path the force is linear.
+  Pose top_to_z = Pose::Identity();  // the gutter's top faces +y; its concave edge is at 0.03
   top_to_z.linear() = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()).toRotationMatrix();
   top_to_z.translation() = Vec3(0, 0, -0.05);
   TriangleMesh gutter = make_gutter(0.1, 0.02, 1.5, 20);
@@ -237,7 +237,7 @@ TEST(Proxy, DampingIsUsedAndNeverPullsIn) {
   proxy->step({.p_SD = Vec3(0, 0, -0.001)});
   const MethodOutput in = proxy->step({.p_SD = Vec3(0, 0, -0.0012)});  // 0.2 m/s inward
   EXPECT_NEAR(in.force_n.z(), 1.2 + 1.0, 1e-6);
-  const MethodOutput out = proxy->step({.p_SD = Vec3(0, 0, -0.0002)});  // 1 m/s outward: damping alone would pull
+  const MethodOutput out = proxy->step({.p_SD = Vec3(0, 0, -0.0002)});  // 1 m/s outward: damping alone would be attractive
   EXPECT_GE(out.force_n.z(), 0.0);
   EXPECT_LE(out.force_n.z(), 1e-9);
 }
@@ -250,24 +250,23 @@ TEST(Proxy, OneSidedSurfacesLetTheBackThrough) {
   EXPECT_FALSE(press(*proxy, {0.011, 0.007, -0.01}, {0.011, 0.007, 0.002}, 3).contact);
 }
 
-TEST(Proxy, AFoldLetsGoAgain) {
+TEST(Proxy, AConcaveEdgeReleasesTheProxyAgain) {
   // Press into a gutter, slide along it and lift out: the force never exceeds what the device's depth explains.
   for (const double opening : {0.2, 1.0, 2.0}) {
     const auto proxy = proxy_over(scene_of(make_gutter(0.1, 0.02, opening, 40)));
     proxy->reset({0, 0.06, -0.03});
     MethodOutput felt;
     for (int i = 0; i <= 200; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.06 - 0.0002 * i, -0.03)});
-    ASSERT_GT(felt.force_n.y(), 1.0) << "not pressed into the fold, opening " << opening;
+    ASSERT_GT(felt.force_n.y(), 1.0) << "not pressed into the concave edge, opening " << opening;
     for (int i = 0; i < 600; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02, -0.03 + 1e-4 * i)});
-    EXPECT_LE(std::fabs(felt.force_n.z()), 1e-3) << "it sticks along the fold, opening " << opening;
+    EXPECT_LE(std::fabs(felt.force_n.z()), 1e-3) << "it sticks along the concave edge, opening " << opening;
     EXPECT_NEAR(felt.p_SP.y(), 0.03, 1e-6);
     for (int i = 0; i < 400; ++i) felt = proxy->step({.p_SD = Vec3(0, 0.02 + 2e-4 * i, 0.03)});
     EXPECT_FALSE(felt.contact);
   }
 }
 
-// Straight down in the very plane of a side: on the upper edge the proxy stands at the maximum of its way, and nothing but exactness holds
-// it.
+// Straight down exactly in the plane of a side: at the upper edge the proxy is at the maximum of its distance, in unstable balance.
 TEST(Proxy, DoesNotBalanceOnAnEdge) {
   for (const double radius : {0.0, 0.003}) {
     const auto proxy = proxy_over(scene_of(make_box({0.1, 0.1, 0.1}, 4)), radius);
@@ -277,8 +276,8 @@ TEST(Proxy, DoesNotBalanceOnAnEdge) {
   }
 }
 
-// The same over a ridge: the nearest place is on one of the slopes.
-TEST(Proxy, DoesNotBalanceOnARidge) {
+// The same over a convex edge: the closest point is on one of the slopes.
+TEST(Proxy, DoesNotBalanceOnAConvexEdge) {
   const double slope = std::numbers::pi / 6.0;
   const double height = 0.05 * std::tan(slope);
   const TriangleMesh roof = make_prism({{-0.05, 0.0}, {0.05, 0.0}, {0.0, height}}, 0.1, 4);
@@ -293,7 +292,7 @@ TEST(Proxy, DoesNotBalanceOnARidge) {
   EXPECT_NEAR(felt.force_n.norm(), 1000.0 * depth * std::cos(slope), 1e-6);
 }
 
-// However entangled the place, a step's work is bounded.
+// In any geometry, a step's work is bounded.
 TEST(Proxy, AStepEndsWhateverItMeets) {
   TriangleMesh fan;
   constexpr int kSlivers = 5000;
@@ -315,7 +314,7 @@ TEST(Proxy, AStepEndsWhateverItMeets) {
 }
 
 TEST(Proxy, LongSlidesOnSharedEdgesStayOutside) {
-  // A slide of centimetres in one step, exactly along edges: the contact normal's rounding alone would carry the proxy through.
+  // A slide of centimetres in one step, exactly along edges: the contact normal's rounding alone would move the proxy through.
   TriangleMesh wedge = make_gutter(0.1, 0.02, 1.5, 20);
   const auto proxy = proxy_over(scene_of(wedge));
   for (const double turn : {0.0, 1e-17, 1e-16, -1e-16}) {
@@ -362,8 +361,8 @@ TEST(Proxy, FreeStepsAreSkipped) {
   EXPECT_GT(proxy->counters().skipped, 700U);
 }
 
-// Free in front of a sheet, round its border with great strides, and back through it to where it was known to be free.
-TEST(Proxy, WhereItOnceWasFreeIsNoWayThrough) {
+// Free in front of a sheet, round its boundary in large steps, and back through it to a position known to be free.
+TEST(Proxy, APlaceWhereItWasFreeIsNotCrossedLater) {
   const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4)));
   std::mt19937 random(5);
   std::uniform_real_distribution<double> inside(-0.03, 0.03);
@@ -394,7 +393,7 @@ TEST(Proxy, StepsTakeNothingFromTheHeap) {
   EXPECT_GT(sum, 0.0);
 }
 
-// The measure that counts: the method against the reference, on a walk over a rough closed mesh.
+// The most important comparison: the method against the reference, on a walk over a rough closed mesh.
 TEST(Proxy, FollowsTheReferenceOverAMesh) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.05, 8000, 21));
   const auto proxy = proxy_over(scene);
@@ -416,7 +415,7 @@ TEST(Proxy, FollowsTheReferenceOverAMesh) {
 }
 
 TEST(Proxy, ShadingSmoothsTheDirectionAndKeepsTheMagnitude) {
-  // A coarse ball, walked round: shaded, the force points along the ball's radius more closely than the facets do.
+  // A walk round a coarse sphere: the shaded force is closer to the sphere's radius than the facets' normals are.
   const TouchScene scene = scene_of(make_icosphere(0.05, 2));
   MethodSettings settings;
   settings.shading = 1.0;

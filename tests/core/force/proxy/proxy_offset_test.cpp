@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// A probe with a radius that is pressed along a path over a bumpy sphere.
+// A probe with a radius pressed along a path over a bumpy sphere.
 TEST(ProxyOffset, IsTheReferenceOverABumpySphere) {
   constexpr int kSteps = 300;
   const TouchScene scene{.objects = {{made::shared(made::sphere(0.05, 12, 0.05)), {}}}};
@@ -47,8 +47,8 @@ TEST(ProxyOffset, IsTheReferenceOverABumpySphere) {
   EXPECT_EQ(counters.exhausted, 0U);
 }
 
-// Friction. What differs is counted as such: a leap over an edge that is sharper than the touch is deep, which the reference cuts short
-// through the air; and a step in which the reference has not settled. Then both begin again.
+// Friction. Two kinds of differences are counted separately: a jump over an edge whose radius is smaller than the depth, which the
+// reference cuts short; and a step in which the reference is unsettled. Then both start again.
 struct RubbingPath {
   double radius;  // m
   double friction_static, friction_dynamic;

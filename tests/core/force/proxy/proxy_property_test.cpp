@@ -17,7 +17,7 @@
 #include "core/geometry/touch_trajectory.h"
 #include "tests/support/obj_mesh.h"
 
-// What must hold for the proxy on every mesh of a kind, tried with random ones.
+// Properties of the proxy that hold on every mesh of a kind, tested with random ones.
 namespace hapton {
 namespace {
 
@@ -58,7 +58,7 @@ bool is_convex(const Room& room, double rounding) {
                      [&](const Vec3& v) { return height_outside(room, v) <= rounding; });
 }
 
-// Steps of all lengths about a room, through its walls and back.
+// Steps of all lengths in a room, through its walls and back.
 class Wanderer {
  public:
   Wanderer(const Room& room, double depth, std::uint64_t seed)
@@ -95,9 +95,9 @@ std::vector<Room> rooms() {
   return {box, turned(box, pose), fine, turned(fine, pose), ball, fine_ball, can, turned(can, pose)};
 }
 
-// Where what is free is convex, the proxy is the device's projection onto it: neither it nor the force ever moves by more than the device
-// does, so nothing pops. What is left over is the hover, a share of the room's size, and that the proxy is at rest where 2^-24 of the depth
-// is left to go (a normal at hover distance is known no better).
+// In convex free space the proxy is the device's projection: neither it nor the force moves by more than the device does, so there is no
+// force discontinuity. What remains is the contact offset, a share of the room's size, and that the proxy stops at 2^-24 of the depth from
+// the minimum (the accuracy of a normal at the distance of the contact offset).
 TEST(ProxyProperty, InAConvexRoomTheProxyMovesNoFartherThanTheDevice) {
   constexpr double kHovers = 4e-9;
   constexpr double kRest = 0x1p-24;
@@ -181,9 +181,9 @@ constexpr std::array kReorderings = {
                }},
 };
 
-// A two-sided surface is the same whatever order it is listed in and whichever way its triangles are wound: no step may feel otherwise.
+// A two-sided surface is the same in any order and orientation of its triangles, so every force must be the same.
 TEST(ProxyProperty, TheForceIsTheSameWhateverTheOrderAndTheWinding) {
-  constexpr double kRest = 0x1p-23;  // of the force: two rests of the same place (above)
+  constexpr double kRest = 0x1p-23;  // of the force: two settled proxies at the same minimum (above)
   constexpr std::uint64_t kSeed = 99;
   for (const TriangleMesh& mesh :
        {make_bumpy_sphere(0.05, 0.05, 3000, 2), make_bumpy_sphere(0.05, 0.2, 3000, 5), made::obj_mesh("wingnut.obj")}) {

@@ -24,7 +24,7 @@ std::unique_ptr<ProxyMethod> proxy_over(const TouchScene& scene) {
   return std::unique_ptr<ProxyMethod>(static_cast<ProxyMethod*>(made.value().release()));
 }
 
-// Round a ball of 50 mm on a way that climbs up and down, at a hand's speed, 2 mm under the surface.
+// Round a sphere of 50 mm on a path that climbs up and down, at a hand's speed, 2 mm below the surface.
 std::vector<Vec3> slide_round(int steps) {
   std::vector<Vec3> way;
   for (int i = 0; i < steps; ++i) {
@@ -35,8 +35,8 @@ std::vector<Vec3> slide_round(int steps) {
   return way;
 }
 
-std::vector<FeltStep> feel(ForceMethod& method, const std::vector<Vec3>& way, double scale = 1.0, const Vec3& offset = Vec3::Zero()) {
-  std::vector<FeltStep> felt;
+std::vector<ForceSample> feel(ForceMethod& method, const std::vector<Vec3>& way, double scale = 1.0, const Vec3& offset = Vec3::Zero()) {
+  std::vector<ForceSample> felt;
   method.reset(scale * way[0] + offset);
   for (const Vec3& p : way) {
     const MethodOutput out = method.step({.p_SD = scale * p + offset});
@@ -49,13 +49,13 @@ TEST(ProxyWalk, NoStepOfASlideNeedsASweepAndAllAgreeWithTheReference) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12));
   const std::vector<Vec3> way = slide_round(1500);
   const auto proxy = proxy_over(scene);
-  const std::vector<FeltStep> felt = feel(*proxy, way);
+  const std::vector<ForceSample> felt = feel(*proxy, way);
   const ProxyCounters& counters = proxy->counters();
   EXPECT_GT(counters.contact_steps, way.size() * 7 / 10);
-  EXPECT_EQ(counters.careful, 0U);
+  EXPECT_EQ(counters.swept, 0U);
   EXPECT_EQ(counters.sweeps, 0U);
 
-  const std::vector<FeltStep> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
+  const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
   std::size_t apart = 0;
   for (std::size_t i = 0; i < way.size(); ++i) {
     EXPECT_EQ(felt[i].force_n.isZero(0.0), expected[i].force_n.isZero(0.0)) << "step " << i;
@@ -69,17 +69,17 @@ TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.08, 20000, 12);
   const std::vector<Vec3> way = slide_round(1500);
   const auto proxy = proxy_over(scene_of(mesh));
-  const std::vector<FeltStep> expected = feel(*proxy, way);
+  const std::vector<ForceSample> expected = feel(*proxy, way);
   struct Elsewhere {
     double scale;
     Vec3 offset;
-    double precision;  // of a position there, against the mesh's size
+    double precision;  // of a position there, relative to the mesh's size
   };
   for (const auto& [scale, offset, precision] :
        {Elsewhere{1e-6, Vec3::Zero(), 1e-15}, Elsewhere{1e6, Vec3::Zero(), 1e-15}, Elsewhere{1.0, Vec3(300.0, -200.0, 100.0), 1e-12}}) {
     SCOPED_TRACE(testing::Message() << "scale " << scale << ", at " << offset.transpose());
     const auto there = proxy_over(scene_of(scaled_and_moved(mesh, scale, offset)));
-    const std::vector<FeltStep> felt = feel(*there, way, scale, offset);
+    const std::vector<ForceSample> felt = feel(*there, way, scale, offset);
     std::size_t apart = 0;
     for (std::size_t i = 0; i < way.size(); ++i) {
       const double d = (felt[i].force_n - expected[i].force_n).norm() / (expected[i].force_n.norm() + 1e-9);
@@ -87,7 +87,7 @@ TEST(ProxyWalk, NeitherScaleNorPlaceChangesIt) {
     }
     EXPECT_EQ(apart, 0U);
     EXPECT_EQ(there->counters().contact_steps, proxy->counters().contact_steps);
-    EXPECT_EQ(there->counters().walks, proxy->counters().walks);
+    EXPECT_EQ(there->counters().facet_descents, proxy->counters().facet_descents);
   }
 }
 
@@ -99,10 +99,10 @@ TEST(ProxyWalk, FrictionIsTheReferencesAndInsideItsCone) {
   const TouchScene scene = scene_of(make_bumpy_sphere(0.05, 0.08, 20000, 12), rough);
   const std::vector<Vec3> way = slide_round(1500);
   const auto proxy = proxy_over(scene);
-  const std::vector<FeltStep> felt = feel(*proxy, way);
-  EXPECT_EQ(proxy->counters().careful, 0U);
+  const std::vector<ForceSample> felt = feel(*proxy, way);
+  EXPECT_EQ(proxy->counters().swept, 0U);
   EXPECT_EQ(proxy->counters().exhausted, 0U);
-  const std::vector<FeltStep> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
+  const std::vector<ForceSample> expected = feel(*ReferenceMethod::make(MethodSettings(), scene).value(), way);
   double squares = 0.0;
   std::size_t contacts = 0;
   for (std::size_t i = 0; i < way.size(); ++i) {
@@ -114,8 +114,8 @@ TEST(ProxyWalk, FrictionIsTheReferencesAndInsideItsCone) {
   EXPECT_LE(std::sqrt(squares / static_cast<double>(contacts)), 0.02);
 }
 
-// Vertices are numbered in each object: what looks like the next facet may be another object's.
-TEST(ProxyWalk, OverABorderItDoesNotStepOntoALikeSheet) {
+// Vertices are numbered per object: a triangle with the same vertex numbers may be another object's.
+TEST(ProxyWalk, OverABoundaryItDoesNotStepOntoASimilarSheet) {
   const TriangleMesh sheet = make_plane_grid(0.1, 2);
   TriangleMesh turned = sheet;
   for (Vec3& v : turned.vertices) v = Vec3(0.08 - v.x(), v.y(), 0.002 - v.z());
@@ -131,8 +131,8 @@ TEST(ProxyWalk, OverABorderItDoesNotStepOntoALikeSheet) {
   }
 }
 
-// An object built while the probe slides near it holds the probe from then on, also where the triangles near the probe have been copied.
-TEST(ProxyWalk, AnObjectThatComesInIsFeltAtOnce) {
+// An object built while the probe slides near it is active from then on, also after the triangle cache was filled.
+TEST(ProxyWalk, AnActivatedObjectIsTouchedAtOnce) {
   TouchScene scene = scene_of(make_plane_grid(0.1, 2));
   scene.objects.push_back({std::make_shared<TriangleMesh>(scaled_and_moved(make_box({0.01, 0.01, 0.01}), 1.0, {0.02, 0.0, 0.0})), {}});
   MethodSettings settings;

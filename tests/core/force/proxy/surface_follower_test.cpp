@@ -22,7 +22,7 @@ using Outcome = SurfaceFollower::Outcome;
 struct Stage {
   explicit Stage(const TriangleMesh& mesh) : geometry({&mesh}), materials(1), follower(geometry, materials) {}
 
-  // Lands on the face that a segment from p to q meets first.
+  // Lands on the first face that a segment from p to q meets.
   bool land(const Vec3& p, const Vec3& q) {
     std::uint32_t first = 0;
     TouchGeometry::Hit hit;
@@ -53,22 +53,22 @@ TEST(SurfaceFollower, OnAFaceItIsTheProjectionOfTheDevice) {
   expect_near(stage.follower.point(), stage.local(0.31, -0.27, 0.5));
 }
 
-// The device goes on inside a box, past its edge: there the point drops from one face to the other, where the device comes out.
+// The device continues inside a box, past its edge: there the point jumps from one face to the other, where the device comes out.
 TEST(SurfaceFollower, AtAConvexEdgeItGoesOverToTheOtherFace) {
   Stage stage(make_box(Vec3::Constant(1.0), 4));
   ASSERT_TRUE(stage.land(stage.local(0.3, 0.02, 0.6), stage.local(0.3, 0.02, 0.4)));
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.3, 0.02, 0.5), stage.local(0.45, 0.02, 0.2), time), Outcome::settled);
-  expect_near(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing drew it over the edge yet
+  expect_near(stage.follower.point(), stage.local(0.45, 0.02, 0.5));  // nothing pulled it over the edge yet
   time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(0.45, 0.02, 0.2), stage.local(0.55, 0.02, 0.2), time), Outcome::released);
   EXPECT_NEAR(time, 0.5, 1e-11);
   expect_near(stage.follower.point(), stage.local(0.5, 0.02, 0.2));
 }
 
-// A flat roof, its ridge at y = -0.25: the projection on the left side leaves that where the device is at x = 0.1, and the point slides
-// down the right side at once.
-TEST(SurfaceFollower, OverARidgeItDescendsWithTheDeviceHeld) {
+// A flat roof with its convex edge at y = -0.25: the projection on the left side leaves it where the device is at x = 0.1, and the point
+// slides down the right side at once.
+TEST(SurfaceFollower, OverAConvexEdgeItDescendsWithTheDeviceHeld) {
   Stage stage(make_prism({{-0.5, -0.5}, {0.5, -0.5}, {0.0, -0.25}}, 1.0, 2));
   ASSERT_TRUE(stage.land(stage.local(-0.1, 0.1, 0.03), stage.local(-0.1, -0.4, 0.03)));
   const Vec3 left = stage.local(-0.1, -0.45, 0.03);
@@ -94,7 +94,7 @@ TEST(SurfaceFollower, ItLeavesTheSurfaceWhereTheDeviceComesThrough) {
 }
 
 // A gutter of 90 degrees along z, its bottom at y = 0.2: the concave edge holds the point while the device is within the normals of both
-// faces, and lets it go onto one of them where the multiplier of the other reaches zero.
+// faces, and releases it onto one of them where the multiplier of the other reaches zero.
 TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   Stage stage(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 4));
   ASSERT_TRUE(stage.land(stage.local(0.1, 0.45, 0.03), stage.local(0.1, 0.25, 0.03)));
@@ -107,7 +107,7 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   EXPECT_NEAR(contacts[0].multiplier, contacts[1].multiplier, 1e-12);
   expect_near(stage.follower.point() - below, contacts[0].multiplier * contacts[0].normal + contacts[1].multiplier * contacts[1].normal);
 
-  // To the left: at 45 degrees, x = -0.1, the right face has no part in it any more.
+  // To the left: at 45 degrees, x = -0.1, the right face's multiplier is zero.
   time = 0.0;
   const Vec3 aside = stage.local(-0.2, 0.1, 0.03);
   ASSERT_EQ(stage.follower.follow(below, aside, time), Outcome::settled);
@@ -142,9 +142,9 @@ TEST(SurfaceFollower, OverABoundaryEdgeItIsFree) {
   expect_near(stage.follower.point(), stage.local(0.5, 0.03, 0.0));
 }
 
-// Under the border of a sheet or its corner the proxy is free at once, and not held for one more step by a flight that rounding has led
+// Under the boundary of a sheet or its corner the proxy is free at once, and not held for one more step by a flight that rounding has led
 // through the sheet. (car_front_3300, slide of seed 1, row 1057; demosthenes_17k_open, seed 2, row 618.)
-TEST(SurfaceFollower, BeyondTheBorderOfASheetTheProxyIsFreeInTheSameStep) {
+TEST(SurfaceFollower, BeyondTheBoundaryOfASheetTheProxyIsFreeInTheSameStep) {
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(make_plane_grid(1.0, 4)), Material{}});
   const auto made = ProxyMethod::make({}, scene);
@@ -200,8 +200,8 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
   EXPECT_NEAR(contacts[1].normal.dot(lift), 1e-6, 1e-12);
 }
 
-// In each corner of a room, on one wall or on two, and nearer to the third than the lift: it clears that, too, however the walls are
-// divided.
+// In each corner of a room, on one wall or on two, and nearer to the third than the lift: the lift clears that one too, however the walls
+// are divided.
 TEST(SurfaceFollower, LiftedInACornerItClearsTheWallsItOnlyComesUpTo) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
@@ -238,21 +238,21 @@ TEST(SurfaceFollower, NeverAllocates) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// Followed exactly, it makes no difference into how many parts a straight motion is divided: the force after a step is that after many
-// small ones. On bumps sharper than the touch is deep, where edges hold and release the point in every other step.
+// The path is exact, so the number of pieces of a straight motion does not matter: the force after one step equals that after many small
+// ones. On bumps with radii smaller than the depth, edges hold and release the point in every other step.
 void expect_a_step_to_be_as_many_small_ones(const Material& material) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.3, 8000, 7));
   TouchScene scene;
   scene.objects.push_back({mesh, material});
   const TouchTrajectory slide = make_slide_trajectory(*mesh, {.seed = 5, .rows = 4000}).value();
   const auto whole = ProxyMethod::make(MethodSettings(), scene).value();
-  const auto divided = ProxyMethod::make(MethodSettings(), scene).value();
+  const auto in_pieces = ProxyMethod::make(MethodSettings(), scene).value();
   constexpr int kParts = 37;
   int contacts = 0;
   for (std::size_t i = 0; i < slide.p_SD.size(); ++i) {
     if (i == 0) {
       whole->reset(slide.p_SD[0]);
-      divided->reset(slide.p_SD[0]);
+      in_pieces->reset(slide.p_SD[0]);
       continue;
     }
     const MethodOutput at_once = whole->step({.p_SD = slide.p_SD[i]});
@@ -260,7 +260,7 @@ void expect_a_step_to_be_as_many_small_ones(const Material& material) {
     for (int part = 1; part <= kParts; ++part) {
       const Vec3 p = part == kParts ? slide.p_SD[i]
                                     : Vec3(slide.p_SD[i - 1] + part / static_cast<double>(kParts) * (slide.p_SD[i] - slide.p_SD[i - 1]));
-      in_parts = divided->step({.p_SD = p});
+      in_parts = in_pieces->step({.p_SD = p});
     }
     ASSERT_EQ(at_once.contact, in_parts.contact) << "row " << i;
     ASSERT_LT((at_once.force_n - in_parts.force_n).norm(), 1e-8) << "row " << i;

@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// A point on a surface and what moves it, driven from event to event as a follower does.
+// A surface point with friction, driven from event to event as a follower does.
 struct Slider {
   Slider(const TriangleMesh& mesh, double friction_static, double friction_dynamic) : stage(mesh) {
     stage.materials[0].friction_static = friction_static;
@@ -35,7 +35,7 @@ struct Slider {
     for (int i = 0; i < kMostEvents; ++i) {
       SurfaceNext next = friction.follow(stage.point, from, to, time);
       if (next == SurfaceNext::descend) {
-        next = descend(on_way(from, to, time));
+        next = descend(on_path(from, to, time));
         if (next == SurfaceNext::settled && time < 1.0) continue;
       }
       if (next != SurfaceNext::again) return next;
@@ -53,7 +53,7 @@ struct Slider {
   SurfaceFriction friction;
 };
 
-// One triangle in the plane z = 0, so that its local frame is the plane's; larger than all that slides on it.
+// One triangle in the plane z = 0, so that its local frame is the plane's; larger than every motion here.
 TriangleMesh make_plane() {
   TriangleMesh mesh;
   mesh.vertices = {{-0.5, -0.5, 0.0}, {0.5, -0.5, 0.0}, {0.0, 0.5, 0.0}};
@@ -63,7 +63,7 @@ TriangleMesh make_plane() {
 
 Vec3 in_plane(const Vec3& v) { return {v.x(), v.y(), 0.0}; }
 
-// When the pull first leaves the cone, by halving. Pre: once out of it, it stays out.
+// When the pull first leaves the cone, by bisection. Pre: it leaves the cone once.
 template <class OutOfCone>
 double find_slip(OutOfCone&& out_of_cone) {
   double low = 0.0;
@@ -78,7 +78,7 @@ TEST(SurfaceFriction, WithoutAStaticCoefficientItDoesNotAct) {
   EXPECT_FALSE(slider.friction.acts());
   EXPECT_FALSE(slider.friction.slides());
   ASSERT_EQ(slider.descend(Vec3(0.1, 0.05, -0.2)), SurfaceNext::settled);
-  EXPECT_EQ(slider.point(), Vec3(0.1, 0.05, 0.0));  // nothing lags
+  EXPECT_EQ(slider.point(), Vec3(0.1, 0.05, 0.0));  // without a pull
   slider.stage.materials[0].friction_static = 0.1;
   slider.friction.begin(slider.stage.point.material(), true);
   EXPECT_TRUE(slider.friction.acts());
@@ -121,7 +121,7 @@ TEST(SurfaceFriction, BeyondTheStaticConeItGoesToTheDynamicOne) {
     EXPECT_TRUE(slider.friction.slides());
     EXPECT_LT((slider.point() - (in_plane(device) - 0.3 * 0.1 * pull)).norm(), 1e-15);
   }
-  // Already sliding it does so from within the static cone.
+  // A sliding point moves although the pull is within the static cone.
   ASSERT_TRUE(slider.land(0, Vec3::Zero(), true));
   ASSERT_EQ(slider.descend(0.5 * 0.1 * pull - Vec3(0, 0, 0.1)), SurfaceNext::settled);
   EXPECT_LT((slider.point() - 0.2 * 0.1 * pull).norm(), 1e-15);
@@ -186,27 +186,26 @@ TEST(SurfaceFriction, OverAFaceItSlidesOnTheTractrix) {
     const double depth = 0.02 + 0.1 * share(random);
     const double end = 0.02 + 0.1 * share(random);
     const double angle = 2.0 * std::numbers::pi * share(random);
-    const Vec3 lag = mu * depth * Vec3(std::cos(angle), std::sin(angle), 0.0);
-    const Vec3 from = lag - Vec3(0, 0, depth);
+    const Vec3 pull = mu * depth * Vec3(std::cos(angle), std::sin(angle), 0.0);
+    const Vec3 from = pull - Vec3(0, 0, depth);
     const Vec3 motion = in_plane(0.1 * random_vector(random));
-    if (!(lag.dot(motion) > 1.01 * lag.norm() * mu * (end - depth))) continue;
-    const SlidingLag sliding(lag, motion, mu * depth, mu * (end - depth));
+    if (!(pull.dot(motion) > 1.01 * pull.norm() * mu * (end - depth))) continue;
+    const SlidingPull sliding(pull, motion, mu * depth, mu * (end - depth));
     bool slides_throughout = motion.norm() < 0.15;
     for (int i = 0; i <= 100; ++i) slides_throughout &= sliding.speed_at(0.01 * i) > 0.0;
     if (!slides_throughout) continue;
     ++slid;
-    const Vec3 to = lag + motion - Vec3(0, 0, end);
+    const Vec3 to = pull + motion - Vec3(0, 0, end);
     ASSERT_EQ(slider.descend(from), SurfaceNext::settled);
     ASSERT_EQ(slider.follow(from, to), SurfaceNext::settled) << trial;
-    EXPECT_LT((slider.point() - (lag + motion - sliding.at(1.0))).norm(), 1e-13) << trial;
+    EXPECT_LT((slider.point() - (pull + motion - sliding.at(1.0))).norm(), 1e-13) << trial;
     EXPECT_NEAR(in_plane(to - slider.point()).norm(), mu * end, 1e-13);
     EXPECT_TRUE(slider.friction.slides());
   }
   EXPECT_GT(slid, 100);
 }
 
-// Sticking, slipping, sliding and stopping in turn, over any number of edges that lie in the plane: all as FrictionDrag, which knows of no
-// edges.
+// Sticking, slipping, sliding and stopping in turn, over any number of edges in the plane: the same as FrictionDrag, which has no edges.
 TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
   std::mt19937_64 random = make_random(13);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
@@ -223,7 +222,7 @@ TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
       const Vec3 aim(0.3 * share(random), 0.3 * share(random), -0.1 + 0.05 * share(random));
       const Vec3 to = device + reach * (aim - device);
       const FrictionDrag before = drag;
-      drag = drag_by_friction({.lag = drag.lag,
+      drag = drag_by_friction({.pull = drag.pull,
                                .motion = in_plane(to - device),
                                .pressure_start = -device.z(),
                                .pressure_end = -to.z(),
@@ -231,7 +230,7 @@ TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
                                .friction_dynamic = 0.4,
                                .sliding = drag.sliding});
       ASSERT_EQ(slider.follow(device, to), SurfaceNext::settled) << i;
-      ASSERT_LT((in_plane(to) - slider.point() - drag.lag).norm(), 1e-10) << i;
+      ASSERT_LT((in_plane(to) - slider.point() - drag.pull).norm(), 1e-10) << i;
       ASSERT_EQ(slider.friction.slides(), drag.sliding) << i;
       (drag.sliding ? slid : stuck) += 1;
       changed += drag.sliding != before.sliding ? 1 : 0;
@@ -243,11 +242,11 @@ TEST(SurfaceFriction, OverAPlaneItIsDraggedAsWithoutEdges) {
   }
 }
 
-// Along x at depth 0.1, cones of 0.06 and 0.03. Above half of the dynamic cone it stops and slides on; at less it sticks and needs the
-// static one.
-TEST(SurfaceFriction, ItSticksAgainAtRestOnly) {
-  for (const double eased_to : {1.01 * FrictionMotion::kRest, 0.99 * FrictionMotion::kRest}) {
-    const bool sticks = eased_to < FrictionMotion::kRest;
+// Along x at depth 0.1, cones of 0.06 and 0.03. Above half of the dynamic cone it stops and slides on; below, it sticks and needs the
+// static cone.
+TEST(SurfaceFriction, ItSticksAgainOnlyWhenThePullHasFallen) {
+  for (const double eased_to : {1.01 * FrictionMotion::kRestick, 0.99 * FrictionMotion::kRestick}) {
+    const bool sticks = eased_to < FrictionMotion::kRestick;
     Slider slider(make_plane(), 0.6, 0.3);
     ASSERT_TRUE(slider.land(0, Vec3::Zero()));
     const auto device = [](double x) { return Vec3(x, 0.0, -0.1); };
@@ -270,17 +269,17 @@ TEST(SurfaceFriction, ItSticksAgainAtRestOnly) {
   }
 }
 
-TEST(SurfaceFriction, HeldFromTheStartItSlidesOnUnlessAtRest) {
-  for (const double of_cone : {0.99, 1.01 * FrictionMotion::kRest, 0.99 * FrictionMotion::kRest, 0.0}) {
+TEST(SurfaceFriction, HeldFromTheStartItSlidesOnUnlessThePullHasFallen) {
+  for (const double of_cone : {0.99, 1.01 * FrictionMotion::kRestick, 0.99 * FrictionMotion::kRestick, 0.0}) {
     Slider slider(make_plane(), 0.6, 0.3);
     ASSERT_TRUE(slider.land(0, Vec3::Zero(), true));
     ASSERT_EQ(slider.descend(Vec3(0.03 * of_cone, 0.0, -0.1)), SurfaceNext::settled);
     EXPECT_EQ(slider.point(), Vec3::Zero());
-    EXPECT_EQ(slider.friction.slides(), of_cone > FrictionMotion::kRest);
+    EXPECT_EQ(slider.friction.slides(), of_cone > FrictionMotion::kRestick);
   }
 }
 
-// The device comes up through the face: before, the cone has shrunk to nothing, so the point is where it comes through.
+// The device comes up through the face. Before that, the cone has shrunk to zero, so the point is where the device comes through.
 TEST(SurfaceFriction, ItIsReleasedWhereTheDeviceComesThrough) {
   for (const bool slides : {false, true}) {
     Slider slider(make_plane(), 0.5, 0.4);
@@ -294,8 +293,8 @@ TEST(SurfaceFriction, ItIsReleasedWhereTheDeviceComesThrough) {
   }
 }
 
-// In a gutter along z its bottom holds the point across; along it the pull is friction's, on a straight line.
-TEST(SurfaceFriction, AlongAConcaveEdgeItLagsByTheCone) {
+// In a gutter along z its bottom holds the point across; along it, friction acts, on a straight line.
+TEST(SurfaceFriction, AlongAConcaveEdgeItStaysBehindByTheCone) {
   Slider slider(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 3), 0.6, 0.4);
   const Vec3 bottom = slider.stage.local(0.0, 0.2, 0.05);
   std::uint32_t wall = slider.stage.count();
@@ -319,26 +318,26 @@ TEST(SurfaceFriction, AlongAConcaveEdgeItLagsByTheCone) {
   double time = 0.0;
   ASSERT_EQ(slider.friction.follow(slider.stage.point, device(0.1, 0.0599), device(0.1, 0.0699), time), SurfaceNext::descend);
   EXPECT_NEAR(time, 0.01, 1e-9);
-  ASSERT_EQ(slider.descend(on_way(device(0.1, 0.0599), device(0.1, 0.0699), time)), SurfaceNext::settled);
+  ASSERT_EQ(slider.descend(on_path(device(0.1, 0.0599), device(0.1, 0.0699), time)), SurfaceNext::settled);
   EXPECT_LT((slider.point() - bottom - Vec3(0, 0, 0.02)).norm(), 1e-10);
   EXPECT_TRUE(slider.friction.slides());
-  // On, over the vertices and edges that meet at the bottom, and deeper: what it lags by grows with the depth.
-  Vec3 from = on_way(device(0.1, 0.0599), device(0.1, 0.0699), time);
+  // Over the vertices and edges that meet at the bottom, and deeper: the distance behind the device grows with the depth.
+  Vec3 from = on_path(device(0.1, 0.0599), device(0.1, 0.0699), time);
   for (const auto& [down, along] : {std::pair{0.1, 0.1}, {0.15, 0.2}, {0.05, 0.25}, {0.1, 0.4}}) {
     const Vec3 to = device(down, along);
     ASSERT_EQ(slider.follow(from, to), SurfaceNext::settled);
     EXPECT_LT((slider.point() - bottom - Vec3(0, 0, along - 0.4 * down)).norm(), 1e-10) << along;
     from = to;
   }
-  // Deeper faster than it is drawn on: it stays.
+  // The depth grows faster than the pull: it stays.
   const Vec3 before = slider.point();
   ASSERT_EQ(slider.follow(from, device(0.2, 0.41)), SurfaceNext::settled);
   EXPECT_EQ(slider.point(), before);
 }
 
-// It comes to the bottom of a gutter down one wall, stays there, and is drawn up the same wall again. (mountain_51k_open, slide of seed 3,
+// It comes to the bottom of a gutter down one wall, stays there, and is pulled up the same wall again. (mountain_51k_open, slide of seed 3,
 // row 849: it stayed for ever.)
-TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverTheFaceItCameBy) {
+TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverItsEntryFace) {
   Slider slider(make_gutter(1.0, 0.3, 0.5 * std::numbers::pi, 3), 0.6, 0.4);
   const Vec3 bottom = slider.stage.local(0.0, 0.2, 0.05);
   const Vec3 start = bottom + Vec3(-0.05, 0.05, 0.0);
@@ -357,11 +356,11 @@ TEST(SurfaceFriction, HeldAtAConcaveEdgeItGoesBackOverTheFaceItCameBy) {
   double time = 0.0;
   ASSERT_EQ(slider.friction.follow(slider.stage.point, device(0.399), device(0.409), time), SurfaceNext::descend);
   EXPECT_NEAR(time, 0.1, 1e-6);
-  ASSERT_EQ(slider.descend(on_way(device(0.399), device(0.409), time)), SurfaceNext::settled);
+  ASSERT_EQ(slider.descend(on_path(device(0.399), device(0.409), time)), SurfaceNext::settled);
   EXPECT_LT((slider.point() - bottom - Vec3(-0.05, 0.05, 0.0)).norm(), 1e-6);  // mu_d depth behind: (0.3 - 0.4 * 0.5) / 2
 }
 
-// The bottom of a pit with walls of slope 1.25. Under it, the point stays while friction would hold it on the steepest way up; the device
+// The bottom of a pit with walls of slope 1.25. Under it, the point stays while friction holds it in the steepest direction up; the device
 // goes out below the concave edge between two walls.
 TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
   Slider slider(make_pit(1.0, 0.5), 0.4, 0.2);
@@ -375,25 +374,25 @@ TEST(SurfaceFriction, AtTheBottomOfAPitItStaysUntilThePullLeavesTheCone) {
   const Vec3 to = from + Vec3(0.2, 0.2, 0.0);
   const auto out_of_cone = [&](double t) {
     const Vec3 pull = from + t * (to - from) - bottom;
-    const SurfacePoint::Way way = point.find_steepest(pull, 0.0);
+    const SurfacePoint::Descent way = point.find_steepest(pull, 0.0);
     return way.facet == nullptr ? -1.0 : way.length - 0.4 * std::sqrt(pull.squaredNorm() - way.length * way.length);
   };
   const double slip = find_slip(out_of_cone);
   ASSERT_GT(slip, 0.1);
   ASSERT_LT(slip, 0.9);
-  EXPECT_EQ(slider.follow(from, on_way(from, to, 0.999 * slip)), SurfaceNext::settled);
+  EXPECT_EQ(slider.follow(from, on_path(from, to, 0.999 * slip)), SurfaceNext::settled);
   EXPECT_EQ(point.point(), bottom);
   EXPECT_EQ(point.on(), SurfacePoint::On::vertex);
   double time = 0.0;
   EXPECT_EQ(slider.friction.follow(point, from, to, time), SurfaceNext::descend);
   EXPECT_NEAR(time, slip, 1e-9);
-  ASSERT_EQ(slider.descend(on_way(from, to, time)), SurfaceNext::settled);
+  ASSERT_EQ(slider.descend(on_path(from, to, time)), SurfaceNext::settled);
   EXPECT_GT((point.point() - bottom).norm(), 1e-3);
   EXPECT_TRUE(slider.friction.slides());
 }
 
-// Straight below a concave vertex or edge, the pull is out of the cones that open downwards, on the far side of the walls: it must come
-// through the inside of a cone before it slips up a wall.
+// Straight below a concave vertex or edge, the pull is outside of the cones that open downwards, on the far side of the walls: it must pass
+// through the inside of a cone before the point slips up a wall.
 TEST(SurfaceFriction, ItSlipsUpAWallThatThePullFirstPointsDown) {
   std::mt19937_64 random = make_random(17);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
@@ -411,7 +410,7 @@ TEST(SurfaceFriction, ItSlipsUpAWallThatThePullFirstPointsDown) {
     ASSERT_EQ(point.on(), SurfacePoint::On::vertex);
     const auto out_of_cone = [&](double t) {
       const Vec3 pull = from + t * (to - from) - bottom;
-      const SurfacePoint::Way way = point.find_steepest(pull, 0.0);
+      const SurfacePoint::Descent way = point.find_steepest(pull, 0.0);
       return way.facet == nullptr ? -1.0 : way.length - mu * std::sqrt(pull.squaredNorm() - way.length * way.length);
     };
     if (!(out_of_cone(1.0) > 0.0)) continue;

@@ -10,11 +10,11 @@
 #include "core/math/side_sign.h"
 #include "tests/support/surface_stage.h"
 
-// SurfacePoint at a vertex: its fan, the ways that lead on from there, and which side of it is free.
+// SurfacePoint at a vertex: its fan, the directions that lead on from there, and its free side.
 namespace hapton {
 namespace {
 
-// How far above that fan, its faces extended to infinity.
+// Height above that fan, with its faces extended to infinity.
 double height_over_fan(const TriangleMesh& saddle, const Vec3& p) {
   for (const auto& [a, b, c] : saddle.triangles) {
     Eigen::Matrix2d base;
@@ -26,7 +26,7 @@ double height_over_fan(const TriangleMesh& saddle, const Vec3& p) {
   return 0.0;
 }
 
-// Every triangle side round the vertex once, each sharing its edge `next` with the one after it.
+// Every triangle side at the vertex once, each sharing its edge `next` with the one after it.
 void expect_a_whole_fan(const SurfaceStage& stage, const std::set<std::uint32_t>& round, std::size_t sides) {
   const SurfacePoint& point = stage.point;
   const auto fan = point.fan();
@@ -91,7 +91,7 @@ TEST(SurfacePointFan, TheSteepestWayIsTheSteepestDirectionOfAllFaces) {
     ASSERT_TRUE(stage.point.reach_vertex(trial % 3));
     const auto fan = stage.point.fan();
     Vec3 to_device = random_vector(random);
-    if (trial % 4 == 0) {  // from behind most faces, so that it may be at rest
+    if (trial % 4 == 0) {  // from behind most faces, so that it may be at a minimum
       to_device *= 0.2;
       for (const SurfacePoint::FanFacet& facet : fan) to_device -= facet.normal;
     }
@@ -103,7 +103,7 @@ TEST(SurfacePointFan, TheSteepestWayIsTheSteepestDirectionOfAllFaces) {
         steepest = std::max(steepest, ((1.0 - u) * first + u * fan[i].direction).normalized().dot(to_device));
       }
     }
-    const SurfacePoint::Way way = stage.point.find_steepest(to_device, 0.0);
+    const SurfacePoint::Descent way = stage.point.find_steepest(to_device, 0.0);
     ASSERT_EQ(way.facet != nullptr, steepest > 0.0) << trial;
     EXPECT_EQ(stage.point.find_steepest(to_device, 1.0001 * steepest + 1e-9).facet, nullptr) << trial;
     none += way.facet == nullptr ? 1 : 0;
@@ -138,8 +138,7 @@ TEST(SurfacePointFan, BeforeTheFanOfACubesCornerIsOutsideTheCube) {
   }
 }
 
-// What lies exactly on the surface is taken to be shifted (side_sign.h): on an edge either of two faces decides, at the corner any of
-// three.
+// A point exactly on the surface counts as shifted (side_sign.h): on an edge either of two faces decides, at the corner any of three.
 TEST(SurfacePointFan, OnAnEdgeOfACubeBeforeItsFanIsWhereTheShiftLeads) {
   const TriangleMesh mesh = make_box(Vec3::Constant(1.0));
   SurfaceStage stage(mesh);
@@ -185,7 +184,7 @@ TEST(SurfacePointFan, AtACubesCornerItIsFreeTowardsTheOutside) {
     const Vec3 off = corner.normalized();
     EXPECT_TRUE(stage.point.is_free_at_vertex(0.1 * off));
     EXPECT_FALSE(stage.point.is_free_at_vertex(-0.1 * off));
-    EXPECT_FALSE(stage.point.is_free_at_vertex(0.5 * SurfacePoint::kLeastWay * off));  // too near to tell
+    EXPECT_FALSE(stage.point.is_free_at_vertex(0.5 * SurfacePoint::kLeastPull * off));  // too near to tell
   }
 }
 

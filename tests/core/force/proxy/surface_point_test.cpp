@@ -42,18 +42,18 @@ TriangleMesh make_finned_sheet() {
 TEST(SurfacePoint, LandsOnTheFrontOnlyOfAOneSidedMaterial) {
   SurfaceStage stage(make_box(Vec3::Constant(1.0), 2), false);
   SurfacePoint& point = stage.point;
-  EXPECT_FALSE(point.stands());
+  EXPECT_FALSE(point.is_on_surface());
   EXPECT_FALSE(point.land(3, true, stage.middle(3)));
-  EXPECT_FALSE(point.stands());
+  EXPECT_FALSE(point.is_on_surface());
   EXPECT_FALSE(point.land_on_edge(3, true, 0, stage.on_edge(3, 0, 0.5)));
-  EXPECT_FALSE(point.stands());
+  EXPECT_FALSE(point.is_on_surface());
   ASSERT_TRUE(point.land(5, false, stage.middle(5)));
   EXPECT_FALSE(point.land(3, true, stage.middle(3)));
-  EXPECT_TRUE(point.stands());  // nothing changed
+  EXPECT_TRUE(point.is_on_surface());  // nothing changed
   EXPECT_EQ(point.a().id, 5U);
   EXPECT_EQ(point.point(), stage.middle(5));
   point.leave();
-  EXPECT_FALSE(point.stands());
+  EXPECT_FALSE(point.is_on_surface());
 }
 
 TEST(SurfacePoint, LandsOnEitherSideOfATwoSidedMaterial) {
@@ -82,15 +82,15 @@ TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
     EXPECT_EQ(stage.point.land(t, true, stage.middle(t)), walkable) << t;
     for (int k = 0; k < 3; ++k) {
       stage.point.leave();
-      const TouchGeometry::Across across = stage.geometry.across(t, k);
+      const TouchGeometry::Adjacent across = stage.geometry.adjacent(t, k);
       const bool both = walkable && across.exists && stage.geometry.is_walkable(across.id);
       EXPECT_EQ(stage.point.land_on_edge(t, false, k, stage.on_edge(t, k, 0.5)), both) << t << " edge " << k;
-      EXPECT_EQ(stage.point.stands(), both);
+      EXPECT_EQ(stage.point.is_on_surface(), both);
       if (!walkable || both) continue;
       ++beside;
       ASSERT_TRUE(stage.point.land(t, false, stage.middle(t)));
       const Vec3 p = stage.on_edge(t, k, 0.25);
-      EXPECT_FALSE(stage.point.reach_edge(k, p));  // it stands on the face just before
+      EXPECT_FALSE(stage.point.reach_edge(k, p));  // it is on the face just before
       EXPECT_EQ(stage.point.on(), On::face);
       EXPECT_EQ(stage.point.a().id, t);
       expect_near(stage.point.point(), p);
@@ -100,7 +100,7 @@ TEST(SurfacePoint, DoesNotLandOnNorBesideWhatIsNotWalkable) {
   EXPECT_GE(beside, 3);
 }
 
-// Where the segment from p to q leaves the triangle, by halving: inside is where it lies left of all three edges.
+// Where the segment from p to q leaves the triangle, by bisection: a point is inside if it is left of all three edges.
 double find_leaving_time(const ContactTriangle& face, const Vec3& p, const Vec3& q) {
   const auto is_inside = [&](const Vec3& at) {
     for (int k = 0; k < 3; ++k) {
@@ -144,13 +144,13 @@ TEST(SurfacePoint, FindsTheExitThatHalvingFinds) {
     ++left;
     ASSERT_NEAR(exit.time, time, 1e-9) << trial;
     const Vec3 out = p + time * (goal - p);
-    if (nearest_edge(face, out) == exit.edge) continue;  // else by a corner, on both
+    if (nearest_edge(face, out) == exit.edge) continue;  // otherwise near a corner, on both edges
     ASSERT_LT((out - face.corner(exit.edge)).cross(face.edge(exit.edge)).norm(), 1e-9 * face.length(exit.edge)) << trial;
   }
   EXPECT_GT(left, 600);
 }
 
-// It came from a vertex, so it can only leave over the edge opposite; over an edge it stands on, at once.
+// It came from a vertex, so it can only leave over the opposite edge; over an edge that it is on, at once.
 TEST(SurfacePoint, FindsTheExitFromAVertexAndFromAnEdge) {
   SurfaceStage stage(make_saddle(2, 0.4, 8));
   const Vec3 apex = stage.local(0, 0, 0);
@@ -158,11 +158,11 @@ TEST(SurfacePoint, FindsTheExitFromAVertexAndFromAnEdge) {
     ASSERT_TRUE(stage.stand_at_vertex(apex));
     SurfacePoint& point = stage.point;
     const Vec3 device = apex + 2.0 * (stage.middle(t) - apex);
-    const SurfacePoint::Way way = point.find_steepest(device - apex, 0.0);
+    const SurfacePoint::Descent way = point.find_steepest(device - apex, 0.0);
     ASSERT_NE(way.facet, nullptr);
     ASSERT_TRUE(way.over_face);
     ASSERT_EQ(way.facet->id, t);
-    ASSERT_EQ(point.take(way, device), SurfaceNext::again);
+    ASSERT_EQ(point.descend_along(way, device), SurfaceNext::again);
     ASSERT_EQ(point.on(), On::face);
     expect_near(point.point(), apex);
     EXPECT_EQ(point.find_exit(stage.middle(t)).edge, -1);
@@ -174,7 +174,7 @@ TEST(SurfacePoint, FindsTheExitFromAVertexAndFromAnEdge) {
     const Vec3 back = point.point();
     point.cross_edge();
     const SurfacePoint::Exit returned = point.find_exit(back + 0.3 * (back - (apex + stage.middle(point.a().id)) / 2.0));
-    EXPECT_EQ(returned.edge, point.came_by());
+    EXPECT_EQ(returned.edge, point.entry_edge());
     EXPECT_LT(returned.time, 1e-12);
   }
 }
@@ -203,18 +203,18 @@ TEST(SurfacePoint, AnEdgeJoinsTwoFacesOverEveryEdgeOfAClosedMesh) {
       point.return_from_edge();
       EXPECT_EQ(point.on(), On::face);
       EXPECT_EQ(point.a().id, t);
-      EXPECT_EQ(point.came_by(), k);
+      EXPECT_EQ(point.entry_edge(), k);
       ASSERT_TRUE(point.reach_edge(k, at));
       point.cross_edge();
       EXPECT_EQ(point.on(), On::face);
       EXPECT_EQ(point.a().id, beyond);
-      EXPECT_EQ(point.came_by(), other);
+      EXPECT_EQ(point.entry_edge(), other);
       expect_near(point.point(), at);
     }
   }
 }
 
-TEST(SurfacePoint, WithinASnapOfAnEndItReachesTheVertex) {
+TEST(SurfacePoint, WithinTheSnapDistanceOfAnEndItReachesTheVertex) {
   SurfaceStage stage(make_box(Vec3::Constant(1.0), 2));
   const ContactTriangle face(stage.geometry.corner(0, 0), stage.geometry.corner(0, 1), stage.geometry.corner(0, 2));
   for (int k = 0; k < 3; ++k) {
@@ -232,8 +232,8 @@ TEST(SurfacePoint, WithinASnapOfAnEndItReachesTheVertex) {
   }
 }
 
-// In the plane across the edge the first face lies at 180 degrees and the second at `angle`: seen from the front, what lies between is
-// free.
+// In the plane perpendicular to the edge the first face is at 180 degrees and the second at `angle`: seen from the front, the part between
+// is free.
 TEST(SurfacePoint, AnEdgeIsConvexAndFreeAsItsDihedralSays) {
   for (const bool flip : {false, true}) {
     for (const double angle : {-3.0, -2.0, -1.0, -0.1, -1e-3, -1e-6, 1e-6, 1e-3, 0.1, 1.0, 2.0, 3.0}) {
@@ -268,7 +268,7 @@ TEST(SurfacePoint, ABoundaryEdgeIsConvexAndLeadsToTheBack) {
       EXPECT_TRUE(stage.point.is_convex());
       EXPECT_FALSE(one_sided.point.land_on_edge(t, false, k, p));  // its back holds nothing
       ASSERT_TRUE(one_sided.point.land(t, false, one_sided.middle(t)));
-      EXPECT_FALSE(one_sided.point.look_across(k));
+      EXPECT_FALSE(one_sided.point.load_adjacent(k));
       EXPECT_FALSE(one_sided.point.reach_edge(k, p));
     }
   }
@@ -285,7 +285,7 @@ TEST(SurfacePoint, ReleasedItIsWhereTheDeviceComesThrough) {
   expect_near(stage.point.point(), p);
 }
 
-// A gutter of 90 degrees along z, its bottom at y = 0.2. At the bottom the device may come out in front of one wall and go on behind the
+// A gutter of 90 degrees along z, its bottom at y = 0.2. At the bottom the device may come out in front of one wall and continue behind the
 // other.
 TEST(SurfacePoint, ReleasedAtAConcaveEdgeItMayGoOn) {
   SurfaceStage stage(make_gutter(1.0, 0.3, 0.5 * kPi, 1));
@@ -315,7 +315,7 @@ TEST(SurfacePoint, ReleasedAtAConcaveEdgeItMayGoOn) {
   EXPECT_EQ(walls, 2);
 }
 
-TEST(SurfacePoint, InsideIsOffEveryBorder) {
+TEST(SurfacePoint, InsideIsOffEveryEdge) {
   constexpr double kOff = 1e-6;
   SurfaceStage stage(make_bumpy_sphere(0.5, 0.2, 300, 5));
   for (std::uint32_t t = 0; t < stage.count(); ++t) {
@@ -331,8 +331,8 @@ TEST(SurfacePoint, InsideIsOffEveryBorder) {
   }
 }
 
-// Over every face that it stands on, so that it is on the free side of all of them.
-TEST(SurfacePoint, LiftedItIsAsHighOverEveryFaceItStandsOn) {
+// Above every face that it is on, so that it is on the free side of all of them.
+TEST(SurfacePoint, LiftedItIsEquallyHighOverEveryFaceItIsOn) {
   constexpr double kHeight = 1e-6;
   SurfaceStage stage(make_bumpy_sphere(0.5, 0.2, 1000, 3));
   SurfacePoint& point = stage.point;
@@ -362,7 +362,7 @@ TEST(SurfacePoint, LiftedOffAFaceItClearsTheWallBeyondAConcaveEdgeNear) {
     const Vec3 lifted = stage.point.lifted(kHeight) - stage.local(0, 0, 0);
     EXPECT_GE(lifted.z(), kHeight * (1.0 - 1e-9)) << off;
     EXPECT_GE(wall.dot(lifted), kHeight * (1.0 - 1e-9)) << off;
-    // No higher than it must be: straight up where that clears the wall, else as high over it.
+    // No higher than necessary: straight up where that clears the wall, otherwise at the same height above it.
     const bool clears = off * std::sin(2.5) + kHeight * std::cos(2.5) >= kHeight;
     EXPECT_NEAR(clears ? lifted.y() + off : wall.dot(lifted) - kHeight, 0.0, 1e-14) << off;
   }
@@ -407,7 +407,7 @@ TEST(SurfacePoint, MultipliersAtTheBottomOfAPitSumUpToThePull) {
   for (int trial = 0; trial < 500; ++trial) {
     Vec3 device = stage.point.point();
     for (const SurfacePoint::FanFacet& facet : stage.point.fan()) device -= share(random) * facet.normal;
-    ASSERT_EQ(stage.point.find_steepest(device - stage.point.point(), 1e-12).facet, nullptr);  // at rest there
+    ASSERT_EQ(stage.point.find_steepest(device - stage.point.point(), 1e-12).facet, nullptr);  // at a minimum there
     const int count = stage.point.find_contacts(device, contacts);
     ASSERT_GE(count, 1);
     expect_near(sum_of(contacts, count), stage.point.point() - device);

@@ -54,33 +54,34 @@ TEST(ConvexSweep, AgreesWithDenseSamplingOfTheDistance) {
   EXPECT_GT(hits, 500);
 }
 
-// A tiny sphere sliding over a face and past its edge stays free for the whole length; tilted in by less than the play, too.
-TEST(ConvexSweep, SlidesOverACoplanarBorder) {
-  const double rest = 0x1p-32;
+// A tiny sphere sliding over a face and past its edge stays free for the whole length; also if it is tilted in by less than the tolerance.
+TEST(ConvexSweep, SlidesOverACoplanarEdge) {
+  const double rest_offset = 0x1p-32;
   const PreparedTriangle next(Vec3(0.5, -1, 0), Vec3(1.5, -1, 0.0), Vec3(0.5, 1, 0));
-  const SweepHit found = sweep_point(next, Vec3(0.1, -0.3, rest), Vec3(0.7, 0.1, 0), 1.0, rest - 0x1p-38, 0x1p-48, kRounding);
+  const SweepHit found = sweep_point(next, Vec3(0.1, -0.3, rest_offset), Vec3(0.7, 0.1, 0), 1.0, rest_offset - 0x1p-38, 0x1p-48, kRounding);
   EXPECT_FALSE(found.hit);
-  const SweepHit blocked = sweep_point(next, Vec3(0.1, -0.3, rest), Vec3(0.7, 0.1, -1e-10), 1.0, rest - 0x1p-38, 0x1p-48, kRounding);
+  const SweepHit blocked =
+      sweep_point(next, Vec3(0.1, -0.3, rest_offset), Vec3(0.7, 0.1, -1e-10), 1.0, rest_offset - 0x1p-38, 0x1p-48, kRounding);
   EXPECT_TRUE(blocked.hit);
 }
 
-// From the border outwards and back over it at the same tiny height: nothing may be lost between.
-TEST(ConvexSweep, NeverCrossesFromARandomStartAtRest) {
+// From the boundary outwards and back over it at the same tiny height: it must not pass through.
+TEST(ConvexSweep, NeverCrossesFromARandomStartAtTheRestOffset) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> symmetric(-1.0, 1.0);
-  const double rest = 0x1p-32;
+  const double rest_offset = 0x1p-32;
   for (int i = 0; i < 20000; ++i) {
     const Vec3 a(symmetric(random), symmetric(random), 0), b(symmetric(random), symmetric(random), 0),
         c(symmetric(random), symmetric(random), 0);
     const PreparedTriangle triangle(a, b, c);
-    // Start near the border within the play, in a random direction round it.
+    // Starts near the boundary within the tolerance, in a random direction.
     const Vec3 on = a + std::abs(symmetric(random)) * (b - a);
     Vec3 out(symmetric(random), symmetric(random), symmetric(random));
-    Vec3 from = on + rest * out.normalized();
+    Vec3 from = on + rest_offset * out.normalized();
     const double start = closest_point(triangle, from).distance;
-    if (start < 0.5 * rest) continue;
+    if (start < 0.5 * rest_offset) continue;
     const Vec3 motion(symmetric(random), symmetric(random), 1e-3 * symmetric(random));
-    const double limit = std::min(rest - 0x1p-38, start - 0x1p-47);
+    const double limit = std::min(rest_offset - 0x1p-38, start - 0x1p-47);
     const SweepHit found = sweep_point(triangle, from, motion, 1.0, limit, 0x1p-48, kRounding);
     const double until = found.hit ? found.t : 1.0;
     for (int k = 0; k <= 60; ++k) {

@@ -9,18 +9,18 @@ TEST(ReferenceMethod, ReleasedAtAConvexEdgeInMidStepItConvergesToTheEvent) {
   const double gap = kGap;
   MethodOutput felt;
   const auto enough = limit_over(block_and_shelf(gap), 8, 64);
-  const ReferenceStep settled = leap(*enough, 0.53, felt);
+  const ReferenceStep settled = jump(*enough, 0.53, felt);
   EXPECT_TRUE(settled.settled);
   EXPECT_EQ(settled.substeps, 32);
   EXPECT_FALSE(felt.contact);
-  EXPECT_EQ(felt.p_SP, Vec3(0.47 * kLeap, -kDepth, 0.0));
+  EXPECT_EQ(felt.p_SP, Vec3(0.47 * kJump, -kDepth, 0.0));
   EXPECT_EQ(enough->counters().unsettled_steps, 0u);
 }
 
 TEST(ReferenceMethod, WhatDiffersAtTheLimitOfSubStepsHasNotSettled) {
   MethodOutput felt;
   const auto short_of = limit_over(block_and_shelf(kGap), 8, 16);
-  const ReferenceStep step = leap(*short_of, 0.53, felt);
+  const ReferenceStep step = jump(*short_of, 0.53, felt);
   EXPECT_FALSE(step.settled);
   EXPECT_EQ(step.substeps, 16);
   EXPECT_GT(step.change, 0.1);
@@ -28,15 +28,16 @@ TEST(ReferenceMethod, WhatDiffersAtTheLimitOfSubStepsHasNotSettled) {
   EXPECT_NE(short_of->describe().find("1 not settled"), std::string::npos) << short_of->describe();
 }
 
-// The shelf is divided by plates, each half as far from the block as the next: each halving of the sub-step falls into another division.
+// The shelf is divided by plates, each half as far from the block as the next: with each halving of the sub-step the proxy falls between
+// other plates.
 TEST(ReferenceMethod, AChaoticStepIsReportedNotSettled) {
   TriangleMesh mesh = block_and_shelf(1e-6);
-  for (double x = 0.71 * kLeap; x > 1e-5; x *= 0.5) {
+  for (double x = 0.71 * kJump; x > 1e-5; x *= 0.5) {
     mesh = joined(mesh, box_between({x, -0.018, -0.05}, {1.05 * x, -0.012, 0.05}));
   }
   MethodOutput felt;
   const auto method = limit_over(mesh, 2, 512);
-  const ReferenceStep step = leap(*method, 0.5 + 1e-5, felt);
+  const ReferenceStep step = jump(*method, 0.5 + 1e-5, felt);
   EXPECT_FALSE(step.settled);
   EXPECT_EQ(step.substeps, 512);
   EXPECT_GT(step.change, 1e-6);
@@ -52,7 +53,7 @@ TEST(ReferenceMethod, ReleasedFromAConcaveEdgeInMidStepItIsOnTheOtherWall) {
     const double depth = 0.01;
     method->reset(Vec3(0.0, apex + 0.001, 0.0));
     method->step({.p_SD = Vec3(0.002, apex - depth, 0.0)});
-    const MethodOutput felt = method->step({.p_SD = Vec3(0.016, apex - depth, 0.0)});  // let go at x = depth
+    const MethodOutput felt = method->step({.p_SD = Vec3(0.016, apex - depth, 0.0)});  // released at x = depth
     // The right wall rises as (1, 1) / sqrt 2: its height over the apex is the mean of x and y.
     const double along = 0.5 * (0.016 - depth);
     EXPECT_LT((felt.force_n / kStiffness - Vec3(along - 0.016, along + depth, 0.0)).norm(), 1e-12) << substeps;
@@ -81,7 +82,7 @@ TEST(ReferenceMethod, OverTheEdgesOfAPrismItIsTheProjection) {
   }
 }
 
-// Dragged over a plane by a device that turns, the proxy follows tractrices; their length in sub-steps does not matter.
+// Dragged over a plane by a device that turns, the proxy follows tractrices; the length of the sub-steps does not matter.
 TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
   Material material;
   material.friction_static = 0.4;
@@ -93,10 +94,10 @@ TEST(ReferenceMethod, FrictionOnAPlaneIsTheTractrix) {
   for (ReferenceMethod* method : {coarse.get(), fine.get()}) {
     method->reset(Vec3(-0.01, 0.001, 0.001));
     method->step({.p_SD = Vec3(-0.01, 0.001, -depth)});
-    method->step({.p_SD = Vec3(0.0, 0.001, -depth)});  // slides: the lag is the cone, along x
+    method->step({.p_SD = Vec3(0.0, 0.001, -depth)});  // slides: the pull is the cone, along x
     const MethodOutput felt = method->step({.p_SD = Vec3(0.0, 0.001 + 2.0 * cone, -depth)});
-    const Vec3 lag(cone / std::cosh(2.0), cone * std::tanh(2.0), -depth);  // of the proxy behind the device
-    EXPECT_LT((felt.force_n / kStiffness + lag).norm(), 1e-12);
+    const Vec3 pull(cone / std::cosh(2.0), cone * std::tanh(2.0), -depth);  // of the proxy behind the device
+    EXPECT_LT((felt.force_n / kStiffness + pull).norm(), 1e-12);
     EXPECT_TRUE(method->last_step().settled);
   }
 }
@@ -129,9 +130,9 @@ TEST(ReferenceMethod, ResumeGoesOnFromAnotherMethodsProxy) {
   EXPECT_FALSE(second->step({.p_SD = Vec3(0.0, 0.0, 0.005)}).contact);
 }
 
-// Slides under friction over bumps sharper than the touch is deep, every step compared with the proxy, which goes by other code. Before the
-// reference went by the steepest way at a vertex, stood on both faces of a concave edge and halved the sub-steps in which friction lets it
-// slip, it differed by up to 158 % of the force, and by more than 1e-6 in one of 90 steps.
+// Slides under friction over bumps with radii smaller than the depth, every step compared with the proxy, an independent implementation.
+// Before the reference used the steepest direction at a vertex, stood on both faces of a concave edge and halved the sub-steps in which
+// friction lets it slip, it differed by up to 158 % of the force, and by more than 1e-6 in one of 90 steps.
 TEST(ReferenceMethod, UnderFrictionItIsWhereTheProxyIs) {
   Material material;
   material.friction_static = 0.5;
@@ -163,7 +164,7 @@ TEST(ReferenceMethod, UnderFrictionItIsWhereTheProxyIs) {
   }
 }
 
-TEST(ReferenceMethod, SettleFromMovesWhatWasNotAtRest) {
+TEST(ReferenceMethod, SettleFromMovesAProxyThatWasNotAtAMinimum) {
   auto method = reference_over(make_plane_grid(0.1, 4));
   const MethodOutput rested = method->settle_from(Vec3(0.001, 0.002, 0.0), Vec3(0.001, 0.002, -0.001));
   EXPECT_LT((rested.p_SP - Vec3(0.001, 0.002, 0.0)).norm(), 1e-9);
@@ -172,7 +173,7 @@ TEST(ReferenceMethod, SettleFromMovesWhatWasNotAtRest) {
 }
 
 // In the groove between two spikes of a star, just below its end, with the device beyond and a little lower: the groove holds it. The edges
-// between the triangles of a wall lean along the groove by more than the device draws.
+// between the triangles of a wall lean along the groove by more than the device pulls.
 TEST(ReferenceMethod, EdgesWithinAWallDoNotHoldWhatSlidesAlongIt) {
   const double extent = compute_bounds(make_stress_body("star").touched).extent();
   const double inner = 0.12 * 0.1;

@@ -102,9 +102,9 @@ TEST(ReferenceMethod, NotFiniteInputGivesNoForceAndIsForgotten) {
   EXPECT_NEAR(method->step({.p_SD = Vec3(0.01, 0.02, -0.001)}).force_n.z(), 1.0, 1e-6);
 }
 
-// A fold straight along z whose walls come closer together from z = 0 on, and bend aside. A point runs along its ground without a step; a
-// sphere, however small, would have to climb at the corner, by a share of its own radius.
-TEST(ReferenceMethod, ANarrowingFoldDoesNotHoldAPoint) {
+// A concave edge straight along z whose walls come closer together from z = 0 on, and bend aside. A point moves along its bottom without a
+// step; a sphere, however small, would have to climb at the vertex, by a share of its own radius.
+TEST(ReferenceMethod, ANarrowingConcaveEdgeDoesNotHoldAPoint) {
   TriangleMesh fold;
   fold.vertices = {{0, 0, -0.05},        {0, 0, 0},        {0, 0, 0.05},       {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05},
                    {-0.03, 0.02, -0.05}, {-0.03, 0.02, 0}, {-0.02, 0.02, 0.05}};
@@ -216,7 +216,7 @@ TEST(ReferenceMethod, DampingResistsGoingInAndNeverPulls) {
   EXPECT_EQ(method->step({.p_SD = Vec3(0.0, 0.0, -0.00001)}).force_n.z(), 0.0);
 }
 
-TEST(ReferenceMethod, RefusesImpossibleSettings) {
+TEST(ReferenceMethod, RejectsImpossibleSettings) {
   MethodSettings settings;
   settings.reference_substeps = 0;
   EXPECT_FALSE(ReferenceMethod::make(settings, scene_of(make_plane_grid(0.1, 1))).has_value());

@@ -36,7 +36,7 @@ TEST(ReferenceProxy, HeldByAPlaneItIsTheProjectionWithoutItsRadius) {
   proxy.follow(Vec3(0.1, 0.2, 0.3), device, {});
   EXPECT_FALSE(proxy.state().free);
   EXPECT_NEAR(proxy.state().place.z(), ReferenceProxy::kPointRadius, 0x1p-37);
-  EXPECT_LT((proxy.surface_place(device) - Vec3(0.3, 0.2, 0.0)).norm(), 1e-15);
+  EXPECT_LT((proxy.surface_position(device) - Vec3(0.3, 0.2, 0.0)).norm(), 1e-15);
 }
 
 TEST(ReferenceProxy, ASphereKeepsItsRadius) {
@@ -45,7 +45,7 @@ TEST(ReferenceProxy, ASphereKeepsItsRadius) {
   proxy.place_free(Vec3(0.1, 0.2, 0.3));
   const Vec3 device(0.3, 0.2, -0.1);
   proxy.follow(Vec3(0.1, 0.2, 0.3), device, {});
-  EXPECT_LT((proxy.surface_place(device) - Vec3(0.3, 0.2, 0.05)).norm(), 1e-11);
+  EXPECT_LT((proxy.surface_position(device) - Vec3(0.3, 0.2, 0.05)).norm(), 1e-11);
 }
 
 TEST(ReferenceProxy, ARestoredStateGivesTheSameToTheBit) {
@@ -70,9 +70,9 @@ TEST(ReferenceProxy, FrictionCanBeLeftOut) {
   const Vec3 device(0.5, 0.1, -0.1);
   proxy.place_held(Vec3(0.2, 0.2, 1e-9), false);
   proxy.follow(device, device, {});
-  EXPECT_NEAR((proxy.surface_place(device) - Vec3(0.5, 0.1, 0.0)).norm(), 0.04, 1e-9);
+  EXPECT_NEAR((proxy.surface_position(device) - Vec3(0.5, 0.1, 0.0)).norm(), 0.04, 1e-9);
   proxy.follow(device, device, {.friction = false});
-  EXPECT_NEAR((proxy.surface_place(device) - Vec3(0.5, 0.1, 0.0)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((proxy.surface_position(device) - Vec3(0.5, 0.1, 0.0)).norm(), 0.0, 1e-14);
 }
 
 std::unique_ptr<ReferenceProxy> proxy_over(const TouchGeometry& geometry, const TriangleMesh& mesh) {
@@ -84,7 +84,7 @@ std::unique_ptr<ReferenceProxy> proxy_over(const TouchGeometry& geometry, const 
   return proxy;
 }
 
-// Two blocks with a gap between them, the second a little lower. From the first the way to the device leads down into the gap; straight on
+// Two blocks with a gap between them, the second a little lower. From the first the path to the device leads down into the gap; straight on
 // over the edge it would lead onto the second.
 TEST(ReferenceProxy, WhereItJumpsItKeepsToTheSurface) {
   const auto block = [](double x, double top) { return scaled_and_moved(make_box(Vec3(0.1, 0.2, 0.1)), 1.0, Vec3(x, top - 0.1, 0.0)); };
@@ -96,14 +96,14 @@ TEST(ReferenceProxy, WhereItJumpsItKeepsToTheSurface) {
   const Vec3 device(0.03, -0.05, 0.01);
   proxy.place_held(Vec3(-0.02, 1e-9, 0.01), false);
   proxy.follow(device, device, {});
-  EXPECT_LT((proxy.surface_place(device) - Vec3(0.01, -0.05, 0.01)).norm(), 1e-9);
+  EXPECT_LT((proxy.surface_position(device) - Vec3(0.01, -0.05, 0.01)).norm(), 1e-9);
   proxy.place_held(Vec3(-0.02, 1e-9, 0.01), false);
   proxy.follow(device, device, {.keeps_to_surface = false});
-  EXPECT_LT((proxy.surface_place(device) - Vec3(0.03, -1e-6, 0.01)).norm(), 1e-9);
+  EXPECT_LT((proxy.surface_position(device) - Vec3(0.03, -1e-6, 0.01)).norm(), 1e-9);
 }
 
-// The other implementation goes by adjacency, from face to face. From places anywhere on bumps, with the device under them and aside, both
-// come down the steepest way to the same local minimum.
+// The other implementation moves by adjacency, from face to face. From anywhere on bumps, with the device below and aside, both descend in
+// the steepest direction to the same local minimum.
 TEST(ReferenceProxy, DescendsAsTheSurfaceFollowerDoes) {
   constexpr std::uint64_t kSeed = 3;
   const TriangleMesh mesh = make_bumpy_sphere(0.5, 0.4, 1500, kSeed);
@@ -125,7 +125,7 @@ TEST(ReferenceProxy, DescendsAsTheSurfaceFollowerDoes) {
     if (!follower->land(triangle, false, start) || follower->descend(device) != SurfaceFollower::Outcome::settled) continue;
     proxy->place_held(start + 0x1p-30 * up, false);
     proxy->follow(device, device, {});
-    EXPECT_LT((proxy->surface_place(device) - follower->point()).norm(), 1e-9) << "seed " << kSeed << " descent " << i;
+    EXPECT_LT((proxy->surface_position(device) - follower->point()).norm(), 1e-9) << "seed " << kSeed << " descent " << i;
     farthest = std::max(farthest, (follower->point() - start).norm());
     ++compared;
   }

@@ -48,7 +48,7 @@ inline void walk(std::uint64_t seed, int steps, const std::function<Vec3(double,
   }
 }
 
-// ---- Shapes made of exact faces: the force is the analytic one to rounding of the proxy's rest distance. ----
+// ---- Shapes made of exact faces: the force is the analytic one up to the rounding of the proxy's rest offset. ----
 
 // ---- Curved shapes: the mesh lies inside the shape by at most the sagitta, and its normals differ by at most the facet's half angle. ----
 
@@ -59,7 +59,7 @@ struct Curved {
   std::function<Vec3(const Vec3&)> nearest;  // on the analytic surface
   double sagitta_m;                          // the farthest the mesh is from the surface
   double tilt_rad;                           // the farthest a face's normal is from the surface's
-  double least_radius_m;                     // of curvature, at the device's depth: how a tilt of the face moves the foot
+  double least_radius_m;                     // of curvature, at the device's depth: how a tilt of the face moves the closest point
 };
 
 inline void expect_close_to_analytic(const Curved& shape, double probe) {
@@ -73,8 +73,8 @@ inline void expect_close_to_analytic(const Curved& shape, double probe) {
     const MethodOutput felt = method->step({.p_SD = device});
     const Vec3 depth = shape.nearest(device) - device;
     const Vec3 expected = kStiffness * (depth + probe * depth.normalized());
-    // The nearest point of the mesh is within the sagitta of the shape's along the depth. Sideways the foot rests on a face that is
-    // tilted by at most tilt, so the force is turned by at most that angle.
+    // The closest point of the mesh is within the sagitta of the shape's along the depth. Sideways it is on a face that is tilted by at
+    // most tilt, so the force is turned by at most that angle.
     const double strength = expected.norm();
     ASSERT_TRUE(felt.contact) << shape.name << ' ' << i;
     ASSERT_NEAR(felt.force_n.norm(), strength, kStiffness * shape.sagitta_m + strength * 0.5 * shape.tilt_rad * shape.tilt_rad + 1e-6)
@@ -145,7 +145,7 @@ inline Curved make_torus_case() {
           tube - 0.001};
 }
 
-// ---- Places and motions that must not leak. ----
+// ---- Positions and motions that must not leak. ----
 
 // ---- Invariances. ----
 
@@ -171,20 +171,21 @@ inline TriangleMesh block_and_shelf(double gap) {
   return joined(box_between({-0.1, -0.1, -0.05}, {0.0, 0.0, 0.05}), box_between({gap, -0.020, -0.05}, {0.03, -0.016, 0.05}));
 }
 
-constexpr double kLeap = 0.02;   // of the device in one step, along x
+constexpr double kJump = 0.02;   // of the device in one step, along x
 constexpr double kDepth = 0.04;  // below the top of the block, and below the shelf
-// Let go in 8 sub-steps the proxy passes the foot of the shelf by (0.625 - 0.53) / 2 of the leap: too far. In 16 by (0.5625 - 0.53) / 2.
-constexpr double kGap = 0.025 * kLeap;
+// With 8 sub-steps the proxy is released so late that it passes the shelf's edge by (0.625 - 0.53) / 2 of the jump: too far. With 16, by
+// (0.5625 - 0.53) / 2.
+constexpr double kGap = 0.025 * kJump;
 
-// The device crosses the side of the block at the share `at` of its step. There the proxy, held above it on the edge, is let go, falls
-// straight to the device through the gap, and is free from then on. Sub-steps too long have it fall on the shelf.
-inline ReferenceStep leap(ReferenceMethod& method, double at, MethodOutput& felt) {
-  method.reset(Vec3(-at * kLeap, 0.001, 0.0));
-  method.step({.p_SD = Vec3(-at * kLeap, -kDepth, 0.0)});
-  felt = method.step({.p_SD = Vec3((1.0 - at) * kLeap, -kDepth, 0.0)});
+// The device crosses the side of the block at the share `at` of its step. There the proxy, held above it on the edge, is released, falls
+// straight to the device through the gap, and is free from then on. With too long sub-steps it falls onto the shelf.
+inline ReferenceStep jump(ReferenceMethod& method, double at, MethodOutput& felt) {
+  method.reset(Vec3(-at * kJump, 0.001, 0.0));
+  method.step({.p_SD = Vec3(-at * kJump, -kDepth, 0.0)});
+  felt = method.step({.p_SD = Vec3((1.0 - at) * kJump, -kDepth, 0.0)});
   return method.last_step();
 }
 
-// ---- The judge of rest. ----
+// ---- Settling from another method's proxy. ----
 
 }  // namespace hapton

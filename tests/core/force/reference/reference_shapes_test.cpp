@@ -57,9 +57,9 @@ TEST(ReferenceMethod, SphereProbeOnASphere) { expect_close_to_analytic(make_sphe
 
 TEST(ReferenceMethod, SphereProbeOnATorus) { expect_close_to_analytic(make_torus_case(), 0.002); }
 
-// A sphere over an edge it can roll about: on a tetrahedron-like ridge the rest place is analytic.
+// A sphere at an edge that it can roll about: on a tetrahedron-like convex edge the equilibrium is analytic.
 TEST(ReferenceMethod, SphereProbeRollsAboutAnOpenEdge) {
-  // A half plane z = 0, x <= 0: its border is the y axis. A sphere of radius r hangs on it where the device pulls it.
+  // A half plane z = 0, x <= 0: its boundary is the y axis. A sphere of radius r settles on it where the device pulls it.
   TriangleMesh sheet;
   sheet.vertices = {{-0.1, -0.1, 0}, {0, -0.1, 0}, {0, 0.1, 0}, {-0.1, 0.1, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};

@@ -1,5 +1,5 @@
-// Algorithm 1 of fdh-rendering.txt against a plain transcription of the paper's pseudocode: other code, the paper's own divisions and
-// order.
+// Algorithm 1 of fdh-rendering.txt against a literal transcription of the paper's pseudocode: independent code, the paper's own divisions
+// and order.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -70,7 +70,7 @@ bool passes_through(const Vec3& D, const Vec3& P, const SetTriangle& T) {
   return true;
 }
 
-// One triangle's part of the loop, in the paper's order. Faces only: fake triangles have no plane of their own.
+// One triangle's part of the loop, in the paper's order. Faces only: degenerate triangles have no plane of their own.
 bool find_transcribed_vcp(const SetTriangle& T, const Vec3& P, double RADIUS, double layer, Vcp& vcp) {
   const Vec3 normal = (T.corner[1] - T.corner[0]).cross(T.corner[2] - T.corner[0]).normalized();
   const double height = normal.dot(P - T.corner[0]);
@@ -116,11 +116,11 @@ Transcribed algorithm1(const std::vector<SetTriangle>& object, const Vec3& P, do
   return result;
 }
 
-// Some 1,500 places in RADIUS round a surface: force, number of VCPs and number hidden are the transcription's.
+// Some 1,500 positions in RADIUS round a surface: force, number of VCPs and number hidden are the transcription's.
 void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer, std::uint64_t seed, int least_hidden) {
   const auto triangles = triangles_of(mesh);
   ASSERT_TRUE(std::all_of(triangles.begin(), triangles.end(), [](const SetTriangle& t) { return t.kind == SurfaceKind::face; }))
-      << "fake triangles are not in the transcription";
+      << "degenerate triangles are not in the transcription";
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int felt_several = 0;
@@ -135,7 +135,7 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
     SmoothForceSum sum(P, RADIUS);
     for (const SetTriangle& t : triangles) sum.add(t);
     const SmoothForce felt = sum.combine(layer);
-    ASSERT_EQ(felt.crowded_out, 0U);
+    ASSERT_EQ(felt.over_capacity, 0U);
     EXPECT_EQ(felt.vcps, static_cast<std::uint32_t>(expected.vcps)) << i;
     EXPECT_EQ(felt.hidden, static_cast<std::uint32_t>(expected.hidden)) << i;
     EXPECT_LT((felt.force_n - expected.force).norm(), 1e-9 * kStiffness * layer) << i;
@@ -154,7 +154,7 @@ TEST(Algorithm1, IsThePapersOnABumpyBody) { expect_as_transcribed(make_bumpy_sph
 
 TEST(Algorithm1, IsThePapersWithALayerInsideRadius) { expect_as_transcribed(make_icosphere(0.05, 3), 0.004, 0.0025, 203, 0); }
 
-// Fig. 3: four sheets, each RADIUS / 4 over the next and turned, so that most VCPs lie hidden under another triangle.
+// Fig. 3: four sheets, each RADIUS / 4 above the next and rotated, so that most VCPs are hidden under another triangle.
 TEST(Algorithm1, IsThePapersOnOverlappingTriangles) {
   TriangleMesh sheets;
   for (int k = 0; k < 4; ++k) {
@@ -168,9 +168,9 @@ TEST(Algorithm1, IsThePapersOnOverlappingTriangles) {
   expect_as_transcribed(sheets, 0.004, 0.004, 204, 500);
 }
 
-// Fig. 1: two fake triangles with two different points each at an edge whose sides disagree on the normal, none where they agree. Without
-// them the force is gone over the edge; with them it turns from one face's normal to the other's and keeps its strength.
-TEST(Algorithm1, FakeTrianglesTurnTheForceRoundAnEdge) {
+// Fig. 1: two degenerate triangles with two different points each at an edge whose faces disagree on the normal, none where they agree.
+// Without them there is no force over the edge; with them it turns from one face's normal to the other's and keeps its magnitude.
+TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
   TriangleMesh roof;
   roof.vertices = {Vec3(-0.02, -0.02, -0.02), Vec3(-0.02, 0.02, -0.02), Vec3(0, -0.02, 0),
                    Vec3(0, 0.02, 0),          Vec3(0.02, -0.02, -0.02), Vec3(0.02, 0.02, -0.02)};
@@ -183,7 +183,7 @@ TEST(Algorithm1, FakeTrianglesTurnTheForceRoundAnEdge) {
     double low = t.corner[0].y();
     double high = low;
     for (const Vec3& corner : t.corner) {
-      EXPECT_EQ(corner.x(), 0.0) << "only the ridge has fakes";
+      EXPECT_EQ(corner.x(), 0.0) << "only the convex edge has degenerate triangles";
       low = std::min(low, corner.y());
       high = std::max(high, corner.y());
     }
@@ -209,7 +209,7 @@ TEST(Algorithm1, FakeTrianglesTurnTheForceRoundAnEdge) {
     const Vec3 force = all.combine(kRadius).force_n;
     empty_without = empty_without || faces.combine(kRadius).force_n.isZero(0.0);
     EXPECT_NEAR(force.norm(), kStiffness * (kRadius - kHeight), 1e-6 * kStiffness * kRadius) << i;
-    const Vec3 away(P.x(), 0, P.z());  // from the ridge
+    const Vec3 away(P.x(), 0, P.z());  // from the convex edge
     EXPECT_LT(std::atan2(force.cross(away).norm(), force.dot(away)), 1e-6) << i;
     if (i > 0) {
       EXPECT_LT((force - last).norm(), 0.02 * force.norm()) << "a jump at " << angle;

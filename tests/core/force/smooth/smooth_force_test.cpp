@@ -32,7 +32,7 @@ SmoothForce force_at(const std::vector<SetTriangle>& triangles, const Vec3& P, d
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-// Over a plane the answer is known, over faces, edges and vertices alike: straight up, k (layer - height).
+// Over a plane the force is known, over faces, edges and vertices alike: straight up, k (layer - height).
 TEST(SmoothForce, OverAPlaneIsExact) {
   const auto triangles = triangles_of(make_plane_grid(0.1, 10));
   std::mt19937_64 random(81);
@@ -74,7 +74,7 @@ TEST(SmoothForce, OverASphereIsRadialAndDoesNotBounce) {
   EXPECT_LT(worst_turn, 3.0) << "the force turns at most three times as fast as the probe goes round";
 }
 
-// Round a box's edges and corners: never without force, and continuous. The corner fans matter: without them a corner feels nothing.
+// Round a box's edges and corners: never without force, and continuous. Without the corner fans there is no force at a corner.
 TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
   const auto triangles = triangles_of(make_box(Vec3(0.1, 0.1, 0.1), 4));
   std::vector<SetTriangle> without_corners;
@@ -103,9 +103,10 @@ TEST(SmoothForce, RoundABoxIsContinuousAndCoversCorners) {
   EXPECT_LT(worst, 12.0 * kStiffness * step);
 }
 
-// In a blunt concave fold both faces overlap; the turned-over fans take away what is counted twice, so that no face's share ends at a jump.
-TEST(SmoothForce, OverAConcaveFoldIsContinuous) {
-  // A valley whose sides rise by 25 degrees: a fold of 50.
+// At a blunt concave edge both faces overlap; the degenerate triangles subtract what is counted twice, so no face's share ends with a
+// discontinuity.
+TEST(SmoothForce, OverAConcaveEdgeIsContinuous) {
+  // A valley whose sides rise by 25 degrees: a concave edge of 50.
   const double slope = std::tan(25.0 * 3.14159265358979 / 180.0);
   TriangleMesh mesh;
   for (int j = 0; j <= 8; ++j) {
@@ -139,7 +140,7 @@ TEST(SmoothForce, OverAConcaveFoldIsContinuous) {
   EXPECT_GT(worst_jump(faces_only), 75.0 * step) << "without the fans it jumps, or this test shows nothing";
 }
 
-// Fig. 3: of two sheets one above the other only the upper is felt.
+// Fig. 3: of two sheets one above the other only the upper one exerts a force.
 TEST(SmoothForce, RemovesHiddenVcps) {
   TriangleMesh sheets = joined(make_plane_grid(0.02, 2), scaled_and_moved(make_plane_grid(0.02, 2), 1.0, Vec3(0, 0, -0.001)));
   const auto triangles = triangles_of(sheets);
@@ -150,7 +151,7 @@ TEST(SmoothForce, RemovesHiddenVcps) {
   EXPECT_NEAR(felt.force_n.z(), kStiffness * 0.003, 1e-9);
 }
 
-TEST(SmoothForce, OneSidedIsFeltFromItsFrontOnly) {
+TEST(SmoothForce, OneSidedIsTouchedFromItsFrontOnly) {
   const Vec3 above(0.001, 0.002, 0.001);
   const Vec3 below(0.001, 0.002, -0.001);
   const auto one = triangles_of(make_plane_grid(0.1, 4), false);
@@ -160,7 +161,7 @@ TEST(SmoothForce, OneSidedIsFeltFromItsFrontOnly) {
   EXPECT_LT(force_at(two, below, 0.004, 0.004).force_n.z(), 0.0);
 }
 
-// Algorithm 1's last line: several VCPs give a direction, the largest of them the strength.
+// Algorithm 1's last line: several VCPs give a direction, the largest of them the magnitude.
 TEST(SmoothForce, TheStrongestGivesTheStrength) {
   TriangleMesh corner;  // floor and wall, unconnected: no fans between them
   corner = joined(make_plane_grid(0.1, 4), corner);
@@ -207,7 +208,7 @@ TEST(SmoothNormal, IsTheEdgesOnEdgesAndTheVertexsInVertices) {
   }
 }
 
-// Through any point of a closed surface, also exactly through its vertices and edges, no line gets without meeting a triangle there.
+// No line through any point of a closed surface, also exactly through its vertices and edges, passes without meeting a triangle there.
 TEST(StraightLine, IsWatertight) {
   std::mt19937_64 random(83);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -79,8 +79,7 @@ TEST(SmoothMethod, APlaneIsTouchedFromEitherSideUnlessOneSided) {
   }
 }
 
-// Inside a sphere the force is radial far closer than the facets are, and turns as evenly as the probe goes round: no bouncing across
-// edges.
+// Inside a sphere the force is far more radial than the facets are, and turns as evenly as the probe moves round: no jumps at edges.
 TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   constexpr double kRadius = 0.05;
   const TriangleMesh mesh = make_icosphere(kRadius, 3);
@@ -112,7 +111,7 @@ TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
   EXPECT_EQ(method->counters().entries, 1U);
 }
 
-// With a layer the force builds up before the surface and goes on building up behind it, without a step on the surface.
+// With a layer the force builds up before the surface and continues behind it, without a discontinuity on the surface.
 TEST(SmoothMethod, TheLayerIsContinuousThroughTheSurface) {
   for (const TriangleMesh& mesh : {make_icosphere(0.05, 3), make_box(Vec3(0.07, 0.07, 0.07), 3)}) {
     SmoothMethod::Settings settings;

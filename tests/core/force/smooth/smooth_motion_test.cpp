@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// No step inside a closed mesh is without force, whatever the probe does; and none outside pulls it back from farther than it is deep.
+// No step inside a closed mesh is without force, for any motion; and none outside has a force from farther than the probe was deep.
 TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   const TriangleMesh wingnut = made::obj_mesh("wingnut.obj");
   const TriangleMesh fish = made::obj_mesh("fish_22k.obj");
@@ -31,7 +31,7 @@ TEST(SmoothMethod, NothingFallsThroughAClosedMesh) {
   }
 }
 
-// A plate thinner than the probe goes deep: the VCP's history keeps it on the side where it went in.
+// A plate thinner than the probe is deep: the VCP's history keeps it on the side where it entered.
 TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   const auto method = make(scene_of(make_thin_wall(0.1, 0.0005, 20)));
   method->reset(Vec3(0.0013, 0.0021, 0.005));
@@ -45,7 +45,7 @@ TEST(SmoothMethod, AThinPlateIsNotPushedThrough) {
   }
 }
 
-// Round the outside of a box and off its edge: let go, and felt again from the next side.
+// Round the outside of a box and off its edge: released, and in contact again from the next side.
 TEST(SmoothMethod, LetsGoRoundAnEdge) {
   const auto method = make(scene_of(make_box(Vec3(0.1, 0.1, 0.1), 4)));
   method->reset(Vec3(0.04, 0.003, 0.055));
@@ -92,7 +92,7 @@ TEST(SmoothMethod, IsTheSameAtEveryScaleAndPlace) {
       differ += (felt.force_n / where.scale - expected[i].force_n).norm() > where.allowed * (1.0 + expected[i].force_n.norm()) ? 1 : 0;
     }
     EXPECT_GT(contacts, 100);
-    // At a tie rounding may choose the other side; hardly ever.
+    // At a tie rounding may choose the other side, but rarely.
     EXPECT_LE(differ, contacts / 50) << "scale " << where.scale << " at " << where.move.transpose();
   }
 }
@@ -112,8 +112,8 @@ TEST(SmoothMethod, ANotFiniteSampleIsIgnored) {
   EXPECT_GT(before.norm(), 0.5);
 }
 
-// A surface that moves: the probe inside is carried along, the probe outside is caught, and the force is that of a scene built there.
-TEST(SmoothMethod, MovingAndDeformingSurfacesAreFelt) {
+// A moving surface: the probe inside is carried along, the probe outside is caught, and the force is that of a scene built there.
+TEST(SmoothMethod, MovingAndDeformingSurfacesExertForces) {
   TriangleMesh mesh = make_icosphere(0.05, 3);
   const auto method = make(scene_of(mesh));
   const Vec3 still(0.0485, 0.004, -0.003);

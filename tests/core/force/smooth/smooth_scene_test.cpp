@@ -49,12 +49,12 @@ TEST(SmoothScene, SelectsTheNearestAndKnowsHowFarTheyAreComplete) {
         }
       });
       EXPECT_LE(set->nearest, least);
-      EXPECT_NEAR(set->nearest, least, 2.0 * scene->skin() + 1e-12);
+      EXPECT_NEAR(set->nearest, least, 2.0 * scene->tolerance() + 1e-12);
     }
   }
 }
 
-// The bound that an earlier set gives is no bound in another scene of the same version.
+// The bound that an earlier set gives is invalid in another scene of the same version.
 TEST(SmoothScene, ASetOfAnotherSceneHidesNothing) {
   TouchScene small = two_objects();
   for (TouchObject& object : small.objects)
@@ -122,7 +122,7 @@ TEST(SmoothScene, FollowsMovedVerticesAsIfBuiltAnew) {
   EXPECT_FALSE(moved->move_vertices(1, mesh->vertices));
 }
 
-TEST(SmoothScene, RefusesDirectionsItDoesNotHave) {
+TEST(SmoothScene, RejectsDirectionsItDoesNotHave) {
   const auto scene = SmoothScene::build(two_objects(), {.surface = {}, .directions = 10});
   ASSERT_FALSE(scene);
   EXPECT_NE(scene.error().what.find("14"), std::string::npos);
@@ -135,14 +135,14 @@ TEST(SmoothScene, DescribesEveryPassAndTheTree) {
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
-// The typical reach is about where half a thousand and a half triangles meet: doubling the count on a plane widens it by sqrt 2.
-TEST(SmoothScene, TypicalReachGrowsWithTheCount) {
+// The typical radius lies where the set is half complete for half of the faces: doubling the count on a plane widens it by sqrt 2.
+TEST(SmoothScene, TypicalRadiusGrowsWithTheCount) {
   TouchScene touch;
   touch.objects.push_back({made::shared(make_plane_grid(0.1, 60)), {}});
   const auto scene = SmoothScene::build(touch, {});
-  const double few = scene->compute_typical_reach(32);
+  const double few = scene->compute_typical_radius(32);
   EXPECT_GT(few, 0.1 / 60.0);
-  EXPECT_NEAR(scene->compute_typical_reach(128) / few, 2.0, 0.6);
+  EXPECT_NEAR(scene->compute_typical_radius(128) / few, 2.0, 0.6);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 
 namespace hapton {
 
-// The VCP stands a billionth of the scene's size off the surface: so much for what is exact otherwise, in newtons and metres here.
+// The VCP is a billionth of the scene's size off the surface: the tolerance of otherwise exact results, in newtons and metres here.
 constexpr double kOffsetForce = 1e-6;
 constexpr double kContactOffset = 1e-9;
 constexpr double kPi = 3.14159265358979323846;
@@ -44,7 +44,7 @@ inline SmoothMethod::Settings with_size(std::uint32_t set_size, double layer = 0
 
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-// A hand that wanders over and into a mesh: towards a random place on it, about that place, out again. Some steps are tiny, some long.
+// A hand that wanders over and into a mesh: towards a random point on it, about that point, out again. Some steps are tiny, some long.
 inline std::vector<Vec3> wander(const TriangleMesh& mesh, std::uint64_t seed, int steps) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -74,7 +74,7 @@ inline std::unique_ptr<ForceMethod> make_told(const TouchScene& scene, double cr
   return method ? std::move(*method) : nullptr;
 }
 
-// How often a closed surface goes round p: 1 inside, 0 outside.
+// Winding number of a closed surface about p: 1 inside, 0 outside.
 inline double winding_number(const TriangleMesh& mesh, const Vec3& p) {
   double sum = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// What makes the exchange of sets imperceptible: any set that reaches far enough gives the force of all triangles, to the last bit.
+// Why an exchange of sets cannot be felt: any set that covers enough gives the force of all triangles, to the last bit.
 TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
   struct Case {
     TriangleMesh mesh;
@@ -69,7 +69,7 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
 }
 
 // Both tasks under a simulated clock: the slow one starts every `period` steps and its set arrives `latency` steps later. However late it
-// is, the force is that of one task alone; how late it was shows in the counters.
+// is, the force is that of one task alone; the counters show how late it was.
 TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   const TriangleMesh mesh = made::sphere(0.05, 24, 0.1);
   const TouchScene scene = scene_of(mesh);
@@ -107,7 +107,7 @@ TEST(SmoothMethod, TheSlowTaskMayBeLate) {
   EXPECT_GT(late_when_slow, late_when_quick);
 }
 
-// The two tasks as haptics_node runs them: prepare beside step. Here every tenth step, the period of the node's other thread at 1 kHz.
+// The two tasks as in haptics_node: prepare beside step. Here every tenth step, the period of the node's other thread at 1 kHz.
 TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
   const auto at = [](int i) {
@@ -130,7 +130,7 @@ TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
   EXPECT_LT(with->counters().selections, alone->counters().selections / 4);
 }
 
-// The paper at full strength (--layer 1) lives on the slow task's sets as well: a run in which none is offered fails here.
+// The paper's full layer (--layer 1) uses the slow task's sets as well: a run in which none is offered fails here.
 TEST(SmoothMethod, TheLayerLivesOnOfferedSets) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
   auto told = SmoothMethod::make({.smooth_layer = kFdhPaperLayer}, scene_of(mesh));
@@ -180,7 +180,7 @@ TEST(SmoothMethod, PrepareMayRunBesideStep) {
   EXPECT_GT(with->counters().offered, 0U);
 }
 
-// The rate may change while running: time plays no part in this force, so going the same way in finer steps ends at the same force.
+// The rate may change while running: the force does not depend on time, so the same path in finer steps ends at the same force.
 TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
   const TriangleMesh mesh = make_icosphere(0.05, 4);
   const auto steady = make(scene_of(mesh));
@@ -198,7 +198,7 @@ TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
     for (int k = 1; k <= parts; ++k) {
       felt = changing->step({.p_SD = at(t - 0.003 * (parts - k) / parts * (i > 0 ? 1 : 0)), .dt_s = 1e-3 / parts}).force_n;
       if (i > 0) {
-        EXPECT_LT((felt - last).norm(), 0.5) << "no pop when the rate changes";
+        EXPECT_LT((felt - last).norm(), 0.5) << "no discontinuity when the rate changes";
       }
       last = felt;
     }
@@ -206,7 +206,7 @@ TEST(SmoothMethod, TheRateMayChangeWhileRunning) {
   }
 }
 
-TEST(SmoothMethod, ExchangingSetsCannotBeFelt) {
+TEST(SmoothMethod, ExchangingSetsDoesNotChangeTheForce) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
   const auto method = make(scene_of(mesh), with_size(32));
   method->reset(Vec3(0.07, 0, 0));

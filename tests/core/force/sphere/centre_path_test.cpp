@@ -126,7 +126,7 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
       if (guides[g].round == Round::line) off -= guides[g].direction.dot(off) * guides[g].direction;
       return Vec3(off.normalized());
     };
-    // Alternating projections converge to a place on all of them, if slowly.
+    // Alternating projections converge to a point on all of them, slowly.
     const auto onto = [&](Vec3 p) {
       for (int round = 0; round < 400; ++round) {
         for (int g = 0; g < count; ++g) p += (offset - distance_to(guides[g], p)) * normal(g, p);

@@ -86,7 +86,7 @@ TEST(ContactFrame, DualsGiveTheMultipliersOfAPullAndTheLeastMotionThatRaises) {
   }
 }
 
-TEST(ContactFrame, ParallelNormalsAreRefused) {
+TEST(ContactFrame, ParallelNormalsAreRejected) {
   RandomNormals random(7);
   for (int i = 0; i < 200; ++i) {
     const Vec3 n = random.next();

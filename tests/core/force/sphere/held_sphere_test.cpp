@@ -15,7 +15,7 @@ constexpr double kRadius = 1.0;
 constexpr double kDeep = 3.0;
 constexpr double kAngle = std::numbers::pi / 6.0;  // of the edge it leans on, below its middle
 
-// A floor with a step half a radius high: a ball on the floor leans on the step's edge.
+// A floor with a step half a radius high: a sphere on the floor leans on the step's edge.
 TouchScene make_step() {
   TriangleMesh mesh;
   const double x = kRadius * std::cos(kAngle);
@@ -31,7 +31,7 @@ TouchScene make_step() {
   return scene;
 }
 
-// Where the pull on the ball would just lift it over the step, less a share of its sideways part.
+// Where the pull on the sphere would just lift it over the step, less a share of its sideways part.
 Vec3 device_short_of_lifting(double share) {
   const double sideways = std::cos(kAngle) / std::sin(kAngle) * (1.0 - share);
   return Vec3(0.0, 0.0, kRadius) + kDeep * Vec3(sideways, 0.0, -1.0).normalized();
@@ -41,7 +41,7 @@ const Vec3 kLeaning(0.0, 0.0, kRadius);
 
 class HeldSphere : public testing::TestWithParam<std::string> {
  protected:
-  // The ball pressed onto the floor before the step, then drawn to the device by steps of a thousandth of its radius.
+  // The sphere is pressed onto the floor before the step, then pulled to the device in steps of a thousandth of its radius.
   static Vec3 drawn_to(const Vec3& device) {
     MethodSettings settings;
     settings.name = GetParam();
@@ -68,7 +68,7 @@ TEST_P(HeldSphere, GoesOverOnceItIsLifted) { EXPECT_GE((drawn_to(device_short_of
 
 INSTANTIATE_TEST_SUITE_P(Methods, HeldSphere, testing::Values("proxy", "reference"));
 
-TEST(HeldSphere, TheReferenceFindsItAtRestWhereverItIsPut) {
+TEST(HeldSphere, TheReferenceFindsItAtAMinimumAtEveryOffset) {
   MethodSettings settings;
   settings.probe_radius_m = kRadius;
   const auto reference = ReferenceMethod::make_reference(settings, make_step()).value();

@@ -68,25 +68,25 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
   const Single single(OffsetContact::on_face(0, kFlat, Vec3::UnitZ()));
   const Vec3 from(0.1, 0.05, -0.1);
   const Vec3 to(0.16, 0.1, -0.15);
-  const Vec3 lag = 0.3 * 0.2 * Vec3(0.8, -0.6, 0.0);
-  const FrictionDrag expected = drag_by_friction({.lag = lag,
+  const Vec3 pull = 0.3 * 0.2 * Vec3(0.8, -0.6, 0.0);
+  const FrictionDrag expected = drag_by_friction({.pull = pull,
                                                   .motion = Vec3(0.06, 0.05, 0.0),
                                                   .pressure_start = 0.2,
                                                   .pressure_end = 0.25,
                                                   .friction_static = 0.3,
                                                   .friction_dynamic = 0.3,
                                                   .sliding = true});
-  Vec3 c = Vec3(0.1, 0.05, kOffset) - lag;
+  Vec3 c = Vec3(0.1, 0.05, kOffset) - pull;
   int tests = 0;
   OffsetDrag::Pull pull;
   ASSERT_TRUE(single.drag.find_pull(c, from, pull));
   EXPECT_NEAR(pull.depth, 0.2, 1e-15);
   EXPECT_NEAR(pull.excess(), 0.0, 1e-15);
   EXPECT_DOUBLE_EQ(single.drag.find_stability(pull), 1.0);
-  // The lag and the motion less what the cone widens by.
+  // The pull and the motion less the growth of the cone.
   EXPECT_NEAR(single.drag.find_drive(pull, to - from), (0.06 * 0.8 - 0.05 * 0.6) - 0.3 * 0.05, 1e-15);
   ASSERT_TRUE(single.drag.follow(from, to, c, tests));
-  EXPECT_LT((Vec3(to.x(), to.y(), kOffset) - c - expected.lag).norm(), 1e-14);
+  EXPECT_LT((Vec3(to.x(), to.y(), kOffset) - c - expected.pull).norm(), 1e-14);
 }
 
 class RoundAnEdgeOrVertex : public testing::TestWithParam<std::uint64_t> {};
@@ -134,7 +134,7 @@ TEST_P(RoundAnEdgeOrVertex, ItIsTheLimitOfSmallSteps) {
 INSTANTIATE_TEST_SUITE_P(Seeds, RoundAnEdgeOrVertex, testing::Values(1, 2, 3, 4, 5, 6));
 
 // Along the line where two planes meet: mu times the depth behind the device's projection.
-TEST(OffsetDrag, AlongTheCurveOfTwoTheLagIsOnTheCone) {
+TEST(OffsetDrag, AlongTheCurveOfTwoThePullIsOnTheCone) {
   const std::array<OffsetContact, 2> contacts{OffsetContact::on_face(0, kFlat, Vec3::UnitZ()),
                                               OffsetContact::on_face(1, kUpright, -Vec3::UnitY())};
   const std::array<FrictionCoefficients, 2> friction{kRough, kRough};
@@ -168,7 +168,7 @@ TEST(OffsetDrag, TwoMaterialsShareACone) {
 }
 
 // The device held, over the axis of an edge and beside it: straight down the pull, and on the offset all the while.
-TEST(OffsetDrag, DescendsTheSteepestWay) {
+TEST(OffsetDrag, DescendsInTheSteepestDirection) {
   const Single single(OffsetContact::on_edge(0, kFlat, 0));
   const Vec3 device(0.13, -1.02, -0.05);
   Vec3 c(0.05, -1.0, kOffset);

@@ -82,7 +82,7 @@ TEST_F(OffsetSurface, OfATriangleWithoutAreaItIsAnEdgeOrAVertex) {
   EXPECT_EQ(OffsetContact::on_edge(0, ContactTriangle(a, b, b), 1).part, Part::vertex);
 }
 
-TEST_F(OffsetSurface, AFaceStandsOnTheSideOfTheCentre) {
+TEST_F(OffsetSurface, AFaceNormalPointsToTheCentre) {
   for (int i = 0; i < 100; ++i) {
     const ContactTriangle shape = triangle(0);
     const Vec3 on_face = (shape.corner(0) + shape.corner(1) + shape.corner(2)) / 3.0;
@@ -102,7 +102,7 @@ TEST_F(OffsetSurface, AFaceStandsOnTheSideOfTheCentre) {
   }
 }
 
-TEST_F(OffsetSurface, StandMeasuresFromTheCarrierOfAnEdgeAndFromAVertex) {
+TEST_F(OffsetSurface, DistanceIsMeasuredFromTheLineOfAnEdgeAndFromAVertex) {
   for (int i = 0; i < 200; ++i) {
     const ContactTriangle shape = triangle(i);
     const int k = i % 3;
@@ -157,7 +157,7 @@ TEST_F(OffsetSurface, ItsGuideKeepsAPathAtTheOffset) {
   }
 }
 
-TEST_F(OffsetSurface, PartsAreTheSameByTheirPlaces) {
+TEST_F(OffsetSurface, PartsAreEqualByTheirPositions) {
   const Vec3 a = vector();
   const Vec3 b = vector();
   const Vec3 c = vector();

@@ -16,7 +16,7 @@ namespace {
 
 using Part = OffsetContact::Part;
 
-TEST(SphereFollower, OverAPlaneItStandsAboveTheDevice) {
+TEST(SphereFollower, OverAPlaneItStaysAboveTheDevice) {
   Stage stage(made::sheet(0.5, 0.0, 8), kOffset);
   stage.put({0.03, 0.02, 0.4});
   ASSERT_EQ(stage.move({0.03, 0.02, -0.05}), Outcome::settled);
@@ -59,7 +59,7 @@ TEST(SphereFollower, RollsRoundAConvexEdge) {
   expect_centre(stage, {0.5 + kOffset, 0.1, 0.3});
 }
 
-TEST(SphereFollower, AllTheWayRoundAnEdgeInOneStep) {
+TEST(SphereFollower, RoundAnEdgeInOneStep) {
   Stage stage(made::box(Vec3::Constant(-0.5), Vec3::Constant(0.5)), kOffset);
   stage.put({0.3, 0.0, 0.8});
   ASSERT_EQ(stage.move({0.4, 0.1, 0.55}), Outcome::settled);

@@ -42,7 +42,7 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
   for (int i = 0; i < 300; ++i) {
     const Vec3 to(0.3 * std::cos(0.31 * i), 0.3 * std::sin(0.17 * i), -0.05 - 0.04 * std::sin(0.7 * i));
     const Vec3 motion(to.x() - device.x(), to.y() - device.y(), 0.0);
-    expected = drag_by_friction({.lag = expected.lag,
+    expected = drag_by_friction({.pull = expected.pull,
                                  .motion = motion,
                                  .pressure_start = kOffset - device.z(),
                                  .pressure_end = kOffset - to.z(),
@@ -50,7 +50,7 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
                                  .friction_dynamic = kRubs.friction_dynamic,
                                  .sliding = expected.sliding});
     ASSERT_EQ(stage.move(to), Outcome::settled);
-    ASSERT_LT((stage.centre() - (Vec3(to.x(), to.y(), kOffset) - expected.lag)).norm(), 1e-11) << "step " << i;
+    ASSERT_LT((stage.centre() - (Vec3(to.x(), to.y(), kOffset) - expected.pull)).norm(), 1e-11) << "step " << i;
     ASSERT_EQ(stage.follower->slides(), expected.sliding) << "step " << i;
     device = to;
   }
@@ -65,14 +65,14 @@ TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
   ASSERT_EQ(stage.move({-1.0, -1.0, -1.0}), Outcome::settled);
   expect_centre(stage, Vec3::Constant(kOffset));
   ASSERT_EQ(stage.follower->contacts().size(), 3U);
-  // Along one edge of the room: it lags behind by mu times the depth.
+  // Along one edge of the room: it stays behind by mu times the depth.
   ASSERT_EQ(stage.move({-0.2, 0.6, -0.3}), Outcome::settled);
-  const double lag = 0.2 * std::hypot(0.3, 0.4);
-  EXPECT_LT((stage.centre() - Vec3(kOffset, 0.6 - lag, kOffset)).norm(), 1e-11) << stage.centre().transpose();
+  const double pull = 0.2 * std::hypot(0.3, 0.4);
+  EXPECT_LT((stage.centre() - Vec3(kOffset, 0.6 - pull, kOffset)).norm(), 1e-11) << stage.centre().transpose();
   EXPECT_TRUE(stage.follower->slides());
   // A little back: it stays.
   const Vec3 there = stage.follower->centre();
-  ASSERT_EQ(stage.move({-0.2, 0.6 - 0.5 * lag, -0.3}), Outcome::settled);
+  ASSERT_EQ(stage.move({-0.2, 0.6 - 0.5 * pull, -0.3}), Outcome::settled);
   EXPECT_EQ(stage.follower->centre(), there);
 }
 

@@ -128,7 +128,7 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
   }
 }
 
-TEST(TangentCone, HasNoBorderWithoutTrianglesAndRefusesMoreThanItHolds) {
+TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
   TangentCone cone;
   cone.begin(Vec3::Zero());
   EXPECT_FALSE(cone.find_border(Vec3::UnitZ()));

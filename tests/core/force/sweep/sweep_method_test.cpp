@@ -52,11 +52,11 @@ TEST(SweepMethod, FeelsLikeTheBruteForceTwinToTheBit) {
       method->reset(p);
       twin.reset(p);
       for (int i = 0; i < 4000; ++i) {
-        // A walk drawn to the middle, with a long leap (and a rest) now and then.
+        // A random walk attracted to the middle, with a long jump (and a pause) now and then.
         p += i % 50 == 49 ? Vec3(0.05 * vector()) : i % 50 == 25 ? Vec3(Vec3::Zero()) : Vec3(0.0006 * vector() - 0.002 * p);
         const MethodOutput felt = step(*method, p);
         const MethodOutput expected = twin.step(p);
-        // The twin rounds otherwise: forces to 1e-9 N of some, places to a picometre.
+        // The twin rounds differently: forces agree to 1e-9 N, positions to a picometre.
         ASSERT_LE((felt.force_n - expected.force_n).norm(), 1e-9) << "step " << i;
         ASSERT_LE((felt.p_SP - expected.p_SP).norm(), 1e-12) << "step " << i;
         ASSERT_EQ(felt.contact, expected.contact) << "step " << i;
@@ -90,7 +90,8 @@ TEST(SweepMethod, PressingAPlaneIsHookesLawFromEitherSide) {
 }
 
 TEST(SweepMethod, TheNextLineStartsAtTheOffsetFromTheCollisionPoint) {
-  // Sliding in depth: the line from the offset start meets the plane a share offset / (offset + depth) of the way to the new position.
+  // Sliding in depth: the line from the offset start meets the plane at the share offset / (offset + depth) of the path to the new
+  // position.
   constexpr double kDepth = 0.001;
   for (const double offset : {kOffset, 1e-4, 1e-3}) {
     const auto method = make_sweep(scene_of(made::sheet(0.1, 0.0, 7)), {32, 32, 32}, offset);
@@ -122,7 +123,7 @@ TEST(SweepMethod, SlidingKeepsContactOverEdgesOfAClosedShape) {
   }
 }
 
-TEST(SweepMethod, OfSeveralCollisionsTheFirstOnTheWayHasTheGreatestDepth) {
+TEST(SweepMethod, OfSeveralCollisionsTheFirstOnThePathHasTheGreatestDepth) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.002, 3), {.stiffness_n_per_m = 100.0});
   scene.objects.push_back({made::shared(made::sheet(0.05, 0.001, 3)), {.stiffness_n_per_m = 10.0}});
   scene.objects.push_back({made::shared(made::sheet(0.05, 0.003, 3)), {.stiffness_n_per_m = 1000.0}});
@@ -134,7 +135,7 @@ TEST(SweepMethod, OfSeveralCollisionsTheFirstOnTheWayHasTheGreatestDepth) {
   EXPECT_NEAR(step(*method, {0.001, 0.002, 0.01}).force_n[2], -10.0 * 0.009, 1e-12);
 }
 
-TEST(SweepMethod, OneSidedSurfaceIsFeltFromItsFrontOnly) {
+TEST(SweepMethod, OneSidedSurfaceIsTouchedFromItsFrontOnly) {
   const auto method = make_sweep(scene_of(made::sheet(0.05, 0.0, 3), {.two_sided = false}));
   method->reset({0.01, 0.0, 0.001});
   EXPECT_TRUE(step(*method, {0.01, 0.0, -0.001}).contact);
@@ -146,7 +147,7 @@ TEST(SweepMethod, OneSidedSurfaceIsFeltFromItsFrontOnly) {
   EXPECT_NE(text.find("step 5 1 collisions, and 1 with the back of what is one-sided"), std::string::npos) << text;
 }
 
-TEST(SweepMethod, CountersTellWhereTheWorkEnded) {
+TEST(SweepMethod, CountersShowWhereTheWorkEnded) {
   // One flat layer of 4 x 4 cells with two triangles.
   const auto method = make_sweep(scene_of(made::sheet(0.04, 0.0, 1)), {4, 4, 4});
   // Within one cell below the diagonal, which lists only the lower triangle.
@@ -194,7 +195,7 @@ TEST(SweepMethod, RestingAndWildSamplesAreHarmless) {
   EXPECT_EQ(step(*method, {nan, 0, 0}).force_n, Vec3::Zero());
   EXPECT_TRUE(step(*method, {0, nan, 0}).p_SP.allFinite()) << "a probe is drawn where it was";
   EXPECT_EQ(step(*method, {std::numeric_limits<double>::infinity(), 0, 0}).force_n, Vec3::Zero());
-  EXPECT_EQ(step(*method, {0.045, 0, 0.001}).contact, true);  // contact went on
+  EXPECT_EQ(step(*method, {0.045, 0, 0.001}).contact, true);  // contact continued
   const MethodOutput far = step(*method, Vec3::Constant(1e300));
   EXPECT_TRUE(far.force_n.allFinite());
 }
@@ -253,7 +254,7 @@ TEST(SweepMethod, WorksAtEveryScale) {
   }
 }
 
-TEST(SweepMethod, RefusesWhatItCannotDo) {
+TEST(SweepMethod, RejectsWhatItCannotDo) {
   MethodSettings settings;
   TriangleMesh points;
   points.vertices = {Vec3::Zero()};

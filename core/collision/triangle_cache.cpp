@@ -1,4 +1,4 @@
-#include "core/collision/neighbourhood.h"
+#include "core/collision/triangle_cache.h"
 
 #include <bit>
 #include <utility>
@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-// A squared length from here on has terms that underflow by 2^-150 at most, which is less than a float's rounding, and a float as inverse.
+// From this squared length on, terms underflow by at most 2^-150, less than a float's rounding, and the inverse is a float.
 constexpr float kLeastSquare = 0x1p-122F;
 
 Float8 dot(const Float8 u[3], const Float8 v[3]) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; }
@@ -20,7 +20,7 @@ void load(const float from[3][8], Float8 into[3]) {
   for (int k = 0; k < 3; ++k) into[k] = Float8::load(from[k]);
 }
 
-// off = from - clamp(from . edge / |edge|^2) edge: from the edge's nearest point to the query; its squared length is returned.
+// off = from - clamp(from . edge / |edge|^2) edge: from the edge's closest point to the query; returns its squared length.
 Float8 off_edge(const Float8 from[3], const Float8 edge[3], const Float8& inverse, Float8 off[3]) {
   Float8 t = dot(from, edge) * inverse;
   t = min(max(t, Float8(0.0F)), Float8(1.0F));
@@ -38,7 +38,7 @@ void choose(const Float8& mask, const Float8 other[3], Float8 into[3]) {
   for (int k = 0; k < 3; ++k) into[k] = select(mask, other[k], into[k]);
 }
 
-// Eight points to eight of each coordinate.
+// Transposes eight points into eight of each coordinate.
 void turn(const Float4 points[8], float into[3][8]) {
   for (int half = 0; half < 8; half += 4) {
     Float4 x = points[half];
@@ -58,7 +58,7 @@ Uint32x8 all_equal_to(std::uint32_t value) { return Uint32x8(value); }
 
 }  // namespace
 
-Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const Float8 p[3], const Float8 motion[3]) noexcept {
+TriangleCache::Bound TriangleCache::separation_bound(const Block& block, const Float8 p[3], const Float8 motion[3]) noexcept {
   Float8 a[3];
   Float8 ab[3];
   Float8 ac[3];
@@ -85,7 +85,7 @@ Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const F
   choose(nearer, other, off);
   best = min(best, squared);
 
-  // Inside the triangle's prism the face is nearest. The three side tests need only be about right.
+  // Inside the triangle's prism the face is closest. The three side tests need only be approximate.
   Float8 normal[3];
   load(block.unit_normal, normal);
   Float8 cross_ap[3];  // ap x normal: its dot with an edge tells the side
@@ -105,14 +105,14 @@ Neighbourhood::Bound Neighbourhood::separation_bound(const Block& block, const F
   for (int k = 0; k < 3; ++k) off[k] = off[k] * inverse;
   choose(inside, other, off);
 
-  // u . (q - x) for every x of the triangle is at least its value at the corner that lies farthest along u.
+  // u . (q - x) for every x of the triangle is at least its value at the corner farthest along u.
   const Float8 support = max(zero, max(dot(off, ab), dot(off, ac)));
   const Float8 distance = dot(off, ap) - support - Float8::load(block.rounding);
   return {distance, min(zero, dot(off, motion))};
 }
 
-// Of a block's lanes, those whose boxes overlap.
-unsigned Neighbourhood::overlapping(const Block& block, const Float8 low[3], const Float8 high[3]) noexcept {
+// The lanes of a block whose boxes overlap.
+unsigned TriangleCache::overlapping(const Block& block, const Float8 low[3], const Float8 high[3]) noexcept {
   Float8 hit = Float8::load(block.low[0]) <= high[0];
   hit = hit & (Float8::load(block.high[0]) >= low[0]);
   for (int k = 1; k < 3; ++k) {
@@ -122,23 +122,23 @@ unsigned Neighbourhood::overlapping(const Block& block, const Float8 low[3], con
   return sign_bits(hit);
 }
 
-int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radius, const Box& way,
-                                 std::array<Meeting, kCapacity>& meetings) const noexcept {
+int TriangleCache::find_candidates(const Vec3& p, const Vec3& motion, double radius, const Box& path,
+                                   std::array<Candidate, kCapacity>& candidates) const noexcept {
   Float8 low[3];
   Float8 high[3];
   Float8 start[3];
   Float8 move[3];
   float magnitude = 0.0F;
   for (int k = 0; k < 3; ++k) {
-    low[k] = Float8(detail::round_down(way.low[k] - centre_[k]));
-    high[k] = Float8(detail::round_up(way.high[k] - centre_[k]));
+    low[k] = Float8(detail::round_down(path.low[k] - centre_[k]));
+    high[k] = Float8(detail::round_up(path.high[k] - centre_[k]));
     const auto s = static_cast<float>(p[k] - centre_[k]);
     const auto m = static_cast<float>(motion[k]);
     start[k] = Float8(s);
     move[k] = Float8(m);
     magnitude += std::fabs(s) + std::fabs(m);
   }
-  // Rounding of the query's side of the bound: a dozen operations on values below `magnitude`.
+  // Rounding of the query's part of the bound: a dozen operations on values below `magnitude`.
   const Float8 enough = Float8(detail::round_up(radius) + magnitude * 0x1p-20F);
   const Float8 zero = Float8(0.0F);
   int n = 0;
@@ -152,33 +152,33 @@ int Neighbourhood::find_meetings(const Vec3& p, const Vec3& motion, double radiu
     const Float8 misses = gap + bound.approach > zero;
     unsigned mask = near & ~sign_bits(misses);
     if (mask == 0) continue;
-    // gap / -approach, rounded down by a few units; zero where the gap is closed already.
+    // gap / -approach, rounded down by a few units; zero if the gap is already closed.
     const Float8 time = gap / (zero - bound.approach) * Float8(1.0F - 0x1p-21F);
     alignas(32) float earliest[8];
     store(earliest, time & (gap > zero));
     for (; mask != 0; mask &= mask - 1) {
       const int lane = std::countr_zero(mask);
-      meetings[n] = {earliest[lane], block.triangle[lane], static_cast<std::uint32_t>(8 * b + lane)};
-      if (meetings[n].earliest < meetings[0].earliest) std::swap(meetings[n], meetings[0]);
+      candidates[n] = {earliest[lane], block.triangle[lane], static_cast<std::uint32_t>(8 * b + lane)};
+      if (candidates[n].earliest < candidates[0].earliest) std::swap(candidates[n], candidates[0]);
       ++n;
     }
   }
   return n;
 }
 
-bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span<const std::uint32_t> except) const noexcept {
+bool TriangleCache::is_clear(std::span<const Vec3> path, double radius, std::span<const std::uint32_t> except) const noexcept {
   constexpr std::size_t kMostPoints = 32;
-  if (way.size() > kMostPoints) return false;
+  if (path.size() > kMostPoints) return false;
   std::array<std::uint8_t, kCapacity / 8> excepted = {};
-  for (const std::uint32_t place : except) excepted[place / 8] |= static_cast<std::uint8_t>(1U << (place % 8));
+  for (const std::uint32_t slot : except) excepted[slot / 8] |= static_cast<std::uint8_t>(1U << (slot % 8));
   std::array<std::array<float, 3>, kMostPoints> points;
   std::array<float, 3> least = {};
   std::array<float, 3> most = {};
   float magnitude = 0.0F;
-  for (std::size_t i = 0; i < way.size(); ++i) {
+  for (std::size_t i = 0; i < path.size(); ++i) {
     float size = 0.0F;
     for (int k = 0; k < 3; ++k) {
-      const auto x = static_cast<float>(way[i][k] - centre_[k]);
+      const auto x = static_cast<float>(path[i][k] - centre_[k]);
       points[i][k] = x;
       least[k] = i == 0 ? x : std::min(least[k], x);
       most[k] = i == 0 ? x : std::max(most[k], x);
@@ -194,7 +194,7 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
     high[k] = Float8(most[k] + enough);
   }
   const Float8 apart = Float8(enough);
-  // First which blocks have to be looked at, then those: no processor can guess which.
+  // In two passes, first selecting blocks and then testing them: a branch for each block would often be mispredicted.
   std::array<int, kCapacity / 8> at;
   std::array<unsigned, kCapacity / 8> near;
   int count = 0;
@@ -209,7 +209,7 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
     Float8 side_most[3];  // over the polyline
     Float8 plane_least;
     Float8 plane_most;
-    for (std::size_t i = 0; i < way.size(); ++i) {
+    for (std::size_t i = 0; i < path.size(); ++i) {
       const Float8 p[3] = {Float8(points[i][0]), Float8(points[i][1]), Float8(points[i][2])};
       for (int k = 0; k < 3; ++k) {
         const Float8 along = dot(block.side[k], p);
@@ -230,32 +230,32 @@ bool Neighbourhood::is_clear(std::span<const Vec3> way, double radius, std::span
   return true;
 }
 
-std::uint32_t Neighbourhood::place_of(std::uint32_t triangle, std::uint32_t perhaps) const noexcept {
-  if (perhaps < static_cast<std::uint32_t>(count_) && triangle_at(perhaps) == triangle) return perhaps;
+std::uint32_t TriangleCache::slot_of(std::uint32_t triangle, std::uint32_t hint) const noexcept {
+  if (hint < static_cast<std::uint32_t>(count_) && triangle_at(hint) == triangle) return hint;
   const Uint32x8 wanted = all_equal_to(triangle);
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
     const unsigned mask = sign_bits(load(blocks_[b].triangle) == wanted);
     if (mask != 0) return static_cast<std::uint32_t>(8 * b + std::countr_zero(mask));
   }
-  return kNowhere;
+  return kNoSlot;
 }
 
-// Of a block's lanes, the triangles of the same object: vertices are numbered in each.
-unsigned Neighbourhood::of_object(const Block& block, std::uint32_t triangle) const noexcept {
+// The lanes of a block whose triangles are of the same object: vertices are numbered per object.
+unsigned TriangleCache::of_object(const Block& block, std::uint32_t triangle) const noexcept {
   const Uint32x8 differs = (load(block.triangle) ^ all_equal_to(triangle)) & all_equal_to(geometry_->object_bits());
   return sign_bits(differs == Uint32x8(0U));
 }
 
-Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const noexcept {
-  const Block& own = blocks_[place / 8];
-  const std::uint32_t from = own.vertex[k][place % 8];
-  const std::uint32_t to = own.vertex[(k + 1) % 3][place % 8];
+TriangleCache::Adjacent TriangleCache::adjacent(std::uint32_t slot, int k) const noexcept {
+  const Block& own = blocks_[slot / 8];
+  const std::uint32_t from = own.vertex[k][slot % 8];
+  const std::uint32_t to = own.vertex[(k + 1) % 3][slot % 8];
   const Uint32x8 from_8 = all_equal_to(from);
   const Uint32x8 to_8 = all_equal_to(to);
-  const std::uint32_t triangle = triangle_at(place);
-  // Gathered block by block, eight at a time, and looked at afterwards: in which of them it is, no processor can guess.
-  Across found;
+  const std::uint32_t triangle = triangle_at(slot);
+  // Masks of eight blocks are collected before they are examined: a branch for each block would often be mispredicted.
+  Adjacent found;
   const int blocks = (count_ + 7) / 8;
   for (int first = 0; first < blocks; first += 8) {
     std::uint64_t others = 0;
@@ -270,44 +270,44 @@ Neighbourhood::Across Neighbourhood::across(std::uint32_t place, int k) const no
       others |= static_cast<std::uint64_t>(mask) << (8 * (b - first));
     }
     const std::uint32_t base = static_cast<std::uint32_t>(8 * first);
-    if (place - base < 64) others &= ~(std::uint64_t{1} << (place - base));
+    if (slot - base < 64) others &= ~(std::uint64_t{1} << (slot - base));
     if (others == 0) continue;
-    if (found.place != kNowhere || (others & (others - 1)) != 0) return {};
-    found.place = base + static_cast<std::uint32_t>(std::countr_zero(others));
+    if (found.slot != kNoSlot || (others & (others - 1)) != 0) return {};
+    found.slot = base + static_cast<std::uint32_t>(std::countr_zero(others));
   }
-  if (found.place == kNowhere) return found;
-  const Block& other = blocks_[found.place / 8];
-  const std::uint32_t lane = found.place % 8;
+  if (found.slot == kNoSlot) return found;
+  const Block& other = blocks_[found.slot / 8];
+  const std::uint32_t lane = found.slot % 8;
   for (std::int16_t edge = 0; edge < 3; ++edge) {
     const std::uint32_t first = other.vertex[edge][lane];
     const std::uint32_t second = other.vertex[(edge + 1) % 3][lane];
-    if (first == to && second == from) return {found.place, edge, true};
-    if (first == from && second == to) return {found.place, edge, false};
+    if (first == to && second == from) return {found.slot, edge, true};
+    if (first == from && second == to) return {found.slot, edge, false};
   }
   return {};
 }
 
-int Neighbourhood::count_round(std::uint32_t place, int k) const noexcept {
-  const Uint32x8 vertex = all_equal_to(blocks_[place / 8].vertex[k][place % 8]);
+int TriangleCache::count_at_vertex(std::uint32_t slot, int k) const noexcept {
+  const Uint32x8 vertex = all_equal_to(blocks_[slot / 8].vertex[k][slot % 8]);
   int found = 0;
   const int blocks = (count_ + 7) / 8;
   for (int b = 0; b < blocks; ++b) {
     Uint32x8 has_it = Uint32x8(0U);
     for (const auto& vertices : blocks_[b].vertex) has_it = has_it | (load(vertices) == vertex);
-    found += std::popcount(sign_bits(has_it) & of_object(blocks_[b], triangle_at(place)));
+    found += std::popcount(sign_bits(has_it) & of_object(blocks_[b], triangle_at(slot)));
   }
   return found;
 }
 
-bool Neighbourhood::fill(const TouchGeometry& geometry, const Box& region) noexcept {
+bool TriangleCache::rebuild(const TouchGeometry& geometry, const Box& region) noexcept {
   clear();
-  if (!look_for(geometry, region)) return false;
+  if (!query(geometry, region)) return false;
   fetch();
-  take();
+  commit();
   return true;
 }
 
-bool Neighbourhood::look_for(const TouchGeometry& geometry, const Box& region) noexcept {
+bool TriangleCache::query(const TouchGeometry& geometry, const Box& region) noexcept {
   geometry_ = &geometry;
   wanted_ = region;
   found_count_ = 0;
@@ -325,11 +325,11 @@ bool Neighbourhood::look_for(const TouchGeometry& geometry, const Box& region) n
   return fits;
 }
 
-void Neighbourhood::fetch() const noexcept {
+void TriangleCache::fetch() const noexcept {
   for (int i = 0; i < found_count_; ++i) geometry_->prefetch_corners(found_[i]);
 }
 
-void Neighbourhood::take() noexcept {
+void TriangleCache::commit() noexcept {
   centre_ = wanted_.centre();
   is_prepared_.reset();
   for (int first = 0; first < found_count_; first += 8) {
@@ -342,9 +342,9 @@ void Neighbourhood::take() noexcept {
   wanted_ = Box();
 }
 
-void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept {
+void TriangleCache::copy(std::span<const std::uint32_t> triangles, Block& block) const noexcept {
   const Double4 centre = Double4::load_three(centre_.data());
-  // A point infinitely far away overlaps nothing.
+  // A point at infinity overlaps nothing.
   const Float4 nowhere = Float4(std::numeric_limits<float>::infinity());
   Float4 a[8];
   Float4 ab[8];
@@ -354,8 +354,8 @@ void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block)
       a[lane] = nowhere;
       ab[lane] = Float4(0.0F);
       ac[lane] = Float4(0.0F);
-      block.triangle[lane] = kNowhere;
-      for (auto& vertices : block.vertex) vertices[lane] = kNowhere;
+      block.triangle[lane] = kNoSlot;
+      for (auto& vertices : block.vertex) vertices[lane] = kNoSlot;
       continue;
     }
     const std::uint32_t triangle = triangles[lane];
@@ -372,7 +372,7 @@ void Neighbourhood::copy(std::span<const std::uint32_t> triangles, Block& block)
   turn(ac, block.ac);
 }
 
-void Neighbourhood::derive(Block& block) noexcept {
+void TriangleCache::derive(Block& block) noexcept {
   Float8 a[3];
   Float8 ab[3];
   Float8 ac[3];
@@ -396,7 +396,7 @@ void Neighbourhood::derive(Block& block) noexcept {
     store(block.low[k], a[k] + least - rounding);
     store(block.high[k], a[k] + most + rounding);
   }
-  // A zero edge gets factor zero; an overflowing one too, which only weakens the bound.
+  // A zero edge gets factor zero; so does one that overflows, which only weakens the bound.
   const auto inverse = [&](const Float8 edge[3]) {
     const Float8 squared = dot(edge, edge);
     return (Float8(1.0F) / squared) & (squared > Float8(kLeastSquare));
@@ -413,7 +413,7 @@ void Neighbourhood::derive(Block& block) noexcept {
     normal[k] = normal[k] * scale;
     store(block.unit_normal[k], normal[k]);
   }
-  // Whatever a direction's rounding, what the corners have along it is what counts.
+  // Computed from the corners as they are, so the rounding of a direction does not matter.
   const auto corner_least = [&](const Float8 direction[3]) {
     return dot(direction, a) + min(zero, min(dot(direction, ab), dot(direction, ac)));
   };
@@ -427,7 +427,7 @@ void Neighbourhood::derive(Block& block) noexcept {
     const Float8 side_squared = dot(side, side);
     const Float8 has_length = side_squared > Float8(kLeastSquare);
     Float8 unit = (Float8(1.0F) / sqrt(side_squared)) & has_length;
-    if (k == 2) unit = unit ^ no_sign;  // ac runs the other way round
+    if (k == 2) unit = unit ^ no_sign;  // ac is reversed
     for (int i = 0; i < 3; ++i) {
       side[i] = side[i] * unit;
       store(block.side[k][i], side[i]);

@@ -1,4 +1,4 @@
-#include "core/geometry/border_edges.h"
+#include "core/geometry/boundary_edges.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace hapton {
 namespace {
 
 constexpr double kShareOfEdge = 0.05;
-constexpr std::size_t kFewEdges = 64;  // a small mesh is looked at to its end
+constexpr std::size_t kFewEdges = 64;  // a small mesh is examined completely
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-std::vector<Edge> find_borders(const TriangleMesh& mesh) {
+std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh) {
   std::vector<Edge> edges;
   for (const Triangle& t : mesh.triangles) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
@@ -31,14 +31,14 @@ std::vector<Edge> find_borders(const TriangleMesh& mesh) {
   return borders;
 }
 
-// Points that wait for a border edge to pass by, in a kd-tree. Each has a reach of its own, and is done with once an edge came within it:
-// so thousands of points and edges in one spot cost their number and not its square.
+// Points that wait for a boundary edge to come near, in a kd-tree. Each has its own radius and leaves the tree once an edge came within it,
+// so thousands of points and edges in one place cost time in proportion to their number, not to its square.
 class WaitingPoints {
  public:
   struct Point {
     Vec3 at;
-    double reach = 0.0;
-    std::uint32_t edge = 0;  // its own, which does not count
+    double radius = 0.0;
+    std::uint32_t edge = 0;  // its own edge, which does not count
     std::uint32_t misses = 0;
     bool is_found = false;
   };
@@ -62,7 +62,7 @@ class WaitingPoints {
   static constexpr std::uint32_t kMostMisses = 512;  // of one point
 
   struct Node {
-    Vec3 low, high;  // of what the points reach
+    Vec3 low, high;  // of the points, each inflated by its radius
     std::uint32_t first = 0;
     std::uint32_t last = 0;
     std::uint32_t right = kNone;  // the left child follows its parent; none: a leaf
@@ -86,8 +86,8 @@ class WaitingPoints {
     Eigen::AlignedBox3d box;
     for (std::uint32_t i = first; i < last; ++i) {
       box.extend(points_[i].at);
-      reached.extend(points_[i].at - Vec3::Constant(points_[i].reach));
-      reached.extend(points_[i].at + Vec3::Constant(points_[i].reach));
+      reached.extend(points_[i].at - Vec3::Constant(points_[i].radius));
+      reached.extend(points_[i].at + Vec3::Constant(points_[i].radius));
     }
     nodes_.push_back({.low = reached.min(), .high = reached.max(), .first = first, .last = last, .waiting = last - first});
     if (last - first <= kLeafSize) return number;
@@ -102,7 +102,7 @@ class WaitingPoints {
     return number;
   }
 
-  // Returns how many points wait no longer.
+  // Returns how many points no longer wait.
   std::uint32_t visit(std::uint32_t number, const Passing& passing) {
     Node& node = nodes_[number];
     ++work_;
@@ -118,11 +118,11 @@ class WaitingPoints {
     return done;
   }
 
-  // True when the point waits no longer.
+  // True if the point no longer waits.
   bool try_point(Point& point, const Passing& passing) {
     if (point.is_found || point.misses == kMostMisses || point.edge == passing.edge) return false;
     ++work_;
-    point.is_found = passing.squared_distance(point.at) <= point.reach * point.reach;
+    point.is_found = passing.squared_distance(point.at) <= point.radius * point.radius;
     return point.is_found || ++point.misses == kMostMisses;
   }
 
@@ -138,20 +138,20 @@ std::vector<WaitingPoints::Point> points_along(const TriangleMesh& mesh, const s
   for (const std::uint32_t e : edges) {
     const Vec3& from = mesh.vertices[borders[e].first];
     const Vec3 along = mesh.vertices[borders[e].second] - from;
-    const double reach = std::min(width, kShareOfEdge * along.norm());
-    for (const double share : shares) points.push_back({.at = from + share * along, .reach = reach, .edge = e});
+    const double radius = std::min(width, kShareOfEdge * along.norm());
+    for (const double share : shares) points.push_back({.at = from + share * along, .radius = radius, .edge = e});
   }
   return points;
 }
 
 }  // namespace
 
-BorderEdges count_border_edges(const TriangleMesh& mesh, double width, std::size_t most_work) {
-  const std::vector<Edge> borders = find_borders(mesh);
+BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::size_t most_work) {
+  const std::vector<Edge> borders = find_boundary_edges(mesh);
   std::vector<std::uint32_t> cracks(borders.size());
   std::iota(cracks.begin(), cracks.end(), 0U);
-  BorderEdges count;
-  // Most edges have nothing beside their middle: only what is left is looked at once more.
+  BoundaryEdges count;
+  // Most edges have nothing beside their middle: only the others are tested at further points.
   for (const std::vector<double>& shares : {std::vector{0.5}, std::vector{0.25, 0.75}}) {
     WaitingPoints waiting(points_along(mesh, borders, cracks, shares, width));
     if (cracks.empty()) break;

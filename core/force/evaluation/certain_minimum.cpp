@@ -1,4 +1,4 @@
-#include "core/force/evaluation/certain_rest.h"
+#include "core/force/evaluation/certain_minimum.h"
 
 #include <algorithm>
 #include <vector>
@@ -24,7 +24,7 @@ bool joins(const Triangle& triangle, std::uint32_t a, std::uint32_t b) {
          std::find(triangle.begin(), triangle.end(), b) != triangle.end();
 }
 
-// Exactly one other face begins at the edge, and each lies where the other's normal points.
+// Exactly one other face shares the edge, and each lies on the side that the other's normal points to.
 bool is_concave(const TriangleMesh& mesh, const std::vector<NearFace>& faces, const NearFace& face, int k) {
   const std::uint32_t a = (*face.corners)[k];
   const std::uint32_t b = (*face.corners)[(k + 1) % 3];
@@ -42,7 +42,7 @@ bool is_concave(const TriangleMesh& mesh, const std::vector<NearFace>& faces, co
 
 }  // namespace
 
-bool is_certain_rest(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& device, double reach) {
+bool is_certain_minimum(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& device, double radius) {
   std::vector<NearFace> faces;
   std::vector<HalfSpace> planes;
   for (const Triangle& triangle : mesh.triangles) {
@@ -50,9 +50,9 @@ bool is_certain_rest(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& de
     const Vec3& b = mesh.vertices[triangle[1]];
     const Vec3& c = mesh.vertices[triangle[2]];
     const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - proxy).cwiseMax(proxy - a.cwiseMax(b).cwiseMax(c));
-    if (beside.maxCoeff() > reach) continue;
+    if (beside.maxCoeff() > radius) continue;
     const PreparedTriangle shape(a, b, c);
-    if (closest_point(shape, proxy).distance > reach) continue;
+    if (closest_point(shape, proxy).distance > radius) continue;
     const double height = shape.normal.dot(proxy - shape.corner[shape.base]);
     if (!shape.has_face || height == 0.0) return false;
     const Vec3 normal = height > 0.0 ? shape.normal : Vec3(-shape.normal);
@@ -64,12 +64,12 @@ bool is_certain_rest(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& de
     for (int k = 0; k < 3; ++k) {
       const Vec3& a = face.shape.corner[k];
       const Vec3& b = face.shape.corner[(k + 1) % 3];
-      if (closest_point(a, b, b, proxy).distance <= reach && !is_concave(mesh, faces, face, k)) return false;
+      if (closest_point(a, b, b, proxy).distance <= radius && !is_concave(mesh, faces, face, k)) return false;
     }
   }
   const double rounding = 0x1p-48 * (device - proxy).norm();
   const HalfSpaceProjection nearest = project_onto_half_spaces(device - proxy, planes, rounding);
-  return nearest.feasible && nearest.point.norm() <= 0.5 * reach;
+  return nearest.feasible && nearest.point.norm() <= 0.5 * radius;
 }
 
 }  // namespace hapton

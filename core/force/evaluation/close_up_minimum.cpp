@@ -1,4 +1,4 @@
-#include "core/force/evaluation/close_up_rest.h"
+#include "core/force/evaluation/close_up_minimum.h"
 
 #include <memory>
 
@@ -8,12 +8,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kStaysShare = 0.25;  // of half the side: farther than any contact offset leads, nearer than what is not seen
+constexpr double kStaysShare =
+    0.25;  // of the half side: larger than any contact offset moves the proxy, smaller than the distance to what is cut off
 
 }  // namespace
 
-bool rests_in_close_up(const TriangleMesh& mesh, const Material& material, const Vec3& centre, double half_side, const Vec3& start,
-                       const Vec3& device) {
+bool is_minimum_in_close_up(const TriangleMesh& mesh, const Material& material, const Vec3& centre, double half_side, const Vec3& start,
+                            const Vec3& device) {
   TouchScene scene;
   scene.objects.push_back({std::make_shared<TriangleMesh>(make_close_up(mesh, centre, half_side)), material});
   MethodSettings settings;

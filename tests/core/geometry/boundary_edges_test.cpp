@@ -1,4 +1,4 @@
-#include "core/geometry/border_edges.h"
+#include "core/geometry/boundary_edges.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-// Every triangle with vertices of its own, drawn towards its middle by a share of the way.
+// Every triangle with its own vertices, moved towards its middle by a share of the distance.
 TriangleMesh torn(const TriangleMesh& mesh, double share) {
   TriangleMesh apart;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -26,53 +26,53 @@ TriangleMesh torn(const TriangleMesh& mesh, double share) {
   return apart;
 }
 
-TEST(BorderEdges, AClosedMeshHasNone) {
-  const BorderEdges count = count_border_edges(make_icosphere(0.05, 2), 1e-4);
+TEST(BoundaryEdges, AClosedMeshHasNone) {
+  const BoundaryEdges count = count_boundary_edges(make_icosphere(0.05, 2), 1e-4);
   EXPECT_EQ(count.open + count.cracks, 0U);
 }
 
-TEST(BorderEdges, OfASheetAreOpen) {
-  const BorderEdges count = count_border_edges(make_plane_grid(0.1, 8), 1e-4);
+TEST(BoundaryEdges, OfASheetAreOpen) {
+  const BoundaryEdges count = count_boundary_edges(make_plane_grid(0.1, 8), 1e-4);
   EXPECT_EQ(count.open, 32U);
   EXPECT_EQ(count.cracks, 0U);
 }
 
-TEST(BorderEdges, OfABodyTornApartAreCracks) {
+TEST(BoundaryEdges, OfABodyTornApartAreCracks) {
   const TriangleMesh ball = make_icosphere(0.05, 2);
-  const BorderEdges count = count_border_edges(torn(ball, 1e-6), 1e-4);
+  const BoundaryEdges count = count_boundary_edges(torn(ball, 1e-6), 1e-4);
   EXPECT_EQ(count.cracks, 3 * ball.triangles.size());
   EXPECT_EQ(count.open, 0U);
 }
 
-TEST(BorderEdges, WiderThanTheWidthAreOpen) {
+TEST(BoundaryEdges, WiderThanTheWidthAreOpen) {
   const TriangleMesh ball = make_icosphere(0.05, 2);
-  EXPECT_EQ(count_border_edges(torn(ball, 0.1), 1e-5).cracks, 0U);
+  EXPECT_EQ(count_boundary_edges(torn(ball, 0.1), 1e-5).cracks, 0U);
 }
 
 // The neighbour has the edge in two halves.
-TEST(BorderEdges, OfATJunctionAreCracks) {
+TEST(BoundaryEdges, OfATJunctionAreCracks) {
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 0, 0}, {0.5, -1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 4, 3}, {3, 4, 1}};
-  const BorderEdges count = count_border_edges(mesh, 1e-3);
+  const BoundaryEdges count = count_boundary_edges(mesh, 1e-3);
   EXPECT_EQ(count.cracks, 3U);
   EXPECT_EQ(count.open, 4U);
 }
 
-TEST(BorderEdges, AreTheSameFarFromTheOriginAndAtAnyScale) {
+TEST(BoundaryEdges, AreTheSameFarFromTheOriginAndAtAnyScale) {
   TriangleMesh mesh = torn(make_icosphere(0.05, 1), 1e-4);
   for (Vec3& v : mesh.vertices) v = 1e-3 * v + Vec3(10.0, -10.0, 10.0);
-  EXPECT_EQ(count_border_edges(mesh, 1e-7).open, 0U);
+  EXPECT_EQ(count_boundary_edges(mesh, 1e-7).open, 0U);
 }
 
-TEST(BorderEdges, TakeNoNoticeOfTrianglesThatRepeatAVertex) {
+TEST(BoundaryEdges, TakeNoNoticeOfTrianglesThatRepeatAVertex) {
   TriangleMesh mesh = make_icosphere(0.05, 1);
   mesh.triangles.push_back({0, 0, 1});
-  const BorderEdges count = count_border_edges(mesh, 1e-4);
+  const BoundaryEdges count = count_boundary_edges(mesh, 1e-4);
   EXPECT_EQ(count.open + count.cracks, 0U);
 }
 
-// Each border edge against every other.
+// Each boundary edge against every other.
 std::size_t count_cracks_by_brute_force(const TriangleMesh& mesh, double width) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (const Triangle& t : mesh.triangles) {
@@ -83,13 +83,13 @@ std::size_t count_cracks_by_brute_force(const TriangleMesh& mesh, double width) 
   for (const auto& [edge, one] : sides) {
     const Vec3& a = mesh.vertices[edge.first];
     const Vec3& b = mesh.vertices[edge.second];
-    const double reach = std::min(width, 0.05 * (b - a).norm());
+    const double radius = std::min(width, 0.05 * (b - a).norm());
     int found = 0;
     for (const double share : {0.25, 0.5, 0.75}) {
       found += std::any_of(sides.begin(), sides.end(), [&, &edge = edge](const auto& other) {
         const Vec3& from = mesh.vertices[other.first.first];
         const Vec3& to = mesh.vertices[other.first.second];
-        return other.first != edge && closest_point(from, to, to, a + share * (b - a)).distance <= reach;
+        return other.first != edge && closest_point(from, to, to, a + share * (b - a)).distance <= radius;
       });
     }
     cracks += found == 3 ? 1 : 0;
@@ -97,53 +97,54 @@ std::size_t count_cracks_by_brute_force(const TriangleMesh& mesh, double width) 
   return cracks;
 }
 
-TEST(BorderEdges, AreTheOnesThatBruteForceFinds) {
+TEST(BoundaryEdges, AreTheOnesThatBruteForceFinds) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     for (const double size : {1.0, 0.1, 0.02}) {
       const TriangleMesh soup = made::soup(seed, 300, 1.0, size);
       for (const double width : {1e-3, 2e-2, 0.2}) {
-        EXPECT_EQ(count_border_edges(soup, width).cracks, count_cracks_by_brute_force(soup, width)) << seed << " " << size << " " << width;
+        EXPECT_EQ(count_boundary_edges(soup, width).cracks, count_cracks_by_brute_force(soup, width))
+            << seed << " " << size << " " << width;
       }
     }
     TriangleMesh ball = torn(make_icosphere(0.5, 2), 1e-3);
     for (std::size_t i = 0; i < ball.vertices.size(); i += 7) ball.vertices[i] *= 1.0 + 1e-3 * static_cast<double>(seed);
     for (const double width : {1e-4, 1e-3}) {
-      EXPECT_EQ(count_border_edges(ball, width).cracks, count_cracks_by_brute_force(ball, width)) << seed << " " << width;
+      EXPECT_EQ(count_boundary_edges(ball, width).cracks, count_cracks_by_brute_force(ball, width)) << seed << " " << width;
     }
   }
 }
 
-// Triangles as large as the mesh: the work of an edge grows with their number until it is cut off, and then says so.
-TEST(BorderEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
+// Triangles as large as the mesh: the work per edge grows with their number until it is cut off, which is reported.
+TEST(BoundaryEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
   const TriangleMesh soup = made::soup(5, 2000, 1.0, 1.0);
-  const BorderEdges all = count_border_edges(soup, 1e-3);
+  const BoundaryEdges all = count_boundary_edges(soup, 1e-3);
   EXPECT_FALSE(all.has_given_up);
   EXPECT_GT(all.work, 20 * 3 * soup.triangles.size()) << "else the bound below says nothing";
-  const BorderEdges some = count_border_edges(soup, 1e-3, 20);
+  const BoundaryEdges some = count_boundary_edges(soup, 1e-3, 20);
   EXPECT_TRUE(some.has_given_up);
   EXPECT_LT(some.work, 21 * 3 * soup.triangles.size());
   EXPECT_EQ(some.open + some.cracks, all.open + all.cracks) << "what was not looked at counts as open";
   EXPECT_LE(some.cracks, all.cracks);
-  EXPECT_FALSE(count_border_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMostBorderWork / 2).has_given_up)
+  EXPECT_FALSE(count_boundary_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMostBoundaryWork / 2).has_given_up)
       << "of a surface, far from it";
 }
 
-// Counted, not timed: the boxes and points that are looked at, by border edge, for triangles as large as the space that they are in, for
-// ones that all lie in one spot, and for a torn surface.
-TEST(BorderEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
+// Counted, not timed: the boxes and points examined per boundary edge, for triangles as large as the space that they are in, for triangles
+// in one place, and for a torn surface.
+TEST(BoundaryEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
   struct Case {
     const char* name;
     double space;
     double size;
-    double growth;  // at most, of the work an edge from 1,000 triangles to 16,000: their cube root is 2.5
-    double most;    // of an edge
+    double growth;  // largest growth of the work per edge from 1,000 triangles to 16,000: their cube root is 2.5
+    double most;    // per edge
   };
   constexpr double kWidth = 1e-3;
   for (const Case& c :
        {Case{"large", 1.0, 1.0, 2.7, 300.0}, Case{"in one spot", 1e-5, 1e-4, 2.7, 1000.0}, Case{"small", 1.0, 0.01, 2.0, 80.0}}) {
     const auto work = [&](int triangles) {
       const TriangleMesh soup = made::soup(5, triangles, c.space, c.size);
-      return static_cast<double>(count_border_edges(soup, kWidth, 1'000'000).work) / static_cast<double>(3 * triangles);
+      return static_cast<double>(count_boundary_edges(soup, kWidth, 1'000'000).work) / static_cast<double>(3 * triangles);
     };
     const double few = work(1000);
     const double many = work(16000);
@@ -152,7 +153,7 @@ TEST(BorderEdges, TakeAboutAsMuchWorkEachHoweverManyThereAre) {
   }
   const auto of_ball = [&](int level) {
     const TriangleMesh ball = torn(make_icosphere(0.5, level), 1e-5);
-    return static_cast<double>(count_border_edges(ball, kWidth).work) / static_cast<double>(3 * ball.triangles.size());
+    return static_cast<double>(count_boundary_edges(ball, kWidth).work) / static_cast<double>(3 * ball.triangles.size());
   };
   EXPECT_LT(of_ball(5), 1.5 * of_ball(3));
   EXPECT_LT(of_ball(5), 150.0);

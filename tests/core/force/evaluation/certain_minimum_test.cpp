@@ -1,0 +1,85 @@
+#include "core/force/evaluation/certain_minimum.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr double kRadius = 1e-6;
+constexpr double kContactOffset = 1e-7;
+
+// Two strips that meet along the y axis; each rises by `slope` away from it.
+TriangleMesh make_concave_edge(double slope) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, -1, 0}, {0, 1, 0}, {-1, 0, slope}, {1, 0, slope}};
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  return mesh;
+}
+
+// The inside corner of a room, at the origin.
+TriangleMesh make_corner() {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}};
+  return mesh;
+}
+
+const Vec3 kAboveEdge(0.0, 0.2, kContactOffset);
+const Vec3 kInCorner = Vec3::Constant(kContactOffset);
+
+TEST(CertainMinimum, AConcaveEdgeHoldsAProxyPulledStraightIntoIt) {
+  EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
+  EXPECT_TRUE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.1, 0.2, -0.5}, kRadius));
+}
+
+TEST(CertainMinimum, AConcaveEdgeDoesNotHoldAProxyPulledAlongIt) {
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.0, 0.3, -0.5}, kRadius));
+}
+
+TEST(CertainMinimum, AConcaveEdgeDoesNotHoldAProxyPulledUpOneSide) {
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), kAboveEdge, {0.3, 0.2, -0.5}, kRadius));
+}
+
+TEST(CertainMinimum, ABalancedConvexEdgeIsNoMinimum) {
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(-0.3), kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(-1e-9), kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
+}
+
+TEST(CertainMinimum, ACornerOfThreeWallsHolds) {
+  EXPECT_TRUE(is_certain_minimum(make_corner(), kInCorner, {-0.1, -0.2, -0.3}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(make_corner(), kInCorner, {0.1, -0.2, -0.3}, kRadius));
+}
+
+TEST(CertainMinimum, AnOpenBoundaryWithinTheRadiusProvesNothing) {
+  TriangleMesh mesh = make_corner();
+  mesh.triangles.pop_back();
+  EXPECT_FALSE(is_certain_minimum(mesh, kInCorner, {-0.1, -0.2, -0.3}, kRadius));
+}
+
+TEST(CertainMinimum, ThreeFacesAtOneEdgeProveNothing) {
+  TriangleMesh mesh = make_concave_edge(0.3);
+  mesh.vertices.push_back({0, 0, -1});
+  mesh.triangles.push_back({0, 1, 4});
+  EXPECT_FALSE(is_certain_minimum(mesh, kAboveEdge, {0.0, 0.2, -0.5}, kRadius));
+}
+
+TEST(CertainMinimum, TheMiddleOfAFaceHoldsOnlyWhatIsStraightBelow) {
+  const TriangleMesh mesh = make_corner();
+  EXPECT_TRUE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.3, 0.3, -0.2}, kRadius));
+  EXPECT_FALSE(is_certain_minimum(mesh, {0.3, 0.3, kContactOffset}, {0.31, 0.3, -0.2}, kRadius));
+}
+
+TEST(CertainMinimum, FarFromEverythingNothingHolds) {
+  EXPECT_FALSE(is_certain_minimum(make_concave_edge(0.3), {0.0, 0.2, 0.5}, {0.0, 0.2, -0.5}, kRadius));
+}
+
+TEST(CertainMinimum, ASaddleIsNotProvedByItsConcaveEdges) {
+  // Four faces at the origin: concave edges along x, convex edges along y.
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0.3}, {0, 1, -0.3}, {-1, 0, 0.3}, {0, -1, -0.3}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
+  EXPECT_FALSE(is_certain_minimum(mesh, {0.0, 0.0, kContactOffset}, {0.0, 0.0, -0.5}, kRadius));
+}
+
+}  // namespace
+}  // namespace hapton
