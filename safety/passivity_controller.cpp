@@ -1,0 +1,74 @@
+#include "safety/passivity_controller.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+
+void PassivityController::held(const Vec3& force_n, double passed_s) noexcept {
+  force_n_s_ += passed_s * force_n;
+  passed_s_ += passed_s;
+}
+
+void PassivityController::observe(double max_force_n, const Vec3& moved_m) noexcept {
+  if (!(passed_s_ > 0.0)) return;
+  period_s_ = passed_s_;
+  mean_force_n_ = force_n_s_ / passed_s_;
+  mean_velocity_m_per_s_ = moved_m / passed_s_;
+  force_n_s_ = Vec3::Zero();
+  passed_s_ = 0.0;
+  const double dissipated_j = take_dissipated_j(moved_m);
+  if (mean_force_n_.isZero(0.0)) {
+    given_j_ = std::max(0.0, given_j_) * std::exp(-period_s_ / kFadeS);
+    return;
+  }
+  given_j_ = std::max(given_j_ + mean_force_n_.dot(moved_m) - dissipated_j, -kMostCreditM * max_force_n);
+}
+
+// Once a window: int b v^2 dt is at least b motion^2 / time.
+double PassivityController::take_dissipated_j(const Vec3& moved_m) noexcept {
+  window_moved_m_ += moved_m;
+  window_s_ += period_s_;
+  if (++window_samples_ < kWindow) return 0.0;
+  const double moved = window_moved_m_.norm();
+  const double dissipated_j = (device_.damping_ns_per_m * moved / window_s_ + device_.friction_n) * moved;
+  window_moved_m_ = Vec3::Zero();
+  window_s_ = 0.0;
+  window_samples_ = 0;
+  return dissipated_j;
+}
+
+// The root of f (v T + f T^2 / 2 m) = credit. The velocity now is the mean one and what the force has added since the middle of the period,
+// to a mass between ours and an infinite one: the faster away, the less is allowed.
+double PassivityController::largest_allowed_n(const Vec3& direction) const noexcept {
+  const double half_s = 0.5 * period_s_;
+  const double gained = std::max(0.0, half_s * mean_force_n_.dot(direction) / device_.mass_kg);
+  const double moved_m = period_s_ * (mean_velocity_m_per_s_.dot(direction) + gained);
+  const double m_per_n = half_s * period_s_ / device_.mass_kg;
+  const double credit_j = std::max(0.0, -given_j_);
+  const double root = std::sqrt(moved_m * moved_m + 4.0 * m_per_n * credit_j);
+  // Without cancellation on either side.
+  return moved_m > 0.0 ? 2.0 * credit_j / (moved_m + root) : (root - moved_m) / (2.0 * m_per_n);
+}
+
+Vec3 PassivityController::shape(const Vec3& wanted_n, double most_damping) noexcept {
+  has_limited_ = false;
+  const double wanted = wanted_n.norm();
+  if (!(wanted > 0.0) || !(period_s_ > 0.0)) return wanted_n;
+  const double allowed = largest_allowed_n(wanted_n / wanted);
+  Vec3 force_n = wanted_n;
+  if (allowed < wanted) {
+    force_n *= allowed / wanted;
+    has_limited_ = true;
+  }
+  const double squared_speed = mean_velocity_m_per_s_.squaredNorm();
+  if (given_j_ > 0.0 && squared_speed > 0.0) {
+    // At most what stops the mass within the period.
+    const double most = std::min(most_damping, device_.mass_kg / period_s_);
+    force_n -= std::min(most, given_j_ / (period_s_ * squared_speed)) * mean_velocity_m_per_s_;
+    has_limited_ = true;
+  }
+  return force_n;
+}
+
+}  // namespace hapton

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Passivity observer and controller for contact forces: over any time the device gives the hand no more energy than the hand has put in,
+// whatever the wall's stiffness, the delay and the losses in between. The SafetyGovernor runs it where it is asked to (keep_passive).
+//
+//   observer     given += mean force on the motors since the last sample . motion since then. This is exact for a force that is held.
+//                given -= what the device's own damping and friction dissipate; a wall that is passive by b > K T / 2 is left as it is.
+//                -given is the energy that the hand has put in and not got back: the credit.
+//   controller   in one period T a force f along the motion of a free mass m at velocity v gives f (v T + f T^2 / 2 m). The largest f that
+//                gives no more than the credit is allowed. Springs below m / T^2 pass unchanged: a spring stores f^2 / 2 k.
+//   deficit      a hand that pulls the device away moves it farther than a free mass. What is given too much then is taken back by damping.
+//
+// Without force on the motors the credit is dropped, and a deficit fades: contacts do not lend to each other. Effects that are a source by
+// intent (a moving object, a spring that is switched on while it is extended) lose their force: they cannot be used with it.
+//
+// Sources: Hannaford and Ryu, "Time-domain passivity control of haptic interfaces", IEEE Trans. Robotics and Automation 18 (2002); the
+// observer by displacements: Stramigioli et al., "Sampled data systems passivity and discrete port-Hamiltonian systems", IEEE Trans.
+// Robotics 21 (2005); limiting the force: Kim and Ryu, "Robustly stable haptic interaction control using an energy-bounding algorithm",
+// Int. J. Robotics Research 29 (2010). We bound by the credit and the next displacement of the least mass; damping is the exception.
+// Units J, N, m, s, kg; frame W. RT: yes.
+class PassivityController {
+ public:
+  // Of the device without a hand. What is not known is 0, which is safe; the mass must be known: the least that the motors can have to
+  // accelerate.
+  struct Mechanics {
+    double mass_kg = 0.0;
+    double damping_ns_per_m = 0.0;
+    double friction_n = 0.0;
+  };
+
+  // Of max_force: a larger credit is not kept. A spring that stores more would have to be softer than max_force / 4 cm.
+  static constexpr double kMostCreditM = 0.020;
+  // Time constant with which a deficit fades without force: contacts of a limit cycle follow each other faster.
+  static constexpr double kFadeS = 0.1;
+
+  // Samples over which dissipation is estimated by the motion from first to last: noise of the encoder, which goes to and fro, adds
+  // nothing.
+  static constexpr int kWindow = 8;
+
+  // Pre: mass above 0, damping and friction 0 or more.
+  explicit PassivityController(const Mechanics& device) noexcept : device_(device) {}
+
+  // The force was on the motors for passed_s.
+  void held(const Vec3& force_n, double passed_s) noexcept;
+  // A sample: the device has moved by this since the one before.
+  void observe(double max_force_n, const Vec3& moved_m) noexcept;
+
+  // The force to write in place of wanted_n until the next sample. most_damping: N s / m, what the device bears.
+  Vec3 shape(const Vec3& wanted_n, double most_damping) noexcept;
+
+  // Above 0: a deficit. Below: the credit, negative.
+  double given_j() const noexcept { return given_j_; }
+  // The last force was lower than wanted, or damped.
+  bool has_limited() const noexcept { return has_limited_; }
+
+ private:
+  double largest_allowed_n(const Vec3& direction) const noexcept;
+  double take_dissipated_j(const Vec3& moved_m) noexcept;
+
+  Mechanics device_;
+  Vec3 force_n_s_ = Vec3::Zero();  // since the last sample
+  double passed_s_ = 0.0;
+  double period_s_ = 0.0;                      // between the last two samples
+  Vec3 mean_velocity_m_per_s_ = Vec3::Zero();  // between them
+  Vec3 mean_force_n_ = Vec3::Zero();
+  Vec3 window_moved_m_ = Vec3::Zero();
+  double window_s_ = 0.0;
+  int window_samples_ = 0;
+  double given_j_ = 0.0;
+  bool has_limited_ = false;
+};
+
+}  // namespace hapton

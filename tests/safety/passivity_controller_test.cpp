@@ -1,0 +1,235 @@
+#include "safety/passivity_controller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+constexpr double kMassKg = 0.075;
+constexpr double kMaxForceN = 20.0;
+
+// A mass at a wall (x < 0) along one axis: sampled, forces late by whole samples, lost at random. Exact between samples where the hand's
+// force is held as well.
+struct WallRun {
+  double stiffness = 1000.0;
+  double period_s = 1e-3;
+  int delay_samples = 0;
+  double loss = 0.0;
+  double mass_kg = kMassKg;  // of the device with what the hand adds
+  double damping = 0.0;      // of the device
+  bool is_controlled = true;
+  double x = 1e-3;
+  double v = -0.1;
+
+  double least_j = 0.0;  // energy given to the hand, over the run: least and most
+  double most_j = 0.0;
+  double most_excess_j = 0.0;  // that the hand's own pull explains
+  double deepest_m = 0.0;
+  double farthest_m = 0.0;
+  double most_taken_n = 0.0;  // off a wanted force
+  double fastest = 0.0;
+  int limited = 0;
+  int contact_steps = 0;
+
+  template <class Hand>
+  void run(int steps, std::uint64_t seed, Hand&& hand) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> chance(0.0, 1.0);
+    PassivityController controller({.mass_kg = kMassKg, .damping_ns_per_m = damping});
+    std::deque<double> on_the_way(static_cast<std::size_t>(delay_samples), 0.0);
+    double newest = 0.0;
+    double given_j = 0.0;
+    double moved = 0.0;
+    double force = 0.0;
+    for (int n = 0; n < steps; ++n) {
+      controller.observe(kMaxForceN, Vec3(moved, 0, 0));
+      on_the_way.push_back(std::min(kMaxForceN, std::max(0.0, -stiffness * x)));
+      if (chance(random) >= loss) newest = on_the_way.front();
+      on_the_way.pop_front();
+      force = is_controlled ? controller.shape(Vec3(newest, 0, 0), 20.0).x() : newest;
+      most_taken_n = std::max(most_taken_n, std::abs(newest - force));
+      fastest = std::max(fastest, std::abs(v));
+      limited += is_controlled && controller.has_limited() ? 1 : 0;
+      contact_steps += newest > 0.0 ? 1 : 0;
+      const double hand_n = hand(n * period_s, x, v);
+      const double a = (force + hand_n - damping * v) / mass_kg;
+      moved = v * period_s + 0.5 * a * period_s * period_s;
+      x += moved;
+      v += a * period_s;
+      controller.held(Vec3(force, 0, 0), period_s);
+      given_j += force * moved;
+      most_excess_j = std::max(most_excess_j, std::abs(force * hand_n) * period_s * period_s / (2.0 * kMassKg));
+      least_j = std::min(least_j, given_j);
+      most_j = std::max(most_j, given_j);
+      deepest_m = std::max(deepest_m, -x);
+      farthest_m = std::max(farthest_m, x);
+    }
+  }
+};
+
+double no_hand(double, double, double) { return 0.0; }
+
+// A hand that presses to 3 N and comes back in a second.
+double press(double t, double, double v) { return -3.0 * std::pow(std::sin(std::numbers::pi * t), 2) - 8.0 * v; }
+
+// A held force lags half a period behind the spring, so that a sampled spring gives back more than it stored, by K T / 2 v^2 each second.
+TEST(PassivityController, LeavesAWallThatTheDeviceMakesPassiveAsItIs) {
+  for (const double stiffness : {100.0, 1000.0, 3000.0}) {
+    for (const double rate_hz : {1000.0, 4000.0}) {
+      WallRun run;
+      run.stiffness = stiffness;
+      run.period_s = 1.0 / rate_hz;
+      run.damping = 1.5 * stiffness * run.period_s / 2.0;
+      run.mass_kg = 0.2;
+      run.x = 0.0;
+      run.v = 0.0;
+      run.run(static_cast<int>(2.0 * rate_hz), 1, press);
+      EXPECT_GT(run.contact_steps, 0.5 * rate_hz);
+      EXPECT_LE(run.most_taken_n, 2.0 * stiffness * run.fastest * run.period_s) << stiffness << " N/m, " << rate_hz << " Hz";
+      EXPECT_GT(run.fastest, 0.002);
+    }
+  }
+}
+
+// Without any damping the force ends where the credit does: at a depth of about sqrt(2 v T depth).
+TEST(PassivityController, OfAnUndampedWallItTakesWhatSamplingAdds) {
+  for (const double rate_hz : {1000.0, 4000.0}) {
+    WallRun run;
+    run.period_s = 1.0 / rate_hz;
+    run.mass_kg = 0.2;
+    run.x = 0.0;
+    run.v = 0.0;
+    run.run(static_cast<int>(2.0 * rate_hz), 1, press);
+    EXPECT_GT(run.limited, 0);
+    EXPECT_LE(run.most_taken_n, 1.5 * run.stiffness * std::sqrt(2.0 * run.fastest * run.period_s * run.deepest_m)) << rate_hz << " Hz";
+  }
+}
+
+TEST(PassivityController, AFreeMassLeavesAStiffWallNoFasterThanItCame) {
+  for (const double stiffness : {1e3, 1e4, 1e5, 1e6}) {
+    for (const double speed : {0.01, 0.1, 0.5}) {
+      WallRun bare;
+      bare.stiffness = stiffness;
+      bare.v = -speed;
+      bare.is_controlled = false;
+      WallRun kept = bare;
+      kept.is_controlled = true;
+      bare.run(200, 1, no_hand);
+      kept.run(200, 1, no_hand);
+      const double energy_j = 0.5 * kMassKg * speed * speed;
+      EXPECT_LE(kept.most_j, 1e-12 * energy_j) << stiffness << " N/m, " << speed << " m/s";
+      EXPECT_LE(std::abs(kept.v), speed * (1.0 + 1e-12));
+      if (stiffness <= 1e4) {
+        EXPECT_GT(bare.most_j, 0.001 * energy_j) << "without it the wall is a source: the test is about something";
+      }
+    }
+  }
+}
+
+// A hand holds the device against the wall: without the controller this is a limit cycle.
+TEST(PassivityController, NoDelayNoLossNoStiffnessMakesASource) {
+  for (const int delay : {0, 1, 10, 100, 500}) {
+    for (const double loss : {0.0, 0.3}) {
+      for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        WallRun run;
+        run.stiffness = 1e5;
+        run.delay_samples = delay;
+        run.loss = loss;
+        run.mass_kg = 0.225;
+        run.run(20'000, seed, [](double, double at, double v) { return -500.0 * (at + 0.002) - 5.0 * v; });
+        EXPECT_LE(run.most_j, 4.0 * run.most_excess_j) << "delay " << delay << " ms, loss " << loss << ", seed " << seed;
+        EXPECT_LT(run.farthest_m, 0.002) << "it is never thrown off the wall farther than the hand began";
+        EXPECT_GT(run.contact_steps, 1000);
+      }
+    }
+  }
+}
+
+TEST(PassivityController, WithoutItTheSameLoopIsASource) {
+  WallRun run;
+  run.stiffness = 1e5;
+  run.delay_samples = 10;
+  run.mass_kg = 0.225;
+  run.is_controlled = false;
+  run.run(20'000, 1, [](double, double at, double v) { return -500.0 * (at + 0.002) - 5.0 * v; });
+  EXPECT_GT(run.most_j, 0.1);
+}
+
+TEST(PassivityController, ADeficitIsTakenBackByDamping) {
+  PassivityController controller({.mass_kg = kMassKg});
+  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));  // pulled away at 0.1 m/s by a hand
+  EXPECT_DOUBLE_EQ(controller.given_j(), 1e-4);
+  const Vec3 force = controller.shape(Vec3(0, 2, 0), 20.0);
+  EXPECT_EQ(force.y(), 0.0) << "no credit: nothing along a direction in which it does not move";
+  EXPECT_DOUBLE_EQ(force.x(), -1e-4 / (1e-3 * 0.01) * 0.1) << "the whole deficit within the period";
+  EXPECT_TRUE(controller.has_limited());
+  controller.held(force, 1e-3);
+  controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));
+  EXPECT_NEAR(controller.given_j(), 0.0, 1e-18);
+}
+
+TEST(PassivityController, DampingIsWhatTheDeviceBears) {
+  PassivityController controller({.mass_kg = kMassKg});
+  controller.held(Vec3(10, 0, 0), 1e-3);
+  controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));
+  EXPECT_DOUBLE_EQ(controller.shape(Vec3(0, 1e-9, 0), 3.0).x(), -3.0 * 0.1);
+  EXPECT_DOUBLE_EQ(controller.shape(Vec3(0, 1e-9, 0), 1e9).x(), -kMassKg / 1e-3 * 0.1) << "no more than stops the mass";
+}
+
+TEST(PassivityController, CreditEndsWithTheContactAndADeficitFades) {
+  PassivityController controller({.mass_kg = kMassKg});
+  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
+  EXPECT_DOUBLE_EQ(controller.given_j(), -1e-3);
+  controller.held(Vec3::Zero(), 1e-3);
+  controller.observe(kMaxForceN, Vec3(1e-3, 0, 0));
+  EXPECT_EQ(controller.given_j(), 0.0);
+  controller.held(Vec3(1, 0, 0), 1e-3);
+  controller.observe(kMaxForceN, Vec3(1e-3, 0, 0));
+  controller.held(Vec3::Zero(), PassivityController::kFadeS);
+  controller.observe(kMaxForceN, Vec3::Zero());
+  EXPECT_DOUBLE_EQ(controller.given_j(), 1e-3 * std::exp(-1.0));
+}
+
+TEST(PassivityController, NoiseOfTheEncoderIsNoDissipation) {
+  PassivityController noisy({.mass_kg = kMassKg, .damping_ns_per_m = 1.0, .friction_n = 0.1});
+  for (int n = 0; n < 8000; ++n) {
+    noisy.held(Vec3(0, 1, 0), 1e-3);
+    noisy.observe(kMaxForceN, Vec3(n % 2 == 0 ? 3e-5 : -3e-5, 0, 0));
+  }
+  EXPECT_NEAR(noisy.given_j(), 0.0, 1e-18);
+}
+
+TEST(PassivityController, WhatTheDeviceDissipatesIsCredit) {
+  PassivityController controller({.mass_kg = kMassKg, .damping_ns_per_m = 0.5, .friction_n = 0.1});
+  for (int n = 0; n < PassivityController::kWindow; ++n) {
+    controller.held(Vec3(0, 1, 0), 1e-3);
+    controller.observe(kMaxForceN, Vec3(1e-4, 0, 0));
+  }
+  const double moved = 1e-4 * PassivityController::kWindow;
+  EXPECT_NEAR(controller.given_j(), -(0.5 * 0.1 + 0.1) * moved, 1e-15);
+}
+
+TEST(PassivityController, CreditIsBounded) {
+  PassivityController controller({.mass_kg = kMassKg});
+  for (int n = 0; n < 1000; ++n) {
+    controller.held(Vec3(10, 0, 0), 1e-3);
+    controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
+  }
+  EXPECT_DOUBLE_EQ(controller.given_j(), -PassivityController::kMostCreditM * kMaxForceN);
+}
+
+TEST(PassivityController, BeforeTheFirstSampleNothingIsLimited) {
+  PassivityController controller({.mass_kg = kMassKg});
+  EXPECT_EQ(controller.shape(Vec3(1, 2, 3), 20.0), Vec3(1, 2, 3));
+}
+
+}  // namespace
+}  // namespace hapton
