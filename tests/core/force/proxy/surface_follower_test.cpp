@@ -154,13 +154,13 @@ TEST(SurfaceFollower, BeyondTheBoundaryOfASheetTheProxyIsFreeInTheSameStep) {
   std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
     const bool to_corner = i % 4 == 0;
-    const Vec3 border(0.5, to_corner ? 0.5 : 0.45 * anywhere(random), 0.0);
+    const Vec3 boundary(0.5, to_corner ? 0.5 : 0.45 * anywhere(random), 0.0);
     const Vec3 out(0.02 + 0.01 * anywhere(random), to_corner ? 0.02 + 0.01 * anywhere(random) : 0.01 * anywhere(random), 0.0);
     const double depth = 0.05 + 0.04 * anywhere(random);
-    const Vec3 inside = border - out - Vec3(0, 0, depth);
+    const Vec3 inside = boundary - out - Vec3(0, 0, depth);
     proxy.reset(inside + Vec3(0, 0, 2.0 * depth));
     ASSERT_TRUE(proxy.step({.p_SD = inside}).contact) << i;
-    ASSERT_FALSE(proxy.step({.p_SD = border + out - Vec3(0, 0, depth + 0.01)}).contact) << i << ": " << border.transpose();
+    ASSERT_FALSE(proxy.step({.p_SD = boundary + out - Vec3(0, 0, depth + 0.01)}).contact) << i << ": " << boundary.transpose();
   }
   EXPECT_EQ(proxy.counters().exhausted, 0u);
 }
