@@ -95,7 +95,7 @@ TEST(StreamEndpoint, DatagramsComeAtTheSamePort) {
   EXPECT_EQ(server.last_from, client.endpoint->local_address());
 }
 
-TEST(StreamEndpoint, AConnectionToNobodyIsClosed) {
+TEST(StreamEndpoint, AConnectionWithoutAListenerIsClosed) {
   Party client;
   Address nobody;
   {
@@ -123,7 +123,7 @@ TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
   EXPECT_EQ(server.closed.size(), 1U);
 }
 
-TEST(StreamEndpoint, OneTooManyIsLetGo) {
+TEST(StreamEndpoint, OneTooManyIsDropped) {
   Party server;
   std::vector<std::unique_ptr<Party>> clients;
   std::vector<Party*> all = {&server};

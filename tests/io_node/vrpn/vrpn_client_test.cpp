@@ -155,7 +155,7 @@ TEST(VrpnClient, MayAskForTheWorkspace) {
   EXPECT_FALSE(client.take_workspace_request());
 }
 
-TEST(VrpnClient, ThatSaysGoodbyeIsLetGo) {
+TEST(VrpnClient, ThatSaysGoodbyeIsDropped) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.say(0, kDisconnect);
