@@ -202,7 +202,7 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
 
 // In each corner of a room, on one wall or on two, and nearer to the third than the lift: the lift clears that one too, however the walls
 // are divided.
-TEST(SurfaceFollower, LiftedInACornerItClearsTheWallsItOnlyComesUpTo) {
+TEST(SurfaceFollower, LiftedInACornerItClearsAllThreeWalls) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
     for (int walls = 0; walls < 6; ++walls) {
@@ -240,7 +240,7 @@ TEST(SurfaceFollower, NeverAllocates) {
 
 // The path is exact, so the number of pieces of a straight motion does not matter: the force after one step equals that after many small
 // ones. On bumps with radii smaller than the depth, edges hold and release the point in every other step.
-void expect_a_step_to_be_as_many_small_ones(const Material& material) {
+void expect_a_step_to_equal_many_small_ones(const Material& material) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.3, 8000, 7));
   TouchScene scene;
   scene.objects.push_back({mesh, material});
@@ -269,12 +269,12 @@ void expect_a_step_to_be_as_many_small_ones(const Material& material) {
   EXPECT_GT(contacts, 3000);
 }
 
-TEST(SurfaceFollower, AStepIsAsManySmallOnes) { expect_a_step_to_be_as_many_small_ones({}); }
+TEST(SurfaceFollower, AStepEqualsManySmallOnes) { expect_a_step_to_equal_many_small_ones({}); }
 
-TEST(SurfaceFollower, WithFrictionToo) {
-  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.5, .friction_dynamic = 0.35});
-  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.1, .friction_dynamic = 0.1});
-  expect_a_step_to_be_as_many_small_ones({.friction_static = 1.2, .friction_dynamic = 0.6});
+TEST(SurfaceFollower, WithFrictionAStepEqualsManySmallOnes) {
+  expect_a_step_to_equal_many_small_ones({.friction_static = 0.5, .friction_dynamic = 0.35});
+  expect_a_step_to_equal_many_small_ones({.friction_static = 0.1, .friction_dynamic = 0.1});
+  expect_a_step_to_equal_many_small_ones({.friction_static = 1.2, .friction_dynamic = 0.6});
 }
 
 }  // namespace
