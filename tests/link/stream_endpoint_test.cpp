@@ -133,9 +133,9 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
     all.push_back(clients.back().get());
   }
   ASSERT_TRUE(until(all, [&] {
-    std::size_t let_go = 0;
-    for (const auto& client : clients) let_go += client->closed.size();
-    return let_go == 3;
+    std::size_t dropped = 0;
+    for (const auto& client : clients) dropped += client->closed.size();
+    return dropped == 3;
   }));
   EXPECT_EQ(server.peers.size(), StreamEndpoint::kMostConnections);
 }

@@ -162,7 +162,7 @@ TEST(VrpnClient, ThatSaysGoodbyeIsDropped) {
   EXPECT_FALSE(client.hear(speaker.said, kNow));
 }
 
-TEST(VrpnClient, WithAMessageThatCannotBeIsLetGo) {
+TEST(VrpnClient, WithAnImpossibleMessageIsDropped) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.said.resize(speaker.said.size() + kHeaderBytes, std::byte{0xff});
