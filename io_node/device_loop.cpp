@@ -176,8 +176,8 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   device_.write(wrench, begin_ns);
   if (is_off) set_force_sample(0);
   device_ns_ += clock_.now_ns() - begin_ns;
-  const bool is_let_go = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.is_silent();
-  if (is_let_go) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - answered_ns_);
+  const bool is_released = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.is_silent();
+  if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - answered_ns_);
   written_ = wrench;
   stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
 }

@@ -17,7 +17,7 @@ Pose pose_of(const ViewTransform& view) noexcept {
 
 Vec3 point_in_world(const SceneFacts& scene, const Pose& X_WS, std::size_t i) noexcept { return X_WS * to_vec(scene.points_m[i]); }
 
-SceneReach judge_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept {
+SceneReach find_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept {
   const Vec3 half_S = 0.5 * (to_vec(scene.highest_m) - to_vec(scene.lowest_m));
   const Vec3 middle_W = X_WS * (to_vec(scene.lowest_m) + half_S);
   const Vec3 half_W = X_WS.linear().cwiseAbs() * half_S;

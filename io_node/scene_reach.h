@@ -11,9 +11,9 @@ enum class SceneReach : std::uint8_t { unknown, in_reach, out_of_reach, too_smal
 // Whether a device with these limits can touch the scene at its pose. Out of reach: its box and the workspace do not
 // intersect. In reach: one of its points is inside. Too small: its longest side is below a fiftieth of the workspace's. RT:
 // yes.
-SceneReach judge_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept;
+SceneReach find_reach(const SceneFacts& scene, const Pose& X_WS, const DeviceLimits& limits) noexcept;
 
-// The pose of the scene that a view transform means, as the codec lets it in.
+// The scene's pose given by a view transform that the codec has accepted.
 Pose pose_of(const ViewTransform& view) noexcept;
 
 // A point of it in W. Pre: i below its count. RT: yes.

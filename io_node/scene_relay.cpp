@@ -23,7 +23,7 @@ void SceneRelay::place(const std::optional<ViewTransform>& view) noexcept {
   std::array<Vec3, SceneFacts::kMostPoints> p_WA;
   for (std::size_t i = 0; i < scene_->point_count; ++i) p_WA[i] = point_in_world(*scene_, X_WS, i);
   loop_.aim_hand(std::span(p_WA).first(scene_->point_count));
-  const SceneReach before = std::exchange(reach_, judge_reach(*scene_, X_WS, loop_.limits()));
+  const SceneReach before = std::exchange(reach_, find_reach(*scene_, X_WS, loop_.limits()));
   stats_.reach = reach_;
   if (reach_ == before) return;
   if (reach_ == SceneReach::out_of_reach) notify(ServoEvent::Kind::out_of_reach);

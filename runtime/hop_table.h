@@ -8,7 +8,7 @@ namespace hapton {
 
 struct LatencyHop;
 
-// What people want to know of one hop, in us.
+// The summary of one hop, in us.
 struct HopRow {
   std::string name;
   std::uint64_t n = 0;

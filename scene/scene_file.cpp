@@ -20,7 +20,7 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kMaxSceneFileBytes = std::size_t{1} << 24;
-// Far beyond any surface and any device, so that a slip of the keyboard is caught.
+// Far beyond any surface and any device, so that a typing error is rejected.
 constexpr double kMaxStiffnessNPerM = 1e6;
 constexpr double kMaxDampingNsPerM = 1e4;
 constexpr double kMaxFriction = 10.0;
@@ -133,8 +133,8 @@ struct ObjectSpec {
   Vec3 p_SM = Vec3::Zero();
   std::string material;
   bool seal_cracks = true;
-  std::array<double, 3> color = SceneObject().color;
-  bool has_color = false;     // which then is that of the whole object, whatever its mesh file says
+  std::array<double, 3> colour = SceneObject().color;
+  bool has_colour = false;    // then it replaces all colours of the mesh file
   std::size_t mesh_line = 0;  // in the scene file
   std::size_t part_line = 0;
   std::size_t material_line = 0;
@@ -178,8 +178,8 @@ Result<ObjectSpec> read_object(const toml::table& table, std::size_t number) {
   reader.read("material", spec.material);
   reader.read("seal_cracks", spec.seal_cracks);
   reader.read("scale", spec.scale, 0.0, kMaxScale, true);
-  reader.read("color", spec.color, 0.0, 1.0);
-  spec.has_color = reader.has("color");
+  reader.read("color", spec.colour, 0.0, 1.0);
+  spec.has_colour = reader.has("color");
   std::array<double, 3> position = {};
   reader.read("position_m", position, -kMaxLengthM, kMaxLengthM);
   spec.p_SM = Vec3(position[0], position[1], position[2]);
@@ -250,17 +250,17 @@ Result<SceneSpec> read_spec(const toml::table& table) {
 }
 
 // Each file is read once, and each of its parts made ready for touch once, however many objects are made of it.
-class MeshShelf {
+class MeshCache {
  public:
   struct ReadyMesh {
     TriangleMesh mesh;
     SealReport sealed;
-    std::vector<Vec3> came_with;  // the vertices it had, where it was sealed
+    std::vector<Vec3> vertices_before;  // if it was sealed: the vertices before that
     std::uint64_t given_hash = 0;
     std::shared_ptr<const MeshLook> look;  // null: none
   };
 
-  MeshShelf(CrackSealing sealing, LookReading look) : sealing_(sealing), look_(look) {}
+  MeshCache(CrackSealing sealing, LookReading look) : sealing_(sealing), look_(look) {}
 
   // A part of a file, or all of it where no part is named.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
@@ -279,7 +279,7 @@ class MeshShelf {
       ready.given_hash = hash_mesh(*mesh);
       ready.sealed = seal_for_touch(*mesh, sealing);
       ready.mesh = std::move(*mesh);
-      if (ready.sealed.has_sealed()) ready.came_with = std::move(vertices);
+      if (ready.sealed.has_sealed()) ready.vertices_before = std::move(vertices);
       if (!ready.sealed.has_sealed() && look.says_anything()) ready.look = std::make_shared<const MeshLook>(std::move(look));
       if (ready.sealed.is_worth_a_note()) {
         notes.push_back(
@@ -313,7 +313,7 @@ class MeshShelf {
 struct PosedMesh {
   TriangleMesh mesh;
   SealReport sealed;
-  Eigen::AlignedBox3d box;       // of the mesh as it came
+  Eigen::AlignedBox3d box;       // of the mesh before sealing
   std::uint64_t given_hash = 0;  // of that mesh and its pose
   std::shared_ptr<const MeshLook> look;
 };
@@ -323,19 +323,19 @@ void scale_widths(SealReport& sealed, double scale) {
   sealed.tolerance *= scale;
 }
 
-Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshShelf& shelf,
+Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshCache& cache,
                             std::vector<std::string>& notes) {
   const std::filesystem::path path = (folder / object.mesh).lexically_normal();
-  const Result<const MeshShelf::ReadyMesh*> loaded = shelf.load(path, object, notes);
+  const Result<const MeshCache::ReadyMesh*> loaded = cache.load(path, object, notes);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
   PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .look = (*loaded)->look};
-  if (object.has_color) posed.look.reset();
+  if (object.has_colour) posed.look.reset();
   const Vec3& p_SM = object.p_SM;
   const std::array numbers = {object.scale,    object.q_SM.w(), object.q_SM.x(), object.q_SM.y(),
                               object.q_SM.z(), p_SM.x(),        p_SM.y(),        p_SM.z()};
   posed.given_hash = combine_hashes((*loaded)->given_hash, hash_numbers(numbers));
-  for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->came_with : posed.mesh.vertices) posed.box.extend(pose(vertex));
+  for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->vertices_before : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
   const Eigen::Quaternionf turn = object.q_SM.cast<float>();
   for (auto& normals : posed.mesh.authored_normals) normals = {turn * normals[0], turn * normals[1], turn * normals[2]};
@@ -353,13 +353,13 @@ struct Fit {
   }
 };
 
-// So that the box just fits into one of that size around the origin.
+// The largest scale, and the shift, that fit the box into one of size_m around the origin.
 Result<Fit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
   if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are one point, which no scale makes larger");
   return Fit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};
 }
 
-// All meshes together.
+// Fits all meshes together into a box of size_m.
 Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector<std::string>& notes) {
   Eigen::AlignedBox3d box;
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
@@ -373,10 +373,10 @@ Result<void> fit(std::vector<PosedMesh>& meshes, const Vec3& size_m, std::vector
 
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
-  MeshShelf shelf(loading.sealing, loading.look);
+  MeshCache cache(loading.sealing, loading.look);
   std::vector<PosedMesh> meshes;
   for (const ObjectSpec& object : spec.objects) {
-    Result<PosedMesh> mesh = make_mesh(object, folder, shelf, scene.notes);
+    Result<PosedMesh> mesh = make_mesh(object, folder, cache, scene.notes);
     if (!mesh) return tl::unexpected(mesh.error());
     meshes.push_back(std::move(*mesh));
   }
@@ -392,7 +392,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     scene.objects.push_back({.name = object.name.empty() ? own_name : object.name,
                              .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
                              .material = object.material.empty() ? Material() : spec.materials.find(object.material)->second,
-                             .color = object.color,
+                             .colour = object.colour,
                              .sealed = meshes[i].sealed,
                              .look = std::move(meshes[i].look)});
   }

@@ -19,9 +19,9 @@ struct SceneObject {
   std::string name;
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres, pose and scale baked in
   Material material;
-  std::array<double, 3> color = {0.7, 0.7, 0.72};  // sRGB, 0..1
-  SealReport sealed = {};                          // what was done to the mesh, its widths in S
-  std::shared_ptr<const MeshLook> look = {};       // of the mesh file, in place of the colour; null: none
+  std::array<double, 3> colour = {0.7, 0.7, 0.72};  // sRGB, 0..1
+  SealReport sealed = {};                           // what was done to the mesh, its widths in S
+  std::shared_ptr<const MeshLook> look = {};        // of the mesh file, in place of the colour; null: none
 };
 
 // All that is seen and touched. Frame S.

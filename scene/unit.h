@@ -13,7 +13,7 @@ enum class Unit { m, cm, mm, in };
 Result<Unit> parse_unit(std::string_view text);
 
 // A length in metres: a number with its unit behind it ("0.1mm", "5 cm"); a number alone is in metres. RT: set-up only.
-// Error: not such a thing, negative or not finite.
+// Error: not a length, negative or not finite.
 Result<double> parse_length(std::string_view text);
 
 double metres_per(Unit unit);

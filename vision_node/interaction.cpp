@@ -36,7 +36,7 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       if (held_ == WindowEvent::Button::left) take_hold(view);
       break;
     case Kind::release:
-      if (event.button == WindowEvent::Button::left && !latched_) let_go();
+      if (event.button == WindowEvent::Button::left && !latched_) release_hand();
       if (event.button == held_) held_ = WindowEvent::Button::none;
       break;
     case Kind::move:
@@ -114,7 +114,7 @@ void Interaction::press_key(char key, const View& view) {
       if (latched_)
         take_hold(view);
       else
-        let_go();
+        release_hand();
       break;
     default:
       break;
@@ -131,7 +131,7 @@ void Interaction::take_hold(const View& view) {
   if (view.p_WQ) lead(view, Vec2::Zero());
 }
 
-void Interaction::let_go() {
+void Interaction::release_hand() {
   if (!hand_.active) return;
   hand_.active = false;
   hand_changed_ = true;

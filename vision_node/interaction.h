@@ -71,7 +71,7 @@ class Interaction {
  private:
   void press_key(char key, const View& view);
   void take_hold(const View& view);
-  void let_go();
+  void release_hand();
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
   // The hand to the surface under the pointer; otherwise by these pixels in the screen's plane.

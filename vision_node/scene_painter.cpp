@@ -23,12 +23,13 @@ const Vec3 kHaze(0.19, 0.23, 0.29);
 const Vec3 kGrid(0.20, 0.24, 0.30);
 const Vec3 kBox(0.34, 0.40, 0.48);
 const Vec3 kShadow(0.045, 0.05, 0.06);
-// The shadow lies this far above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
+// Triangles of the preview of a large mesh, until its first level of detail is made.
 constexpr std::size_t kPreviewTriangles = 150'000;
-// A shadow of more triangles costs more than it shows: of a large mesh before its levels are made.
+// A level with more triangles casts no shadow, since drawing one costs too much: a large mesh before its levels are made.
 constexpr std::size_t kShadowTriangles = 20'000;
 // An object larger than the workspace extends through its ground, and a shadow there has no meaning.
 constexpr double kShadowRadii = 1.0;
+// Height of the shadow above the grid, as a share of the eyes' distance: enough for a depth buffer of 24 bits.
 constexpr double kAboveGround = 1e-3;
 // From over the viewer's left shoulder.
 const Vec3 kLight_V = Vec3(-0.40, 0.62, 0.85).normalized();
@@ -268,11 +269,11 @@ void ScenePainter::paint_lines(const ScenePass& pass) const {
   glBindVertexArray(0);
 }
 
-// Of the coarsest levels: it is flat and of one colour. What lies below the ground throws none, because it is beneath.
+// Draws the shadow from the coarsest levels, since it is flat and of one colour. What lies below the ground has no visible shadow.
 void ScenePainter::paint_shadow(const ScenePass& pass) {
   if (pass.plain || !pass.depth_cues) return;
   glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);  // where it is dark already, nothing more is done
+  glDepthFunc(GL_LESS);  // so that no pixel of the shadow is drawn twice
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -368,7 +369,7 @@ PaintCount ScenePainter::paint(const ScenePass& pass) {
     const FlatLevel& level = object->level(i);
     count.triangles += level.triangles();
     count.largest_error_px = std::max(count.largest_error_px, error_px);
-    // Of a large mesh without any level yet, only some of the triangles: a picture at once, and soon a better one.
+    // A large mesh that has no level yet is drawn with a part of its triangles, so that a picture appears at once.
     const bool is_preview = object->facts.size() == 1 && level.triangles() > kPreviewTriangles && builder_->progress() < 1.0;
     const auto every = static_cast<std::uint32_t>(is_preview ? level.triangles() / kPreviewTriangles + 1 : 1);
     count.sent += paint_clusters(*object, level, object->vertices(i), pass, 0, level.clusters.size(), every);

@@ -54,7 +54,7 @@ Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions&
   options.p_SO = sphere.p_SO;
   options.scene_radius_m = sphere.radius_m;
   std::vector<ShownObject> objects;
-  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.color.data()), object.look});
+  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.colour.data()), object.look});
   auto view = StereoView::open(options.view, objects);
   if (!view) return view;
   const std::string renderer = (*view)->renderer_name();

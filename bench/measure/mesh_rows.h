@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// The rows of one mesh: the rough sphere, whose goals these are.
+// The rows of one mesh: the rough sphere, for which the goals are defined.
 std::vector<NumberRow> rows_of_mesh(const MeshFigures& figures, const MeshRunSettings& settings);
 
 // Median and worst mesh of each quantity, and totals over all meshes. Pre: not empty, of one probe, all with or all without

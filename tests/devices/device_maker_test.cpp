@@ -18,7 +18,7 @@ std::string refusal_of(const DeviceSettings& settings) {
   return made ? "it was made" : made.error().what;
 }
 
-TEST(DeviceMaker, MakesWhatIsNamed) {
+TEST(DeviceMaker, MakesTheNamedDevice) {
   EXPECT_EQ((*make_device({}))->name(), "simulated");
   const ScratchFolder scratch;
   DeviceSettings settings;

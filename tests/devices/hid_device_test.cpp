@@ -138,7 +138,7 @@ TEST_F(HidDeviceTest, AWriteThatHangsHoldsNeitherTheServoNorTheReadingUp) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
-TEST_F(HidDeviceTest, UnpluggedWhileAWriteHangsItComesBackAllTheSame) {
+TEST_F(HidDeviceTest, UnpluggedWhileAWriteHangsItStillComesBack) {
   hid_.block_writes(true);
   EXPECT_TRUE(serve_until([&] { return hid_.has_waiting_writer(); }));
   hid_.unplug();
@@ -148,7 +148,7 @@ TEST_F(HidDeviceTest, UnpluggedWhileAWriteHangsItComesBackAllTheSame) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
-TEST_F(HidDeviceTest, WhatTakesNoReportsAtAllIsOpenedAnew) {
+TEST_F(HidDeviceTest, ADeviceThatTakesNoReportsIsReopened) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   hid_.refuse_writes(true);
   EXPECT_TRUE(serve_until([&] { return hid_.openings() >= 2; }));

@@ -251,7 +251,7 @@ TEST_F(OpenHaptics, AStalledSchedulerIsAwayAndRestarted) {
   EXPECT_TRUE(serve_until_ready());
 }
 
-TEST_F(OpenHaptics, ASlowDeviceSlowsNobodyElse) {
+TEST_F(OpenHaptics, ASlowDeviceSlowsNoOther) {
   open();
   ASSERT_TRUE(serve_until_ready());
   board->slow_us = 20'000;

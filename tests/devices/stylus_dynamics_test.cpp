@@ -175,7 +175,7 @@ TEST(StylusDynamics, ResultDoesNotDependOnTheStep) {
   }
 }
 
-TEST(StylusDynamics, EnergyNeverGrowsWhenNobodyDrivesIt) {
+TEST(StylusDynamics, EnergyNeverGrowsWithoutADrive) {
   const StylusDynamics dynamics{StylusModel{}};
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> draw(-1.0, 1.0);

@@ -122,7 +122,7 @@ TEST_F(Wooden, AForceBecomesTheCurrentsOfItsTorques) {
   EXPECT_LT((currents(Vec3(1, 2, 3)) - 1e3 * expected).cwiseAbs().maxCoeff(), 0.51);
 }
 
-TEST_F(Wooden, WhatIsBeyondTheMotorsKeepsItsDirection) {
+TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
   WoodenSettings settings = weightless();
   settings.max_current_a = 1.0;
   begin(settings);

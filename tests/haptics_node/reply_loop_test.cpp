@@ -251,7 +251,7 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
   EXPECT_EQ(scenes_.back().preparing_s, 0.0F) << "and at once when it is done";
 }
 
-TEST_F(ReplyLoopTest, ANewHubSessionGoesOnWhereTheHandStillIsAndBeginsAnewElsewhere) {
+TEST_F(ReplyLoopTest, ANewHubSessionResumesWhereTheHandStillIsAndRestartsElsewhere) {
   std::uint64_t session = 1;
   for (const double depth : {0.002, 1.1 * kResumeReachM}) {
     exchange({0.01, 0.01, 0.001});

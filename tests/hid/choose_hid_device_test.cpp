@@ -36,7 +36,7 @@ TEST(ChooseHidDevice, SeveralAreDistinguishedBySerialNumberPathOrPlace) {
   EXPECT_THAT(line, HasSubstr("/dev/hidraw1 (A), /dev/hidraw4 (B)"));
 }
 
-TEST(ChooseHidDevice, ANameThatNobodyHasListsWhatThereIs) {
+TEST(ChooseHidDevice, AnUnknownNameListsTheKnownOnes) {
   const std::vector devices = {wooden("/dev/hidraw1", "A")};
   EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::wooden_haptics, "C")), HasSubstr("'C'; plugged in are: /dev/hidraw1 (A)"));
   EXPECT_THAT(rejection(choose_hid_device(devices, HidKind::wooden_haptics, "1")), HasSubstr("'1'"));

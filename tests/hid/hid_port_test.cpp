@@ -78,7 +78,7 @@ TEST(HidPort, UnpluggedItIsLookedForAndOpenedAgain) {
   }
 }
 
-TEST(HidPort, PulledAndPluggedInBetweenTwoLooksItIsOpenedAnew) {
+TEST(HidPort, PulledAndPluggedInBetweenTwoLooksItIsReopened) {
   FakeHid hid;
   Listener listener;
   HidPort port(hid.opener(), listener, "fake");
@@ -102,7 +102,7 @@ TEST(HidPort, AnUnusableDeviceIsTriedAgainLater) {
   EXPECT_TRUE(wait_until([&] { return port.transport() != nullptr; }));
 }
 
-TEST(HidPort, ASuspectIsClosedAndOpenedAnew) {
+TEST(HidPort, AFailedWriteClosesAndReopensTheDevice) {
   FakeHid hid;
   Listener listener;
   HidPort port(hid.opener(), listener, "fake");

@@ -20,7 +20,7 @@ TEST(HidapiTransport, ANodeThatIsNotThereIsAnErrorInOneLineAtOnce) {
   EXPECT_EQ(opened.error().what.find('\n'), std::string::npos);
 }
 
-TEST(HidapiTransport, AnOpenerForAnIdThatNobodyHasSaysSo) {
+TEST(HidapiTransport, AnOpenerForAnUnknownIdReportsIt) {
   const auto opened = make_hid_opener(HidKind::hapton_hid, "no device of this world")();
   ASSERT_FALSE(opened);
   EXPECT_NE(opened.error().what.find("Hapton HID"), std::string::npos) << opened.error().what;

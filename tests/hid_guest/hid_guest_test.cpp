@@ -247,7 +247,7 @@ TEST_F(Guest, ADeviceWithoutARuleIsRejectedWithTheRemedy) {
   EXPECT_NE(opened.error().what.find("permission denied; install the udev rules"), std::string::npos) << opened.error().what;
 }
 
-TEST_F(Guest, WhatIsNotPluggedInIsSaidInOneLine) {
+TEST_F(Guest, ADeviceThatIsNotPluggedInIsReportedInOneLine) {
   start("hapton-hid");
   const auto ended = io_node_->wait(process::Seconds(30));
   ASSERT_TRUE(ended);

@@ -125,7 +125,7 @@ TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   EXPECT_EQ(device.written.back().second, newest.sample.time_ns + 100'000);
 }
 
-TEST_F(DeviceLoops, NeedsNobodyToComeToZeroInTime) {
+TEST_F(DeviceLoops, ReachesZeroInTimeByItself) {
   press();
   const std::int64_t sample_ns = newest.sample.time_ns;
   while (device.force_n() > 0.0 && clock.now_ns() - sample_ns < 100 * kMs) cycle(std::nullopt);

@@ -95,7 +95,7 @@ TEST_F(Servos, TheMouseLeadsTheHandUntilItLetsGoOrLeaves) {
   EXPECT_FALSE(device.hand);
 }
 
-TEST_F(Servos, ALatchedFaultIsToldRecordedAndResetByAToolAlone) {
+TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   Heard tap;
   make({.hold_button = 2}, nullptr, &tap);  // held: someone is at the device
   join(kHaptics, NodeRole::haptics);

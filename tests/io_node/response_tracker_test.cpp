@@ -20,7 +20,7 @@ ForceCommand to(std::uint64_t sample, std::uint32_t skipped = 0) {
   return command;
 }
 
-struct Ledger : testing::Test {
+struct ResponseTrackerTest : testing::Test {
   std::unique_ptr<ResponseTracker> ledger = std::make_unique<ResponseTracker>();
   void take(std::uint64_t from, std::uint64_t last, bool is_expected = true) {
     for (std::uint64_t s = from; s <= last; ++s) ledger->take(s, static_cast<std::int64_t>(s) * kMs, is_expected);
@@ -31,7 +31,7 @@ struct Ledger : testing::Test {
   }
 };
 
-TEST_F(Ledger, DistinguishesInTimeLateReorderedDuplicateAndUnknown) {
+TEST_F(ResponseTrackerTest, DistinguishesInTimeLateReorderedDuplicateAndUnknown) {
   EXPECT_EQ(ledger->answer(to(0)), Verdict::unknown);
   take(1, 1);
   EXPECT_FALSE(ledger->is_newest_answered());
@@ -48,7 +48,7 @@ TEST_F(Ledger, DistinguishesInTimeLateReorderedDuplicateAndUnknown) {
   EXPECT_EQ(ledger->answer(to(~std::uint64_t{0})), Verdict::unknown);
 }
 
-TEST_F(Ledger, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
+TEST_F(ResponseTrackerTest, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
   take(1, 10);
   ledger->answer(to(5));
   ledger->settle(ResponseTracker::kPatienceNs);
@@ -59,7 +59,7 @@ TEST_F(Ledger, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
   EXPECT_EQ(ledger->counts().lost, 3U);
 }
 
-TEST_F(Ledger, SkippedIsSupersededNotLost) {
+TEST_F(ResponseTrackerTest, SkippedIsSupersededNotLost) {
   take(1, 10);
   ledger->answer(to(2));
   ledger->answer(to(9, 4));
@@ -68,7 +68,7 @@ TEST_F(Ledger, SkippedIsSupersededNotLost) {
   EXPECT_EQ(ledger->counts().lost, 4U);  // 1, 3, 4 and 10
 }
 
-TEST_F(Ledger, ALieAboutSkippingExcusesNoMoreThanThereIs) {
+TEST_F(ResponseTrackerTest, ALieAboutSkippingExcusesNoMoreThanThereIs) {
   take(1, 10);
   ledger->answer(to(9, ~std::uint32_t{0}));
   EXPECT_EQ(ledger->counts().superseded, 8U);
@@ -77,7 +77,7 @@ TEST_F(Ledger, ALieAboutSkippingExcusesNoMoreThanThereIs) {
 }
 
 // 1 has a response; 2 and 5 are sent, 3 and 4 are not, because there was a newer one; the node skips 2 and 5 and responds to 6.
-TEST_F(Ledger, WhatWasNeverSentIsNoneOfTheSkipped) {
+TEST_F(ResponseTrackerTest, WhatWasNeverSentIsNoneOfTheSkipped) {
   take(1, 1);
   ledger->answer(to(1));
   take(2, 2);
@@ -93,7 +93,7 @@ TEST_F(Ledger, WhatWasNeverSentIsNoneOfTheSkipped) {
 }
 
 // The numbers in between are of cycles that were never reported, once in the slots of old samples and once in fresh ones.
-TEST_F(Ledger, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
+TEST_F(ResponseTrackerTest, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
   for (const std::uint64_t before : {std::uint64_t{3}, 2 * ResponseTracker::kCapacity}) {
     ledger = std::make_unique<ResponseTracker>();
     for (std::uint64_t s = 1; s <= before; ++s) {
@@ -112,7 +112,7 @@ TEST_F(Ledger, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
 
 // A node that falls behind and responds to the newest of its waiting samples, and a hub that falls behind and sends the newest of its own:
 // a node that responds to all that it did not skip has lost nothing.
-TEST_F(Ledger, ANodeThatSaysWhatItSkippedHasLostNothing) {
+TEST_F(ResponseTrackerTest, ANodeThatSaysWhatItSkippedHasLostNothing) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     ledger = std::make_unique<ResponseTracker>();
@@ -136,7 +136,7 @@ TEST_F(Ledger, ANodeThatSaysWhatItSkippedHasLostNothing) {
   }
 }
 
-TEST_F(Ledger, NobodyThereIsExcused) {
+TEST_F(ResponseTrackerTest, NobodyThereIsExcused) {
   take(1, 10, false);
   take(11, 20);
   ledger->answer(to(12));
@@ -148,7 +148,7 @@ TEST_F(Ledger, NobodyThereIsExcused) {
 }
 
 // In all cases, every sample is in one category only.
-TEST_F(Ledger, CountsAlwaysAddUp) {
+TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     ledger = std::make_unique<ResponseTracker>();
@@ -173,7 +173,7 @@ TEST_F(Ledger, CountsAlwaysAddUp) {
   }
 }
 
-TEST_F(Ledger, ForgetsWhatIsOlderThanItsCapacity) {
+TEST_F(ResponseTrackerTest, ForgetsWhatIsOlderThanItsCapacity) {
   take(1, 3 * ResponseTracker::kCapacity);
   EXPECT_EQ(ledger->answer(to(1)), Verdict::unknown);
   EXPECT_EQ(ledger->answer(to(2 * ResponseTracker::kCapacity)), Verdict::unknown);

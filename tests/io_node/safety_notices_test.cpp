@@ -19,7 +19,7 @@ class Tap final : public ServoTap {
   std::vector<SessionFault> faults;
 };
 
-struct News : testing::Test {
+struct SafetyNoticesTest : testing::Test {
   EventRing events;
   Tap tap;
   SafetyNotices notices{events, &tap};
@@ -39,7 +39,7 @@ struct News : testing::Test {
   }
 };
 
-TEST_F(News, ALatchedFaultAndItsResetAreReportedOnce) {
+TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   check();
   side.governor.fault = SafetyFault::jump;
   ++side.governor.counters.latched;
@@ -58,7 +58,7 @@ TEST_F(News, ALatchedFaultAndItsResetAreReportedOnce) {
   EXPECT_EQ(tap.cycles.size(), 6U);
 }
 
-TEST_F(News, ADeviceIsAwayWhenItStaysAway) {
+TEST_F(SafetyNoticesTest, ADeviceIsAwayWhenItStaysAway) {
   check();
   side.status = DeviceStatus::away;
   for (int n = 0; n < 50; ++n) check();
@@ -73,7 +73,7 @@ TEST_F(News, ADeviceIsAwayWhenItStaysAway) {
   EXPECT_EQ(told(), std::vector{ServoEvent::Kind::back});
 }
 
-TEST_F(News, ASilenceThatNobodyMissesIsNoFaultAndOneThatLastsIsOne) {
+TEST_F(SafetyNoticesTest, AShortSilenceIsNoFaultAndALongOneIs) {
   check();
   ++side.governor.counters.command_timeouts;
   check(false);

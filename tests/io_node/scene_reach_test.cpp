@@ -19,7 +19,7 @@ SceneFacts box_at(float x, float half) {
   return facts;
 }
 
-SceneReach judge(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return judge_reach(facts, X_WS, hand_wide()); }
+SceneReach judge(const SceneFacts& facts, const Pose& X_WS = Pose::Identity()) { return find_reach(facts, X_WS, hand_wide()); }
 
 TEST(SceneReach, GoesByWhereTheSurfaceIs) {
   EXPECT_EQ(judge(box_at(0, 0.05F)), SceneReach::in_reach);
@@ -35,7 +35,7 @@ TEST(SceneReach, SaysNothingOfWhatItCannotKnow) {
   // The workspace is in the midst of it: 16 points say little of the piece that is there.
   EXPECT_EQ(judge(box_at(0, 50.0F)), SceneReach::unknown);
   EXPECT_EQ(judge(SceneFacts{}), SceneReach::unknown);
-  EXPECT_EQ(judge_reach(box_at(0, 0.05F), Pose::Identity(), {}), SceneReach::unknown);
+  EXPECT_EQ(find_reach(box_at(0, 0.05F), Pose::Identity(), {}), SceneReach::unknown);
 }
 
 TEST(SceneReach, APointGoesWithTheView) {

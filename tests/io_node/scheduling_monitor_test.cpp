@@ -33,7 +33,7 @@ TEST(SchedulingMonitor, SpinningGivesWayToWorkAndToTheKernelsLimit) {
   EXPECT_NEAR(watch.update(ran(1.1), 0, 5 * kSecondNs), 0.3, 1e-9);
 }
 
-TEST(SchedulingMonitor, WhatIsSpunDoesNotCountAsWork) {
+TEST(SchedulingMonitor, SpinningDoesNotCountAsWork) {
   SchedulingMonitor watch(0.3, 0.5);
   watch.update(ran(0.0), 0, kSecondNs);
   EXPECT_NEAR(watch.update(ran(0.3), kSecondNs * 3 / 10, 2 * kSecondNs), 0.3, 1e-9);

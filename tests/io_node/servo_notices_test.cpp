@@ -28,7 +28,7 @@ TEST_F(Servos, UnknownPeersAreReportedAtALimitedRate) {
   EXPECT_EQ(told_of_version, 1);
 }
 
-TEST_F(Servos, ATapHearsDatagramsAndCycles) {
+TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
   Heard tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -45,7 +45,7 @@ TEST_F(Servos, ATapHearsDatagramsAndCycles) {
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, ATapHearsEachFaultOnce) {
+TEST_F(Servos, ATapReceivesEachFaultOnce) {
   Heard tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);

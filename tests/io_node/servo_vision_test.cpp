@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-TEST_F(Servos, VisionHearsTheProbeAtItsRateWithOffsetAndFigures) {
+TEST_F(Servos, VisionReceivesTheProbeAtItsRateWithOffsetAndStatistics) {
   make({.vision_rate_hz = 50.0});
   device.drift.x() = 1e-6;
   join(kHaptics, NodeRole::haptics);
@@ -26,7 +26,7 @@ TEST_F(Servos, VisionHearsTheProbeAtItsRateWithOffsetAndFigures) {
 
 // 0.5 m/s into a floor, each reply 1.3 ms late: an offset combined with another sample's pose would be wrong by the device's motion in
 // between.
-TEST_F(Servos, VisionHearsAPoseAndTheOffsetOfTheSameSample) {
+TEST_F(Servos, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
   make();
   device.drift.z() = -0.5e-3;
   floor_z_m = 0.0;
@@ -51,7 +51,7 @@ TEST_F(Servos, VisionHearsAPoseAndTheOffsetOfTheSameSample) {
   EXPECT_LE(most_m, 1e-12) << "the probe is drawn beside the surface";
 }
 
-TEST_F(Servos, VisionHearsTheNewestSampleWhileNobodyAnswers) {
+TEST_F(Servos, VisionReceivesTheNewestSampleWithoutHapticsReplies) {
   make();
   device.drift.z() = -0.5e-3;
   join(kHaptics, NodeRole::haptics);

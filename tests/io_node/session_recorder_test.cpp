@@ -157,7 +157,7 @@ TEST_F(Recorders, FlightRecordsAreFew) {
   EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMostFlights));
 }
 
-TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndWhateverElseIsInIt) {
+TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
   std::filesystem::create_directories(flights);
   for (std::size_t n = 0; n < SessionRecorder::kMostKept + 5; ++n) {
     scratch.write(fmt::format("flight/flight-20000101T0000{:02}.000Z-clamped.hapton", n), "old");
@@ -181,7 +181,7 @@ TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
   EXPECT_FALSE(other.start());
 }
 
-TEST_F(Recorders, AFolderNobodyNamedIsMadeWhenThereIsSomethingToWrite) {
+TEST_F(Recorders, ADefaultFolderIsMadeWhenThereIsSomethingToWrite) {
   auto recorder = make({.flight_folder = flights, .makes_flight_folder = false});
   ASSERT_TRUE(recorder.start());
   EXPECT_FALSE(std::filesystem::exists(flights));

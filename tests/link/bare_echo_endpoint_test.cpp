@@ -49,7 +49,7 @@ void expect_echo(const char* bind_address) {
 
 TEST(BareEchoEndpoint, ReturnsWhatItGets) { expect_echo("127.0.0.1:0"); }
 
-TEST(BareEchoEndpoint, PassesOverWhatIsNoRequest) {
+TEST(BareEchoEndpoint, IgnoresWhatIsNoRequest) {
   auto echo = BareEchoEndpoint::open("127.0.0.1:0");
   auto endpoint = open_udp_endpoint("127.0.0.1:0");
   ASSERT_TRUE(echo && endpoint);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kMs = kNanosecondsPerMillisecond;
 
-TEST(BudgetedEndpoint, HandsOutSoManyAndThenSleepsToTheDeadline) {
+TEST(BudgetedEndpoint, HandsOutItsBudgetAndThenSleepsToTheDeadline) {
   SimulatedClock clock;
   ScriptedEndpoint inner(clock);
   BudgetedEndpoint budget(inner, clock);
@@ -29,7 +29,7 @@ TEST(BudgetedEndpoint, HandsOutSoManyAndThenSleepsToTheDeadline) {
   EXPECT_EQ(budget.receive(into, begin_ns + 2 * kMs).bytes, 1U);
 }
 
-TEST(BudgetedEndpoint, ADeadlineThatHasPassedIsSleptForAMomentAllTheSame) {
+TEST(BudgetedEndpoint, APassedDeadlineStillSleepsForAMoment) {
   SimulatedClock clock;
   ScriptedEndpoint inner(clock);
   BudgetedEndpoint budget(inner, clock);
@@ -40,7 +40,7 @@ TEST(BudgetedEndpoint, ADeadlineThatHasPassedIsSleptForAMomentAllTheSame) {
   EXPECT_EQ(clock.now_ns(), begin_ns + BudgetedEndpoint::kShortestSleepNs);
 }
 
-TEST(BudgetedEndpoint, WaitingInVainCostsNothing) {
+TEST(BudgetedEndpoint, WaitingWithoutDatagramsCostsNothing) {
   SimulatedClock clock;
   ScriptedEndpoint inner(clock);
   BudgetedEndpoint budget(inner, clock);

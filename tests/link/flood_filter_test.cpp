@@ -107,7 +107,7 @@ TEST(FloodFilter, OversizedAndEmptyDatagramsAreCounted) {
 }
 
 // Pure from here on: time and the kernel's count are handed in.
-struct Judged : testing::Test {
+struct FloodFilterTest : testing::Test {
   FloodFilter::Action window(std::uint64_t unknown_peers, std::uint32_t dropped_more = 0) {
     for (std::uint64_t n = 0; n < unknown_peers; ++n) filter.note_received(stranger, junk, false);
     now_ns += FloodFilter::kWindowNs;
@@ -122,13 +122,13 @@ struct Judged : testing::Test {
   std::uint32_t dropped = 0xFFFFFFF0;  // it wraps
 };
 
-TEST_F(Judged, AFewUnknownPeersAreNoFlood) {
+TEST_F(FloodFilterTest, AFewUnknownPeersAreNoFlood) {
   window(0);
   for (int n = 0; n < 100; ++n) ASSERT_EQ(window(FloodFilter::kFlood - 1), FloodFilter::Action::none);
   EXPECT_EQ(filter.counts().floods, 0U);
 }
 
-TEST_F(Judged, AFloodShutsAndItsEndOpensAfterAWhile) {
+TEST_F(FloodFilterTest, AFloodShutsAndItsEndOpensAfterAWhile) {
   window(0);
   EXPECT_EQ(window(500), FloodFilter::Action::install);
   EXPECT_TRUE(filter.is_shut());
@@ -146,7 +146,7 @@ TEST_F(Judged, AFloodShutsAndItsEndOpensAfterAWhile) {
   EXPECT_EQ(filter.counts().floods, 2U);
 }
 
-TEST_F(Judged, ANodeThatJoinsDuringAFloodGetsANewProgram) {
+TEST_F(FloodFilterTest, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);
   const std::size_t before = filter.program().size();
@@ -161,7 +161,7 @@ TEST_F(Judged, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   EXPECT_EQ(window(500), FloodFilter::Action::install);
 }
 
-TEST_F(Judged, EndlessHandshakesDisplaceNobodyThatIsSentData) {
+TEST_F(FloodFilterTest, EndlessHandshakesDisplaceNoPeerThatIsSentData) {
   const Bytes data = sealed(seal::Kind::data);
   filter.note_sent(node_at(77), data, now_ns);
   for (std::uint16_t n = 0; n < 1000; ++n) {
@@ -176,7 +176,7 @@ TEST_F(Judged, EndlessHandshakesDisplaceNobodyThatIsSentData) {
   EXPECT_EQ(filter.counts().unknown_peers, 1U) << "that is too long ago";
 }
 
-TEST_F(Judged, FilteredAndOverflownDatagramsAreCountedSeparately) {
+TEST_F(FloodFilterTest, FilteredAndOverflownDatagramsAreCountedSeparately) {
   window(0);
   EXPECT_EQ(window(0, 500), FloodFilter::Action::install);
   EXPECT_EQ(filter.counts().kept_out, 0U);
@@ -185,7 +185,7 @@ TEST_F(Judged, FilteredAndOverflownDatagramsAreCountedSeparately) {
   EXPECT_EQ(filter.counts().dropped, 980U);
 }
 
-TEST_F(Judged, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemOut) {
+TEST_F(FloodFilterTest, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemOut) {
   for (std::uint16_t n = 1; n <= 100; ++n) {
     filter.note_sent({{0x20, 1, 0xd, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, n}, sealed(seal::Kind::data), now_ns);
     // Retries to unknown peers do not make them known.
@@ -198,7 +198,7 @@ TEST_F(Judged, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemOut) {
   EXPECT_GT(filter.counts().unknown_peers, 500U);
 }
 
-TEST_F(Judged, TakesNothingFromTheHeap) {
+TEST_F(FloodFilterTest, TakesNothingFromTheHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   AllocationGuard guard;
   for (int n = 0; n < 100; ++n) window(n % 2 == 0 ? 500 : 0, 5000);

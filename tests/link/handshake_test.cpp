@@ -286,7 +286,7 @@ TEST_F(HandshakeTest, ARequestReflectedIsNoRetry) {
   EXPECT_FALSE(client_.read_retry(reflected));
 }
 
-TEST_F(HandshakeTest, NobodyIsSentMoreThanWasReceived) {
+TEST_F(HandshakeTest, NoSenderIsSentMoreThanItSent) {
   EXPECT_LE(seal::kRetryBytes, seal::kRequestBytes);
   EXPECT_LE(seal::kAnswerBytes, seal::kRequestBytes);
 }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr KeyRole kRole = KeyRole::vision;
 
-TEST(HandshakeTimesTest, TakesWhatIsLaterOnce) {
+TEST(HandshakeTimesTest, TakesEachLaterOneOnce) {
   HandshakeTimes times;
   EXPECT_TRUE(times.accept(kRole, 1, 100));
   EXPECT_FALSE(times.accept(kRole, 1, 100));

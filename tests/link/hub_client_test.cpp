@@ -245,7 +245,7 @@ TEST_F(HubClientTest, ASecondHapticsNodeIsRejectedAndTakesOverWhenTheFirstDies) 
 }
 
 // A partition: the hub drops the node, which returns in the same session. New datagrams must not look old to it.
-TEST_F(HubClientTest, HearsAtOnceAfterItWasMissed) {
+TEST_F(HubClientTest, ReceivesAtOnceAfterItWasMissed) {
   start_hub(1);
   start_client();
   run(1500, 1);

@@ -102,7 +102,7 @@ TEST_F(MemoryEndpointTest, AnAddressIsHeldOnceAndFreedByClosing) {
   EXPECT_NE((*any)->local_address().port, 0);
 }
 
-TEST_F(MemoryEndpointTest, SendingToNobodyIsNoError) {
+TEST_F(MemoryEndpointTest, SendingWithoutAReceiverIsNoError) {
   open();
   b_.reset();
   const std::array<std::byte, 1> bytes = {};

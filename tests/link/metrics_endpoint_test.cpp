@@ -91,7 +91,7 @@ TEST(MetricsEndpointTest, AnswersToTheNamesOfThisMachineAlone) {
   EXPECT_THAT(ask(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is no browser";
 }
 
-TEST(MetricsEndpointTest, SilentConnectionsKeepNobodyOut) {
+TEST(MetricsEndpointTest, SilentConnectionsKeepNoOtherOut) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;
   (*endpoint)->set_text("alive 1\n");

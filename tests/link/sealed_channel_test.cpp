@@ -109,7 +109,7 @@ TEST_F(SealedChannelTest, NoFlippedBitOpens) {
     ASSERT_NE(open(hub_, flipped), OpenStatus::opened) << "bit " << bit;
     ASSERT_TRUE(opened_.empty());
   }
-  EXPECT_EQ(open(hub_, sealed), OpenStatus::opened) << "forgeries left a mark";
+  EXPECT_EQ(open(hub_, sealed), OpenStatus::opened) << "forgeries changed the channel";
 }
 
 TEST_F(SealedChannelTest, NoRandomBytesOpen) {
@@ -130,7 +130,7 @@ TEST_F(SealedChannelTest, OpensEachOnce) {
   for (const Bytes& sealed : sent) EXPECT_EQ(open(hub_, sealed), OpenStatus::replayed);
 }
 
-TEST_F(SealedChannelTest, DoesNotOpenItsOwnWords) {
+TEST_F(SealedChannelTest, DoesNotOpenItsOwnDatagrams) {
   EXPECT_EQ(open(client_, seal(client_, payload_)), OpenStatus::forged);
   EXPECT_EQ(open(hub_, seal(hub_, payload_)), OpenStatus::forged);
 }

@@ -175,7 +175,7 @@ TEST_F(SealedHubTest, SessionsOfOneRoleTakeNoPlaceOfAnother) {
   join(*vision);
 }
 
-TEST_F(SealedHubTest, WhatIsHandedOutWearsTheRoleOfItsKey) {
+TEST_F(SealedHubTest, EveryDatagramHandedOutHasTheRoleOfItsKey) {
   const auto haptics = make_node(2, key_of(1), KeyRole::haptics);
   const auto tool = make_node(3, key_of(1), KeyRole::tool);
   std::array<std::byte, kMaxDatagramBytes> into;

@@ -178,7 +178,7 @@ TEST_F(SealedSessionTest, ASecondHapticsNodeIsNotifiedThatThePlaceIsTaken) {
   EXPECT_EQ(second->client.state(), JoinState::rejected);
 }
 
-TEST_F(SealedSessionTest, AnUnknownPeerLearnsNothingAndDisturbsNobody) {
+TEST_F(SealedSessionTest, AnUnknownPeerLearnsNothingAndDisturbsNoOther) {
   start_hub();
   const auto node = make_node(2);
   const auto stranger = make_node(3, NodeRole::haptics, 2);

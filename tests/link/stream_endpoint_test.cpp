@@ -95,7 +95,7 @@ TEST(StreamEndpoint, DatagramsComeAtTheSamePort) {
   EXPECT_EQ(server.last_from, client.endpoint->local_address());
 }
 
-TEST(StreamEndpoint, AConnectionToNobodyIsClosed) {
+TEST(StreamEndpoint, AConnectionWithoutAListenerIsClosed) {
   Party client;
   Address nobody;
   {
@@ -123,7 +123,7 @@ TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
   EXPECT_EQ(server.closed.size(), 1U);
 }
 
-TEST(StreamEndpoint, OneTooManyIsLetGo) {
+TEST(StreamEndpoint, OneTooManyIsDropped) {
   Party server;
   std::vector<std::unique_ptr<Party>> clients;
   std::vector<Party*> all = {&server};
@@ -133,9 +133,9 @@ TEST(StreamEndpoint, OneTooManyIsLetGo) {
     all.push_back(clients.back().get());
   }
   ASSERT_TRUE(until(all, [&] {
-    std::size_t let_go = 0;
-    for (const auto& client : clients) let_go += client->closed.size();
-    return let_go == 3;
+    std::size_t dropped = 0;
+    for (const auto& client : clients) dropped += client->closed.size();
+    return dropped == 3;
   }));
   EXPECT_EQ(server.peers.size(), StreamEndpoint::kMostConnections);
 }

@@ -211,7 +211,7 @@ TEST(Haptics, AnUnusableMethodIsRejectedWithItsReasonAtTheRequester) {
 }
 
 #ifdef HAPTON_WITH_VISION
-TEST(Vision, KilledIsMissedByNobody) {
+TEST(Vision, KilledDisturbsNoOtherNode) {
   System system;
   for (const std::string& node : kNodes) system.start(node);
   const Json whole = system.wait_for_report(is_complete);

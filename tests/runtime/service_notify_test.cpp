@@ -23,7 +23,7 @@ struct ServiceNotifyTest : testing::Test {
   ScratchFolder folder;
 };
 
-TEST_F(ServiceNotifyTest, SaysNothingWhereNobodyListens) {
+TEST_F(ServiceNotifyTest, SaysNothingWithoutAListener) {
   ::unsetenv("NOTIFY_SOCKET");
   const ServiceNotify notify;
   EXPECT_FALSE(notify.is_wanted());
@@ -31,7 +31,7 @@ TEST_F(ServiceNotifyTest, SaysNothingWhereNobodyListens) {
   EXPECT_FALSE(notify.send("READY=1"));
 }
 
-TEST_F(ServiceNotifyTest, TheManagerHearsItAndSaysHowOftenItWantsTo) {
+TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
   const std::string path = (folder.path() / "notify").string();
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un at = {};

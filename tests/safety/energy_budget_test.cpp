@@ -14,7 +14,7 @@ void give(EnergyBudget& budget, double force_n, double moved_m) {
   budget.observe(kMaxN, wrench, Vec3(0, 0, moved_m), Vec3::Zero());
 }
 
-TEST(EnergyBudget, CountsWhatIsGivenAndWhatIsTaken) {
+TEST(EnergyBudget, CountsEnergyGivenAndTaken) {
   EnergyBudget budget;
   give(budget, 5.0, 0.002);
   EXPECT_NEAR(budget.spent_j(), 0.010 - 2e-5, 1e-12);

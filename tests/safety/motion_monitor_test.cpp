@@ -41,7 +41,7 @@ TEST(MotionMonitor, TwoReadsAtOnceAreNoSpeed) {
   EXPECT_LT(motion.speed_m_per_s(), 0.01);
 }
 
-TEST(MotionMonitor, LeavesOutWhatIsNoPose) {
+TEST(MotionMonitor, LeavesOutInvalidPoses) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   MotionMonitor motion;
   motion.look(at(Vec3(0.01, 0, 0)), 0, 3.0, false);

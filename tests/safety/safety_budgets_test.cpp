@@ -115,7 +115,7 @@ TEST(SafetyGovernor, MotorsThatSayTheyAreTooHotLatchUntilTheyAreCool) {
   EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
 }
 
-TEST(SafetyGovernor, HeatThatNobodyWatchedLatches) {
+TEST(SafetyGovernor, UnwatchedHeatLatches) {
   DeviceLimits limits = device_limits();
   limits.continuous_force_n = 2.0;
   limits.peak_s = 0.7;

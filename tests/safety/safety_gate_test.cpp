@@ -76,7 +76,7 @@ TEST(SafetyGovernor, AHandMayBeElsewhereAfterAGap) {
   EXPECT_EQ(bench.press(4.0, 150), Vec3(0, 0, 4));
 }
 
-TEST(SafetyGovernor, AStylusThatIsLetGoGetsNoForceAndRampsBack) {
+TEST(SafetyGovernor, AReleasedStylusGetsNoForceAndRampsBack) {
   Bench bench;
   bench.press(4.0, 300);
   bench.sample.is_held = false;

@@ -127,7 +127,7 @@ TEST(SafetyLimits, WhatMakesNoSenseGivesNothing) {
   }
 }
 
-TEST(SafetyLimits, ADeviceTooSlowToLetGoGetsTheSlewThatDoes) {
+TEST(SafetyLimits, ADeviceTooSlowToReleaseGetsTheSlewThatReleases) {
   DeviceLimits device = full();
   device.max_slew_n_per_s = 1.0;
   device.max_torque_slew_nm_per_s = 0.0;

@@ -29,7 +29,7 @@ TEST(ThermalBudget, DoesNotDependOnHowTimeIsCut) {
   EXPECT_NEAR(fine.load(kLimits), coarse.load(kLimits), 1e-7);
 }
 
-TEST(ThermalBudget, WhatIsAllowedSinksFromThePeakToTheContinuousForce) {
+TEST(ThermalBudget, TheForceLimitFallsFromThePeakToTheContinuousForce) {
   ThermalBudget budget(kLimits);
   EXPECT_EQ(budget.allowed_n(kLimits), 8.0);
   double before = 8.0;

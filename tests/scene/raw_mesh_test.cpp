@@ -128,7 +128,7 @@ TEST(ReadStl, NotesBytesTooMany) {
   EXPECT_THAT(raw->notes, ElementsAre(HasSubstr("4 bytes")));
 }
 
-TEST(ReadPly, SkipsWhatIsNotGeometry) {
+TEST(ReadPly, SkipsEverythingButGeometry) {
   const std::string text =
       "ply\r\nformat ascii 1.0\r\nobj_info x\r\nelement camera 1\r\nproperty list uchar float lens\r\nelement vertex 4\r\n"
       "property uchar red\r\nproperty double z\r\nproperty list int int ring\r\nproperty double x\r\nproperty double y\r\n"

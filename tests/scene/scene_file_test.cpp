@@ -72,7 +72,7 @@ two_sided = false
   ASSERT_THAT(scene->objects, SizeIs(2));
   const SceneObject& first = scene->objects[0];
   EXPECT_EQ(first.name, "first");
-  EXPECT_EQ(first.color, (std::array<double, 3>{1, 0.5, 0}));
+  EXPECT_EQ(first.colour, (std::array<double, 3>{1, 0.5, 0}));
   EXPECT_EQ(first.material.stiffness_n_per_m, 300);
   EXPECT_EQ(first.material.damping_ns_per_m, 1.5);
   EXPECT_EQ(first.material.friction_static, 0.5);

@@ -40,7 +40,7 @@ TEST(SurfacePoints, LieOnFacesThatAreSeenFromTheFront) {
   for (const Vec3& p : points) EXPECT_NEAR(std::abs(p.z()), 1.5, 1e-9);
 }
 
-TEST(SurfacePoints, LieOnASheetSeenEdgeOnAllTheSame) {
+TEST(SurfacePoints, LieOnASheetThatIsSeenEdgeOn) {
   TriangleMesh sheet;
   sheet.vertices = {Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
   sheet.triangles = {{0, 1, 2}};

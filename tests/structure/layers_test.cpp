@@ -69,7 +69,7 @@ bool is_socket(const std::string& include) {
   return std::regex_match(include, kSocket);
 }
 bool is_vtk(const std::string& include) { return include.rfind("vtk", 0) == 0; }
-// What touches the machine rather than numbers: threads, clocks, files, terminals, logs, the wire.
+// Headers for what is not computation: threads, clocks, files, terminals, logs, the network.
 bool is_impure(const std::string& include) {
   static const std::regex kImpure(
       R"(^(thread|mutex|shared_mutex|condition_variable|future|stop_token|semaphore|latch|barrier|chrono|ctime|time\.h|fstream|iostream)"
@@ -78,7 +78,7 @@ bool is_impure(const std::string& include) {
   return std::regex_match(include, kImpure) || is_socket(include) || is_vtk(include) || is_generated_by_protobuf(include);
 }
 
-// Of a layer, however it is written: in quotes, in angle brackets, by a detour over "..".
+// Whether an include names a file of a layer, in any spelling: in quotes, in angle brackets, with "..".
 bool is_of_the_tree(const Include& include) {
   return include.quoted || !layer_of(std::filesystem::path(include.path).lexically_normal().string()).empty();
 }
@@ -225,8 +225,8 @@ TEST(Sources, ThrowNothingOfOurs) {
 
 // Files that may read the wall clock, which people and daemons set, and why. Everything else uses CLOCK_MONOTONIC.
 const std::map<std::string, std::string> kMayReadTheDate = {
-    {"io_node/session_setup.cpp", "a recording says on what day it was made"},
-    {"link/random_id.cpp", "one more source of chance, should the system have none"},
+    {"io_node/session_setup.cpp", "a recording contains the day on which it was made"},
+    {"link/random_id.cpp", "one more random source, if the system has none"},
     {"io_node/vrpn/vrpn_server.cpp", "VRPN stamps its messages with the time of day"},
 };
 

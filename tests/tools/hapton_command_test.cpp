@@ -133,7 +133,7 @@ TEST_F(HaptonCommandTest, KeygenMakesTheKeysOfRolesFromAMasterKey) {
   EXPECT_FALSE(std::filesystem::exists(path("x")));
 }
 
-TEST_F(HaptonCommandTest, WhatIsNotUnderstoodIsSaidInALine) {
+TEST_F(HaptonCommandTest, AWrongOptionIsReportedInOneLine) {
   const Seen seen = run({"relay", "--loss", "2"});
   EXPECT_EQ(seen.code, 2);
   EXPECT_THAT(seen.err, HasSubstr("hapton relay: --loss"));

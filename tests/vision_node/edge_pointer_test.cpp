@@ -37,7 +37,7 @@ TEST(EdgePointer, PointsToWhatIsBehindTheViewer) {
   EXPECT_LT(behind->at_px.x(), 60.0);
 }
 
-TEST(EdgePointer, WhatIsNotFiniteIsNowhere) {
+TEST(EdgePointer, APointThatIsNotFiniteIsNowhere) {
   EXPECT_FALSE(find_edge_pointer(kScreen, Eye::centre, kPicture, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
   EXPECT_FALSE(find_edge_pointer(kScreen, Eye::centre, {0, 0}, Vec3(1.0, 0.0, 0.0)));
 }

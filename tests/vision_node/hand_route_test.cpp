@@ -72,7 +72,7 @@ TEST_F(HandRoute, OverAWallAndDownOnItsOtherSide) {
   EXPECT_LT(walked.distance_m, 2.5 * ((goal - from).norm() + 0.06)) << "and without long detours";
 }
 
-TEST_F(HandRoute, SlidesOverWhatHardlyStandsOut) {
+TEST_F(HandRoute, SlidesOverATinyStep) {
   const SurfaceSeen seen =
       make_surface(screen_, kPicture, [&](double x, double) { return screen_.distance_m - 0.002 * std::sin(0.1 * x); });
   const Vec3 goal = seen.place({300.0, 200.0}, screen_.distance_m + 0.002);

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-TEST(Hud, SaysThatHapticsIsPreparingInPlaceOfThatItIsNotThere) {
+TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   HudFacts facts;
   facts.connected = true;
   facts.state.status = ProbeStatus::no_haptics;
@@ -20,7 +20,7 @@ TEST(Hud, SaysThatHapticsIsPreparingInPlaceOfThatItIsNotThere) {
   facts.state.status = ProbeStatus::ok;
   EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos) << "it has only joined";
   facts.state.status = ProbeStatus::device_away;
-  EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "that is to be put right first";
+  EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "the device has to be repaired first";
 }
 
 TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
@@ -42,7 +42,7 @@ TEST(Hud, ShowsRatesLatencyForceContactAndMode) {
   EXPECT_EQ(compose_hud(facts).find("touching"), std::string::npos);
 }
 
-TEST(Hud, NumbersThatAreNoneDoNotBreakIt) {
+TEST(Hud, NumbersThatAreNotFiniteDoNotBreakIt) {
   HudFacts facts;
   facts.connected = true;
   facts.state.force_n = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -28,7 +28,7 @@ constexpr double kMarkSize = 12.0;
 struct Style {
   std::string_view family;
   int mark;
-  std::string_view color;
+  std::string_view colour;
 };
 constexpr std::array kStyles = {
     Style{"proxy point", 7, "#0050c8"},      Style{"proxy sphere", 5, "#56b4e9"},  Style{"sweep", 9, "#d55e00"},
@@ -155,7 +155,7 @@ std::string panel_of(const std::vector<ParetoMark>& marks, const std::string& me
     plot += fmt::format(
         ", ${0} using 1:2 with points pointtype {1} pointsize 1.6 linecolor rgb '{2}' title '{3}', ${0} using 1:4:3 with labels font "
         "',8' textcolor rgb '{2}' notitle",
-        block, style.mark, style.color, style.family);
+        block, style.mark, style.colour, style.family);
   }
   return text + plot + "\n";
 }

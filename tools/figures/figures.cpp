@@ -77,8 +77,8 @@ Result<Figure> draw_algorithm_1() {
   Points planes, smooth, probes, vcps, flat;
   for (std::size_t i = 1; i + 1 < outline.size(); ++i) {  // R_i in the cross-section: the line from an edge along its n_i
     const Eigen::Vector2d n = ((outline[i] - outline[i - 1]).normalized() + (outline[i + 1] - outline[i]).normalized()).normalized();
-    const Vec3 foot(outline[i].x(), outline[i].y(), 0.0);
-    planes.line(foot, foot + 0.0085 * Vec3(n.y(), -n.x(), 0.0));
+    const Vec3 start(outline[i].x(), outline[i].y(), 0.0);
+    planes.line(start, start + 0.0085 * Vec3(n.y(), -n.x(), 0.0));
   }
   for (double degree = 48; degree <= 132; degree += 4) {
     const Vec3 P(0.0235 * std::cos(degree * kPi / 180), 0.0235 * std::sin(degree * kPi / 180) - 0.008, kSlice);
@@ -143,11 +143,11 @@ Result<Figure> draw_proxy() {
     proxies.add(s.felt.p_SP);
     if (s.felt.contact) springs.add(s.device, s.felt.p_SP - s.device);
   }
-  const Vec3 fold(outline[3].x(), outline[3].y(), 0.0);
+  const Vec3 corner(outline[3].x(), outline[3].y(), 0.0);
   Points planes;
   for (const int other : {2, 4}) {
-    const Vec3 wall = (Vec3(outline[other].x(), outline[other].y(), 0.0) - fold).normalized();
-    planes.line(fold - 0.006 * wall, fold + 0.011 * wall);
+    const Vec3 wall = (Vec3(outline[other].x(), outline[other].y(), 0.0) - corner).normalized();
+    planes.line(corner - 0.006 * wall, corner + 0.011 * wall);
   }
   std::string script = begin("proxy", 1000, 580) + outline_of(outline).block("solid") + devices.block("devices") +
                        proxies.block("proxies") + springs.block("springs") + planes.block("planes");

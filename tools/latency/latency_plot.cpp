@@ -25,7 +25,7 @@ std::vector<HopCounts> in_drawing_order(std::span<const HopCounts> hops) {
 
 // Line of one curve.
 std::string style_of(const HopCounts& hop, std::size_t index) {
-  static constexpr std::array kColors = {"#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f"};
+  static constexpr std::array kColours = {"#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b", "#7f7f7f"};
   if (hop.name == kRoundTrip) {
     return "linewidth 3.5 dashtype 1 linecolor rgb '#0050c8'";
   }
@@ -33,7 +33,7 @@ std::string style_of(const HopCounts& hop, std::size_t index) {
     return "linewidth 3 dashtype 2 linecolor rgb '#000000'";
   }
   // A colour comes again with another dash.
-  return fmt::format("linewidth 2 dashtype {} linecolor rgb '{}'", 1 + 2 * (index / kColors.size()), kColors[index % kColors.size()]);
+  return fmt::format("linewidth 2 dashtype {} linecolor rgb '{}'", 1 + 2 * (index / kColours.size()), kColours[index % kColours.size()]);
 }
 
 std::string title_of(const HopCounts& hop) {

@@ -18,7 +18,7 @@ TEST(ParetoFront, EqualTimesKeepTheSmallerError) { EXPECT_EQ(find_pareto_front({
 
 TEST(ParetoFront, OfEqualPointsTheFirstStays) { EXPECT_EQ(find_pareto_front({{1, 1}, {1, 1}}), (Places{0})); }
 
-TEST(ParetoFront, LeavesOutWhatIsNotFinite) {
+TEST(ParetoFront, LeavesOutValuesThatAreNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(find_pareto_front({{nan, 0}, {0, nan}, {0, infinity}, {5, 5}}), (Places{3}));

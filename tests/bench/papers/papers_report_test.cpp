@@ -38,7 +38,7 @@ TEST(PapersReport, ARowWithoutAValueMakesItIncomplete) {
   EXPECT_FALSE(report.is_complete());
   EXPECT_NE(to_text(report).find("vision_node is not built"), std::string::npos);
   report.leave_out_nodes();
-  EXPECT_TRUE(report.is_complete()) << "what was not asked for is not missing";
+  EXPECT_TRUE(report.is_complete()) << "rows that were not requested are not missing";
 }
 
 TEST(PapersReport, TheRatioIsOursOverTheirs) {

@@ -34,14 +34,14 @@ std::vector<std::uint32_t> found_by(const WideBvh& tree, const Box& query) {
 void expect_same_as_brute_force(const std::vector<Box>& boxes, const WideBvh& tree, const Box& query) {
   const std::vector<std::uint32_t> found = found_by(tree, query);
   EXPECT_EQ(std::adjacent_find(found.begin(), found.end()), found.end()) << "an item was visited twice";
-  const double grain = 4e-6 * (query.high.cwiseAbs().maxCoeff() + query.low.cwiseAbs().maxCoeff() + 4.0);
+  const double rounding = 4e-6 * (query.high.cwiseAbs().maxCoeff() + query.low.cwiseAbs().maxCoeff() + 4.0);
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     const bool here = std::binary_search(found.begin(), found.end(), i);
     if (boxes[i].overlaps(query)) {
       EXPECT_TRUE(here) << "item " << i << " was missed";
     }
     if (here) {
-      EXPECT_TRUE(boxes[i].overlaps(query.inflated(grain))) << "item " << i << " is far from the query";
+      EXPECT_TRUE(boxes[i].overlaps(query.inflated(rounding))) << "item " << i << " is far from the query";
     }
   }
 }

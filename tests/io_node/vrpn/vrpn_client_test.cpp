@@ -155,14 +155,14 @@ TEST(VrpnClient, MayAskForTheWorkspace) {
   EXPECT_FALSE(client.take_workspace_request());
 }
 
-TEST(VrpnClient, ThatSaysGoodbyeIsLetGo) {
+TEST(VrpnClient, ThatSaysGoodbyeIsDropped) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.say(0, kDisconnect);
   EXPECT_FALSE(client.hear(speaker.said, kNow));
 }
 
-TEST(VrpnClient, WithAMessageThatCannotBeIsLetGo) {
+TEST(VrpnClient, WithAnImpossibleMessageIsDropped) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.said.resize(speaker.said.size() + kHeaderBytes, std::byte{0xff});

@@ -42,7 +42,7 @@ TEST(VrpnFeed, NobodyThereCostsNothing) {
   EXPECT_TRUE(all_of(feed).empty());
 }
 
-TEST(VrpnFeed, ASlowReaderLosesSamplesAndDelaysNobody) {
+TEST(VrpnFeed, ASlowReaderLosesSamplesAndDelaysNoOther) {
   Feed feed;
   feed.set_wanted(true);
   for (int n = 0; n < 100'000; ++n) feed.push({});

@@ -215,7 +215,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
 }
 
 // Each took a slot for the whole timeout, and sixteen of them all slots.
-TEST_F(VrpnServer, SilentClientsKeepNobodyOut) {
+TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   open();
   std::vector<int> silent;
   for (int n = 0; n < 16; ++n) {

@@ -123,7 +123,7 @@ TEST(GltfExtensions, NotesWhatMayChangeTheShapeAndIsNotRead) {
   EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("'NV_micromesh'"), HasSubstr("not read"))));
 }
 
-TEST(GltfExtensions, SkipsWhatIsNotVisible) {
+TEST(GltfExtensions, SkipsInvisibleNodes) {
   const std::string hidden = R"("extensions":{"KHR_node_visibility":{"visible":false}})";
   const TriangleMesh mesh = sample::tetrahedron();
   const auto count = [&](const std::string& first) {

@@ -24,13 +24,13 @@ std::unique_ptr<TouchStep> make_touch(const char* method) {
 }
 
 // A haptics node at work, whose states and answers are handed to a recording.
-struct FeltAgain : testing::Test {
+struct SessionReplayTest : testing::Test {
   HapticsStep live{make_touch("proxy"), MethodSettings().offset_m};
   HapticsSetups setups;
   std::uint64_t sample = 0;
   std::vector<std::pair<DeviceState, std::optional<ForceCommand>>> recorded;
 
-  FeltAgain() { tell_setup("proxy"); }
+  SessionReplayTest() { tell_setup("proxy"); }
 
   void tell_setup(const char* method) {
     const auto serial = static_cast<std::uint32_t>(live.counts().methods_taken);
@@ -76,7 +76,7 @@ struct FeltAgain : testing::Test {
   }
 };
 
-TEST_F(FeltAgain, ASlideFeelsTheSameToTheLastBit) {
+TEST_F(SessionReplayTest, ASlideFeelsTheSameToTheLastBit) {
   slide(500);
   SessionReplay felt = make_felt();
   feed(felt);
@@ -85,7 +85,7 @@ TEST_F(FeltAgain, ASlideFeelsTheSameToTheLastBit) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, OneChangedBitIsFoundAndNamed) {
+TEST_F(SessionReplayTest, OneChangedBitIsFoundAndNamed) {
   slide(100);
   recorded[60].second->force_n.x() = std::nextafter(recorded[60].second->force_n.x(), 1e9);
   SessionReplay felt = make_felt();
@@ -94,7 +94,7 @@ TEST_F(FeltAgain, OneChangedBitIsFoundAndNamed) {
   EXPECT_NE(felt.counts().first_difference.find("sample 61,"), std::string::npos) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, StatesThatWereSkippedAreNotStepped) {
+TEST_F(SessionReplayTest, StatesThatWereSkippedAreNotStepped) {
   slide(30);
   for (int n = 0; n < 100; ++n) {
     const DeviceState skipped = next_state();
@@ -108,7 +108,7 @@ TEST_F(FeltAgain, StatesThatWereSkippedAreNotStepped) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, AnswersThatGotLostAreSteppedAllTheSame) {
+TEST_F(SessionReplayTest, SamplesWhoseAnswersGotLostAreSteppedToo) {
   slide(300);
   for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
   for (std::size_t n = 100; n < 130; ++n) recorded[n].second.reset();
@@ -121,7 +121,7 @@ TEST_F(FeltAgain, AnswersThatGotLostAreSteppedAllTheSame) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, AnswersThatOvertookEachOtherArePutInOrder) {
+TEST_F(SessionReplayTest, AnswersThatOvertookEachOtherArePutInOrder) {
   slide(300);
   SessionReplay felt = make_felt();
   for (const auto& [state, command] : recorded) felt.on_state(state);
@@ -134,7 +134,7 @@ TEST_F(FeltAgain, AnswersThatOvertookEachOtherArePutInOrder) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, AViewHoldsFromTheAnswerThatNamesIt) {
+TEST_F(SessionReplayTest, AViewHoldsFromTheAnswerThatNamesIt) {
   slide(60);
   ViewTransform view{.revision = 3};
   view.X_WS[3] = 0.0005F;
@@ -147,7 +147,7 @@ TEST_F(FeltAgain, AViewHoldsFromTheAnswerThatNamesIt) {
   EXPECT_EQ(felt.counts().missing_views, 0U);
 }
 
-TEST_F(FeltAgain, AMethodHoldsFromTheAnswerThatCountsIt) {
+TEST_F(SessionReplayTest, AMethodHoldsFromTheAnswerThatCountsIt) {
   slide(60);
   live.replace(make_touch("reference"));
   tell_setup("reference");
@@ -158,7 +158,7 @@ TEST_F(FeltAgain, AMethodHoldsFromTheAnswerThatCountsIt) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
+TEST_F(SessionReplayTest, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
   slide(60);
   live.replace(make_touch("smooth"));
   tell_setup("smooth");
@@ -179,7 +179,7 @@ TEST_F(FeltAgain, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, ForcesOfAnUnnamedMethodAreNotCompared) {
+TEST_F(SessionReplayTest, ForcesOfAnUnnamedMethodAreNotCompared) {
   slide(60);
   live.replace(make_touch("reference"));  // its setup got lost
   slide(40);
@@ -205,7 +205,7 @@ TEST_F(FeltAgain, ForcesOfAnUnnamedMethodAreNotCompared) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
+TEST_F(SessionReplayTest, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
   slide(100);
   recorded.erase(recorded.begin(), recorded.begin() + 50);
   sample = 0;  // back to free space, and in again
@@ -222,7 +222,7 @@ TEST_F(FeltAgain, ARecordingThatBeginsInContactIsComparedFromFreeSpaceOn) {
   EXPECT_EQ(felt.counts().different, 0U) << felt.counts().first_difference;
 }
 
-TEST_F(FeltAgain, ARecordingWithoutSetupsIsRejectedInOneLine) {
+TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   setups.clear();
   slide(1);
   SessionReplay felt = make_felt();

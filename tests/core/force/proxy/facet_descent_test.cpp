@@ -430,7 +430,7 @@ TEST(FacetDescent, APointNotHeldByNeighboursIsLeftToTheGeneralMethod) {
   EXPECT_FALSE(ground.run(two, device)) << "no concave edge between them";
 }
 
-TEST(FacetDescent, WhatIsNotKnownToBeNearIsLeftToOthers) {
+TEST(FacetDescent, LeavesStepsBeyondItsMarginToTheSweep) {
   const TriangleMesh mesh = make_icosphere(0.4, 4);
   Ground wide(mesh, 0.2);
   Ground narrow(mesh, 0.05);

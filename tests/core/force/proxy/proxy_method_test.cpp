@@ -283,12 +283,12 @@ TEST(Proxy, DoesNotBalanceOnAConvexEdge) {
   const TriangleMesh roof = make_prism({{-0.05, 0.0}, {0.05, 0.0}, {0.0, height}}, 0.1, 4);
   Box bounds;
   for (const Vec3& v : roof.vertices) bounds.grow(v);
-  const Vec3 ridge =
+  const Vec3 edge =
       *std::max_element(roof.vertices.begin(), roof.vertices.end(), [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); });
   const double z = bounds.centre().z() + 0.0017;
   const double depth = 0.01;
   const auto proxy = proxy_over(scene_of(roof));
-  const MethodOutput felt = press(*proxy, {ridge.x(), height + 0.01, z}, {ridge.x(), height - depth, z}, 20);
+  const MethodOutput felt = press(*proxy, {edge.x(), height + 0.01, z}, {edge.x(), height - depth, z}, 20);
   EXPECT_NEAR(felt.force_n.norm(), 1000.0 * depth * std::cos(slope), 1e-6);
 }
 

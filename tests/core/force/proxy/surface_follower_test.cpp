@@ -154,13 +154,13 @@ TEST(SurfaceFollower, BeyondTheBoundaryOfASheetTheProxyIsFreeInTheSameStep) {
   std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
     const bool to_corner = i % 4 == 0;
-    const Vec3 border(0.5, to_corner ? 0.5 : 0.45 * anywhere(random), 0.0);
+    const Vec3 boundary(0.5, to_corner ? 0.5 : 0.45 * anywhere(random), 0.0);
     const Vec3 out(0.02 + 0.01 * anywhere(random), to_corner ? 0.02 + 0.01 * anywhere(random) : 0.01 * anywhere(random), 0.0);
     const double depth = 0.05 + 0.04 * anywhere(random);
-    const Vec3 inside = border - out - Vec3(0, 0, depth);
+    const Vec3 inside = boundary - out - Vec3(0, 0, depth);
     proxy.reset(inside + Vec3(0, 0, 2.0 * depth));
     ASSERT_TRUE(proxy.step({.p_SD = inside}).contact) << i;
-    ASSERT_FALSE(proxy.step({.p_SD = border + out - Vec3(0, 0, depth + 0.01)}).contact) << i << ": " << border.transpose();
+    ASSERT_FALSE(proxy.step({.p_SD = boundary + out - Vec3(0, 0, depth + 0.01)}).contact) << i << ": " << boundary.transpose();
   }
   EXPECT_EQ(proxy.counters().exhausted, 0u);
 }
@@ -202,7 +202,7 @@ TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
 
 // In each corner of a room, on one wall or on two, and nearer to the third than the lift: the lift clears that one too, however the walls
 // are divided.
-TEST(SurfaceFollower, LiftedInACornerItClearsTheWallsItOnlyComesUpTo) {
+TEST(SurfaceFollower, LiftedInACornerItClearsAllThreeWalls) {
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 sign(corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0);
     for (int walls = 0; walls < 6; ++walls) {
@@ -240,7 +240,7 @@ TEST(SurfaceFollower, NeverAllocates) {
 
 // The path is exact, so the number of pieces of a straight motion does not matter: the force after one step equals that after many small
 // ones. On bumps with radii smaller than the depth, edges hold and release the point in every other step.
-void expect_a_step_to_be_as_many_small_ones(const Material& material) {
+void expect_a_step_to_equal_many_small_ones(const Material& material) {
   const auto mesh = std::make_shared<const TriangleMesh>(make_bumpy_sphere(0.05, 0.3, 8000, 7));
   TouchScene scene;
   scene.objects.push_back({mesh, material});
@@ -269,12 +269,12 @@ void expect_a_step_to_be_as_many_small_ones(const Material& material) {
   EXPECT_GT(contacts, 3000);
 }
 
-TEST(SurfaceFollower, AStepIsAsManySmallOnes) { expect_a_step_to_be_as_many_small_ones({}); }
+TEST(SurfaceFollower, AStepEqualsManySmallOnes) { expect_a_step_to_equal_many_small_ones({}); }
 
-TEST(SurfaceFollower, WithFrictionToo) {
-  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.5, .friction_dynamic = 0.35});
-  expect_a_step_to_be_as_many_small_ones({.friction_static = 0.1, .friction_dynamic = 0.1});
-  expect_a_step_to_be_as_many_small_ones({.friction_static = 1.2, .friction_dynamic = 0.6});
+TEST(SurfaceFollower, WithFrictionAStepEqualsManySmallOnes) {
+  expect_a_step_to_equal_many_small_ones({.friction_static = 0.5, .friction_dynamic = 0.35});
+  expect_a_step_to_equal_many_small_ones({.friction_static = 0.1, .friction_dynamic = 0.1});
+  expect_a_step_to_equal_many_small_ones({.friction_static = 1.2, .friction_dynamic = 0.6});
 }
 
 }  // namespace

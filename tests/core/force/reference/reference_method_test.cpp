@@ -105,12 +105,12 @@ TEST(ReferenceMethod, NotFiniteInputGivesNoForceAndIsForgotten) {
 // A concave edge straight along z whose walls come closer together from z = 0 on, and bend aside. A point moves along its bottom without a
 // step; a sphere, however small, would have to climb at the vertex, by a share of its own radius.
 TEST(ReferenceMethod, ANarrowingConcaveEdgeDoesNotHoldAPoint) {
-  TriangleMesh fold;
-  fold.vertices = {{0, 0, -0.05},        {0, 0, 0},        {0, 0, 0.05},       {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05},
-                   {-0.03, 0.02, -0.05}, {-0.03, 0.02, 0}, {-0.02, 0.02, 0.05}};
-  fold.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {0, 6, 7}, {0, 7, 1}, {1, 7, 8}, {1, 8, 2}};
+  TriangleMesh valley;
+  valley.vertices = {{0, 0, -0.05},        {0, 0, 0},        {0, 0, 0.05},       {0.03, 0.02, -0.05}, {0.03, 0.02, 0}, {0.012, 0.02, 0.05},
+                     {-0.03, 0.02, -0.05}, {-0.03, 0.02, 0}, {-0.02, 0.02, 0.05}};
+  valley.triangles = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {0, 6, 7}, {0, 7, 1}, {1, 7, 8}, {1, 8, 2}};
   for (const double turn : {0.0, 1.0}) {
-    TriangleMesh turned = fold;
+    TriangleMesh turned = valley;
     const Mat3 X = Eigen::AngleAxisd(turn, Vec3(1, 2, 3).normalized()).toRotationMatrix();
     for (Vec3& vertex : turned.vertices) vertex = X * vertex;
     auto method = reference_over(turned);

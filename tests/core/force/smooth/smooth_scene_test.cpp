@@ -94,7 +94,7 @@ TEST(SmoothScene, GivesEachTriangleItsObjectsMaterialAndNormals) {
   EXPECT_EQ(faces, scene->surface(0).face_count + scene->surface(1).face_count);
 }
 
-TEST(SmoothScene, FollowsMovedVerticesAsIfBuiltAnew) {
+TEST(SmoothScene, FollowsMovedVerticesAsIfBuiltAgain) {
   TouchScene touch = two_objects();
   auto moved = SmoothScene::build(touch, {});
   ASSERT_TRUE(moved);

@@ -131,11 +131,11 @@ TEST(SmoothMethod, PrepareKeepsTheFastTaskFromSelecting) {
 }
 
 // The paper's full layer (--layer 1) uses the slow task's sets as well: a run in which none is offered fails here.
-TEST(SmoothMethod, TheLayerLivesOnOfferedSets) {
+TEST(SmoothMethod, TheFullLayerUsesOfferedSets) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.05, 20000, 3);
-  auto told = SmoothMethod::make({.smooth_layer = kFdhPaperLayer}, scene_of(mesh));
-  ASSERT_TRUE(told) << told.error().what;
-  auto& method = dynamic_cast<SmoothMethod&>(**told);
+  auto made = SmoothMethod::make({.smooth_layer = kFdhPaperLayer}, scene_of(mesh));
+  ASSERT_TRUE(made) << made.error().what;
+  auto& method = dynamic_cast<SmoothMethod&>(**made);
   EXPECT_DOUBLE_EQ(method.layer_m(), method.radius_m());
   const auto alone = make(scene_of(mesh), with_size(64, kFdhPaperLayer));
   method.reset(Vec3(0.07, 0, 0));
