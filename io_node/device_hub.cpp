@@ -104,6 +104,11 @@ DeviceLimits tighter_limits(const DeviceSettings& settings) {
           .max_speed_m_per_s = settings.max_speed_m_per_s};
 }
 
+std::optional<PassivityController::Mechanics> passive_mechanics(const DeviceSettings& settings) {
+  if (settings.passive_mass_kg == 0.0) return std::nullopt;
+  return PassivityController::Mechanics{settings.passive_mass_kg, settings.passive_damping_ns_per_m, settings.passive_friction_n};
+}
+
 void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
   const bool is_own_force = std::isinf(options.device.max_force_n) || options.device.max_force_n <= own.max_force_n;
   if (is_own_force && options.device.max_slew_n_per_s <= own.max_slew_n_per_s) return;
@@ -144,6 +149,7 @@ struct DeviceHub::Parts {
             .vision_rate_hz = options.vision_rate_hz,
             .tighter = tighter_limits(options.device),
             .forbids_force = options.device.max_force_n == 0.0,
+            .passive = passive_mechanics(options.device),
             .hold_button = options.device.hold_button,
             .overrun = overrun_policy(options),
             .spin_share = options.spin_share};

@@ -23,6 +23,7 @@ DeviceLoop::DeviceLoop(Device& device, const Clock& clock, const Options& option
   governor_.tighten(options.tighter);
   if (options.forbids_force) governor_.forbid_force();
   governor_.require_button(options.hold_button);
+  if (options.passive) governor_.keep_passive(*options.passive);
   stats_.rate_hz = options.rate_hz;
   start();
 }

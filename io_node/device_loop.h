@@ -101,6 +101,7 @@ class DeviceLoop {
     DeviceLimits tighter = {};
     bool forbids_force = false;
     int hold_button = -1;
+    std::optional<PassivityController::Mechanics> passive = {};
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;
   };

@@ -59,6 +59,9 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
                 "continuous_force_n",
                 "max_speed_m_per_s",
                 "hold_button",
+                "passive_mass_kg",
+                "passive_damping_ns_per_m",
+                "passive_friction_n",
                 "rate_hz",
                 "cpu",
                 "record",
@@ -93,6 +96,9 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   std::int64_t hold_button = options.device.hold_button;
   reader.read("hold_button", hold_button, -1, 31);
   options.device.hold_button = static_cast<int>(hold_button);
+  reader.read("passive_mass_kg", options.device.passive_mass_kg, 0.0, 100.0);
+  reader.read("passive_damping_ns_per_m", options.device.passive_damping_ns_per_m, 0.0, 1000.0);
+  reader.read("passive_friction_n", options.device.passive_friction_n, 0.0, 100.0);
   reader.read("rate_hz", options.rate_hz, kMinServoRateHz, kMaxServoRateHz);
   std::int64_t cpu = options.realtime.cpu;
   reader.read("cpu", cpu, -1, 4095);

@@ -19,8 +19,9 @@ constexpr int kBadCommandLine = 2;
 // The first given flag that applies to one device and belongs into the file of several.
 std::optional<std::string> find_flag_of_one_device(const CLI::App& app) {
   for (const char* flag :
-       {"--device", "--device-id", "--device-file", "--trajectory", "--loop", "--seed", "--max-force", "--max-slew", "--max-torque",
-        "--continuous-force", "--max-speed", "--hold-button", "--bind", "--metrics", "--vrpn", "--vrpn-name", "--record", "--cpu"}) {
+       {"--device",           "--device-id",  "--device-file",      "--trajectory", "--loop",        "--seed",         "--max-force",
+        "--max-slew",         "--max-torque", "--continuous-force", "--max-speed",  "--hold-button", "--passive-mass", "--passive-damping",
+        "--passive-friction", "--bind",       "--metrics",          "--vrpn",       "--vrpn-name",   "--record",       "--cpu"}) {
     if (app.count(flag) > 0) return flag;
   }
   return std::nullopt;
@@ -70,6 +71,17 @@ std::variant<IoOptions, int> parse_io_options(int argc, const char* const* argv)
   app.add_option("--hold-button", options.device.hold_button,
                  "Dead man's switch: force only while this button is held, 0 the first; -1: none")
       ->check(between(-1, 31));
+  auto* passive =
+      app.add_option("--passive-mass", options.device.passive_mass_kg,
+                     "Passivity controller: give the hand no more energy than it put in; apparent mass of the device, kg; 0: off")
+          ->check(between(0.0, 100.0));
+  app.add_option("--passive-damping", options.device.passive_damping_ns_per_m,
+                 "The device's own damping, for --passive-mass, N s/m (0: unknown)")
+      ->check(between(0.0, 1000.0))
+      ->needs(passive);
+  app.add_option("--passive-friction", options.device.passive_friction_n, "The device's own friction, for --passive-mass, N (0: unknown)")
+      ->check(between(0.0, 100.0))
+      ->needs(passive);
   app.add_option("--echo-probe", options.echo_probe, "HOST:PORT of a responder (hapton echo): measure the bare UDP echo in the same run");
   app.add_option("--record", options.record, "Record the whole session into this file: every datagram, cycle and fault (hapton session)")
       ->check(file_to_write());

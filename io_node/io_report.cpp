@@ -102,6 +102,7 @@ void add_safety(LatencyReport& report, const GovernorStats& g) {
   report.counters["workspace_limited"] = whole(c.stopped);
   report.counters["speed_limited"] = whole(c.braked);
   report.counters["energy_damped"] = whole(c.damped);
+  report.counters["passivity_limited"] = whole(c.kept_passive);
   report.counters["thermal_limited"] = whole(c.cooled);
   report.counters["dead_mans_switch_releases"] = whole(c.releases);
   report.counters["invalid_poses"] = whole(c.bad_samples);
@@ -110,6 +111,7 @@ void add_safety(LatencyReport& report, const GovernorStats& g) {
   report.counters["resets_rejected"] = whole(c.resets_rejected);
   report.ratios["fault_latched_now"] = g.fault == SafetyFault::none ? 0.0 : 1.0;
   report.ratios["thermal_load"] = g.thermal_load;
+  report.ratios["passivity_given_j"] = g.passivity_given_j;
   report.ratios["energy_spent"] = g.energy_most_j > 0.0 ? g.energy_spent_j / g.energy_most_j : 0.0;
   report.notes["governor"] = std::string(to_string(g.state));
   report.notes["safety_fault"] = std::string(to_string(g.fault));

@@ -17,6 +17,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
              .tighter = options.tighter,
              .forbids_force = options.forbids_force,
              .hold_button = options.hold_button,
+             .passive = options.passive,
              .overrun = options.overrun,
              .spin_share = options.spin_share}),
       peers_(peers),

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "devices/device.h"
 #include "io_node/cycle_source.h"
@@ -42,7 +43,8 @@ class Servo final : private PeerEventHandler {
     double vision_rate_hz = 240.0;  // ProbeStates a second to each vision node, at most (vision_pace.h); 0: none
     DeviceLimits tighter = {};      // than the device's own limits, field by field; 0: the device's
     bool forbids_force = false;     // the device moves and is seen, and never gets a force
-    int hold_button = -1;           // that must be held for force to be there, lowest bit 0; below 0: none
+    std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
+    int hold_button = -1;                                        // that must be held for force to be there, lowest bit 0; below 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;  // of a period, at most, before each tick; 0: sleeps to the tick
   };

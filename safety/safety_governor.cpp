@@ -39,6 +39,7 @@ double SafetyGovernor::advance(std::int64_t now_ns) noexcept {
   now_ns_ = std::max(now_ns_, now_ns);
   thermal_.held(out_.force_n, passed_s);
   energy_.held(out_, passed_s);
+  if (passivity_) passivity_->held(out_.force_n, passed_s);
   if (thermal_.load(limits_.device()) > ThermalBudget::kSpent) latch(SafetyFault::thermal);
   return passed_s;
 }
@@ -99,6 +100,7 @@ void SafetyGovernor::look(const DeviceSample& sample) noexcept {
   }
   if (SpeedLimit::is_broken(limits, motion_.speed_m_per_s())) latch(SafetyFault::speed);
   energy_.observe(limits.max_force_n, out_, motion_.moved_m(), motion_.turned_rad());
+  if (passivity_) passivity_->observe(limits.max_force_n, motion_.moved_m());
 }
 
 void SafetyGovernor::observe_temperature(double temperature) noexcept {
@@ -157,6 +159,10 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   const Vec3 wanted_n = ramp * shortened(filter_.wanted().force_n, limits.max_force_n);
   Vec3 force_n = SpeedLimit::shape(limits, most_damping, wanted_n, motion_);
   was_braked_ = SpeedLimit::is_soft(limits, motion_.speed_m_per_s());
+  if (passivity_) {
+    force_n = passivity_->shape(force_n, most_damping);
+    was_kept_passive_ = passivity_->has_limited();
+  }
   const double damping = energy_.damping_n_s_per_m(limits.max_force_n, motion_.speed_m_per_s(), most_damping);
   if (damping > 0.0) force_n -= damping * motion_.velocity_m_per_s();
   was_damped_ = damping > 0.0;
@@ -204,6 +210,7 @@ void SafetyGovernor::count_accepted() noexcept {
   counters_.slewed += force_.was_cut() ? 1 : 0;
   counters_.stopped += was_stopped_ ? 1 : 0;
   counters_.braked += was_braked_ ? 1 : 0;
+  counters_.kept_passive += was_kept_passive_ ? 1 : 0;
   const double energy_n = limits.max_force_n * energy_.share(limits.max_force_n);
   counters_.damped += was_damped_ || energy_n < std::min(wanted_n, limits.max_force_n) ? 1 : 0;
   counters_.cooled += thermal_.allowed_n(limits) < std::min(wanted_n, limits.max_force_n) ? 1 : 0;

@@ -9,6 +9,7 @@
 #include "safety/energy_budget.h"
 #include "safety/fault_debouncer.h"
 #include "safety/motion_monitor.h"
+#include "safety/passivity_controller.h"
 #include "safety/ramp.h"
 #include "safety/safety_fault.h"
 #include "safety/safety_limits.h"
@@ -30,6 +31,7 @@ struct GovernorCounters {
   std::uint64_t stopped = 0;           // accepted forces limited by the workspace
   std::uint64_t braked = 0;            // ... by the speed limit
   std::uint64_t damped = 0;            // ... by the energy budget
+  std::uint64_t kept_passive = 0;      // ... by the passivity controller
   std::uint64_t cooled = 0;            // ... by the thermal budget
   std::uint64_t releases = 0;          // times the dead man's switch was released
   std::uint64_t latched = 0;           // faults
@@ -45,7 +47,8 @@ struct GovernorStats {
   SafetyFault fault = SafetyFault::none;
   double thermal_load = 0.0;
   double energy_spent_j = 0.0;
-  double energy_most_j = 0.0;  // at this energy the force limit is zero
+  double energy_most_j = 0.0;      // at this energy the force limit is zero
+  double passivity_given_j = 0.0;  // see PassivityController; 0 where it is off
 };
 
 // Limits every wrench before it reaches the motors of one device, whatever the other nodes send and whatever the device reports. Its
@@ -55,6 +58,7 @@ struct GovernorStats {
 //   gate        latched fault, device away or calibrating, no valid sample for 20 ms, dead man's switch: no force
 //   ramp        when the gate opens, and after a command timeout, the force ramps up over kRampNs
 //   speed       force along the motion of a fast device fades, and damping rises; at max_speed a fault is latched
+//   passivity   where it is asked for: no more energy than the hand put in
 //   energy      a source that gives the hand more energy than it took is damped, then limited
 //   workspace   outward force fades to zero at the end of the workspace
 //   magnitude   the force limit: max_force, the thermal budget, the energy budget, and what can still be released before the command
@@ -70,6 +74,8 @@ class SafetyGovernor {
 
   void tighten(const DeviceLimits& limits) noexcept { limits_.tighten(limits); }
   void forbid_force() noexcept { limits_.forbid_force(); }
+  // From now on. Without it only a source that gives more than the energy budget is limited.
+  void keep_passive(const PassivityController::Mechanics& device) noexcept { passivity_.emplace(device); }
   void require_button(int button) noexcept { dead_mans_switch_.require_button(button); }
 
   // The device as it was just read, at sample.time_ns.
@@ -107,9 +113,10 @@ class SafetyGovernor {
   const GovernorCounters& counters() const noexcept { return counters_; }
   double thermal_load() const noexcept { return thermal_.load(limits_.now()); }
   double energy_spent_j() const noexcept { return energy_.spent_j(); }
+  double passivity_given_j() const noexcept { return passivity_ ? passivity_->given_j() : 0.0; }
   bool is_energy_gone() const noexcept { return energy_.share(limits().max_force_n) == 0.0; }
   GovernorStats figures() const noexcept {
-    return {counters_, state(), fault_, thermal_load(), energy_spent_j(), EnergyBudget::most_j(limits().max_force_n)};
+    return {counters_, state(), fault_, thermal_load(), energy_spent_j(), EnergyBudget::most_j(limits().max_force_n), passivity_given_j()};
   }
   double speed_m_per_s() const noexcept { return motion_.speed_m_per_s(); }
   double most_damping_n_s_per_m() const noexcept;
@@ -133,6 +140,7 @@ class SafetyGovernor {
   MotionMonitor motion_;
   ThermalBudget thermal_;
   EnergyBudget energy_;
+  std::optional<PassivityController> passivity_;
   SlewLimit force_;
   SlewLimit torque_;
   FaultDebouncer bad_forces_;
@@ -149,6 +157,7 @@ class SafetyGovernor {
   bool was_stopped_ = false;  // ... and what was done to it
   bool was_braked_ = false;
   bool was_damped_ = false;
+  bool was_kept_passive_ = false;
   bool has_begun_ = false;
   std::int64_t now_ns_ = 0;
   double unheld_s_ = 0.0;  // passed since the last step: the slew of the next

@@ -100,6 +100,35 @@ TEST(GovernedTouch, SoItIsWhenTheAnswersAreLate) {
   }
 }
 
+constexpr PassivityController::Mechanics kStylus = {.mass_kg = 0.075, .damping_ns_per_m = 0.0, .friction_n = 0.04};
+
+TEST(GovernedTouch, APassiveWallIsRenderedAlmostUnchangedUnderThePassivityController) {
+  SafetyGovernor governor(model_a::limits());
+  governor.keep_passive(kStylus);
+  const Touch felt = touch(&governor, wall(1000.0), 30.0, 1);
+  EXPECT_GT(felt.contact_s, 10.0);
+  // The simulated stylus hardly dissipates: 0.1 N s/m and 0.04 N, where sampling adds as much as 0.5 N s/m.
+  EXPECT_LT(std::sqrt(felt.error_n2 / felt.felt_n2), 0.06);
+  EXPECT_GT(governor.counters().kept_passive, 0U);
+}
+
+TEST(GovernedTouch, AStiffWallWithLateRepliesGivesNothingUnderThePassivityController) {
+  for (const double stiffness : {3e3, 3e4, 1e5}) {
+    for (const std::size_t lag : {0U, 5U, 15U}) {
+      SafetyGovernor bare(model_a::limits());
+      const Touch without = touch(&bare, wall(stiffness), 20.0, 1, lag);
+      SafetyGovernor kept(model_a::limits());
+      kept.keep_passive(kStylus);
+      const Touch with = touch(&kept, wall(stiffness), 20.0, 1, lag);
+      EXPECT_LT(with.given_j, 1e-3) << stiffness << " N/m, " << lag << " ms";
+      EXPECT_LT(with.most_given_j, 0.012) << "what a press stored comes back, no more";
+      if (stiffness > 3e3 || lag > 0) {
+        EXPECT_GT(without.given_j, 0.3) << "without it this loop is a source";
+      }
+    }
+  }
+}
+
 TEST(GovernedTouch, ASourceOfEnergyIsBounded) {
   constexpr double kSeconds = 20.0;
   for (const double gain : {8.0, 20.0, 100.0}) {

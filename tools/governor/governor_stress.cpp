@@ -18,6 +18,7 @@ void add_to(GovernorCounters& sum, const GovernorCounters& more) {
   sum.stopped += more.stopped;
   sum.braked += more.braked;
   sum.damped += more.damped;
+  sum.kept_passive += more.kept_passive;
   sum.cooled += more.cooled;
   sum.releases += more.releases;
   sum.latched += more.latched;
