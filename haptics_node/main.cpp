@@ -40,7 +40,7 @@ void tell_hub(const HapticsOptions& options, const Address& hub, const RoleKey& 
 }
 
 int run(const HapticsOptions& options) {
-  const StopSignal stop;  // first: it ends in order however far it has come
+  const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);

@@ -37,7 +37,7 @@ void tell_of_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, s
       hub.send(scene);
       next_ns = now_ns + kTellEveryNs;
     }
-    // The device's states are for the node that comes after.
+    // Drops the device's states: they are for the node that starts afterwards.
     (void)hub.receive(heard, now_ns + kLookNs);
   }
 }

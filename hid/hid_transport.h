@@ -51,7 +51,7 @@ class HidTransport {
   // The oldest report that has not been read yet; waits for one, wait_ms at most. What is longer than `into` is cut off.
   virtual HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept = 0;
 
-  // False: it did not go out. Waits until the bus has taken it, which with some devices is a millisecond.
+  // False: not sent. Waits until the bus has taken it, which with some devices is a millisecond.
   virtual bool write(std::span<const std::uint8_t> report) noexcept = 0;
 
   // Requests feature report into[0], a byte that stays there; returns the number of bytes received, that one included. Error: one line.

@@ -13,7 +13,7 @@
 namespace hapton {
 
 // Serves the hub's report to tools: they request it, a thread without deadlines writes it, and the servo sends it, one part per datagram
-// and at most one datagram per cycle. RT: ask and serve yes, no heap; publish no. Threads: the servo calls ask and serve, one other
+// and at most one datagram per cycle. RT: accept and serve yes, no heap; publish no. Threads: the servo calls accept and serve, one other
 // take_request and publish.
 class ReportServer {
  public:

@@ -133,7 +133,7 @@ struct ObjectSpec {
   Vec3 p_SM = Vec3::Zero();
   std::string material;
   bool seal_cracks = true;
-  std::array<double, 3> colour = SceneObject().color;
+  std::array<double, 3> colour = SceneObject().colour;
   bool has_colour = false;    // then it replaces all colours of the mesh file
   std::size_t mesh_line = 0;  // in the scene file
   std::size_t part_line = 0;

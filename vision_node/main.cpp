@@ -74,7 +74,7 @@ Result<std::unique_ptr<OtherLink>> open_other_link(const VisionOptions& options,
 }
 
 int run(VisionOptions& options) {
-  const StopSignal stop;  // first: it ends in order however far it has come
+  const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());

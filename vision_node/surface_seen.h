@@ -8,7 +8,7 @@
 namespace hapton {
 
 // The scene's surface as one eye sees it: how far away it is at each pixel. All in front of it is empty. Frames: W, and the eye's depth,
-// the distance from the eye's plane along the way it looks, m.
+// the distance from the eye's plane along its viewing direction, m.
 class SurfaceSeen {
  public:
   // depths: OpenGL's, 0 to 1, by rows from the lower left corner; 1 where there is nothing.
@@ -16,7 +16,7 @@ class SurfaceSeen {
 
   // Of the surface at that pixel; infinite for background, and outside the picture.
   double depth_m(const Vec2& pixel) const;
-  // None where there is nothing.
+  // None for background.
   std::optional<Vec3> find(const Vec2& pixel) const;
 
   Vec2 pixel_of(const Vec3& p_W) const { return project_to_pixel(screen_, eye_, size_, p_W); }

@@ -45,8 +45,8 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
   return starts;
 }
 
-void judge_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
-                   double least_move_m, Windows& windows) {
+void compare_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
+                     double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
     reference.resume(felt[start].proxy, felt[start].device, true);
     for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
@@ -106,7 +106,7 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
     contact_ns.insert(contact_ns.end(), timing->contact_ns.begin(), timing->contact_ns.end());
     if (timing->free.count > 0) free_p50_ns.push_back(timing->free.p50_ns);
     figures.facets_crossed += count_facets(locator, slide, timing->felt);
-    judge_windows(**reference, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
+    compare_windows(**reference, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
   }
   double sum_ns = 0.0;
   for (const double ns : contact_ns) sum_ns += ns;

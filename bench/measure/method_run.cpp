@@ -71,7 +71,8 @@ Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& bud
   return timing;
 }
 
-Result<std::vector<ForceSample>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory) {
+Result<std::vector<ForceSample>> compute_forces(const MethodSettings& settings, const TouchScene& scene,
+                                                const TouchTrajectory& trajectory) {
   auto method = make_method(settings, scene);
   if (!method) return tl::unexpected(method.error());
   TouchStep touch(std::move(*method));
@@ -97,7 +98,7 @@ TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows) 
   return heads;
 }
 
-ForceError ReferenceRun::judge(const std::vector<ForceSample>& felt_by_method) const {
+ForceError ReferenceRun::compare(const std::vector<ForceSample>& felt_by_method) const {
   return compare_forces(felt_by_method, felt, error_settings());
 }
 

@@ -28,7 +28,7 @@ Result<MethodTiming> time_method(const Stopwatch& watch, const TimingBudget& bud
                                  const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // The method's forces along the trajectory, untimed. Error: as make_method.
-Result<std::vector<ForceSample>> feel(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
+Result<std::vector<ForceSample>> compute_forces(const MethodSettings& settings, const TouchScene& scene, const TouchTrajectory& trajectory);
 
 // The first `rows` rows of every piece between two resets: a method gives the same forces there as on the whole.
 TouchTrajectory take_heads(const TouchTrajectory& trajectory, std::size_t rows);
@@ -43,7 +43,7 @@ struct ReferenceRun {
   double stiffness_n_per_m = 0.0;
 
   // Compares a method's output along `trajectory` with the reference.
-  ForceError judge(const std::vector<ForceSample>& felt_by_method) const;
+  ForceError compare(const std::vector<ForceSample>& felt_by_method) const;
 
  private:
   ForceErrorSettings error_settings() const;

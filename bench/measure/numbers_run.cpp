@@ -220,7 +220,7 @@ class Numbers {
         progress_(fmt::format("falls at scale 1e{}, probe of {:g} mm", exponent, 1e3 * radius));
         const auto felt = feel_at_scale(std::pow(10.0, exponent), radius, heads);
         if (!felt) return tl::unexpected(felt.error());
-        const ForceError error = reference->judge(*felt);
+        const ForceError error = reference->compare(*felt);
         fall_throughs += error.fall_throughs;
         stuck_steps += error.stuck_steps;
         bad += error.not_finite;
@@ -255,8 +255,8 @@ class Numbers {
   Result<std::vector<ForceSample>> feel_at_scale(double scale, double radius, const TouchTrajectory& heads) const {
     TouchTrajectory scaled = heads;
     for (Vec3& p : scaled.p_SD) p *= scale;
-    auto felt =
-        feel(proxy_of(radius * scale), scene_of(std::make_shared<TriangleMesh>(scaled_and_moved(*mesh_, scale, Vec3::Zero()))), scaled);
+    auto felt = compute_forces(proxy_of(radius * scale),
+                               scene_of(std::make_shared<TriangleMesh>(scaled_and_moved(*mesh_, scale, Vec3::Zero()))), scaled);
     if (!felt) return felt;
     for (ForceSample& step : *felt) step = {step.device / scale, step.proxy / scale, step.force_n / scale};
     return felt;

@@ -74,7 +74,7 @@ MethodRow row_of_reference(const MethodRow& pattern, const ReferenceRun& run, do
   row.timing.contact = run.time;
   row.timing.all = run.time;
   row.timing.repetitions = 1;
-  row.error = run.judge(run.felt);
+  row.error = run.compare(run.felt);
   return row;
 }
 
@@ -168,10 +168,10 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
     auto timing = time_method(watch, settings.budget, candidate.settings, scene, *trajectory);
     if (!timing) return tl::unexpected(timing.error());
     if (queries.empty()) queries = make_queries(timing->felt, trajectory->reset_every, extent_m);
-    const auto felt = feel(candidate.settings, scene, compared);
+    const auto felt = compute_forces(candidate.settings, scene, compared);
     if (!felt) return tl::unexpected(felt.error());
     const ReferenceRun& reference = candidate.settings.probe_radius_m > 0.0 ? references[1].second : references[0].second;
-    row.error = reference.judge(*felt);
+    row.error = reference.compare(*felt);
     timing->felt.clear();
     timing->contact_ns.clear();
     row.timing = std::move(*timing);

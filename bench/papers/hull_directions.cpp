@@ -44,7 +44,7 @@ Result<std::vector<HullDirections>> compare_hull_directions(const HullDirections
   const auto trajectory = make_slide_trajectory(mesh, {.seed = settings.seed, .rows = settings.steps, .rate_hz = 1000.0});
   if (!trajectory) return tl::unexpected(trajectory.error());
   MethodSettings proxy;
-  const auto felt = feel(proxy, scene, *trajectory);
+  const auto felt = compute_forces(proxy, scene, *trajectory);
   if (!felt) return tl::unexpected(felt.error());
   const double extent_m = compute_bounds(mesh).extent();
   const TouchQueries queries = make_queries(*felt, trajectory->reset_every, extent_m);

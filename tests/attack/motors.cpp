@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "hapton_motors: this user may not have real time\n");
     return 2;
   }
-  // To be punctual itself; if that is denied, its own gaps are reported.
+  // This thread must be punctual too; if that is denied, the report contains its own gaps.
   if (!enter_deadline(100'000, 200'000)) (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .low_dma_latency = false});
   if (what == "watch" || what == "hog") {
     const auto seen = observer.watch(seconds);

@@ -70,7 +70,7 @@ TEST_F(Haply, ForcesArriveInTheServicesAxes) {
   EXPECT_NEAR(service->force_n[1], -0.25, 1e-9);
 }
 
-TEST_F(Haply, SpeaksEveryTickWithoutAForceToo) {
+TEST_F(Haply, SendsEveryTickWithoutAForceToo) {
   open();
   ASSERT_TRUE(serve_until_ready());
   const std::uint64_t messages = service->messages;
@@ -132,14 +132,14 @@ TEST_F(Haply, AServiceThatStopsAnsweringIsConnectedAgain) {
   EXPECT_TRUE(serve_until([&] { return device->status() == DeviceStatus::ready && service->connections > 1; }));
 }
 
-TEST_F(Haply, BabbleIsBorne) {
+TEST_F(Haply, JunkMessagesAreTolerated) {
   open();
   ASSERT_TRUE(serve_until_ready());
-  service->babbles = true;
+  service->sends_junk = true;
   const std::uint64_t messages = service->messages;
   ASSERT_TRUE(serve_until([&] { return service->messages > messages + 150; }));
   EXPECT_EQ(device->status(), DeviceStatus::away);
-  service->babbles = false;
+  service->sends_junk = false;
   EXPECT_TRUE(serve_until_ready());
 }
 
@@ -149,7 +149,7 @@ TEST_F(Haply, AServoThatDiesLeavesNoForce) {
   EXPECT_TRUE(ServoHand::wait_until([&] { return service->force_n[2] == 0.0; }));
 }
 
-TEST_F(Haply, AtTheEndTheLastWordIsNoForce) {
+TEST_F(Haply, TheLastMessageIsNoForce) {
   open();
   ASSERT_TRUE(serve_until([&] { return service->force_n[2] > 0.5; }, {.force_n = Vec3(0, 1, 0)}));
   device.reset();

@@ -17,7 +17,7 @@ ClockOffset::Exchange exchange(std::int64_t t1_ns, std::int64_t offset_ns, std::
   return {t1_ns, t2_ns, t2_ns + 5 * kUs, t1_ns + out_ns + 5 * kUs + back_ns};
 }
 
-TEST(ClockOffsetTest, EqualWaysGiveItExactly) {
+TEST(ClockOffsetTest, EqualPathTimesGiveItExactly) {
   ClockOffset offset;
   EXPECT_FALSE(offset.is_known());
   offset.add(exchange(1'000'000, 777'777'777, 30 * kUs, 30 * kUs));

@@ -43,7 +43,7 @@ std::map<std::string, double> parse(const std::string& text) {
   return samples;
 }
 
-TEST(PrometheusTextTest, HoldsEveryFigureInItsGrammar) {
+TEST(PrometheusTextTest, HoldsEveryValueInItsGrammar) {
   const auto samples = parse(to_prometheus(sample_report()));
   EXPECT_EQ(samples.at("hapton_up_seconds"), 2.5);
   EXPECT_EQ(samples.at("hapton_lost_total"), 3);

@@ -74,9 +74,9 @@ std::uint64_t digest_touch(const TouchGeometry& geometry, Numbers& numbers) {
     for (int i = 0; i < count; ++i) {
       digest.add((*candidates)[i].earliest);
       digest.add(std::uint64_t{(*candidates)[i].triangle});
-      const auto adjacent = cache->adjacent((*candidates)[i].place, i % 3);
-      digest.add(std::uint64_t{adjacent.place});
-      digest.add(std::uint64_t(cache->count_at_vertex((*candidates)[i].place, i % 3)));
+      const auto adjacent = cache->adjacent((*candidates)[i].slot, i % 3);
+      digest.add(std::uint64_t{adjacent.slot});
+      digest.add(std::uint64_t(cache->count_at_vertex((*candidates)[i].slot, i % 3)));
     }
     const std::array<Vec3, 3> polyline = {p, Vec3(p + motion), Vec3(p + 0.5 * motion)};
     digest.add(std::uint64_t{cache->is_clear(polyline, 0.003, {})});

@@ -87,7 +87,7 @@ void HaplyService::serve(void* accepted) {
     if (error) return;
     hear(beast::buffers_to_string(buffer.cdata()), is_first);
     if (is_silent) continue;
-    stream.write(asio::buffer(babbles ? std::string("{\"inverse3\": [{\"device_id\": 7, \"state\"") : state(false)), error);
+    stream.write(asio::buffer(sends_junk ? std::string("{\"inverse3\": [{\"device_id\": 7, \"state\"") : state(false)), error);
   }
 }
 

@@ -25,8 +25,8 @@ class HaplyService {
   std::atomic<bool> is_plugged{true};
   std::atomic<bool> is_calibrated{true};
   std::atomic<bool> has_grip{true};
-  std::atomic<bool> is_silent{false};  // accepts messages and never replies
-  std::atomic<bool> babbles{false};    // replies with something else
+  std::atomic<bool> is_silent{false};   // accepts messages and never replies
+  std::atomic<bool> sends_junk{false};  // replies with something else
   std::array<std::atomic<double>, 3> position_m{0.0, -0.12, 0.15};
   std::atomic<int> buttons{0};
 

@@ -44,7 +44,7 @@ Result<void> SessionReplay::settle(std::uint64_t up_to_sample) {
   while (!answers_.empty() && answers_.begin()->first <= up_to_sample) {
     const ForceCommand command = answers_.begin()->second;
     answers_.erase(answers_.begin());
-    if (const auto felt = feel(command); !felt) return felt;
+    if (const auto felt = step_method(command); !felt) return felt;
   }
   return {};
 }
@@ -123,7 +123,7 @@ std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
 }
 
 // Samples before this one that had a reply, but whose reply was lost.
-void SessionReplay::feel_lost(const ForceCommand& before) {
+void SessionReplay::step_lost(const ForceCommand& before) {
   const bool knows_all = before.echo_sample - last_sample_ <= kReach || last_sample_ == 0;
   if (!knows_all) is_certain_ = false;
   for (std::uint64_t back = kReach; back > 0; --back) {
@@ -135,9 +135,9 @@ void SessionReplay::feel_lost(const ForceCommand& before) {
   }
 }
 
-Result<void> SessionReplay::feel(const ForceCommand& command) {
+Result<void> SessionReplay::step_method(const ForceCommand& command) {
   const std::uint64_t lost_before = counts_.lost_answers;
-  feel_lost(command);
+  step_lost(command);
   // It is unknown which of the lost replies was the new method's first.
   if (command.method_serial != serial_ && counts_.lost_answers > lost_before) is_certain_ = false;
   if (const auto changed = change_method(command.method_serial); !changed) return changed;

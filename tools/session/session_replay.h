@@ -54,8 +54,8 @@ class SessionReplay {
  private:
   Result<void> settle(std::uint64_t up_to_sample);
   Result<void> begin(std::uint64_t sender, const ForceCommand& first);
-  Result<void> feel(const ForceCommand& command);
-  void feel_lost(const ForceCommand& before);
+  Result<void> step_method(const ForceCommand& command);
+  void step_lost(const ForceCommand& before);
   Result<void> change_method(std::uint32_t serial);
   void turn(std::uint32_t revision);
   std::optional<ForceCommand> step(std::uint64_t sample);

@@ -59,14 +59,14 @@ TEST(TouchGeometry, KeepsEveryTriangleAndItsObject) {
   EXPECT_GT(geometry.bytes(), geometry.triangle_count() * 20);
 }
 
-TEST(TouchGeometry, ThereAndBackAgainIsTheSamePlace) {
+TEST(TouchGeometry, ToLocalAndBackIsTheSamePoint) {
   const TriangleMesh mesh = make_icosphere(0.05, 1);
   const TouchGeometry geometry({&mesh});
   const Vec3 p(0.013, -0.4, 0.02);
   EXPECT_LE((geometry.to_scene(geometry.to_local(p)) - p).norm(), 1e-16);
 }
 
-TEST(TouchGeometry, BuildsOnApproachAndLetsNoObjectCloseRoundTheProbe) {
+TEST(TouchGeometry, BuildsOnApproachAndActivatesNoObjectAroundTheProbe) {
   const auto near = std::make_shared<TriangleMesh>(make_icosphere(0.05, 2));
   const auto far = std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.05, 2), 1.0, Vec3(3, 0, 0)));
   TouchGeometry geometry({near, far}, BuildPolicy::on_approach);
@@ -76,7 +76,7 @@ TEST(TouchGeometry, BuildsOnApproachAndLetsNoObjectCloseRoundTheProbe) {
     return count;
   };
   EXPECT_EQ(geometry.built_count(), 0U);
-  EXPECT_FALSE(geometry.build_wanted()) << "nothing was asked for";
+  EXPECT_FALSE(geometry.build_wanted()) << "nothing was requested";
   EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 1.5, 0}), 0.0), 0.0);
   EXPECT_FALSE(geometry.build_wanted());
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
@@ -84,7 +84,7 @@ TEST(TouchGeometry, BuildsOnApproachAndLetsNoObjectCloseRoundTheProbe) {
   EXPECT_TRUE(geometry.build_wanted());
   EXPECT_FALSE(geometry.build_wanted()) << "the far one was built, too";
   EXPECT_EQ(geometry.request_ahead(geometry.to_local({0, 0, 0}), 0.0), 0.0);
-  EXPECT_EQ(seen(), 0) << "it closed round the probe";
+  EXPECT_EQ(seen(), 0) << "it became active around the probe";
   EXPECT_GT(geometry.request_ahead(geometry.to_local({0, 0.1, 0}), 0.0), 0.0);
   EXPECT_EQ(seen(), static_cast<int>(near->triangles.size()));
   EXPECT_EQ(geometry.built_count(), 1U);

@@ -72,7 +72,7 @@ TEST(SimplifySmall, NoVertexIsLeftFartherOffThanTheBoundAllows) {
 }
 
 // A pyramid's tip weighs as little as its faces in the quadrics of a large plane; it must not be cut off.
-TEST(SimplifySmall, WhatItSaysItKeptItKept) {
+TEST(SimplifySmall, KeepsAFlatTipWithinItsBound) {
   TriangleMesh plain = make_plane_grid(0.1, 20);
   auto middle =
       std::min_element(plain.vertices.begin(), plain.vertices.end(), [](const Vec3& a, const Vec3& b) { return a.norm() < b.norm(); });

@@ -29,7 +29,7 @@ TEST(LatencyCompare, SetsBothRunsAndTheirRatioSideBySide) {
   EXPECT_FALSE(json["hops"].contains("device_to_drawn"));  // nothing was measured
   EXPECT_EQ(json["ratios"]["round_trip_over_echo_p50"]["ratio"], 1.0);
   EXPECT_EQ(json["counters"]["lost"]["b"], 4.0);
-  EXPECT_FALSE(json["counters"]["lost"].contains("ratio"));  // nothing can be divided by none
+  EXPECT_FALSE(json["counters"]["lost"].contains("ratio"));  // there is no ratio to zero
   EXPECT_FALSE(json["counters"].contains("samples"));        // the same in both
   const std::string text = compare_text(report(20.0, 0), report(30.0, 4));
   EXPECT_THAT(text, HasSubstr("round_trip             20.00     30.00    1.50"));

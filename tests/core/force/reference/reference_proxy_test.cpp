@@ -23,7 +23,7 @@ TEST(ReferenceProxy, AloneItIsTheDevice) {
   ReferenceProxy proxy(0.0, {Material{}}, 4);
   proxy.place_free(Vec3(0.1, 0.2, 0.3));
   proxy.follow(Vec3(0.1, 0.2, 0.3), Vec3(0.3, 0.2, -0.1), {});
-  EXPECT_EQ(proxy.state().place, Vec3(0.3, 0.2, -0.1));
+  EXPECT_EQ(proxy.state().position, Vec3(0.3, 0.2, -0.1));
   EXPECT_TRUE(proxy.state().free);
   EXPECT_EQ(proxy.counters().substeps, 0u);
 }
@@ -35,7 +35,7 @@ TEST(ReferenceProxy, HeldByAPlaneItIsTheProjectionWithoutItsRadius) {
   const Vec3 device(0.3, 0.2, -0.1);
   proxy.follow(Vec3(0.1, 0.2, 0.3), device, {});
   EXPECT_FALSE(proxy.state().free);
-  EXPECT_NEAR(proxy.state().place.z(), ReferenceProxy::kPointRadius, 0x1p-37);
+  EXPECT_NEAR(proxy.state().position.z(), ReferenceProxy::kPointRadius, 0x1p-37);
   EXPECT_LT((proxy.surface_position(device) - Vec3(0.3, 0.2, 0.0)).norm(), 1e-15);
 }
 
@@ -56,12 +56,12 @@ TEST(ReferenceProxy, ARestoredStateGivesTheSameToTheBit) {
   ReferenceProxy::State start = proxy.make_state();
   proxy.save(start);
   proxy.follow(Vec3(0.2, 0.2, -0.1), Vec3(0.5, 0.1, -0.1), {});
-  const Vec3 first = proxy.state().place;
+  const Vec3 first = proxy.state().position;
   EXPECT_TRUE(proxy.state().sliding);
   proxy.restore(start);
-  EXPECT_NE(proxy.state().place, first);
+  EXPECT_NE(proxy.state().position, first);
   proxy.follow(Vec3(0.2, 0.2, -0.1), Vec3(0.5, 0.1, -0.1), {});
-  EXPECT_EQ(proxy.state().place, first);
+  EXPECT_EQ(proxy.state().position, first);
 }
 
 TEST(ReferenceProxy, FrictionCanBeLeftOut) {

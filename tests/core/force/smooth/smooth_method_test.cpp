@@ -13,8 +13,8 @@ TEST(SmoothMethod, FewerTrianglesChangeTheForceByNoMoreThanTheBoundExplains) {
   constexpr unsigned kSeed = 12;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const TouchScene scene = scene_of(make_icosphere(0.05, 5), {.stiffness_n_per_m = kStiffness});
-  const auto all = make_told(scene, 40.0, 0.0);
-  const auto fewer = make_told(scene, 40.0, kBound);
+  const auto all = make_with_crease(scene, 40.0, 0.0);
+  const auto fewer = make_with_crease(scene, 40.0, kBound);
   const auto faces = [](const ForceMethod& method) { return dynamic_cast<const SmoothMethod&>(method).scene().surface(0).face_count; };
   EXPECT_LT(faces(*fewer), faces(*all) / 4);
   std::mt19937_64 random(kSeed);
@@ -38,7 +38,7 @@ TEST(SmoothMethod, FewerTrianglesChangeTheForceByNoMoreThanTheBoundExplains) {
 TEST(SmoothMethod, TheCreaseAngleRoundsABoxesEdges) {
   const TouchScene scene = scene_of(make_box(Vec3::Constant(0.1), 8));
   const auto press_near_edge = [&](double crease_deg) {
-    const auto method = make_told(scene, crease_deg, 0.0);
+    const auto method = make_with_crease(scene, crease_deg, 0.0);
     MethodOutput felt;
     method->reset(Vec3(0.048, 0.001, 0.052));
     for (int i = 0; i <= 30; ++i) felt = method->step({.p_SD = Vec3(0.048, 0.001, 0.052 - 1e-4 * i)});
@@ -124,8 +124,8 @@ TEST(SmoothMethod, TheLayerIsContinuousThroughTheSurface) {
     Vec3 last_P = -from * inward;
     bool began = false;
     constexpr double kStep = 2e-6;
-    for (double way = kStep; way < from - 0.03; way += kStep) {
-      const Vec3 P = -(from - way) * inward;
+    for (double travelled = kStep; travelled < from - 0.03; travelled += kStep) {
+      const Vec3 P = -(from - travelled) * inward;
       const double force = method->step({.p_SD = P}).force_n.norm();
       EXPECT_LE(std::fabs(force - last), 1000.0 * kStep * 1.6) << "at " << P.transpose();
       if (force > 0.0) began = true;
@@ -145,19 +145,19 @@ TEST(SmoothMethod, SettingsAreChecked) {
   MethodSettings settings;
   settings.name = "smooth";
   EXPECT_TRUE(make_method(settings, scene));
-  const auto refused = [&](const std::function<void(MethodSettings&)>& change) {
+  const auto is_rejected = [&](const std::function<void(MethodSettings&)>& change) {
     MethodSettings wrong = settings;
     change(wrong);
     const auto made = make_method(wrong, scene);
     return !made && made.error().what.find("smooth") != std::string::npos;
   };
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.set_size = 15; }));
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.set_size = 257; }));
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.smooth_radius_m = -1.0; }));
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.smooth_radius_m = std::nan(""); }));
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.smooth_layer = 1.5; }));
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.hull_directions = 8; }));
-  EXPECT_TRUE(refused([](MethodSettings& s) { s.probe_radius_m = 0.001; }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.set_size = 15; }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.set_size = 257; }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.smooth_radius_m = -1.0; }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.smooth_radius_m = std::nan(""); }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.smooth_layer = 1.5; }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.hull_directions = 8; }));
+  EXPECT_TRUE(is_rejected([](MethodSettings& s) { s.probe_radius_m = 0.001; }));
 }
 
 TEST(SmoothMethod, DescribesWhatItDid) {

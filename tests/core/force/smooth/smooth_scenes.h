@@ -68,7 +68,7 @@ inline std::vector<Vec3> wander(const TriangleMesh& mesh, std::uint64_t seed, in
   return way;
 }
 
-inline std::unique_ptr<ForceMethod> make_told(const TouchScene& scene, double crease_deg, double simplify_m) {
+inline std::unique_ptr<ForceMethod> make_with_crease(const TouchScene& scene, double crease_deg, double simplify_m) {
   auto method = SmoothMethod::make({.crease_deg = crease_deg, .simplify_m = simplify_m}, scene);
   EXPECT_TRUE(method) << (method ? "" : method.error().what);
   return method ? std::move(*method) : nullptr;

@@ -68,15 +68,15 @@ TEST(OffsetDrag, OverAFaceItIsTheTractrix) {
   const Single single(OffsetContact::on_face(0, kFlat, Vec3::UnitZ()));
   const Vec3 from(0.1, 0.05, -0.1);
   const Vec3 to(0.16, 0.1, -0.15);
-  const Vec3 pull = 0.3 * 0.2 * Vec3(0.8, -0.6, 0.0);
-  const FrictionDrag expected = drag_by_friction({.pull = pull,
+  const Vec3 start_pull = 0.3 * 0.2 * Vec3(0.8, -0.6, 0.0);
+  const FrictionDrag expected = drag_by_friction({.pull = start_pull,
                                                   .motion = Vec3(0.06, 0.05, 0.0),
                                                   .pressure_start = 0.2,
                                                   .pressure_end = 0.25,
                                                   .friction_static = 0.3,
                                                   .friction_dynamic = 0.3,
                                                   .sliding = true});
-  Vec3 c = Vec3(0.1, 0.05, kOffset) - pull;
+  Vec3 c = Vec3(0.1, 0.05, kOffset) - start_pull;
   int tests = 0;
   OffsetDrag::Pull pull;
   ASSERT_TRUE(single.drag.find_pull(c, from, pull));
