@@ -3,11 +3,11 @@
 namespace hapton {
 
 bool ViewRelay::accept(const ViewTransform& view, std::int64_t now_ns) noexcept {
-  const bool is_new = !view_ || view_->revision != view.revision;
+  const bool has_moved = view.X_WS != view_.value_or(ViewTransform{}).X_WS;
   view_ = view;
   stats_.views_forwarded += peers_.send_to_role(NodeRole::haptics, view);
   next_repeat_ns_ = now_ns + kRepeatNs;
-  return is_new;
+  return has_moved;
 }
 
 void ViewRelay::on_haptics_joined(std::size_t peer, std::int64_t now_ns) noexcept {

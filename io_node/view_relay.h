@@ -22,7 +22,7 @@ class ViewRelay {
   ViewRelay(HubPeers& peers, ServoStats& stats) noexcept : peers_(peers), stats_(stats) {}
 
   void start(std::int64_t now_ns) noexcept { next_repeat_ns_ = now_ns; }
-  // True: it is another view than the one before.
+  // True: the scene stands elsewhere than before. A vision node that joins numbers its views anew but moves nothing.
   bool accept(const ViewTransform& view, std::int64_t now_ns) noexcept;
   void on_haptics_joined(std::size_t peer, std::int64_t now_ns) noexcept;
   void repeat_if_due(std::int64_t now_ns) noexcept;

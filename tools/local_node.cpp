@@ -1,5 +1,7 @@
 #include "tools/local_node.h"
 
+#include <unistd.h>
+
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -11,6 +13,18 @@ namespace hapton {
 namespace {
 
 constexpr double kLoadSeconds = 120.0;  // for the haptics node to load and divide its scene
+
+// The node ends with this program even where this program is killed: what a stop would do is done by the kernel then.
+// Source: setpriv(1), --pdeathsig; util-linux is on every Debian machine.
+ChildCommand make_command(const std::filesystem::path& program, std::vector<std::string> arguments, const std::filesystem::path& log) {
+  constexpr const char* kSetpriv = "/usr/bin/setpriv";
+  if (::access(kSetpriv, X_OK) != 0 || ::access(program.c_str(), X_OK) != 0) {
+    return {.program = program, .arguments = std::move(arguments), .folder = {}, .output = log};
+  }
+  std::vector<std::string> words = {"--pdeathsig", "TERM", "--", program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return {.program = kSetpriv, .arguments = std::move(words), .folder = {}, .output = log};
+}
 
 }  // namespace
 
@@ -35,7 +49,7 @@ LocalNode::LocalNode(std::string name, std::filesystem::path log, ChildProcess p
 Result<LocalNode> LocalNode::start(const std::filesystem::path& folder, const std::string& name, const std::filesystem::path& program,
                                    std::vector<std::string> arguments) {
   const auto log = folder / (name + ".log");
-  auto process = ChildProcess::start({.program = program, .arguments = std::move(arguments), .folder = {}, .output = log});
+  auto process = ChildProcess::start(make_command(program, std::move(arguments), log));
   if (!process) {
     return tl::unexpected(process.error());
   }

@@ -78,20 +78,16 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
 ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
                                     std::optional<double> shading_crease_rad) {
   ObjectGeometry geometry(mesh, frame, shading_crease_rad);
-  if (geometry.is_whole()) return geometry;
+  if (geometry.is_walkable()) return geometry;
   const std::optional<TriangleMesh> resolved =
       resolve_for_touch(mesh, kResolution * frame.unit_m, SurfaceAdjacency::kLeastHeight * frame.unit_m);
   const bool fits = resolved && resolved->triangles.size() <= most_triangles;
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }
 
-// Walkable all over, and without a border.
-bool ObjectGeometry::is_whole() const {
+bool ObjectGeometry::is_walkable() const {
   for (std::uint32_t t = 0; t < triangle_count(); ++t) {
     if (!adjacency_.is_walkable(t)) return false;
-    for (int k = 0; k < 3; ++k) {
-      if (adjacency_.across(t, k).triangle == t) return false;
-    }
   }
   return true;
 }

@@ -81,7 +81,7 @@ class ObjectGeometry {
   }
 
  private:
-  bool is_whole() const;
+  bool is_walkable() const;  // every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;

@@ -40,9 +40,13 @@ struct Recorders : testing::Test {
     EXPECT_EQ(reader->problem(), "");
     return entries;
   }
+  // Those that are complete (runtime/atomic_file.h).
   std::vector<std::filesystem::path> flight_files() {
     std::vector<std::filesystem::path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(flights)) files.push_back(entry.path());
+    for (const auto& entry : std::filesystem::directory_iterator(flights)) {
+      const bool is_being_written = entry.path().extension() == ".part";
+      if (!is_being_written) files.push_back(entry.path());
+    }
     return files;
   }
 };

@@ -61,5 +61,38 @@ TEST_F(Servos, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView) {
   EXPECT_GT(stats().responses.excused, 1000U);
 }
 
+// The haptics node dies in contact, a vision node joins with this view, and the next haptics node comes.
+struct ContactAcrossAView : Servos {
+  bool resumes_after(const ViewTransform& view) {
+    make();
+    join(kHaptics, NodeRole::haptics);
+    run(100);
+    answer_delay_ns = -1;
+    sequences.erase(kHaptics);
+    run(10);
+    join(kVision, NodeRole::vision);
+    say(kVision, view);
+    run(10);
+    states.clear();
+    sequences[kHaptics] = 0;
+    endpoint.arrive(clock.now_ns(), at(kHaptics), {{0, 2000, 1, 0}, Hello{NodeRole::haptics}});
+    run(5);
+    return std::any_of(states.begin(), states.end(), [](const DeviceState& state) { return state.is_resumed; });
+  }
+};
+
+TEST_F(ContactAcrossAView, IsResumedWhereTheViewMovesNothing) {
+  ViewTransform view;
+  view.revision = 1;
+  EXPECT_TRUE(resumes_after(view));
+}
+
+TEST_F(ContactAcrossAView, IsForgottenWhereTheSceneMoves) {
+  ViewTransform view;
+  view.revision = 1;
+  view.X_WS[3] = 0.001F;
+  EXPECT_FALSE(resumes_after(view));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -2,6 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <string>
+
+#include "runtime/clock.h"
 
 #include "tests/support/scratch_folder.h"
 
@@ -39,6 +47,34 @@ TEST(LocalNode, IsKilledAsByACrash) {
   EXPECT_TRUE(node.check_running());
   node.kill();
   EXPECT_THAT(node.check_running().error().what, HasSubstr("137"));
+}
+
+// Gone, or ended and not yet collected by whoever inherited it.
+bool has_ended(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string number;
+  std::string name;
+  char state = 'Z';
+  file >> number >> name >> state;
+  return state == 'Z' || state == 'X';
+}
+
+TEST(LocalNode, EndsWithAProgramThatIsKilled) {
+  const ScratchFolder scratch;
+  const pid_t program = ::fork();
+  ASSERT_GE(program, 0);
+  if (program == 0) {
+    auto node = LocalNode::start(scratch.path(), "node", "/bin/sh", {"-c", "echo $$; exec sleep 60"});
+    if (node && node->wait_for_number()) ::kill(::getpid(), SIGKILL);
+    ::_exit(1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(program, &status, 0), program);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "the node was not started";
+  const pid_t node = std::stoi(read_text(scratch.path() / "node.log"));
+  SteadyClock clock;
+  for (int i = 0; i < 500 && !has_ended(node); ++i) clock.sleep_until_ns(clock.now_ns() + 10 * kNanosecondsPerMillisecond);
+  EXPECT_TRUE(has_ended(node));
 }
 
 }  // namespace
