@@ -126,12 +126,12 @@ DeviceModel DeviceModel::with_modes(int most) const noexcept {
 
 std::span<const DevicePreset> device_presets() noexcept { return presets(); }
 
-const DevicePreset* find_device(std::string_view name) noexcept {
+const DevicePreset* find_device_preset(std::string_view name) noexcept {
   const auto found = std::find_if(presets().begin(), presets().end(), [&](const DevicePreset& device) { return device.name == name; });
   return found == presets().end() ? nullptr : &*found;
 }
 
-std::string device_names() {
+std::string device_preset_names() {
   std::string names;
   for (const DevicePreset& device : presets()) names += (names.empty() ? "" : ", ") + std::string(device.name);
   return names;

@@ -47,8 +47,8 @@ struct DevicePreset {
 // model-a, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.
 std::span<const DevicePreset> device_presets() noexcept;
 // Null when there is none of that name. RT: yes.
-const DevicePreset* find_device(std::string_view name) noexcept;
+const DevicePreset* find_device_preset(std::string_view name) noexcept;
 // "model-a, premium-1.5, ..." for help texts. RT: set-up only.
-std::string device_names();
+std::string device_preset_names();
 
 }  // namespace hapton

@@ -19,13 +19,13 @@ constexpr std::array kHands = {
 
 std::span<const HandPreset> hand_presets() noexcept { return kHands; }
 
-std::optional<HandModel> find_hand(std::string_view name) noexcept {
+std::optional<HandModel> find_hand_preset(std::string_view name) noexcept {
   const auto* const found = std::find_if(kHands.begin(), kHands.end(), [&](const HandPreset& hand) { return hand.name == name; });
   if (found == kHands.end()) return std::nullopt;
   return found->model;
 }
 
-std::string hand_names() {
+std::string hand_preset_names() {
   std::string names;
   for (const HandPreset& hand : kHands) names += (names.empty() ? "" : ", ") + std::string(hand.name);
   return names;

@@ -23,8 +23,8 @@ struct HandPreset {
 // off, light, stylus, arm, firm: from nobody at the device to a firm grip. RT: yes.
 std::span<const HandPreset> hand_presets() noexcept;
 // Nothing when there is none of that name. RT: yes.
-std::optional<HandModel> find_hand(std::string_view name) noexcept;
+std::optional<HandModel> find_hand_preset(std::string_view name) noexcept;
 // "off, light, ..." for help texts. RT: set-up only.
-std::string hand_names();
+std::string hand_preset_names();
 
 }  // namespace hapton

@@ -30,10 +30,9 @@ class Sweep {
   }
 
   double find_least() const {
-    const double b = loop_.damping_ns_per_m;
-    // The slowest motions.
-    const double slow = (b - loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
-    if (!(slow > 0.0)) return 0.0;
+    if (!(loop_.damping_ns_per_m > 0.0)) return 0.0;
+    // The slowest motions, which wall damping still damps.
+    const double slow = (loop_.damping_ns_per_m + loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
     const double periods = (loop_.delay_s + loop_.amplifier_s) / loop_.period_s + 1.0;
     const int points = kLeastPoints + static_cast<int>(kPerTurn * periods);
     double least = slow;

@@ -1,5 +1,8 @@
 #include "tools/loop/loop_flags.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -36,12 +39,11 @@ std::optional<double> number_of(std::string_view word) {
   return value;
 }
 
-Result<void> change(const LoopFlags& flags, DeviceModel& device) {
+void change(const LoopFlags& flags, DeviceModel& device) {
   device = device.with_modes(flags.modes);
   if (flags.friction_n) device.friction_n = *flags.friction_n;
   if (flags.encoder_step_m) device.encoder_step_m = *flags.encoder_step_m;
   if (flags.amplifier_hz) device.amplifier_hz = *flags.amplifier_hz;
-  return {};
 }
 
 Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
@@ -52,7 +54,7 @@ Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
   loop.hand = "own";
   loop.device_model = {.mass_kg = *flags.mass_kg, .damping_ns_per_m = *flags.damping_ns_per_m};
   loop.hand_model.stiffness_n_per_m = flags.hand_stiffness_n_per_m.value_or(0.0);
-  if (auto changed = change(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
+  change(flags, loop.device_model);
   return std::vector{loop};
 }
 
@@ -60,8 +62,8 @@ Result<std::vector<NamedLoop>> own_loop(const LoopFlags& flags) {
 
 void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   const std::string list = several ? ", a list of them, or all" : "";
-  command.add_option("--device", flags.device, "Device: one of: " + device_names() + list);
-  command.add_option("--hand", flags.hand, "Hand: one of: " + hand_names() + list).shows_default();
+  command.add_option("--device", flags.device, "Device: one of: " + device_preset_names() + list);
+  command.add_option("--hand", flags.hand, "Hand: one of: " + hand_preset_names() + list).shows_default();
   const CommandLine own = command.add_group("own loop", "A loop of your own, device and hand together, in place of --device and --hand");
   own.add_option("--mass-kg", flags.mass_kg, "Mass").positive("kilograms");
   own.add_option("--damping-ns-per-m", flags.damping_ns_per_m, "Viscous damping").not_negative("Ns/m");
@@ -78,7 +80,7 @@ Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
   if (flags.damping_ns_per_m || flags.hand_stiffness_n_per_m)
     return fail("a loop of one's own needs --mass-kg, of device and hand together");
   if (flags.device.empty()) {
-    return fail("give --device, one of: {}; or --mass-kg, --damping-ns-per-m and --hand-stiffness-n-per-m", device_names());
+    return fail("give --device, one of: {}; or --mass-kg, --damping-ns-per-m and --hand-stiffness-n-per-m", device_preset_names());
   }
   const auto devices = names_of("--device", flags.device, device_presets());
   if (!devices) return tl::unexpected(devices.error());
@@ -87,8 +89,8 @@ Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
   std::vector<NamedLoop> loops;
   for (const std::string& device : *devices) {
     for (const std::string& hand : *hands) {
-      NamedLoop loop{device, hand, find_device(device)->model, *find_hand(hand), find_device(device)->limits};
-      if (auto changed = change(flags, loop.device_model); !changed) return tl::unexpected(changed.error());
+      NamedLoop loop{device, hand, find_device_preset(device)->model, *find_hand_preset(hand), find_device_preset(device)->limits};
+      change(flags, loop.device_model);
       loops.push_back(loop);
     }
   }
