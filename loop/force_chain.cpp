@@ -16,7 +16,12 @@ ForceChain::ForceChain(ForceLaw& law, const Options& options)
 
 std::optional<std::int64_t> ForceChain::next_ns() const noexcept {
   if (packets_.empty()) return std::nullopt;
-  return std::min_element(packets_.begin(), packets_.end(), [](const Packet& a, const Packet& b) { return a.due_ns < b.due_ns; })->due_ns;
+  return packets_.front().due_ns;
+}
+
+// For a heap whose front is due first; of two that are due at once the older sample.
+bool ForceChain::is_later(const Packet& a, const Packet& b) noexcept {
+  return a.due_ns != b.due_ns ? a.due_ns > b.due_ns : a.sample_ns > b.sample_ns;
 }
 
 void ForceChain::sample(const Vec3& p_WD, std::int64_t now_ns) {
@@ -39,18 +44,16 @@ void ForceChain::send(const Packet& packet, FaultInjector& link, std::int64_t no
   for (std::size_t copy = 0; copy < fate.copies; ++copy) {
     packets_.push_back(packet);
     packets_.back().due_ns = fate.due_ns[copy];
+    std::push_heap(packets_.begin(), packets_.end(), is_later);
   }
 }
 
 // In the order in which they are due; what is sent meanwhile and due at once is taken too.
 void ForceChain::receive(std::int64_t now_ns) {
-  for (;;) {
-    const auto next = std::min_element(packets_.begin(), packets_.end(), [](const Packet& a, const Packet& b) {
-      return a.due_ns != b.due_ns ? a.due_ns < b.due_ns : a.sample_ns < b.sample_ns;
-    });
-    if (next == packets_.end() || next->due_ns > now_ns) return;
-    const Packet packet = *next;
-    packets_.erase(next);
+  while (!packets_.empty() && packets_.front().due_ns <= now_ns) {
+    std::pop_heap(packets_.begin(), packets_.end(), is_later);
+    const Packet packet = packets_.back();
+    packets_.pop_back();
     if (packet.is_reply) {
       accept(packet, now_ns);
     } else {

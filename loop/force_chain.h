@@ -73,6 +73,7 @@ class ForceChain {
     bool is_reply = false;
   };
 
+  static bool is_later(const Packet& a, const Packet& b) noexcept;
   void send(const Packet& packet, FaultInjector& link, std::int64_t now_ns);
   void answer(const Packet& packet, std::int64_t now_ns);
   void accept(const Packet& packet, std::int64_t now_ns);
@@ -85,7 +86,7 @@ class ForceChain {
   FaultInjector back_;
   CommandFilter filter_;
   std::optional<SafetyGovernor> governor_;
-  std::vector<Packet> packets_;
+  std::vector<Packet> packets_;  // on their way: a heap, the next one first
   Vec3 force_n_ = Vec3::Zero();
   Vec3 read_m_ = Vec3::Zero();
   std::int64_t seen_ns_ = -1;      // newest sample that the law saw

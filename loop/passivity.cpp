@@ -34,19 +34,26 @@ class Sweep {
     // The slowest motions, which wall damping still damps.
     const double slow = (loop_.damping_ns_per_m + loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
     const double periods = (loop_.delay_s + loop_.amplifier_s) / loop_.period_s + 1.0;
-    const int points = kLeastPoints + static_cast<int>(kPerTurn * periods);
+    const double first = kLowestTurn / periods;
+    const double last = std::max(2.0 * first, find_last(slow));
+    const int points = kLeastPoints + static_cast<int>(kPerTurn * periods * last / (2.0 * std::numbers::pi));
     double least = slow;
     int at_least = 0;
-    const double first = kLowestTurn / periods;
-    const double step = (std::numbers::pi - first) / points;
+    const double step = (last - first) / points;
     for (int i = 0; i <= points; ++i) {
       const double limit = limit_at(first + i * step);
       if (limit < least) least = limit, at_least = i;
     }
-    return at_least == 0 ? least : refine(first + (at_least - 1) * step, std::min(first + (at_least + 1) * step, std::numbers::pi), least);
+    return at_least == 0 ? least : refine(first + (at_least - 1) * step, std::min(first + (at_least + 1) * step, last), least);
   }
 
  private:
+  // The angle above which no limit is below `slow`: |q| (|centre| + radius) < 1 holds for every K < (b - B) 2 sin(angle / 2) / T.
+  double find_last(double slow) const {
+    const double most = 2.0 * (loop_.damping_ns_per_m - loop_.wall_damping_ns_per_m) / loop_.period_s;
+    return most > slow ? 2.0 * std::asin(slow / most) : std::numbers::pi;
+  }
+
   // Golden section around the least that was seen.
   double refine(double low, double high, double least) const {
     const double golden = 0.5 * (std::sqrt(5.0) - 1.0);

@@ -20,18 +20,18 @@ TEST(AxisMotion, AMassOnASpringSwingsAsTheFormulaSays) {
 }
 
 TEST(AxisMotion, FrictionBringsTheFormulasRestPoint) {
-  // From 10 mm with a dead band of 2 mm: half swings about +-2 mm, turning at -6 mm, 2 mm; there it sticks.
+  // From 9.5 mm with a dead band of 2 mm: half swings about +-2 mm, turning at -5.5 mm, 1.5 mm; there it sticks.
   const AxisMotion motion({.mass_kg = 0.5, .friction_n = 0.4}, {.stiffness_n_per_m = 200.0});
-  AxisMotion::State state = motion.rest_at(0.010);
+  AxisMotion::State state = motion.rest_at(0.0095);
   const double half_ns = 1e9 * std::acos(-1.0) / 20.0;
   motion.advance(state, {}, static_cast<std::int64_t>(half_ns));
-  EXPECT_NEAR(state.position_m(), -0.006, 1e-9);
+  EXPECT_NEAR(state.position_m(), -0.0055, 1e-9);
   motion.advance(state, {}, static_cast<std::int64_t>(half_ns) + kMs);
-  EXPECT_NEAR(state.position_m(), 0.002, 1e-9);
+  EXPECT_NEAR(state.position_m(), 0.0015, 1e-9);
   EXPECT_EQ(state.velocity_m_per_s(), 0.0);
-  EXPECT_NEAR(state.lost_j, 0.4 * (0.016 + 0.008), 1e-8);
+  EXPECT_NEAR(state.lost_j, 0.4 * (0.015 + 0.007), 1e-8);
   motion.advance(state, {}, 500 * kMs);
-  EXPECT_NEAR(state.position_m(), 0.002, 1e-9);
+  EXPECT_NEAR(state.position_m(), 0.0015, 1e-9);
 }
 
 TEST(AxisMotion, BreaksAwayWhenTheForceExceedsFriction) {
