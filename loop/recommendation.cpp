@@ -1,0 +1,22 @@
+#include "loop/recommendation.h"
+
+#include <algorithm>
+
+#include "loop/zwidth.h"
+
+namespace hapton {
+
+Recommendation recommend_stiffness(const DeviceModel& device, const DeviceLimits& limits, const HandModel& hand, double rate_hz,
+                                   double delay_s) {
+  const ZWidth width = find_zwidth({.device = device, .hand = hand, .rate_hz = rate_hz, .delay_s = delay_s});
+  Recommendation advice;
+  advice.stable_n_per_m = width.stiffness.value;
+  advice.passive_n_per_m = width.passive.least_n_per_m();
+  advice.device_n_per_m = limits.max_stiffness_n_per_m;
+  advice.stiffness_n_per_m = advice.stable_n_per_m / kGainMargin;
+  advice.is_limited_by_device = advice.device_n_per_m > 0.0 && advice.device_n_per_m < advice.stiffness_n_per_m;
+  if (advice.is_limited_by_device) advice.stiffness_n_per_m = advice.device_n_per_m;
+  return advice;
+}
+
+}  // namespace hapton
