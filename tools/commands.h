@@ -43,7 +43,7 @@ void add_keygen_command(CommandLine app, int& exit_code);
 // measures a system that is already running. hapton latency compare A B: two such reports side by side.
 void add_latency_command(CommandLine app, int& exit_code);
 
-// hapton loop zwidth|merge: hand, device and force program in closed loop.
+// hapton loop zwidth|press|recommend|integrators|merge: hand, device and force program in closed loop.
 void add_loop_command(CommandLine app, int& exit_code);
 
 // hapton plot DIR: draws DIR/latency.png from DIR/latency.csv with gnuplot.
@@ -97,8 +97,17 @@ void add_bench_pareto_command(CommandLine bench, int& exit_code);
 
 // The children of `hapton loop`.
 
+// hapton loop integrators --device D: run time against error of the laboratory's integrator and of two usual ones.
+void add_loop_integrators_command(CommandLine loop, int& exit_code);
+
 // hapton loop merge PARTS --out FILE: the CSV files of all shards of a grid as one.
 void add_loop_merge_command(CommandLine loop, int& exit_code);
+
+// hapton loop press --device D --hand H --stiffness K: simulates a press and release and prints its measures.
+void add_loop_press_command(CommandLine loop, int& exit_code);
+
+// hapton loop recommend --device D --latency REPORT: the stiffest safe material of this system.
+void add_loop_recommend_command(CommandLine loop, int& exit_code);
 
 // hapton loop zwidth --device D --hand H --rate HZ --delay MS [--json]: largest stable and largest passive stiffness and damping.
 void add_loop_zwidth_command(CommandLine loop, int& exit_code);

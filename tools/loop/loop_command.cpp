@@ -7,6 +7,9 @@ void add_loop_command(CommandLine app, int& exit_code) {
       "loop", "Hand, device and force program in closed loop: largest stable and passive stiffness, and what a press does");
   command.require_subcommands(1, 1);
   add_loop_zwidth_command(command, exit_code);
+  add_loop_press_command(command, exit_code);
+  add_loop_recommend_command(command, exit_code);
+  add_loop_integrators_command(command, exit_code);
   add_loop_merge_command(command, exit_code);
 }
 

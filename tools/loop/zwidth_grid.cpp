@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
+
+#include "loop/random_stability.h"
 
 namespace hapton {
 namespace {
@@ -14,7 +17,8 @@ namespace {
 constexpr std::string_view kSchema = "hapton.loop.zwidth/1";
 constexpr std::string_view kColumns =
     "cell,device,hand,mass_kg,damping_ns_per_m,hand_mass_kg,hand_damping_ns_per_m,hand_stiffness_n_per_m,friction_n,encoder_step_m,"
-    "amplifier_hz,modes,rate_hz,delay_ms,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_stiffness_n_per_m,"
+    "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"
+    "stiffness_n_per_m,"
     "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m";
 
 // FNV-1a over what a grid is made of: parts of one grid agree.
@@ -29,15 +33,28 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
                     d.amplifier_hz, d.mode_count));
     add(fmt::format("{} {} {}", loop.hand_model.mass_kg, loop.hand_model.damping_ns_per_m, loop.hand_model.stiffness_n_per_m));
   }
-  for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.wall_dampings_ns_per_m}) {
+  for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {
     add(fmt::format("{}", fmt::join(*numbers, " ")));
   }
+  add(fmt::format("{}", grid.seed));
   return hash;
 }
 
 std::string number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 nlohmann::ordered_json json_number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
+
+// The exact limit is where the search begins.
+void simulate(ZWidthRow& row) {
+  const auto to_ns = [](double ms) { return static_cast<std::int64_t>(std::llround(1e6 * ms)); };
+  RandomLoop loop{.device = row.inputs.device, .hand = row.inputs.hand};
+  loop.period_ns = to_ns(1e3 / row.inputs.rate_hz);
+  loop.there = {.delay_ns = to_ns(0.5 * row.delay_ms), .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
+  loop.back = {.delay_ns = to_ns(row.delay_ms) - loop.there.delay_ns, .jitter_ns = to_ns(row.jitter_ms), .loss = row.loss};
+  loop.wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m;
+  loop.seed = row.seed;
+  row.found.stiffness = {find_stable_stiffness_by_simulation(loop, std::max(1.0, row.found.stiffness.value)), 0.0};
+}
 
 }  // namespace
 
@@ -50,6 +67,9 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
   };
   ZWidthRow row{.cell = cell, .inputs = {}, .found = {}};
   row.inputs.wall_damping_ns_per_m = take(grid.wall_dampings_ns_per_m);
+  row.loss = take(grid.losses);
+  row.jitter_ms = take(grid.jitters_ms);
+  row.seed = grid.seed;
   row.delay_ms = take(grid.delays_ms);
   row.inputs.delay_s = 1e-3 * row.delay_ms;
   row.inputs.rate_hz = take(grid.rates_hz);
@@ -57,6 +77,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
   row.inputs.device = row.loop->device_model;
   row.inputs.hand = row.loop->hand_model;
   row.found = find_zwidth(row.inputs);
+  if (row.is_simulated()) simulate(row);
   return row;
 }
 
@@ -95,6 +116,9 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
             {"hand_stiffness_n_per_m", hand.stiffness_n_per_m},
             {"rate_hz", row.inputs.rate_hz},
             {"delay_ms", row.delay_ms},
+            {"jitter_ms", row.jitter_ms},
+            {"loss", row.loss},
+            {"seed", row.seed},
             {"wall_damping_ns_per_m", row.inputs.wall_damping_ns_per_m}}},
           {"stable_stiffness_n_per_m", json_number(row.found.stiffness.value)},
           {"stable_frequency_hz", row.found.stiffness.frequency_hz},
@@ -104,7 +128,8 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
           {"quantised_passive_stiffness_n_per_m", json_number(row.found.passive.quantised_n_per_m)},
           {"linear_rule_n_per_m", row.found.linear_rule_n_per_m},
           {"methods",
-           {{"stable", "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
+           {{"stable", row.is_simulated() ? "simulation of 20 s for each stiffness, with the same draws: motion dies out below, grows above"
+                                          : "exact: first crossing of the unit circle by the sampled loop, counted up from zero stiffness"},
             {"passive",
              "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step (Abbott "
              "and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
@@ -117,12 +142,12 @@ std::string csv_header(const ZWidthGrid& grid) {
 std::string csv_line(const ZWidthRow& row) {
   const DeviceModel& d = row.inputs.device;
   const HandModel& h = row.inputs.hand;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device, row.loop->hand,
-                     d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n, d.encoder_step_m,
-                     d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.inputs.wall_damping_ns_per_m,
-                     number(row.found.stiffness.value), row.found.stiffness.frequency_hz, number(row.found.passive.least_n_per_m()),
-                     number(row.found.passive.viscous_n_per_m), number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m,
-                     number(row.found.damping_ns_per_m.value));
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell, row.loop->device,
+                     row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m, d.friction_n,
+                     d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms, row.loss, row.seed,
+                     row.inputs.wall_damping_ns_per_m, number(row.found.stiffness.value), row.found.stiffness.frequency_hz,
+                     number(row.found.passive.least_n_per_m()), number(row.found.passive.viscous_n_per_m),
+                     number(row.found.passive.quantised_n_per_m), row.found.linear_rule_n_per_m, number(row.found.damping_ns_per_m.value));
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

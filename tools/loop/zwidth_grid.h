@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -18,9 +19,14 @@ struct ZWidthGrid {
   std::vector<NamedLoop> loops;
   std::vector<double> rates_hz = {1000.0};
   std::vector<double> delays_ms = {0.0};
+  std::vector<double> jitters_ms = {0.0};
+  std::vector<double> losses = {0.0};
   std::vector<double> wall_dampings_ns_per_m = {0.0};
+  std::uint64_t seed = 1;
 
-  std::size_t cells() const noexcept { return loops.size() * rates_hz.size() * delays_ms.size() * wall_dampings_ns_per_m.size(); }
+  std::size_t cells() const noexcept {
+    return loops.size() * rates_hz.size() * delays_ms.size() * jitters_ms.size() * losses.size() * wall_dampings_ns_per_m.size();
+  }
 };
 
 // One cell of a grid and what was found there.
@@ -29,7 +35,13 @@ struct ZWidthRow {
   const NamedLoop* loop = nullptr;
   ZWidthCase inputs;
   double delay_ms = 0.0;
+  double jitter_ms = 0.0;  // of each way
+  double loss = 0.0;       // of each way
+  std::uint64_t seed = 1;
   ZWidth found;
+
+  // Over a link of chance the limit of stability is simulated (loop/random_stability.h); passivity is that of the delay alone.
+  bool is_simulated() const noexcept { return jitter_ms > 0.0 || loss > 0.0; }
 };
 
 // Pre: cell < grid.cells(); the grid outlives the row.
